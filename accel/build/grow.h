@@ -1,0 +1,32 @@
+// Eager growth: from one cell's list to its finished subtree.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+
+#include "accel/build/any_builder.h"
+#include "accel/tree/kd_tree.h"
+
+namespace sightline::accel {
+
+/// What a growth needs besides its cell.
+struct GrowContext {
+  KdTree& tree;
+  const AnyBuilder& builder;
+  int max_depth = 0;
+  /// Once true, cells not begun yet are left deferred.
+  const std::atomic<bool>* cancelled = nullptr;
+};
+
+/// Depth beyond which no cell of a tree over this many references is cut: 8 + 1.3 log2 n is the depth of a good tree
+/// (Havran 2000), the rest is room for cutting off empty space.
+int depth_limit(std::size_t references);
+
+/// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is used up: the left
+/// child overwrites its parent's, the right child's comes from a stack (Hunt et al. 2006, section 6.3.1). Large
+/// subtrees become tasks in the caller's arena. A cell for which there is no room stays deferred, given up.
+/// Throws std::bad_alloc; whatever was grown until then stays unreachable in the tree's storage.
+Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell, int depth, BuildCounters& counters);
+
+}  // namespace sightline::accel

@@ -1,0 +1,48 @@
+// Hunt's adaptive scan: where to cut a cell, found by a few passes over its list and no sorting.
+// Source: Hunt, Mark, Stoll 2006, "Fast kd-tree Construction with an Adaptive Error-Bounded Heuristic".
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "accel/build/sah.h"
+#include "accel/result.h"
+
+namespace sightline::accel {
+
+enum class ScanAxes : std::uint8_t {
+  kOne,     ///< The cell's longest axis (paper: "one axis").
+  kHybrid,  ///< All axes up to hybrid_below boxes, above that the longest.
+  kAll,
+};
+
+/// A builder is a value: parameters, `check()`, and one decision.
+struct ScanBuilder {
+  ScanAxes axes = ScanAxes::kAll;
+  /// Sample planes an axis in the first, uniform pass, the cell's faces included. Range 2 to kScanWidth / 2.
+  std::uint32_t uniform_samples = 8;
+  /// Sample planes an axis in the second pass, placed along the range of C_L - C_R. Range 0 to kScanWidth / 2.
+  std::uint32_t adaptive_samples = 8;
+  /// Up to this many boxes every bound is a candidate. Range 0 to kMaxExact.
+  std::uint32_t exact_below = 36;
+  /// See ScanAxes::kHybrid.
+  std::uint32_t hybrid_below = 1024;
+  SahConstants cost{};
+
+  static constexpr std::uint32_t kMaxExact = 64;
+
+  bool operator==(const ScanBuilder&) const = default;
+
+  /// Which parameter is out of range, and the range; nothing if all are fine.
+  std::optional<std::string> check() const;
+
+  /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing every box, or no plane
+  /// fits. In: boxes that are members of `cell` (they may reach beyond it). Threads: any. Large lists are scanned in
+  /// parallel in the caller's arena; the answer does not depend on how.
+  std::optional<Plane> choose(std::span<const BoxRef> refs, const Aabb& cell, BuildCounters& counters) const;
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,85 @@
+// An axis-aligned box in float: a cell, or the bounds of a reference.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "accel/geometry/vec3.h"
+
+namespace sightline::accel {
+
+struct Aabb {
+  Vec3f lo{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+           std::numeric_limits<float>::infinity()};
+  Vec3f hi{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+           -std::numeric_limits<float>::infinity()};
+
+  constexpr bool operator==(const Aabb&) const = default;
+  constexpr bool empty() const { return !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z); }
+
+  constexpr void grow(const Vec3f& p) {
+    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+  }
+  constexpr void grow(const Aabb& b) {
+    grow(b.lo);
+    grow(b.hi);
+  }
+};
+
+/// Half the surface area, in double: only ratios are ever used.
+inline double half_area(const Aabb& b) {
+  const double x = static_cast<double>(b.hi.x) - static_cast<double>(b.lo.x);
+  const double y = static_cast<double>(b.hi.y) - static_cast<double>(b.lo.y);
+  const double z = static_cast<double>(b.hi.z) - static_cast<double>(b.lo.z);
+  return x * y + y * z + z * x;
+}
+
+/// The part of `cell` below and above a plane.
+struct HalvedCell {
+  Aabb left, right;
+};
+inline HalvedCell halve(const Aabb& cell, int axis, float position) {
+  const auto a = static_cast<std::size_t>(axis);
+  HalvedCell halves{cell, cell};
+  halves.left.hi[a] = position;
+  halves.right.lo[a] = position;
+  return halves;
+}
+
+/// The nearest floats at or beyond a double, downward and upward.
+inline float round_down(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+inline float round_up(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+}
+
+/// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
+///
+/// This is what makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a flat box
+/// would lie on neither side of a plane through it, one widened by a float lies on one. Not depending on denormals
+/// makes the rule the same with flush-to-zero on or off.
+inline Aabb widen_flat(Aabb b) {
+  constexpr float kTiny = std::numeric_limits<float>::min();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (std::size_t a = 0; a < 3; ++a) {
+    float& lo = b.lo[a];
+    float& hi = b.hi[a];
+    if (lo > -kTiny && lo < kTiny) lo = lo < 0 ? -kTiny : 0.0f;
+    if (hi > -kTiny && hi < kTiny) hi = hi > 0 ? kTiny : 0.0f;
+    if (!(hi - lo >= kTiny)) hi = std::max(std::nextafter(lo, kInf), lo + kTiny);
+  }
+  return b;
+}
+
+/// Whether a reference with these bounds belongs to a cell. A pure function of the two boxes.
+inline bool is_member(const Aabb& bounds, const Aabb& cell) {
+  return bounds.lo.x < cell.hi.x && bounds.hi.x > cell.lo.x && bounds.lo.y < cell.hi.y &&
+         bounds.hi.y > cell.lo.y && bounds.lo.z < cell.hi.z && bounds.hi.z > cell.lo.z;
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,23 @@
+// What the builder and the intersector see of a mesh: two arrays, owned by somebody else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "accel/geometry/vec3.h"
+
+namespace sightline::accel {
+
+using Face = std::array<std::uint32_t, 3>;
+
+/// A face slot that holds no triangle (a line or a point in the file): it keeps its number and is never hit.
+inline constexpr std::uint32_t kNoVertex = 0xffffffffu;
+
+/// Indices are in range or kNoVertex; vertices may be non-finite (such faces are never referenced).
+struct MeshView {
+  std::span<const Vec3f> vertices;
+  std::span<const Face> faces;
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,42 @@
+// A ray query and its answer, as the scene level and the wire see them.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "accel/geometry/vec3.h"
+
+namespace sightline::accel {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr std::uint32_t kAllMasks = 0xffffffffu;
+
+/// Points origin + t * direction with tmin <= t <= tmax (both closed).
+/// The direction need not be a unit vector; t counts in its length.
+struct Ray {
+  Vec3d origin;
+  Vec3d direction;
+  double tmin = 0;
+  double tmax = kInfinity;
+  std::uint32_t mask = kAllMasks;  ///< A node is visible where (node mask & ray mask) != 0.
+};
+
+enum class HitState : std::uint8_t { kMiss = 0, kHit = 1, kInvalid = 2 };
+
+/// The answer to one ray. A miss: t = +inf, node = 0. An invalid ray (NaN, infinite or zero
+/// direction, ...): t = NaN, node = 0.
+struct Hit {
+  double t = kInfinity;         ///< In units of the ray direction's length.
+  std::uint64_t node = 0;       ///< Node id in the scene; never 0 for a hit.
+  std::uint32_t primitive = 0;  ///< Face index in the node's mesh.
+  float u = 0;                  ///< Weight of the face's vertex 1.
+  float v = 0;                  ///< Weight of the face's vertex 2.
+  Vec3f normal;                 ///< Geometric, unit, by winding, in scene coordinates.
+  std::uint32_t work = 0;       ///< Traversal steps plus triangle tests spent on this ray; see kWorkUnbuilt.
+  HitState state = HitState::kMiss;
+};
+
+/// Set in Hit::work when the ray met a cell that is not built yet.
+inline constexpr std::uint32_t kWorkUnbuilt = 0x80000000u;
+
+}  // namespace sightline::accel

@@ -1,0 +1,93 @@
+// Storage of the kd-tree.
+#include "accel/tree/kd_tree.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "accel/tree/epoch.h"
+
+namespace sightline::accel {
+namespace {
+
+// Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells unbuilt.
+constexpr std::size_t kPairsPerReference = 32;
+constexpr std::size_t kIdsPerReference = 64;
+constexpr std::size_t kSpare = 64;
+
+void delete_cell(void* cell) { delete static_cast<DeferredCell*>(cell); }
+
+void delete_cells(const KdTree& tree, Slot slot) {
+  if (slot.is_unbuilt()) delete slot.cell();
+  if (!slot.is_binary()) return;
+  const AtomicSlot* children = tree.children(slot);
+  delete_cells(tree, load(children[0]));
+  delete_cells(tree, load(children[1]));
+}
+
+}  // namespace
+
+KdTree::KdTree(const Aabb& bounds, std::size_t references) : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
+  if (references == 0) return;
+  auto root = std::make_unique<DeferredCell>();
+  root->box = bounds;
+  root->listed = false;
+  root->size = references;
+  cell_bytes_ = root->bytes();
+  root_ = Slot::deferred(root.release()).bits();
+}
+
+KdTree::~KdTree() { delete_cells(*this, load(root_)); }
+
+void KdTree::reserve(std::size_t references) {
+  const std::size_t pairs = std::min<std::size_t>(references * kPairsPerReference + kSpare, Slot::kMaxPairs);
+  const std::size_t ids = std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
+  pairs_ = Reservation<AtomicSlot>(2 * pairs);
+  ids_ = Reservation<std::uint32_t>(ids);
+}
+
+std::optional<std::uint32_t> KdTree::allocate_pair() {
+  const std::uint64_t pair = pairs_used_.fetch_add(1, std::memory_order_relaxed);
+  if (2 * (pair + 1) > pairs_.capacity()) {
+    pairs_used_.fetch_sub(1, std::memory_order_relaxed);
+    return std::nullopt;
+  }
+  return static_cast<std::uint32_t>(pair);
+}
+
+std::optional<Slot> KdTree::make_leaf(std::span<const BoxRef> refs) {
+  if (refs.empty()) return Slot::empty_leaf();
+  if (refs.size() == 1) return Slot::single(refs[0].id);
+  if (refs.size() > Slot::kMaxLeafCount) return std::nullopt;
+  const std::uint64_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
+  if (first + refs.size() > ids_.capacity()) {
+    ids_used_.fetch_sub(refs.size(), std::memory_order_relaxed);
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < refs.size(); ++i) ids_.data()[first + i] = refs[i].id;
+  return Slot::leaf(refs.size(), static_cast<std::uint32_t>(first));
+}
+
+Slot KdTree::defer(BoxList list, const Aabb& box, int depth, bool given_up) {
+  if (list.size() == 0) return Slot::empty_leaf();
+  auto cell = std::make_unique<DeferredCell>();
+  cell->box = box;
+  cell->depth = depth;
+  cell->size = list.size();
+  cell->list = std::move(list);
+  cell->given_up = given_up;
+  cell_bytes_.fetch_add(cell->bytes(), std::memory_order_relaxed);
+  return Slot::deferred(cell.release());
+}
+
+void KdTree::retire_cell(DeferredCell& cell) {
+  cell_bytes_.fetch_sub(cell.bytes(), std::memory_order_relaxed);
+  retire(&cell, delete_cell, cell.bytes());
+}
+
+std::uint64_t KdTree::bytes() const {
+  return cell_bytes_.load(std::memory_order_relaxed) +
+         pairs_used_.load(std::memory_order_relaxed) * 2 * sizeof(AtomicSlot) +
+         ids_used_.load(std::memory_order_relaxed) * sizeof(std::uint32_t);
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,76 @@
+// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its unbuilt slots while it is read.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "accel/geometry/aabb.h"
+#include "accel/tree/deferred_cell.h"
+#include "accel/tree/reservation.h"
+#include "accel/tree/slot.h"
+
+namespace sightline::accel {
+
+using AtomicSlot = std::atomic<std::uint64_t>;
+
+inline Slot load(const AtomicSlot& slot) { return Slot(slot.load(std::memory_order_acquire)); }
+
+/// Deepest node of any tree: walks keep a stack of this size.
+inline constexpr int kMaxTreeDepth = 80;
+
+/// Storage only: what a slot says may be followed at any time by any thread that is pinned to an epoch.
+class KdTree {
+ public:
+  /// A tree that is one cell, not listed yet; an empty leaf for no references.
+  KdTree(const Aabb& bounds, std::size_t references);
+  ~KdTree();
+  KdTree(const KdTree&) = delete;
+  KdTree& operator=(const KdTree&) = delete;
+
+  const Aabb& bounds() const { return bounds_; }
+  AtomicSlot& root() { return root_; }
+  const AtomicSlot& root() const { return root_; }
+
+  /// The two child slots of a binary slot, left first.
+  AtomicSlot* children(Slot binary) const { return pairs_.data() + 2 * std::size_t{binary.pair()}; }
+
+  /// The references of a leaf slot. `storage` backs the span where the leaf holds its one reference itself.
+  std::span<const std::uint32_t> leaf(Slot slot, std::uint32_t& storage) const {
+    if (slot.leaf_count() == 1) {
+      storage = slot.leaf_first();
+      return {&storage, 1};
+    }
+    return {ids_.data() + slot.leaf_first(), slot.leaf_count()};
+  }
+
+  /// Makes room for a tree over `references` boxes. Called once, before the first node. Throws std::bad_alloc.
+  void reserve(std::size_t references);
+
+  /// The place of a fresh pair of slots, or nothing if the reservation is used up. Threads: any.
+  std::optional<std::uint32_t> allocate_pair();
+
+  /// A leaf over these references, or nothing if the reservation is used up. Threads: any.
+  std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
+
+  /// A slot to be expanded later; an empty leaf for an empty list. Throws std::bad_alloc. Threads: any.
+  Slot defer(BoxList list, const Aabb& box, int depth, bool given_up = false);
+
+  /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
+  void retire_cell(DeferredCell& cell);
+
+  /// Nodes, ids and deferred cells with their lists.
+  std::uint64_t bytes() const;
+
+ private:
+  Aabb bounds_;
+  AtomicSlot root_;
+  Reservation<AtomicSlot> pairs_;
+  Reservation<std::uint32_t> ids_;
+  std::atomic<std::uint64_t> pairs_used_{0};
+  std::atomic<std::uint64_t> ids_used_{0};
+  std::atomic<std::uint64_t> cell_bytes_{0};
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,55 @@
+// An array that is reserved at its largest and paid for as it is used: addresses never move, so readers need no lock.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <utility>
+
+namespace sightline::accel {
+
+/// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the kernel backs page
+/// by page on first use. Throws std::bad_alloc.
+template <class T>
+class Reservation {
+ public:
+  Reservation() = default;
+  explicit Reservation(std::size_t capacity) : capacity_(capacity) {
+    const std::size_t bytes = capacity * sizeof(T);
+    if (bytes >= kMapFrom) {
+      void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+      if (p == MAP_FAILED) throw std::bad_alloc();
+      data_ = static_cast<T*>(p);
+    } else {
+      data_ = static_cast<T*>(std::malloc(bytes > 0 ? bytes : 1));
+      if (data_ == nullptr) throw std::bad_alloc();
+    }
+  }
+  Reservation(Reservation&& o) noexcept
+      : data_(std::exchange(o.data_, nullptr)), capacity_(std::exchange(o.capacity_, 0)) {}
+  Reservation& operator=(Reservation&& o) noexcept {
+    std::swap(data_, o.data_);
+    std::swap(capacity_, o.capacity_);
+    return *this;
+  }
+  ~Reservation() {
+    if (data_ == nullptr) return;
+    if (capacity_ * sizeof(T) >= kMapFrom) {
+      ::munmap(data_, capacity_ * sizeof(T));
+    } else {
+      std::free(data_);
+    }
+  }
+
+  T* data() const { return data_; }
+  std::size_t capacity() const { return capacity_; }
+
+ private:
+  static constexpr std::size_t kMapFrom = std::size_t{1} << 18;
+  T* data_ = nullptr;
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace sightline::accel

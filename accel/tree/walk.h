@@ -1,0 +1,122 @@
+// Walking a ray through a kd-tree: the one traversal loop, for both levels and all kinds of query.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "accel/geometry/intersect.h"
+#include "accel/geometry/local_ray.h"
+#include "accel/tree/deferred_cell.h"
+#include "accel/tree/kd_tree.h"
+
+namespace sightline::accel {
+
+/// Work done for rays, in the units of docs/benchmarks.md.
+struct WalkCounters {
+  std::uint64_t steps = 0;  ///< Inner nodes visited.
+  std::uint64_t tests = 0;  ///< Triangles tested, scans of unbuilt cells included.
+};
+
+/// A ray prepared for one tree.
+///
+/// Why no cell with a hit is passed over: a plane's t is computed to 3 * 2^-53 of itself, a hit's t to kHitError of the
+/// distance, and `slack` is above both for any t inside the tree's bounds. Intervals are only ever widened by it.
+struct TreeRay {
+  LocalRay ray;
+  Vec3d inverse;               ///< 1 / direction; infinite where the direction is zero.
+  std::array<int, 3> first{};  ///< Child that the ray meets first along each axis.
+  double slack = 0;
+  double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
+};
+
+/// False if the ray cannot meet the bounds between tmin and tmax (local units).
+inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double tmax, TreeRay& out) {
+  out.ray = ray;
+  double distance = 0;
+  double t_in = -std::numeric_limits<double>::infinity(), t_out = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double o = ray.origin[a], d = ray.direction[a];
+    const double lo = static_cast<double>(bounds.lo[a]) - o, hi = static_cast<double>(bounds.hi[a]) - o;
+    distance = std::fmax(distance, std::fmax(std::fabs(lo), std::fabs(hi)));
+    out.inverse[a] = 1 / d;
+    out.first[a] = std::signbit(d) ? 1 : 0;
+    if (d == 0) {
+      if (lo > 0 || hi < 0) return false;
+      continue;
+    }
+    const double near = (out.first[a] ? hi : lo) * out.inverse[a], far = (out.first[a] ? lo : hi) * out.inverse[a];
+    t_in = std::fmax(t_in, near);
+    t_out = std::fmin(t_out, far);
+  }
+  out.slack = distance * (4 * kHitError);
+  out.t_in = std::fmax(t_in, tmin) - out.slack;
+  out.t_out = std::fmin(t_out, tmax) + out.slack;
+  return out.t_in <= out.t_out;
+}
+
+/// Visits, near to far, the cells that the ray enters.
+///
+/// `visit` supplies:
+///   bool leaf(span<const uint32_t> references)   true: stop the walk
+///   bool unbuilt(AtomicSlot&, const DeferredCell&) what to do at an unbuilt slot; see Unbuilt below
+///   double limit()                               t beyond which nothing matters any more, widened by the slack
+enum class Unbuilt {
+  kAgain,  ///< It is built now: look again.
+  kDone,   ///< Dealt with: go on with the next cell.
+  kStop,   ///< Stop the walk.
+};
+
+template <class Visit>
+void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters& counters, Visit& visit) {
+  struct Waiting {
+    AtomicSlot* slot;
+    double t_in, t_out;
+  };
+  std::array<Waiting, kMaxTreeDepth + 2> stack;
+  std::size_t waiting = 0;
+  AtomicSlot* at = &root;
+  double t_in = ray.t_in, t_out = ray.t_out;
+  for (;;) {
+    Slot slot = load(*at);
+    while (slot.is_binary()) {
+      ++counters.steps;
+      const auto axis = static_cast<std::size_t>(slot.axis());
+      const double t = (static_cast<double>(slot.position()) - ray.ray.origin[axis]) * ray.inverse[axis];
+      AtomicSlot* children = tree.children(slot);
+      const int first = ray.first[axis];
+      // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its interval.
+      const bool skip_near = t + ray.slack < t_in;
+      const bool skip_far = t - ray.slack > t_out;
+      if (skip_near) {
+        at = &children[1 - first];
+      } else {
+        at = &children[first];
+        if (!skip_far) {
+          stack[waiting++] = {&children[1 - first], t - ray.slack > t_in ? t - ray.slack : t_in, t_out};
+          if (t + ray.slack < t_out) t_out = t + ray.slack;
+        }
+      }
+      slot = load(*at);
+    }
+    if (slot.is_leaf()) {
+      std::uint32_t storage;
+      if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
+    } else {
+      const Unbuilt next = visit.unbuilt(*at, *slot.cell());
+      if (next == Unbuilt::kAgain) continue;
+      if (next == Unbuilt::kStop) return;
+    }
+    const double limit = visit.limit();
+    do {
+      if (waiting == 0) return;
+      --waiting;
+    } while (stack[waiting].t_in > limit);
+    at = stack[waiting].slot;
+    t_in = stack[waiting].t_in;
+    t_out = stack[waiting].t_out;
+  }
+}
+
+}  // namespace sightline::accel

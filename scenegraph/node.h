@@ -1,0 +1,39 @@
+// A node of the scene hierarchy, as stored in a revision. Immutable: an edit makes a new one.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "scenegraph/affine.h"
+#include "scenegraph/mesh.h"
+
+namespace sightline::scenegraph {
+
+/// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
+using NodeId = std::uint64_t;
+
+/// How a node is expected to change. Stored and reported; the split into a static and a dynamic tree uses it.
+enum class Mobility : std::uint8_t { kStatic = 0, kRigid = 1, kDeforming = 2 };
+
+inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.
+inline constexpr int kMaxDepth = 64;               ///< Nodes from a root to a leaf.
+
+struct Node {
+  NodeId id = 0;
+  NodeId parent = 0;  ///< 0: a root.
+  std::string name;   ///< For people; need not be unique.
+  Affine parent_from_local;
+  std::shared_ptr<const Mesh> mesh;  ///< Null: a group.
+  std::string mesh_digest;           ///< Names the mesh's content; empty without a mesh.
+  Mobility mobility = Mobility::kStatic;
+  std::uint32_t mask = accel::kAllMasks;
+  std::vector<NodeId> children;  ///< In order of creation.
+  /// Set once rays have entered the mesh; carried over from revision to revision. Null without a mesh.
+  std::shared_ptr<std::atomic<bool>> entered;
+};
+
+}  // namespace sightline::scenegraph

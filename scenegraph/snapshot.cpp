@@ -1,0 +1,112 @@
+// Looking things up in a revision, and summing it up.
+#include "scenegraph/snapshot.h"
+
+#include <limits>
+#include <unordered_set>
+
+#include "accel/tree/epoch.h"
+#include "accel/tree/measure.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+/// Bounds are taken over vertices up to this many triangles, beyond that over the meshes' boxes.
+constexpr std::uint64_t kExactBoundsTriangles = 50'000'000;
+
+void grow_by_triangles(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
+  const accel::MeshView view = mesh.view();
+  for (std::size_t i = 0; i < view.faces.size(); ++i) {
+    if (!accel::face_bounds(view, i)) continue;
+    for (const std::uint32_t v : view.faces[i]) bounds.grow(world.point(Vec3d(view.vertices[v])));
+  }
+}
+
+void grow_by_box(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
+  const accel::Aabb& b = mesh.bounds();
+  if (b.empty()) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    bounds.grow(world.point({static_cast<double>(corner & 1 ? b.hi.x : b.lo.x),
+                             static_cast<double>(corner & 2 ? b.hi.y : b.lo.y),
+                             static_cast<double>(corner & 4 ? b.hi.z : b.lo.z)}));
+  }
+}
+
+}  // namespace
+
+const Node* Snapshot::find(NodeId id) const {
+  const std::shared_ptr<const Node>* node = nodes_.find(id);
+  return node == nullptr ? nullptr : node->get();
+}
+
+const Instances& Snapshot::instances() const {
+  std::call_once(instances_once_, [this] { instances_ = std::make_unique<Instances>(*this); });
+  return *instances_;
+}
+
+const WorldBounds& Snapshot::bounds() const {
+  std::call_once(bounds_once_, [this] {
+    std::uint64_t triangles = 0;
+    nodes_.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+      if (node->mesh != nullptr) triangles += node->mesh->triangles();
+    });
+    nodes_.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+      if (node->mesh == nullptr) return;
+      const Affine world = world_from_local(*this, *node);
+      if (triangles <= kExactBoundsTriangles) {
+        grow_by_triangles(bounds_, *node->mesh, world);
+      } else {
+        grow_by_box(bounds_, *node->mesh, world);
+      }
+    });
+  });
+  return bounds_;
+}
+
+SceneSummary summarize(const Snapshot& snapshot) {
+  SceneSummary s;
+  s.revision = snapshot.revision();
+  s.nodes = snapshot.node_count();
+  std::unordered_set<const Mesh*> seen;
+  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh == nullptr) return;
+    ++s.instances;
+    s.triangles_instanced += mesh->triangles();
+    if (!seen.insert(mesh).second) return;
+    ++s.meshes;
+    s.triangles_unique += mesh->triangles();
+    s.triangles_nonfinite += mesh->nonfinite();
+    s.bytes_geometry += mesh->bytes();
+  });
+  const WorldBounds& b = snapshot.bounds();
+  s.bounds = {b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z};
+  if (b.empty()) s.bounds.fill(std::numeric_limits<double>::quiet_NaN());
+  return s;
+}
+
+BuildSummary summarize_build(const Snapshot& snapshot) {
+  BuildSummary s;
+  std::unordered_set<const Mesh*> seen;
+  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh == nullptr) return;
+    ++s.instances_total;
+    ++(node->mobility == Mobility::kStatic ? s.static_instances : s.dynamic_instances);
+    if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
+    if (!seen.insert(mesh).second) return;
+    const accel::EpochPin pin;
+    const accel::GrowthMetrics growth = accel::measure_growth(mesh->tree().tree(), mesh->faces());
+    s.trees_built += growth.references_built > 0 ? 1 : 0;
+    s.cells_deferred += growth.cells_deferred;
+    s.cells_expanded += growth.cells_built;
+    s.triangles_built += growth.references_built;
+    s.triangles_total += mesh->triangles();
+    s.bytes_geometry += mesh->bytes();
+    s.bytes_trees += mesh->tree().tree().bytes();
+  });
+  const accel::EpochPin pin;
+  s.bytes_trees += snapshot.instances().tree().tree().bytes();
+  return s;
+}
+
+}  // namespace sightline::scenegraph

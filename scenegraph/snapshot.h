@@ -1,0 +1,76 @@
+// One revision of a scene: immutable, shares all that did not change with the revision before it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "scenegraph/instances.h"
+#include "scenegraph/node.h"
+#include "scenegraph/persistent_map.h"
+
+namespace sightline::scenegraph {
+
+using NodeMap = PersistentMap<std::shared_ptr<const Node>>;
+
+class Snapshot {
+ public:
+  Snapshot(std::uint64_t revision, NodeMap nodes, std::vector<NodeId> roots)
+      : revision_(revision), nodes_(std::move(nodes)), roots_(std::move(roots)) {}
+
+  std::uint64_t revision() const { return revision_; }
+  std::size_t node_count() const { return nodes_.size(); }
+  /// Null if there is no such node in this revision.
+  const Node* find(NodeId id) const;
+  const NodeMap& nodes() const { return nodes_; }
+  const std::vector<NodeId>& roots() const { return roots_; }
+
+  /// The nodes that carry a mesh, in world space, and the kd-tree over them. Made by whoever asks first.
+  const Instances& instances() const;
+
+  /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large scenes. Made by whoever
+  /// asks first.
+  const WorldBounds& bounds() const;
+
+ private:
+  std::uint64_t revision_ = 0;
+  NodeMap nodes_;
+  std::vector<NodeId> roots_;
+  mutable std::once_flag instances_once_, bounds_once_;
+  mutable std::unique_ptr<Instances> instances_;
+  mutable WorldBounds bounds_;
+};
+
+/// What `scene show` and `stats` tell of a revision.
+struct SceneSummary {
+  std::uint64_t revision = 0;
+  std::uint64_t nodes = 0;
+  std::uint64_t instances = 0;            ///< Nodes that carry a mesh.
+  std::uint64_t meshes = 0;               ///< Distinct meshes in use.
+  std::uint64_t triangles_unique = 0;     ///< Over distinct meshes.
+  std::uint64_t triangles_instanced = 0;  ///< Over instances.
+  std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones, never hit.
+  std::uint64_t bytes_geometry = 0;       ///< Vertex and index arrays of distinct meshes.
+  std::array<double, 6> bounds{};         ///< World: min x y z, max x y z. All NaN for a scene without triangles.
+};
+SceneSummary summarize(const Snapshot& snapshot);
+
+/// How much of the trees exists. Walks the built part of every distinct mesh's tree.
+struct BuildSummary {
+  std::uint64_t instances_total = 0;
+  std::uint64_t instances_entered = 0;  ///< Whose mesh tree rays have entered or a full build has made.
+  std::uint64_t trees_built = 0;        ///< Mesh trees with at least one finished leaf.
+  std::uint64_t cells_deferred = 0;
+  std::uint64_t cells_expanded = 0;     ///< Inner nodes and leaves.
+  std::uint64_t triangles_built = 0;    ///< Distinct triangles in finished leaves.
+  std::uint64_t triangles_total = 0;    ///< Of distinct meshes.
+  std::uint64_t bytes_geometry = 0;
+  std::uint64_t bytes_trees = 0;
+  std::uint64_t static_instances = 0;
+  std::uint64_t dynamic_instances = 0;
+};
+BuildSummary summarize_build(const Snapshot& snapshot);
+
+}  // namespace sightline::scenegraph
