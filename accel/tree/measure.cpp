@@ -11,6 +11,7 @@ void measure_below(const KdTree& tree, Slot slot, const Aabb& cell, int depth, d
   const double share = root_area > 0 ? half_area(cell) / root_area : 1;
   if (slot.is_unbuilt()) {
     ++m.unbuilt_cells;
+    m.given_up_cells += slot.cell()->given_up.load(std::memory_order_relaxed) ? 1 : 0;
     return;
   }
   ++m.nodes;

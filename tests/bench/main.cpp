@@ -1,0 +1,148 @@
+// sightline-bench: measurements in one process. Exit codes: 0 done, 1 failed or answers wrong, 2
+// usage.
+#include <fmt/core.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <optional>
+#include <thread>
+
+#include "accel/build/any_builder.h"
+#include "tests/bench/generators.h"
+#include "tests/bench/verbs.h"
+
+namespace sightline::bench {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+constexpr const char* kRayKinds = "overview|closeup|diffuse|shadow|random|aimed";
+
+int hardware_threads() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void add_common(CLI::App& app, CommonOptions& common) {
+  common.threads = hardware_threads();
+  app.add_option("--scene", common.scene, "A scene file, or gen:NAME?key=value&...")->required();
+  app.add_option("--threads", common.threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
+  app.add_option("--repeat", common.repeat, "Times are medians over this many runs")
+      ->check(CLI::Range(1, 10000));
+  app.add_option("--seed", common.seed, "Of the rays");
+  app.add_option("--policy", common.policy, "first-touch|full");
+  app.add_option("--rotate", common.rotate, "Turns the scene: x,y,z in degrees");
+  app.add_option("--set", common.set, "A builder parameter, key=value; repeatable")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--json", common.json, "One JSON object a line");
+}
+
+void add_rays(CLI::App& verb, RayOptions& rays) {
+  verb.add_option("--rays", rays.kind, kRayKinds)->required();
+  verb.add_option("--count", rays.count, "How many rays")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
+      ->required();
+}
+
+void add_builders(CLI::App& verb, std::vector<std::string>& builders) {
+  std::string names;
+  for (const std::string_view name : accel::builder_names()) {
+    if (!names.empty()) names += '|';
+    names += name;
+  }
+  verb.add_option("--builder", builders, names + "; several by commas: a row each")
+      ->delimiter(',')
+      ->required();
+}
+
+using Verb = std::function<Result<std::vector<Row>>(const CommonOptions&)>;
+
+Verb add_verb_rays(CLI::App& app) {
+  auto options = std::make_shared<RaysOptions>();
+  CLI::App& verb = *app.add_subcommand("rays", "Write rays to a .npy file, (n, 8) float64");
+  add_rays(verb, options->rays);
+  verb.add_option("--out", options->out, "The file to write")->required();
+  return [options](const CommonOptions& common) { return run_rays(common, *options); };
+}
+
+Verb add_verb_build(CLI::App& app) {
+  auto options = std::make_shared<BuildOptions>();
+  CLI::App& verb = *app.add_subcommand("build", "Build all trees: time, size and quality");
+  add_builders(verb, options->builders);
+  return [options](const CommonOptions& common) { return run_build(common, *options); };
+}
+
+Verb add_verb_trace(CLI::App& app) {
+  auto options = std::make_shared<TraceOptions>();
+  CLI::App& verb = *app.add_subcommand("trace", "Answer rays from a builder's trees");
+  add_builders(verb, options->builders);
+  add_rays(verb, options->rays);
+  const std::map<std::string, scenegraph::QueryKind> kinds{
+      {"closest", scenegraph::QueryKind::kClosest}, {"any", scenegraph::QueryKind::kAny}};
+  verb.add_option("--kind", options->kind, "closest|any")
+      ->transform(CLI::CheckedTransformer(kinds));
+  return [options](const CommonOptions& common) { return run_trace(common, *options); };
+}
+
+Verb add_verb_lazy(CLI::App& app) {
+  auto options = std::make_shared<LazyOptions>();
+  CLI::App& verb =
+      *app.add_subcommand("lazy", "From arrays to hits: growing trees against full ones");
+  add_rays(verb, options->rays);
+  verb.add_option("--modes", options->modes, "lazy,full")->delimiter(',');
+  verb.add_option("--builder", options->builder, "Default: the product's");
+  verb.add_option("--batch", options->batch, "Rays a batch (default: all in one)");
+  return [options](const CommonOptions& common) { return run_lazy(common, *options); };
+}
+
+int run(const CommonOptions& common, const Verb& verb) {
+  // More threads than processors only where asked for.
+  const tbb::global_control limit(
+      tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(std::max(common.threads, hardware_threads())));
+  tbb::task_arena arena(common.threads);
+  const auto rows = arena.execute([&] { return verb(common); });
+  if (!rows.ok()) {
+    fmt::print(stderr, "sightline-bench: {}\n", rows.error().message);
+    return rows.error().code == Code::kInvalidArgument ? kUsage : kFailed;
+  }
+  const std::string text = common.json ? to_json_lines(*rows) : to_table(*rows);
+  const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return written ? 0 : kFailed;
+}
+
+int main_checked(int argc, char** argv) {
+  CLI::App app("Measures Sightline in one process.", "sightline-bench");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer("Generated scenes, with their defaults:\n" + list_generators());
+  CommonOptions common;
+  add_common(app, common);
+  const std::map<std::string, Verb> verbs{{"rays", add_verb_rays(app)},
+                                          {"build", add_verb_build(app)},
+                                          {"trace", add_verb_trace(app)},
+                                          {"lazy", add_verb_lazy(app)}};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsage;
+  }
+  return run(common, verbs.at(app.get_subcommands().front()->get_name()));
+}
+
+}  // namespace
+}  // namespace sightline::bench
+
+int main(int argc, char** argv) {
+  try {
+    return sightline::bench::main_checked(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "sightline-bench: {}\n", error.what());
+    return sightline::bench::kFailed;
+  }
+}

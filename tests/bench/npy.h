@@ -1,0 +1,16 @@
+// NumPy's .npy files, as far as rays need them.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+
+namespace sightline::bench {
+
+/// (n, 8) float64, C order: ox oy oz dx dy dz tmin tmax. Errors: kUnavailable if the file cannot be
+/// written whole.
+Status write_rays(const std::filesystem::path& file, std::span<const accel::Ray> rays);
+
+}  // namespace sightline::bench

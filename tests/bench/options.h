@@ -1,0 +1,52 @@
+// What the command line says, as the verbs take it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/trace.h"
+#include "tests/bench/ray_kinds.h"
+
+namespace sightline::bench {
+
+struct CommonOptions {
+  std::string scene;  ///< As given: a file or gen:NAME?...
+  int threads = 1;
+  int repeat = 3;
+  std::uint64_t seed = 1;
+  std::string policy;            ///< "first-touch", "full", or empty: what suits the verb.
+  std::string rotate;            ///< "x,y,z" in degrees, or empty.
+  std::vector<std::string> set;  ///< "key=value" for the builder.
+  bool json = false;
+};
+
+struct RayOptions {
+  std::string kind = "overview";
+  std::size_t count = 100'000;
+};
+
+struct RaysOptions {
+  RayOptions rays;
+  std::string out;
+};
+
+struct BuildOptions {
+  std::vector<std::string> builders;
+};
+
+struct TraceOptions {
+  std::vector<std::string> builders;
+  RayOptions rays;
+  scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
+};
+
+struct LazyOptions {
+  RayOptions rays;
+  std::vector<std::string> modes{"lazy", "full"};
+  std::string builder;
+  std::size_t batch = 0;  ///< Rays a batch; 0: all in one.
+};
+
+}  // namespace sightline::bench

@@ -1,0 +1,52 @@
+// A scene as plain arrays: what a generator or a file gives, and what fresh trees are grown over.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accel/build/any_builder.h"
+#include "accel/geometry/mesh_view.h"
+#include "accel/result.h"
+#include "scenegraph/affine.h"
+#include "scenegraph/snapshot.h"
+
+namespace sightline::bench {
+
+struct SourceMesh {
+  std::vector<accel::Vec3f> vertices;
+  std::vector<accel::Face> faces;
+};
+
+struct SourceNode {
+  std::optional<std::size_t> parent;  ///< An earlier node; none: a root.
+  std::string name;
+  scenegraph::Affine parent_from_local;
+  std::optional<std::size_t> mesh;  ///< None: a group.
+};
+
+struct SceneSource {
+  std::vector<SourceMesh> meshes;
+  std::vector<SourceNode> nodes;  ///< Parents before children.
+
+  std::uint64_t unique_triangles() const;
+  std::size_t add_mesh(SourceMesh mesh);
+  std::size_t add_node(std::optional<std::size_t> parent, std::string name,
+                       const scenegraph::Affine& parent_from_local = {},
+                       std::optional<std::size_t> mesh = std::nullopt);
+};
+
+scenegraph::Affine translation(double x, double y, double z);
+/// About x, then y, then z, in degrees. Multiples of 90 are exact.
+scenegraph::Affine rotation(double x, double y, double z);
+
+/// The whole scene turned about the world's origin.
+void rotate(SceneSource& scene, const scenegraph::Affine& turn);
+
+/// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
+Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
+                                                             const accel::AnyBuilder& builder);
+
+}  // namespace sightline::bench

@@ -1,0 +1,26 @@
+// What a snapshot's built trees are like, summed over its distinct meshes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "accel/geometry/ray.h"
+#include "accel/tree/measure.h"
+#include "scenegraph/snapshot.h"
+#include "tests/bench/report.h"
+
+namespace sightline::bench {
+
+/// Sums; the greatest of max_depth. For a single mesh: that mesh's tree. The scene-level tree is
+/// left out.
+accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot);
+
+/// Adds the contract's keys from `nodes` to `bytes_final`.
+void set_metrics(Row& row, const accel::TreeMetrics& metrics);
+
+/// Distinct triangles in the leaves that the rays enter up to their hits, in mesh trees that are
+/// fully built. hits[i] is the closest hit of rays[i].
+std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
+                                std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+
+}  // namespace sightline::bench

@@ -1,0 +1,62 @@
+// The persistent map against std::map, and its sharing.
+#include "scenegraph/persistent_map.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "tests/support/random.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using Map = PersistentMap<std::shared_ptr<int>>;
+
+TEST(PersistentMap, BehavesLikeAMap) {
+  tests::Random random(1);
+  Map map;
+  std::map<std::uint64_t, int> model;
+  for (int step = 0; step < 20000; ++step) {
+    // Dense keys and now and then a far one.
+    const std::uint64_t key = random.below(50) == 0 ? random.next() >> 8 : 1 + random.below(3000);
+    if (random.below(3) == 0) {
+      map.set(key, nullptr);
+      model.erase(key);
+    } else {
+      map.set(key, std::make_shared<int>(step));
+      model[key] = step;
+    }
+    ASSERT_EQ(map.size(), model.size());
+  }
+  for (const auto& [key, value] : model) {
+    ASSERT_NE(map.find(key), nullptr);
+    ASSERT_EQ(**map.find(key), value);
+  }
+  std::vector<std::uint64_t> keys;
+  map.for_each([&](std::uint64_t key, const std::shared_ptr<int>&) { keys.push_back(key); });
+  std::vector<std::uint64_t> expected;
+  for (const auto& [key, value] : model) expected.push_back(key);
+  EXPECT_EQ(keys, expected);
+  EXPECT_EQ(map.find(4000), nullptr);
+  EXPECT_EQ(map.find(~std::uint64_t{0}), nullptr);
+}
+
+TEST(PersistentMap, CopiesDoNotSeeLaterChanges) {
+  Map a;
+  for (std::uint64_t k = 1; k <= 100; ++k) a.set(k, std::make_shared<int>(1));
+  const Map b = a;
+  a.set(50, std::make_shared<int>(2));
+  a.set(51, nullptr);
+  a.set(500, std::make_shared<int>(3));
+  EXPECT_EQ(**b.find(50), 1);
+  EXPECT_NE(b.find(51), nullptr);
+  EXPECT_EQ(b.find(500), nullptr);
+  EXPECT_EQ(b.size(), 100u);
+  EXPECT_EQ(a.find(50)->get() == b.find(50)->get(), false);
+  EXPECT_EQ(a.find(7)->get(), b.find(7)->get());
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

@@ -1,0 +1,177 @@
+// Batches of updates: whole or not at all, and what is refused.
+#include "scenegraph/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace sightline::scenegraph {
+namespace {
+
+std::shared_ptr<const Mesh> triangle() {
+  static const auto kMesh = *Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  return kMesh;
+}
+
+PutNode put(NodeRef node, NodeRef parent, std::string name, bool mesh = false) {
+  PutNode p;
+  p.node = node;
+  p.parent = parent;
+  p.name = std::move(name);
+  if (mesh) {
+    p.mesh = triangle();
+    p.mesh_digest = "digest";
+  }
+  return p;
+}
+
+Affine shifted(double x) { return Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
+
+/// Refused with this reason, and the scene is as it was.
+void expect_refused(Scene& scene, const std::vector<Update>& updates, Code code, const std::string& reason) {
+  const auto before = scene.snapshot();
+  const auto result = scene.apply(updates);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, code) << result.error().message;
+  EXPECT_EQ(result.error().reason, reason) << result.error().message;
+  EXPECT_EQ(scene.snapshot(), before);
+}
+
+TEST(Scene, BeginsEmptyAtRevisionZero) {
+  const Scene scene;
+  EXPECT_EQ(scene.snapshot()->revision(), 0u);
+  EXPECT_EQ(scene.snapshot()->node_count(), 0u);
+}
+
+TEST(Scene, PutsAHierarchyInOneBatch) {
+  Scene scene;
+  const auto applied = scene.apply({put(-1, 0, "root"), put(-2, -1, "arm"), put(-3, -2, "hand", true)});
+  ASSERT_TRUE(applied);
+  EXPECT_EQ(applied->revision, 1u);
+  EXPECT_EQ(applied->nodes, (std::vector<NodeId>{1, 2, 3}));
+  const auto snapshot = scene.snapshot();
+  EXPECT_EQ(snapshot->roots(), std::vector<NodeId>{1});
+  EXPECT_EQ(snapshot->find(3)->parent, 2u);
+  EXPECT_EQ(snapshot->find(2)->children, std::vector<NodeId>{3});
+  EXPECT_EQ(snapshot->find(4), nullptr);
+}
+
+TEST(Scene, SnapshotsAreImmutableAndShareWhatDidNotChange) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, 0, "b")}));
+  const auto first = scene.snapshot();
+  ASSERT_TRUE(scene.apply({SetTransforms{{1}, {shifted(5)}}}));
+  const auto second = scene.snapshot();
+  EXPECT_EQ(second->revision(), 2u);
+  EXPECT_EQ(first->find(1)->parent_from_local, Affine{});
+  EXPECT_EQ(second->find(1)->parent_from_local, shifted(5));
+  EXPECT_EQ(first->find(2), second->find(2));
+}
+
+TEST(Scene, IdsAreNeverUsedAgain) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
+  ASSERT_TRUE(scene.apply({DeleteNode{1}}));
+  expect_refused(scene, {put(-1, 0, "b"), DeleteNode{99}}, Code::kNotFound, "NODE_NOT_FOUND");
+  EXPECT_EQ(scene.apply({put(-1, 0, "b")})->nodes, std::vector<NodeId>{2});
+}
+
+TEST(Scene, ReplacesAndMovesNodes) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, 0, "b"), put(-3, 1 - 2, "c", true)}));
+  ASSERT_TRUE(scene.apply({put(3, 2, "moved", true)}));
+  const auto s = scene.snapshot();
+  EXPECT_TRUE(s->find(1)->children.empty());
+  EXPECT_EQ(s->find(2)->children, std::vector<NodeId>{3});
+  EXPECT_EQ(s->find(3)->name, "moved");
+  ASSERT_TRUE(scene.apply({put(3, 0, "root now", true)}));
+  EXPECT_EQ(scene.snapshot()->roots(), (std::vector<NodeId>{1, 2, 3}));
+}
+
+TEST(Scene, DeletesSubtreesOnlyIfAsked) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b"), put(-3, -2, "c")}));
+  expect_refused(scene, {DeleteNode{1}}, Code::kFailedPrecondition, "NODE_HAS_CHILDREN");
+  ASSERT_TRUE(scene.apply({DeleteNode{2, true}}));
+  EXPECT_EQ(scene.snapshot()->node_count(), 1u);
+  EXPECT_TRUE(scene.snapshot()->find(1)->children.empty());
+  expect_refused(scene, {put(3, 0, "gone")}, Code::kNotFound, "NODE_NOT_FOUND");
+}
+
+TEST(Scene, RefusesCyclesUnknownNodesAndDepth) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b"), put(-3, -2, "c")}));
+  expect_refused(scene, {put(1, 3, "a")}, Code::kInvalidArgument, "NODE_CYCLE");
+  expect_refused(scene, {put(1, 1, "a")}, Code::kInvalidArgument, "NODE_CYCLE");
+  expect_refused(scene, {put(-9, 77, "x")}, Code::kNotFound, "PARENT_NOT_FOUND");
+  expect_refused(scene, {put(-9, -8, "x")}, Code::kNotFound, "PARENT_NOT_FOUND");
+  expect_refused(scene, {put(77, 0, "x")}, Code::kNotFound, "NODE_NOT_FOUND");
+  expect_refused(scene, {put(0, 0, "x")}, Code::kNotFound, "NODE_NOT_FOUND");
+  expect_refused(scene, {SetTransforms{{77}, {Affine{}}}}, Code::kNotFound, "NODE_NOT_FOUND");
+  std::vector<Update> chain;
+  for (int i = 1; i <= kMaxDepth + 1; ++i) chain.push_back(put(-i, i == 1 ? 0 : -i + 1, "n"));
+  expect_refused(scene, chain, Code::kInvalidArgument, "TOO_DEEP");
+  chain.pop_back();
+  EXPECT_TRUE(scene.apply(chain));
+}
+
+TEST(Scene, RefusesTransformsThatCannotBeInverted) {
+  Scene scene;
+  PutNode flat = put(-1, 0, "flat");
+  flat.parent_from_local = Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
+  expect_refused(scene, {flat}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b", true)}));
+  expect_refused(scene, {SetTransforms{{1}, {flat.parent_from_local}}}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+  expect_refused(scene, {SetTransforms{{1, 2}, {Affine{}}}}, Code::kInvalidArgument, "COUNT_MISMATCH");
+  // Each is fine alone; both, one above the other, are not.
+  const Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
+  ASSERT_TRUE(scene.apply({SetTransforms{{2}, {thin}}}));
+  expect_refused(scene, {SetTransforms{{1}, {thin}}}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+}
+
+TEST(Scene, AppliesABatchWholeOrNotAtAll) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
+  expect_refused(scene, {put(-1, 0, "b"), SetTransforms{{1}, {shifted(3)}}, DeleteNode{5}}, Code::kNotFound,
+                 "NODE_NOT_FOUND");
+  EXPECT_EQ(scene.snapshot()->node_count(), 1u);
+  EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, Affine{});
+}
+
+TEST(Scene, HoldsWritersToTheExpectedRevision) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}, 0));
+  const auto late = scene.apply({put(-1, 0, "b")}, 0);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, Code::kAborted);
+  EXPECT_EQ(late.error().message, "expected revision 0, but the scene is at 1");
+}
+
+TEST(Scene, WritersTakeTurns) {
+  Scene scene;
+  std::vector<std::thread> writers;
+  for (int i = 0; i < 4; ++i) {
+    writers.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) EXPECT_TRUE(scene.apply({put(-1, 0, "n")}));
+    });
+  }
+  for (std::thread& t : writers) t.join();
+  EXPECT_EQ(scene.snapshot()->revision(), 200u);
+  EXPECT_EQ(scene.snapshot()->node_count(), 200u);
+}
+
+TEST(Summary, CountsSharedMeshesOnce) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a", true), put(-2, -1, "b", true), put(-3, 0, "group")}));
+  ASSERT_TRUE(scene.apply({SetTransforms{{2}, {shifted(10)}}}));
+  const SceneSummary s = summarize(*scene.snapshot());
+  EXPECT_EQ(s.nodes, 3u);
+  EXPECT_EQ(s.instances, 2u);
+  EXPECT_EQ(s.meshes, 1u);
+  EXPECT_EQ(s.triangles_unique, 1u);
+  EXPECT_EQ(s.triangles_instanced, 2u);
+  EXPECT_EQ(s.bounds, (std::array<double, 6>{0, 0, 0, 11, 1, 0}));
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

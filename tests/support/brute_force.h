@@ -1,0 +1,79 @@
+// The oracle: every ray against every triangle of every instance, in world space and in 113 bits.
+// Shares no code with the intersector and the trees that it judges.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/mesh_view.h"
+#include "accel/geometry/ray.h"
+#include "scenegraph/affine.h"
+#include "scenegraph/snapshot.h"
+#include "tests/support/reference.h"
+
+namespace sightline::tests {
+
+/// A mesh at a place in the world. The arrays must outlive the oracle.
+struct PlacedMesh {
+  accel::MeshView mesh;
+  scenegraph::Affine world_from_local{};
+  std::uint64_t node = 1;
+  std::uint32_t mask = accel::kAllMasks;
+};
+
+/// Every node of the snapshot that carries a mesh. Transforms are composed root to leaf in double.
+std::vector<PlacedMesh> placed_meshes(const scenegraph::Snapshot& snapshot);
+
+class BruteForce {
+ public:
+  explicit BruteForce(std::vector<PlacedMesh> meshes, Tolerance tolerance = {});
+  /// Keeps the snapshot alive.
+  explicit BruteForce(std::shared_ptr<const scenegraph::Snapshot> snapshot,
+                      Tolerance tolerance = {});
+
+  /// Threads: any.
+  Reference trace(const accel::Ray& ray) const;
+  /// In parallel in the calling thread's oneTBB arena.
+  std::vector<Reference> trace(std::span<const accel::Ray> rays) const;
+
+  const Tolerance& tolerance() const { return tolerance_; }
+
+ private:
+  static constexpr std::size_t kLanes = 64;
+
+  struct Box {
+    accel::Vec3d lo, hi;
+    void grow(const accel::Vec3d& p);
+  };
+
+  /// Triangles that lie together, as double world coordinates: good enough to say "clearly not".
+  struct Chunk {
+    Box box;
+    std::size_t count = 0;
+    std::array<std::uint32_t, kLanes> face{};
+    std::array<std::array<double, kLanes>, 9> corner{};  // ax ay az bx by bz cx cy cz
+  };
+
+  struct Instance {
+    PlacedMesh placed;
+    Box box;
+    double magnitude = 0;  // no world coordinate, nor a term of the sum that makes one, is larger
+    std::vector<Chunk> chunks;
+  };
+
+  struct Line;
+
+  static Instance make_instance(const PlacedMesh& placed);
+  static bool misses(const Box& box, const Line& line, double pad);
+  void test_chunk(const Instance& instance, const Chunk& chunk, const Line& line, double scale,
+                  std::vector<Candidate>& found) const;
+
+  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  std::vector<Instance> instances_;
+  Tolerance tolerance_;
+};
+
+}  // namespace sightline::tests

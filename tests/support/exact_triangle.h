@@ -1,0 +1,18 @@
+// One ray against one triangle in 113 bits: the oracle's decision.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "tests/support/quad.h"
+#include "tests/support/reference.h"
+
+namespace sightline::tests {
+
+/// The candidate that the triangle (in world space) makes for the ray, node and primitive left out.
+/// `scale` is the largest coordinate in play; `outward` is -1 if the instance's transform mirrors.
+/// Nothing where the ray misses by more than the tolerance.
+std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<QuadVec, 3>& corners,
+                                       double scale, double outward, const Tolerance& tolerance);
+
+}  // namespace sightline::tests

@@ -1,0 +1,24 @@
+// Three numbers of 113 bits: what the oracle decides hits in.
+#pragma once
+
+#include "accel/geometry/vec3.h"
+#include "scenegraph/affine.h"
+
+namespace sightline::tests {
+
+__extension__ using Quad = __float128;
+using QuadVec = accel::Vec3<Quad>;
+
+inline QuadVec widen(const accel::Vec3d& v) { return {v.x, v.y, v.z}; }
+inline Quad absolute(Quad x) { return x < 0 ? -x : x; }
+
+/// A point through a double matrix; wrong by a few units in the 113th bit at most.
+inline QuadVec transform(const scenegraph::Affine& a, const accel::Vec3f& p) {
+  const auto row = [&](std::size_t r) {
+    return Quad{a.m[r]} * static_cast<Quad>(p.x) + Quad{a.m[r + 1]} * static_cast<Quad>(p.y) +
+           Quad{a.m[r + 2]} * static_cast<Quad>(p.z) + Quad{a.m[r + 3]};
+  };
+  return {row(0), row(4), row(8)};
+}
+
+}  // namespace sightline::tests

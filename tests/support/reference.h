@@ -1,0 +1,45 @@
+// What the oracle says of one ray: every triangle that may rightly be called its nearest hit.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+
+namespace sightline::tests {
+
+struct Tolerance {
+  double t = 1e-5;  ///< Relative: two candidates closer than this tie.
+  /// Distance from an edge below which rounding decides, over the largest coordinate in play.
+  double edge = 1e-12;
+};
+
+/// A triangle that the ray meets, or comes so near to that rounding decides.
+struct Candidate {
+  double t = 0;            ///< In units of the direction's length.
+  double t_tolerance = 0;  ///< How far a correct t may lie from it: more at a grazing angle.
+  std::uint64_t node = 0;
+  std::uint32_t primitive = 0;
+  double u = 0, v = 0;  ///< Weights of the face's vertices 1 and 2.
+  accel::Vec3d normal;  ///< Geometric, unit, outward for an outward winding, in scene coordinates.
+  bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
+  bool borderline =
+      false;  ///< Within the edge tolerance of an edge, of tmin or of tmax, or edge-on.
+};
+
+struct Reference {
+  bool invalid = false;  ///< NaN, infinite or zero direction, ...: there is no answer.
+  /// By (t, node, primitive). Complete up to the nearest candidate that is accepted beyond doubt,
+  /// and for all that tie with it; what lies farther is left out.
+  std::vector<Candidate> candidates;
+
+  /// The nearest accepted candidate by (t, node, primitive); null for a miss.
+  const Candidate* closest() const {
+    for (const Candidate& c : candidates) {
+      if (c.accepted) return &c;
+    }
+    return nullptr;
+  }
+};
+
+}  // namespace sightline::tests
