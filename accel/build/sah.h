@@ -27,20 +27,22 @@ class CutAreas {
     hi_ = static_cast<double>(cell.hi[a]);
     ends_ = u * v;
     slope_ = u + v;
-    whole_ = ends_ + slope_ * (hi_ - lo_);
+    const double whole = ends_ + slope_ * (hi_ - lo_);
+    per_whole_ = whole > 0 ? 1 / whole : 0;
   }
   double left(double x) const { return ends_ + slope_ * (x - lo_); }
   double right(double x) const { return ends_ + slope_ * (hi_ - x); }
-  double whole() const { return whole_; }
+  double per_whole() const { return per_whole_; }  ///< 1 / SA(cell).
+  double ends() const { return ends_; }
   double slope() const { return slope_; }
 
  private:
-  double lo_, hi_, ends_, slope_, whole_;
+  double lo_, hi_, ends_, slope_, per_whole_;
 };
 
 /// Cost of cutting at x with these weights on the sides.
 inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left, double right) {
-  double children = (areas.left(x) * left + areas.right(x) * right) / areas.whole();
+  double children = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
   if (left == 0 || right == 0) children *= c.empty_bonus;
   return c.traverse + c.intersect * children;
 }

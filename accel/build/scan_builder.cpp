@@ -157,29 +157,31 @@ void offer_minima(const Samples& samples, const CutAreas& areas, const SahConsta
 void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell, const SahConstants& constants,
                  BestCut& best, BuildCounters& counters) {
   const std::size_t a = index_of(axis);
-  std::array<float, 2 * ScanBuilder::kMaxExact> candidates;
+  const float lo = cell.lo[a], hi = cell.hi[a];
+  std::array<float, 2 * ScanBuilder::kMaxExact + kScanWidth> candidates;
   std::size_t n = 0;
   for (const BoxRef& ref : refs) {
-    if (ref.lo[a] > cell.lo[a] && ref.lo[a] < cell.hi[a]) candidates[n++] = ref.lo[a];
-    if (ref.hi[a] > cell.lo[a] && ref.hi[a] < cell.hi[a]) candidates[n++] = ref.hi[a];
+    candidates[n] = ref.lo[a];
+    n += static_cast<std::size_t>(ref.lo[a] > lo) & static_cast<std::size_t>(ref.lo[a] < hi);
+    candidates[n] = ref.hi[a];
+    n += static_cast<std::size_t>(ref.hi[a] > lo) & static_cast<std::size_t>(ref.hi[a] < hi);
   }
+  if (n == 0) return;
+  const std::size_t passes = (n + kScanWidth - 1) / kScanWidth;
+  std::fill(candidates.begin() + static_cast<std::ptrdiff_t>(n),
+            candidates.begin() + static_cast<std::ptrdiff_t>(passes * kScanWidth), candidates[0]);
   const CutAreas areas(cell, axis);
-  for (std::size_t begin = 0; begin < n; begin += kScanWidth) {
-    const std::size_t used = std::min(kScanWidth, n - begin);
-    ScanAxis planes;
-    std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(begin), used, planes.position.begin());
-    fill_unused(planes, used);
-    scan_one_axis_wide(refs, axis, planes);
-    counters.touches += refs.size();
-    for (std::size_t i = 0; i < used; ++i) {
-      best.offer({axis, planes.position[i]}, cut_cost(constants, areas, static_cast<double>(planes.position[i]),
-                                                      planes.left[i], planes.right[i]));
-    }
-  }
+  const CutTerms terms{lo, hi, static_cast<float>(areas.ends() * areas.per_whole()),
+                       static_cast<float>(areas.slope() * areas.per_whole()),
+                       static_cast<float>(constants.empty_bonus)};
+  const ExactCut cut = scan_exact(refs, axis, std::span(candidates).first(passes * kScanWidth), terms);
+  counters.touches += passes * refs.size();
+  best.offer({axis, cut.position}, constants.traverse + constants.intersect * static_cast<double>(cut.children));
 }
 
-void offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, bool all_axes, int longest,
-                   BestCut& best, BuildCounters& counters) {
+/// Returns the weight of the whole list: all of it lies below the cell's upper face.
+double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, bool all_axes,
+                     int longest, BestCut& best, BuildCounters& counters) {
   const int begin = all_axes ? 0 : longest;
   const int end = all_axes ? 3 : longest + 1;
   std::array<ScanAxis, 3> planes;
@@ -206,6 +208,8 @@ void offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, con
     const std::size_t a = index_of(axis);
     offer_minima(merge(samples[a], to_samples(planes[a], placed[a])), CutAreas(cell, axis), builder.cost, axis, cell, best);
   }
+  const Samples& any = samples[index_of(begin)];
+  return any.at[any.size - 1].left;
 }
 
 double total_weight(std::span<const BoxRef> refs) {
@@ -237,14 +241,16 @@ std::optional<Plane> ScanBuilder::choose(std::span<const BoxRef> refs, const Aab
   const bool all_axes = axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
   const int longest = longest_axis(cell);
   BestCut best;
+  double weight = 0;
   if (refs.size() <= exact_below) {
+    weight = total_weight(refs);
     for (int axis = all_axes ? 0 : longest; axis < (all_axes ? 3 : longest + 1); ++axis) {
       offer_exact(refs, axis, cell, cost, best, counters);
     }
   } else {
-    offer_sampled(*this, refs, cell, all_axes, longest, best, counters);
+    weight = offer_sampled(*this, refs, cell, all_axes, longest, best, counters);
   }
-  if (!best.found || !(best.cost < cost.intersect * total_weight(refs))) return std::nullopt;
+  if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
   return best.plane;
 }
 

@@ -10,8 +10,9 @@ template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
 
-  constexpr T& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  constexpr const T& operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  // One indexed load: a choice between three members would be two conditional moves in every inner loop.
+  T& operator[](std::size_t axis) { return reinterpret_cast<T*>(this)[axis]; }
+  const T& operator[](std::size_t axis) const { return reinterpret_cast<const T*>(this)[axis]; }
   constexpr bool operator==(const Vec3&) const = default;
 
   template <class U>
@@ -19,6 +20,8 @@ struct Vec3 {
     return {static_cast<U>(x), static_cast<U>(y), static_cast<U>(z)};
   }
 };
+
+static_assert(sizeof(Vec3<float>) == 3 * sizeof(float) && sizeof(Vec3<double>) == 3 * sizeof(double));
 
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;

@@ -26,7 +26,7 @@ struct WalkCounters {
 struct TreeRay {
   LocalRay ray;
   Vec3d inverse;               ///< 1 / direction; infinite where the direction is zero.
-  std::array<int, 3> first{};  ///< Child that the ray meets first along each axis.
+  std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
   double slack = 0;
   double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
 };
@@ -41,12 +41,12 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
     const double lo = static_cast<double>(bounds.lo[a]) - o, hi = static_cast<double>(bounds.hi[a]) - o;
     distance = std::fmax(distance, std::fmax(std::fabs(lo), std::fabs(hi)));
     out.inverse[a] = 1 / d;
-    out.first[a] = std::signbit(d) ? 1 : 0;
+    out.first[a] = std::signbit(d) ? 1u : 0u;
     if (d == 0) {
       if (lo > 0 || hi < 0) return false;
       continue;
     }
-    const double near = (out.first[a] ? hi : lo) * out.inverse[a], far = (out.first[a] ? lo : hi) * out.inverse[a];
+    const double near = (out.first[a] == 1 ? hi : lo) * out.inverse[a], far = (out.first[a] == 1 ? lo : hi) * out.inverse[a];
     t_in = std::fmax(t_in, near);
     t_out = std::fmin(t_out, far);
   }
@@ -85,7 +85,7 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
       const auto axis = static_cast<std::size_t>(slot.axis());
       const double t = (static_cast<double>(slot.position()) - ray.ray.origin[axis]) * ray.inverse[axis];
       AtomicSlot* children = tree.children(slot);
-      const int first = ray.first[axis];
+      const std::size_t first = ray.first[axis];
       // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its interval.
       const bool skip_near = t + ray.slack < t_in;
       const bool skip_far = t - ray.slack > t_out;
