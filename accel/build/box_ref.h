@@ -1,8 +1,9 @@
 // A reference as the builder sees it: a weighted box. Lists of them are what is scanned and sifted.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "accel/geometry/aabb.h"
 
@@ -40,6 +41,26 @@ struct Plane {
   int axis = 0;
   float position = 0;
   bool operator==(const Plane&) const = default;
+};
+
+/// A plane, and on which side of it the boxes go that lie flat in it. By the rule of membership (is_member) that is the
+/// right; builders that follow Wald and Havran choose.
+struct Cut {
+  Plane plane;
+  bool planar_left = false;
+  bool operator==(const Cut&) const = default;
+};
+
+/// Whether a box lies flat in a plane: widen_flat gave it the least extent there is.
+inline bool is_planar(const BoxRef& ref, std::size_t axis) {
+  return ref.hi[axis] == least_above(ref.lo[axis]);
+}
+
+/// A cell as a builder is asked about it.
+struct CellRefs {
+  std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
+  Aabb box;
+  int depth = 0;  ///< Of the root: 0.
 };
 
 }  // namespace sightline::accel

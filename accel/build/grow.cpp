@@ -6,6 +6,7 @@
 
 #include <tbb/task_group.h>
 
+#include "accel/build/clip_straddlers.h"
 #include "accel/build/list_stack.h"
 #include "accel/build/sift.h"
 
@@ -24,21 +25,27 @@ class Growth {
     if (refs.size() >= kTask && context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, depth, false);
     }
-    const std::optional<Plane> plane =
-        depth < context_.max_depth ? builder_.choose(refs, cell, counters) : std::nullopt;
-    if (!plane) return leaf(refs, cell, depth);
+    const std::optional<Cut> cut =
+        depth < context_.max_depth ? builder_.choose({refs, cell, depth}, counters) : std::nullopt;
+    if (!cut) return leaf(refs, cell, depth);
+    const Plane& plane = cut->plane;
 
+    // Before the list is divided: without room for the children it stays as it is.
+    const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
+    if (!pair) return defer(refs, cell, depth, true);
+
+    const HalvedCell halves = halve(cell, plane.axis, plane.position);
     const ListStack::Mark mark = lists.mark();
     BoxRef* right = lists.top(refs.size());
-    const Sifted n = sift(refs, *plane, refs.data(), right);
+    Sifted n = sift(refs, *cut, refs.data(), right);
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size()) return leaf(refs, cell, depth);  // separates nothing
+    if (builder_.clips() && context_.mesh != nullptr) {
+      n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
+      n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
+    }
     lists.take(n.right);
-    const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return defer(unite(refs.first(n.left), {right, n.right}, *plane), cell, depth, true);
-
-    const HalvedCell halves = halve(cell, plane->axis, plane->position);
-    const Slot slot = Slot::binary(*plane, *pair);
+    const Slot slot = Slot::binary(plane, *pair);
     AtomicSlot* children = context_.tree.children(slot);
     if (std::min(n.left, n.right) >= kTask) {
       grow_both(refs.first(n.left), {right, n.right}, halves, depth + 1, children, lists, counters);
@@ -82,16 +89,6 @@ class Growth {
     BoxList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
     return context_.tree.defer(std::move(list), box, depth, given_up);
-  }
-
-  /// The list before it was sifted, in its old place: what went left, and of the right side what did not.
-  static std::span<const BoxRef> unite(std::span<BoxRef> left, std::span<const BoxRef> right, const Plane& plane) {
-    const auto axis = static_cast<std::size_t>(plane.axis);
-    BoxRef* end = left.data() + left.size();
-    for (const BoxRef& ref : right) {
-      if (!(ref.lo[axis] < plane.position)) *end++ = ref;
-    }
-    return {left.data(), end};
   }
 
   const GrowContext& context_;

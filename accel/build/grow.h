@@ -6,6 +6,7 @@
 #include <span>
 
 #include "accel/build/any_builder.h"
+#include "accel/geometry/mesh_view.h"
 #include "accel/tree/kd_tree.h"
 
 namespace sightline::accel {
@@ -14,6 +15,7 @@ namespace sightline::accel {
 struct GrowContext {
   KdTree& tree;
   const AnyBuilder& builder;
+  const MeshView* mesh = nullptr;  ///< What clipping builders clip; null: nothing to clip.
   int max_depth = 0;
   /// Once true, cells not begun yet are left deferred.
   const std::atomic<bool>* cancelled = nullptr;

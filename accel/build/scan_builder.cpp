@@ -236,7 +236,8 @@ std::optional<std::string> ScanBuilder::check() const {
   return std::nullopt;
 }
 
-std::optional<Plane> ScanBuilder::choose(std::span<const BoxRef> refs, const Aabb& cell, BuildCounters& counters) const {
+std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
+  const auto& [refs, cell, depth] = list;
   if (refs.empty()) return std::nullopt;
   const bool all_axes = axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
   const int longest = longest_axis(cell);
@@ -251,7 +252,7 @@ std::optional<Plane> ScanBuilder::choose(std::span<const BoxRef> refs, const Aab
     weight = offer_sampled(*this, refs, cell, all_axes, longest, best, counters);
   }
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
-  return best.plane;
+  return Cut{best.plane};
 }
 
 }  // namespace sightline::accel

@@ -40,9 +40,11 @@ struct ScanBuilder {
   std::optional<std::string> check() const;
 
   /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing every box, or no plane
-  /// fits. In: boxes that are members of `cell` (they may reach beyond it). Threads: any. Large lists are scanned in
-  /// parallel in the caller's arena; the answer does not depend on how.
-  std::optional<Plane> choose(std::span<const BoxRef> refs, const Aabb& cell, BuildCounters& counters) const;
+  /// fits. Threads: any. Large lists are scanned in parallel in the caller's arena; the answer does not depend on how.
+  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+
+  /// Boxes are left as they are: a straddler keeps its bounds on both sides.
+  bool clips() const { return false; }
 };
 
 }  // namespace sightline::accel

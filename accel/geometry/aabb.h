@@ -58,6 +58,11 @@ inline float round_up(double x) {
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
+/// The least float above x that widen_flat gives a box flat at x.
+inline float least_above(float x) {
+  return std::max(std::nextafter(x, std::numeric_limits<float>::infinity()), x + std::numeric_limits<float>::min());
+}
+
 /// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
 ///
 /// This is what makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a flat box
@@ -65,13 +70,12 @@ inline float round_up(double x) {
 /// makes the rule the same with flush-to-zero on or off.
 inline Aabb widen_flat(Aabb b) {
   constexpr float kTiny = std::numeric_limits<float>::min();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     float& lo = b.lo[a];
     float& hi = b.hi[a];
     if (lo > -kTiny && lo < kTiny) lo = lo < 0 ? -kTiny : 0.0f;
     if (hi > -kTiny && hi < kTiny) hi = hi > 0 ? kTiny : 0.0f;
-    if (!(hi - lo >= kTiny)) hi = std::max(std::nextafter(lo, kInf), lo + kTiny);
+    if (!(hi - lo >= kTiny)) hi = least_above(lo);
   }
   return b;
 }

@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/build/clip_straddlers.h"
 #include "accel/build/sift.h"
 #include "accel/tree/epoch.h"
 
@@ -30,10 +31,12 @@ void collect_unbuilt(const KdTree& tree, AtomicSlot& slot, std::vector<AtomicSlo
 
 }  // namespace
 
-LazyTree::LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder, ReferenceSource source)
+LazyTree::LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder, ReferenceSource source,
+                   const MeshView* mesh)
     : tree_(bounds, references),
       builder_(builder),
       source_(std::move(source)),
+      mesh_(mesh),
       references_(references),
       max_depth_(depth_limit(references)) {}
 
@@ -92,26 +95,32 @@ bool LazyTree::build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildC
 }
 
 Slot LazyTree::cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, BuildCounters& counters) {
-  const std::optional<Plane> plane =
+  const CellRefs list{refs, cell.box, cell.depth};
+  const std::optional<Cut> cut =
       cell.depth < max_depth_
-          ? std::visit([&](const auto& builder) { return builder.choose(refs, cell.box, counters); }, builder_)
+          ? std::visit([&](const auto& builder) { return builder.choose(list, counters); }, builder_)
           : std::nullopt;
   const auto leaf = [&] {
     const std::optional<Slot> made = tree_.make_leaf(refs);
     if (!made) throw std::bad_alloc();
     return *made;
   };
-  if (!plane) return leaf();
+  if (!cut) return leaf();
+  const Plane& plane = cut->plane;
   BoxList left(refs.size()), right(refs.size());
-  const Sifted n = sift(refs, *plane, left.all().data(), right.all().data());
+  Sifted n = sift(refs, *cut, left.all().data(), right.all().data());
   counters.touches += refs.size();
   if (n.left == refs.size() && n.right == refs.size()) return leaf();
+  const HalvedCell halves = halve(cell.box, plane.axis, plane.position);
+  if (mesh_ != nullptr && std::visit([](const auto& builder) { return builder.clips(); }, builder_)) {
+    n.left = clip_straddlers(*mesh_, left.all().first(n.left), plane, halves.left);
+    n.right = clip_straddlers(*mesh_, right.all().first(n.right), plane, halves.right);
+  }
   left.shrink(n.left);
   right.shrink(n.right);
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
-  const HalvedCell halves = halve(cell.box, plane->axis, plane->position);
-  const Slot slot = Slot::binary(*plane, *pair);
+  const Slot slot = Slot::binary(plane, *pair);
   tree_.children(slot)[0].store(tree_.defer(std::move(left), halves.left, cell.depth + 1).bits(), std::memory_order_relaxed);
   tree_.children(slot)[1].store(tree_.defer(std::move(right), halves.right, cell.depth + 1).bits(), std::memory_order_relaxed);
   return slot;
@@ -119,7 +128,7 @@ Slot LazyTree::cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, 
 
 Slot LazyTree::finish(BoxList list, const DeferredCell& cell, BuildCounters& counters,
                       const std::atomic<bool>* cancelled) {
-  const GrowContext context{tree_, builder_, max_depth_, cancelled};
+  const GrowContext context{tree_, builder_, mesh_, max_depth_, cancelled};
   return grow(context, list.all(), cell.box, cell.depth, counters);
 }
 

@@ -19,7 +19,9 @@ using ReferenceSource = std::function<BoxList(BuildCounters&)>;
 class LazyTree {
  public:
   /// `bounds` holds every reference; `references` is how many the source will make (an upper bound).
-  LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder, ReferenceSource source);
+  /// `mesh`: what the references are faces of, for builders that clip; null if they are not. Must outlive the tree.
+  LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder, ReferenceSource source,
+           const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
   AtomicSlot& root() { return tree_.root(); }
@@ -48,6 +50,7 @@ class LazyTree {
   KdTree tree_;
   AnyBuilder builder_;
   ReferenceSource source_;
+  const MeshView* mesh_;
   std::size_t references_;
   int max_depth_;
 };

@@ -91,7 +91,7 @@ struct Visit {
 MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles, const AnyBuilder& builder)
     : mesh_(mesh), lazy_(bounds, finite_triangles, builder, [mesh, finite_triangles](BuildCounters& counters) {
         return make_references(mesh, finite_triangles, counters);
-      }) {}
+      }, &mesh_) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;

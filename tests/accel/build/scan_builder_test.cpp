@@ -69,11 +69,11 @@ TEST(ScanBuilder, FindsTheOptimumWhenExact) {
     const std::vector<BoxRef> refs = random_boxes(n, 0.1, n);
     const Aabb cell = bounds(refs);
     BuildCounters counters;
-    const auto plane = builder.choose(refs, cell, counters);
+    const auto plane = builder.choose({refs, cell, 0}, counters);
     const double best = best_possible(refs, cell, builder.cost);
     if (best < static_cast<double>(n)) {
       ASSERT_TRUE(plane) << n;
-      EXPECT_NEAR(true_cost(refs, cell, *plane, builder.cost), best, 1e-6 * best)  // weighed in float
+      EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best, 1e-6 * best)  // weighed in float
           << n;
     } else {
       EXPECT_FALSE(plane) << n;
@@ -88,9 +88,9 @@ TEST(ScanBuilder, SampledChoiceIsNearTheOptimumOnSmoothInput) {
     const std::vector<BoxRef> refs = random_boxes(1000, 0.02, 5);
     const Aabb cell = bounds(refs);
     BuildCounters counters;
-    const auto plane = builder.choose(refs, cell, counters);
+    const auto plane = builder.choose({refs, cell, 0}, counters);
     ASSERT_TRUE(plane);
-    EXPECT_LT(true_cost(refs, cell, *plane, builder.cost), 1.03 * best_possible(refs, cell, builder.cost));
+    EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost), 1.03 * best_possible(refs, cell, builder.cost));
     EXPECT_EQ(counters.touches, 2 * refs.size());  // the uniform and the adaptive pass, all axes fused
   }
 }
@@ -107,11 +107,11 @@ TEST(ScanBuilder, AdaptiveSamplesCloseInOnAStep) {
   ScanBuilder builder;
   builder.axes = ScanAxes::kOne;
   BuildCounters counters;
-  const auto plane = builder.choose(refs, cell, counters);
+  const auto plane = builder.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
   // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
   const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) / (builder.uniform_samples - 1);
-  EXPECT_LT(std::fabs(static_cast<double>(plane->position) - 0.637), segment / builder.adaptive_samples);
+  EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637), segment / builder.adaptive_samples);
 }
 
 TEST(ScanBuilder, OneAxisCutsTheLongest) {
@@ -123,7 +123,7 @@ TEST(ScanBuilder, OneAxisCutsTheLongest) {
     r.hi.z *= 10;
   }
   BuildCounters counters;
-  EXPECT_EQ(builder.choose(refs, bounds(refs), counters)->axis, 2);
+  EXPECT_EQ(builder.choose({refs, bounds(refs), 0}, counters)->plane.axis, 2);
 }
 
 TEST(ScanBuilder, HeavyReferencesPullThePlane) {
@@ -131,32 +131,32 @@ TEST(ScanBuilder, HeavyReferencesPullThePlane) {
   std::vector<BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}), ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   const Aabb cell = bounds(refs);
   BuildCounters counters;
-  const auto plane = ScanBuilder{}.choose(refs, cell, counters);
+  const auto plane = ScanBuilder{}.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
-  EXPECT_EQ(*plane, (Plane{0, 8}));
+  EXPECT_EQ(plane->plane, (Plane{0, 8}));
 }
 
 TEST(ScanBuilder, LeavesWhatCannotBeSeparated) {
   const ScanBuilder builder;
   BuildCounters counters;
-  EXPECT_FALSE(builder.choose({}, {{0, 0, 0}, {1, 1, 1}}, counters));
+  EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));
   for (const std::size_t n : {1u, 20u, 500u}) {
     const std::vector<BoxRef> same(n, ref({0, 0, 0}, {1, 1, 1}));
-    EXPECT_FALSE(builder.choose(same, bounds(same), counters)) << n;
+    EXPECT_FALSE(builder.choose({same, bounds(same), 0}, counters)) << n;
   }
 }
 
 TEST(ScanBuilder, ParallelScansChooseTheSamePlane) {
   const std::vector<BoxRef> refs = random_boxes(200000, 0.001, 9);
   const Aabb cell = bounds(refs);
-  std::vector<Plane> planes;
+  std::vector<Cut> cuts;
   for (const int threads : {1, 2, 4}) {
     tbb::task_arena arena(threads);
     BuildCounters counters;
-    planes.push_back(*arena.execute([&] { return ScanBuilder{}.choose(refs, cell, counters); }));
+    cuts.push_back(*arena.execute([&] { return ScanBuilder{}.choose({refs, cell, 0}, counters); }));
   }
-  EXPECT_EQ(planes[0], planes[1]);
-  EXPECT_EQ(planes[0], planes[2]);
+  EXPECT_EQ(cuts[0], cuts[1]);
+  EXPECT_EQ(cuts[0], cuts[2]);
 }
 
 TEST(ScanBuilder, CheckNamesTheParameterAndItsRange) {
