@@ -97,7 +97,7 @@ Instances::Instances(const Snapshot& snapshot) {
     boxes.push_back(world_box(world, *local_from_world, node.mesh->bounds()));
     all.grow(boxes.back().lo);
     all.grow(boxes.back().hi);
-    list_.push_back({*local_from_world, {}, node.id, node.mask, node.mesh.get(), node.entered.get()});
+    list_.push_back({*local_from_world, mirrors(world), {}, node.id, node.mask, node.mesh.get(), node.entered.get()});
   }
   if (!all.empty()) center_ = (all.lo + all.hi) * 0.5;
   accel::Aabb bounds;

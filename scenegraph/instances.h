@@ -13,6 +13,7 @@ namespace sightline::scenegraph {
 
 struct Instance {
   Affine local_from_world;
+  bool mirrored = false;  ///< The transform turns windings around.
   accel::Aabb box;  ///< World, less Instances::center(), rounded outward.
   NodeId node = 0;
   std::uint32_t mask = accel::kAllMasks;

@@ -168,10 +168,11 @@ Hit RayCaster::surface(const Ray& ray, const MeshQuery& query) const {
   const accel::Barycentric weights = accel::barycentric(*local, query.best_t / local->unit, a, b, c);
   hit.u = static_cast<float>(weights.u);
   hit.v = static_cast<float>(weights.v);
+  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides where space is mirrored.
   const Vec3d normal =
       instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
-  const double size = length(normal);
-  if (size > 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
+  const double size = instance.mirrored ? -length(normal) : length(normal);
+  if (size != 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
   return hit;
 }
 

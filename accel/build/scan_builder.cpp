@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -179,21 +180,25 @@ void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell, const
   best.offer({axis, cut.position}, constants.traverse + constants.intersect * static_cast<double>(cut.children));
 }
 
+/// The axes that are looked at together: all of them, or one.
+struct AxisRange {
+  int begin = 0, end = 3;
+  bool all() const { return end - begin == 3; }
+};
+
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
-double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, bool all_axes,
-                     int longest, BestCut& best, BuildCounters& counters) {
-  const int begin = all_axes ? 0 : longest;
-  const int end = all_axes ? 3 : longest + 1;
+double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, AxisRange range,
+                     BestCut& best, BuildCounters& counters) {
   std::array<ScanAxis, 3> planes;
-  for (int axis = begin; axis < end; ++axis) {
+  for (int axis = range.begin; axis < range.end; ++axis) {
     const std::size_t a = index_of(axis);
     place_uniform(planes[a], cell.lo[a], cell.hi[a], builder.uniform_samples);
   }
-  count(refs, all_axes, longest, planes);
+  count(refs, range.all(), range.begin, planes);
   counters.touches += refs.size();
   std::array<Samples, 3> samples;
   std::array<std::size_t, 3> placed{};
-  for (int axis = begin; axis < end; ++axis) {
+  for (int axis = range.begin; axis < range.end; ++axis) {
     const std::size_t a = index_of(axis);
     samples[a] = to_samples(planes[a], builder.uniform_samples);
     placed[a] = place_adaptive(samples[a], builder.adaptive_samples, planes[a]);
@@ -201,15 +206,55 @@ double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, c
     planes[a].right.fill(0);
   }
   if (placed[0] + placed[1] + placed[2] > 0) {
-    count(refs, all_axes, longest, planes);
+    count(refs, range.all(), range.begin, planes);
     counters.touches += refs.size();
   }
-  for (int axis = begin; axis < end; ++axis) {
+  for (int axis = range.begin; axis < range.end; ++axis) {
     const std::size_t a = index_of(axis);
     offer_minima(merge(samples[a], to_samples(planes[a], placed[a])), CutAreas(cell, axis), builder.cost, axis, cell, best);
   }
-  const Samples& any = samples[index_of(begin)];
+  const Samples& any = samples[index_of(range.begin)];
   return any.at[any.size - 1].left;
+}
+
+/// The bounds next to a position, each at or beyond it; infinite where there is none.
+struct Neighbours {
+  float below = -std::numeric_limits<float>::infinity();
+  float above = std::numeric_limits<float>::infinity();
+};
+
+Neighbours nearest_bounds(std::span<const BoxRef> refs, std::size_t axis, float x) {
+  Neighbours n;
+  for (const BoxRef& ref : refs) {
+    for (const float bound : {ref.lo[axis], ref.hi[axis]}) {
+      n.below = bound <= x && bound > n.below ? bound : n.below;
+      n.above = bound >= x && bound < n.above ? bound : n.above;
+    }
+  }
+  return n;
+}
+
+/// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose costs are true.
+void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahConstants& constants, BestCut& best,
+                   BuildCounters& counters) {
+  const int axis = best.plane.axis;
+  const std::size_t a = index_of(axis);
+  const Neighbours n = nearest_bounds(refs, a, best.plane.position);
+  ScanAxis planes;
+  std::size_t used = 0;
+  for (const float x : {n.below, n.above}) {
+    if (x > cell.lo[a] && x < cell.hi[a]) planes.position[used++] = x;
+  }
+  if (used == 0) return;
+  fill_unused(planes, used);
+  scan_one_axis(refs, axis, planes);
+  counters.touches += 2 * refs.size();
+  const CutAreas areas(cell, axis);
+  best = {};
+  for (std::size_t i = 0; i < used; ++i) {
+    best.offer({axis, planes.position[i]}, cut_cost(constants, areas, static_cast<double>(planes.position[i]),
+                                                    planes.left[i], planes.right[i]));
+  }
 }
 
 double total_weight(std::span<const BoxRef> refs) {
@@ -233,24 +278,32 @@ std::optional<std::string> ScanBuilder::check() const {
   if (auto e = range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
   if (auto e = range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
   if (auto e = range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
+  if (auto e = range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity())) return e;
   return std::nullopt;
 }
 
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
   const auto& [refs, cell, depth] = list;
   if (refs.empty()) return std::nullopt;
+  const bool exact = refs.size() <= exact_below;
   const bool all_axes = axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
   const int longest = longest_axis(cell);
   BestCut best;
-  double weight = 0;
-  if (refs.size() <= exact_below) {
-    weight = total_weight(refs);
-    for (int axis = all_axes ? 0 : longest; axis < (all_axes ? 3 : longest + 1); ++axis) {
-      offer_exact(refs, axis, cell, cost, best, counters);
+  double weight = exact ? total_weight(refs) : 0;
+  const auto offer = [&](AxisRange range) {
+    if (!exact) {
+      weight = offer_sampled(*this, refs, cell, range, best, counters);
+      return;
     }
-  } else {
-    weight = offer_sampled(*this, refs, cell, all_axes, longest, best, counters);
+    for (int axis = range.begin; axis < range.end; ++axis) offer_exact(refs, axis, cell, cost, best, counters);
+  };
+  offer(all_axes ? AxisRange{} : AxisRange{longest, longest + 1});
+  if (!all_axes && !(best.found && best.cost < retry_above * cost.intersect * weight)) {
+    for (const int axis : {(longest + 1) % 3, (longest + 2) % 3}) {
+      if (retry_above < std::numeric_limits<double>::infinity()) offer({axis, axis + 1});
+    }
   }
+  if (snap && !exact && best.found) snap_to_bound(refs, cell, cost, best, counters);
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
   return Cut{best.plane};
 }

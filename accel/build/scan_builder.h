@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +33,17 @@ struct ScanBuilder {
   std::uint32_t hybrid_below = 1024;
   SahConstants cost{};
 
+  // Ours, not the paper's; off unless a builder's name says otherwise.
+
+  /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two are tried as well.
+  /// Range > 0; infinite: never.
+  double retry_above = std::numeric_limits<double>::infinity();
+  /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost is linear, so the
+  /// minimum always lies at one. Costs two passes.
+  bool snap = false;
+  /// Perfect splits: see clip_straddlers.
+  bool clip = false;
+
   static constexpr std::uint32_t kMaxExact = 64;
 
   bool operator==(const ScanBuilder&) const = default;
@@ -43,8 +55,7 @@ struct ScanBuilder {
   /// fits. Threads: any. Large lists are scanned in parallel in the caller's arena; the answer does not depend on how.
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
-  /// Boxes are left as they are: a straddler keeps its bounds on both sides.
-  bool clips() const { return false; }
+  bool clips() const { return clip; }
 };
 
 }  // namespace sightline::accel

@@ -33,11 +33,11 @@ struct Visit {
   const MeshView& mesh;
   LazyTree& lazy;
   MeshQuery& query;
-  double slack;
+  const TreeRay& ray;
   WalkCounters& walked;
   BuildCounters& built;
 
-  double limit() const { return query.best_t / query.ray.unit + slack; }
+  double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
   bool test(std::uint32_t id) {
     ++walked.tests;
@@ -75,12 +75,13 @@ struct Visit {
   bool search(const DeferredCell& cell) {
     if (cell.listed) {
       for (const BoxRef& ref : cell.list.all()) {
-        if (test(ref.id)) return true;
+        if (may_meet(ray, ref.bounds(), limit()) && test(ref.id)) return true;
       }
       return false;
     }
     for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-      if (face_bounds(mesh, i) && test(static_cast<std::uint32_t>(i))) return true;
+      const std::optional<Aabb> box = face_bounds(mesh, i);
+      if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
     }
     return false;
   }
@@ -97,7 +98,7 @@ void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& buil
   TreeRay ray;
   const double tmax = std::fmin(query.tmax, query.best_t);
   if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
-  Visit visit{mesh_, lazy_, query, ray.slack, walked, built};
+  Visit visit{mesh_, lazy_, query, ray, walked, built};
   walk(tree(), ray, lazy_.root(), walked, visit);
 }
 

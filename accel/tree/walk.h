@@ -56,6 +56,21 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
   return out.t_in <= out.t_out;
 }
 
+/// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For searching the lists
+/// of cells that are not built.
+inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
+  double t_in = ray.t_in, t_out = std::fmin(ray.t_out, limit);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double lo = (static_cast<double>(box.lo[a]) - ray.ray.origin[a]) * ray.inverse[a];
+    const double hi = (static_cast<double>(box.hi[a]) - ray.ray.origin[a]) * ray.inverse[a];
+    const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack, far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
+    // A ray along the face has NaN here, which changes nothing.
+    if (near > t_in) t_in = near;
+    if (far < t_out) t_out = far;
+  }
+  return t_in <= t_out;
+}
+
 /// Visits, near to far, the cells that the ray enters.
 ///
 /// `visit` supplies:

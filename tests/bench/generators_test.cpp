@@ -99,7 +99,9 @@ TEST(Generators, HerdCopiesMeshes) {
   EXPECT_EQ(herd.meshes.size(), 4u);
   std::set<std::size_t> used;
   for (const SourceNode& node : herd.nodes) {
-    if (node.mesh) EXPECT_TRUE(used.insert(*node.mesh).second);
+    if (node.mesh) {
+      EXPECT_TRUE(used.insert(*node.mesh).second);
+    }
   }
   EXPECT_EQ(used.size(), 4u);
 }

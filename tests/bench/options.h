@@ -23,29 +23,29 @@ struct CommonOptions {
 };
 
 struct RayOptions {
-  std::string kind = "overview";
-  std::size_t count = 100'000;
+  std::string kind{};
+  std::size_t count = 0;
 };
 
 struct RaysOptions {
-  RayOptions rays;
-  std::string out;
+  RayOptions rays{};
+  std::string out{};
 };
 
 struct BuildOptions {
-  std::vector<std::string> builders;
+  std::vector<std::string> builders{};
 };
 
 struct TraceOptions {
-  std::vector<std::string> builders;
-  RayOptions rays;
+  std::vector<std::string> builders{};
+  RayOptions rays{};
   scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
 };
 
 struct LazyOptions {
-  RayOptions rays;
+  RayOptions rays{};
   std::vector<std::string> modes{"lazy", "full"};
-  std::string builder;
+  std::string builder{};
   std::size_t batch = 0;  ///< Rays a batch; 0: all in one.
 };
 

@@ -143,7 +143,8 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   const Task task{*scene, *rays, *builder, batch, common.threads};
 
   // One full run that is not counted: warms the process and shows what a full tree's rays see.
-  Mode unmeasured{.name = "full", .growth = scenegraph::Growth::kFull};
+  Mode unmeasured;
+  unmeasured.growth = scenegraph::Growth::kFull;
   auto full = run_once(task, unmeasured);
   if (!full.ok()) return full.error();
   if (auto right = (*check)(full->hits); !right.ok()) return right.error();

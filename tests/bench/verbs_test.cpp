@@ -20,6 +20,13 @@ CommonOptions common(std::string scene) {
   return options;
 }
 
+RayOptions some(const char* kind, std::size_t count) {
+  RayOptions rays;
+  rays.kind = kind;
+  rays.count = count;
+  return rays;
+}
+
 void expect_keys(const Row& row, std::initializer_list<const char*> keys) {
   for (const char* key : keys) EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
 }
@@ -65,7 +72,7 @@ TEST(VerbBuild, SetsBuilderParameters) {
 
 TEST(VerbTrace, BuildersAndPoliciesAnswerAlike) {
   CommonOptions options = common("gen:city?boxes=200");
-  TraceOptions trace{.builders = kBuilders, .rays = {.kind = "random", .count = 500}};
+  TraceOptions trace{.builders = kBuilders, .rays = some("random", 500)};
   const auto full = run_trace(options, trace);
   ASSERT_TRUE(full.ok()) << full.error().message;
   options.policy = "first-touch";
@@ -86,8 +93,7 @@ TEST(VerbTrace, BuildersAndPoliciesAnswerAlike) {
 }
 
 TEST(VerbLazy, ModesAgreeAndLazyTouchesLess) {
-  const auto rows =
-      run_lazy(common("gen:terrain?triangles=20000"), {.rays = {.kind = "closeup", .count = 300}});
+  const auto rows = run_lazy(common("gen:terrain?triangles=20000"), {.rays = some("closeup", 300)});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   ASSERT_EQ(rows->size(), 2u);
   const Row &lazy = (*rows)[0], &full = (*rows)[1];
@@ -108,7 +114,7 @@ TEST(VerbLazy, ModesAgreeAndLazyTouchesLess) {
 }
 
 TEST(VerbLazy, BatchesChangeNoAnswer) {
-  LazyOptions options{.rays = {.kind = "overview", .count = 300}};
+  LazyOptions options{.rays = some("overview", 300)};
   const auto whole = run_lazy(common("gen:stadium"), options);
   options.batch = 7;
   const auto cut = run_lazy(common("gen:stadium"), options);
@@ -118,8 +124,8 @@ TEST(VerbLazy, BatchesChangeNoAnswer) {
 
 TEST(VerbRays, WritesTheFile) {
   const auto file = std::filesystem::path(testing::TempDir()) / "sightline_verb_rays_test.npy";
-  const auto rows = run_rays(common("gen:grid?triangles=50"),
-                             {.rays = {.kind = "aimed", .count = 10}, .out = file.string()});
+  const auto rows =
+      run_rays(common("gen:grid?triangles=50"), {.rays = some("aimed", 10), .out = file.string()});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   EXPECT_EQ(std::filesystem::file_size(file), 128u + 640u);
   std::filesystem::remove(file);
@@ -131,11 +137,11 @@ TEST(Verbs, RefuseWhatTheyDoNotKnow) {
     return result.ok() ? Code::kInternal : result.error().code;
   };
   const std::string scene = "gen:grid?triangles=50";
-  const RayOptions random{.kind = "random", .count = 10};
+  const RayOptions random = some("random", 10);
   EXPECT_EQ(code(run_build(common(scene), {.builders = {"magic"}})), Code::kInvalidArgument);
   EXPECT_EQ(code(run_lazy(common(scene), {.rays = random, .modes = {"eager"}})),
             Code::kInvalidArgument);
-  EXPECT_EQ(code(run_trace(common(scene), {.builders = kBuilders, .rays = {.kind = "odd"}})),
+  EXPECT_EQ(code(run_trace(common(scene), {.builders = kBuilders, .rays = some("odd", 1)})),
             Code::kInvalidArgument);
   CommonOptions options = common(scene);
   options.policy = "psychic";
@@ -152,7 +158,7 @@ TEST(Verbs, RefuseWhatTheyDoNotKnow) {
 TEST(AnswerCheck, NoticesAWrongAnswer) {
   const auto scene = make_scene(common("gen:icosphere?level=2"));
   ASSERT_TRUE(scene.ok());
-  const auto rays = make_rays(*scene, RayOptions{.kind = "overview", .count = 100}, 1);
+  const auto rays = make_rays(*scene, some("overview", 100), 1);
   ASSERT_TRUE(rays.ok());
   const auto check = AnswerCheck::make(*scene, *rays, scenegraph::QueryKind::kClosest);
   ASSERT_TRUE(check.ok());

@@ -14,7 +14,6 @@ namespace sightline::bench {
 namespace {
 
 constexpr std::size_t kSampleRays = 200;
-constexpr std::string_view kDefaultBuilder = "scan-all-axes";
 
 Error invalid(std::string message) {
   return {Code::kInvalidArgument, std::move(message), "COMMAND_LINE"};
@@ -47,7 +46,8 @@ Result<SceneSource> make_scene(const CommonOptions& common) {
 }
 
 Result<accel::AnyBuilder> configured_builder(const std::string& name, const CommonOptions& common) {
-  auto builder = accel::make_builder(name.empty() ? kDefaultBuilder : std::string_view(name));
+  auto builder =
+      name.empty() ? Result<accel::AnyBuilder>(accel::AnyBuilder{}) : accel::make_builder(name);
   if (!builder.ok()) return builder.error();
   for (const std::string& pair : common.set) {
     const std::size_t equals = pair.find('=');

@@ -81,11 +81,6 @@ bool is_valid(const accel::Ray& ray) {
          !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
-double determinant(const scenegraph::Affine& a) {
-  return dot(Vec3d{a.m[0], a.m[1], a.m[2]},
-             cross(Vec3d{a.m[4], a.m[5], a.m[6]}, Vec3d{a.m[8], a.m[9], a.m[10]}));
-}
-
 }  // namespace
 
 std::vector<PlacedMesh> placed_meshes(const scenegraph::Snapshot& snapshot) {
@@ -228,8 +223,7 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k] = transform(placed.world_from_local, placed.mesh.vertices[face[k]]);
     }
-    const double outward = determinant(placed.world_from_local) < 0 ? -1 : 1;
-    auto candidate = test_triangle(line.ray, corners, scale, outward, tolerance_);
+    auto candidate = test_triangle(line.ray, corners, scale, tolerance_);
     if (!candidate) continue;
     candidate->node = placed.node;
     candidate->primitive = chunk.face[i];

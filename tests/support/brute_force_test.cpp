@@ -128,7 +128,7 @@ TEST(BruteForce, PlacesMeshesByTheirTransforms) {
   ASSERT_NE(hit.closest(), nullptr);
   EXPECT_DOUBLE_EQ(hit.closest()->t, 5);
   EXPECT_DOUBLE_EQ(hit.closest()->u, 0.25);
-  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, -1) << "the outside stays outside";
+  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "the winding of the mirrored corners counts";
 }
 
 TEST(BruteForce, MasksHideInstances) {

@@ -46,7 +46,7 @@ Sides classify(const std::array<Quad, 3>& volume, const std::array<Quad, 3>& nea
 }  // namespace
 
 std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<QuadVec, 3>& corners,
-                                       double scale, double outward, const Tolerance& tolerance) {
+                                       double scale, const Tolerance& tolerance) {
   const QuadVec o = widen(ray.origin);
   const QuadVec d = widen(ray.direction);
   const std::array<QuadVec, 3> p{corners[0] - o, corners[1] - o, corners[2] - o};
@@ -72,9 +72,8 @@ std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<Q
   if (area == 0) return std::nullopt;
 
   Candidate c;
-  c.normal = {static_cast<double>(normal.x / Quad{area}) * outward,
-              static_cast<double>(normal.y / Quad{area}) * outward,
-              static_cast<double>(normal.z / Quad{area}) * outward};
+  c.normal = {static_cast<double>(normal.x / Quad{area}), static_cast<double>(normal.y / Quad{area}),
+              static_cast<double>(normal.z / Quad{area})};
   // The triangle's extent along the ray bounds how wrong t can be, however grazing the ray.
   Quad first = dot(p[0], d), last = first;
   for (const QuadVec& corner : p) {

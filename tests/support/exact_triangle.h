@@ -10,9 +10,9 @@
 namespace sightline::tests {
 
 /// The candidate that the triangle (in world space) makes for the ray, node and primitive left out.
-/// `scale` is the largest coordinate in play; `outward` is -1 if the instance's transform mirrors.
+/// `scale` is the largest coordinate in play.
 /// Nothing where the ray misses by more than the tolerance.
 std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<QuadVec, 3>& corners,
-                                       double scale, double outward, const Tolerance& tolerance);
+                                       double scale, const Tolerance& tolerance);
 
 }  // namespace sightline::tests

@@ -21,7 +21,7 @@ struct Candidate {
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
   double u = 0, v = 0;  ///< Weights of the face's vertices 1 and 2.
-  accel::Vec3d normal;  ///< Geometric, unit, outward for an outward winding, in scene coordinates.
+  accel::Vec3d normal;  ///< Geometric, unit, by the winding in scene coordinates.
   bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
   bool borderline =
       false;  ///< Within the edge tolerance of an edge, of tmin or of tmax, or edge-on.

@@ -1,0 +1,206 @@
+// Real scenes through importer, client, wire and server: every hit equals brute force, lazy or
+// full. Scenes come from the directory that SIGHTLINE_SCENES names; without it the tests are
+// skipped. SIGHTLINE_TEST_DIVISOR (default 10) divides the number of rays; 1 casts them all.
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "client/importer/assimp_import.h"
+#include "client/scene_upload.h"
+#include "server/server.h"
+#include "tests/bench/load_scene.h"
+#include "tests/bench/ray_kinds.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/compare_hits.h"
+
+namespace sightline::tests {
+namespace {
+
+using accel::Hit;
+using accel::Ray;
+
+struct Case {
+  const char* name;
+  const char* file;
+  std::size_t rays;  // half overview, half random
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& scene) { return out << scene.name; }
+
+constexpr Case kCases[] = {
+    {"bunny", "bunny.ply", 20'000},
+    {"sponza", "sponza.glb", 20'000},
+    {"sibenik", "sibenik.ply", 20'000},
+    {"wine", "wine.dae", 20'000},
+    {"reciprocating_saw", "reciprocating_saw.glb", 20'000},
+    {"torcs_forza", "torcs_forza.glb", 20'000},
+    {"fzk_haus", "fzk_haus.ifc", 20'000},
+    {"sterngarten", "sterngarten.obj", 20'000},
+    {"dragon", "dragon.ply", 2'000},
+};
+
+// All columns of an answer, in the memory that the client fills.
+struct Columns {
+  std::vector<double> t;
+  std::vector<std::uint64_t> node;
+  std::vector<std::uint32_t> primitive;
+  std::vector<float> barycentric, normal;
+  std::vector<std::uint8_t> hit;
+
+  explicit Columns(std::size_t n)
+      : t(n), node(n), primitive(n), barycentric(2 * n), normal(3 * n), hit(n) {}
+
+  client::HitColumns view() {
+    return {.t = t,
+            .node = node,
+            .primitive = primitive,
+            .barycentric = barycentric,
+            .normal = normal,
+            .hit = hit};
+  }
+
+  std::vector<Hit> hits() const {
+    std::vector<Hit> rows(t.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      rows[i].t = t[i];
+      rows[i].node = node[i];
+      rows[i].primitive = primitive[i];
+      rows[i].u = barycentric[2 * i];
+      rows[i].v = barycentric[2 * i + 1];
+      rows[i].normal = {normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]};
+      rows[i].state = static_cast<accel::HitState>(hit[i]);
+    }
+    return rows;
+  }
+};
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+// The scene as its file says, placed without any help from the product's scene graph. The server
+// gives ids from 1 upward in the order of the file's nodes.
+std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
+  std::vector<PlacedMesh> placed;
+  std::vector<scenegraph::Affine> world;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const bench::SourceNode& node = scene.nodes[i];
+    world.push_back(node.parent ? compose(world[*node.parent], node.parent_from_local)
+                                : node.parent_from_local);
+    if (!node.mesh) continue;
+    const bench::SourceMesh& mesh = scene.meshes[*node.mesh];
+    placed.push_back({{mesh.vertices, mesh.faces}, world[i], i + 1});
+  }
+  return placed;
+}
+
+std::size_t divisor() {
+  const char* text = std::getenv("SIGHTLINE_TEST_DIVISOR");
+  const long value = text != nullptr ? std::strtol(text, nullptr, 10) : 0;
+  return value > 0 ? static_cast<std::size_t>(value) : 10;
+}
+
+class OracleTest : public testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    const char* directory = std::getenv("SIGHTLINE_SCENES");
+    if (directory == nullptr) GTEST_SKIP() << "SIGHTLINE_SCENES is not set";
+    file_ = std::filesystem::path(directory) / GetParam().file;
+    ASSERT_TRUE(std::filesystem::exists(file_)) << file_;
+
+    spdlog::set_level(spdlog::level::warn);  // sterngarten alone uploads thousands of meshes
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    auto started = server::Server::start(config);
+    ASSERT_TRUE(started.ok()) << started.error().message;
+    server_ = std::move(started).value();
+    auto connected = client::Client::connect("127.0.0.1:" + std::to_string(server_->port()));
+    ASSERT_TRUE(connected.ok()) << connected.error().message;
+    client_.emplace(std::move(*connected));
+  }
+
+  void upload() {
+    auto imported = client::import_scene(file_);
+    ASSERT_TRUE(imported.ok()) << imported.error().message;
+    const auto uploaded = client::upload_scene(*client_, kScene, *imported, {});
+    ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
+  }
+
+  client::CastReport cast(const std::vector<Ray>& rays, client::BuildMode build, Columns& columns) {
+    std::vector<double> origins, directions, tmin, tmax;
+    for (const Ray& ray : rays) {
+      origins.insert(origins.end(), {ray.origin.x, ray.origin.y, ray.origin.z});
+      directions.insert(directions.end(), {ray.direction.x, ray.direction.y, ray.direction.z});
+      tmin.push_back(ray.tmin);
+      tmax.push_back(ray.tmax);
+    }
+    client::CastOptions options;
+    options.build = build;
+    const auto report = client_->cast_stream(
+        kScene, client::RayColumns<const double>{origins, directions, tmin, tmax}, columns.view(),
+        options);
+    EXPECT_TRUE(report.ok()) << report.error().message;
+    return report.ok() ? *report : client::CastReport{};
+  }
+
+  static constexpr const char* kScene = "projects/default/scenes/oracle";
+  std::filesystem::path file_;
+  std::unique_ptr<server::Server> server_;
+  std::optional<client::Client> client_;
+};
+
+std::vector<Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count) {
+  std::vector<Ray> rays;
+  for (const bench::RayKind kind : {bench::RayKind::kOverview, bench::RayKind::kRandom}) {
+    auto some = bench::make_rays(scene, kind, count / 2, 1);
+    EXPECT_TRUE(some.ok());
+    if (some.ok()) rays.insert(rays.end(), some->begin(), some->end());
+  }
+  return rays;
+}
+
+TEST_P(OracleTest, HitsThroughTheServerEqualBruteForceLazyAndFull) {
+  ASSERT_NO_FATAL_FAILURE(upload());
+  const auto scene = bench::load_scene(file_.string());
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  const std::vector<Ray> rays = mixed_rays(*scene, GetParam().rays / divisor());
+
+  Columns lazy(rays.size());
+  const client::CastReport report = cast(rays, client::BuildMode::kLazy, lazy);
+  EXPECT_EQ(report.rays, rays.size());
+  EXPECT_EQ(report.invalid, 0u);
+
+  const BruteForce oracle(place(*scene));
+  const Comparison result = compare(rays, lazy.hits(), oracle, {.surface = true});
+  EXPECT_EQ(result.mismatches, 0u) << result.report();
+  EXPECT_EQ(result.edges, 0u) << result.report();
+  EXPECT_EQ(result.surface_errors, 0u) << result.report();
+  EXPECT_EQ(result.hits, report.hits);
+  EXPECT_GT(result.hits, rays.size() / 20) << result.report();
+  RecordProperty("comparison", result.report());
+
+  Columns full(rays.size());
+  cast(rays, client::BuildMode::kFull, full);
+  EXPECT_TRUE(same_bytes(lazy.t, full.t));
+  EXPECT_TRUE(same_bytes(lazy.node, full.node));
+  EXPECT_TRUE(same_bytes(lazy.primitive, full.primitive));
+  EXPECT_TRUE(same_bytes(lazy.barycentric, full.barycentric));
+  EXPECT_TRUE(same_bytes(lazy.normal, full.normal));
+  EXPECT_TRUE(same_bytes(lazy.hit, full.hit));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, OracleTest, testing::ValuesIn(kCases),
+                         [](const auto& scene) { return std::string(scene.param.name); });
+
+}  // namespace
+}  // namespace sightline::tests
