@@ -1,131 +1,20 @@
-// Hunt's adaptive scan: samples, interpolants, minimum.
+// Hunt's adaptive scan: the minimum of the interpolants, and what we add to it.
 #include "accel/build/scan_builder.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
-#include "accel/build/scan_kernel.h"
+#include "accel/build/scan_samples.h"
 
 namespace sightline::accel {
 namespace {
-
-/// Lists at least this long are scanned in slices of this many boxes, in parallel.
-constexpr std::size_t kSlice = 32768;
-
-/// What is known of C_L and C_R at one position.
-struct Sample {
-  double position = 0;
-  double left = 0;
-  double right = 0;
-};
-
-/// Samples of one axis by position, the cell's faces first and last.
-struct Samples {
-  std::array<Sample, kScanWidth> at;
-  std::size_t size = 0;
-};
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
 int longest_axis(const Aabb& cell) {
   const Vec3f e = cell.hi - cell.lo;
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
-}
-
-void add_counts(ScanAxis& to, const ScanAxis& from) {
-  for (std::size_t i = 0; i < kScanWidth; ++i) {
-    to.left[i] += from.left[i];
-    to.right[i] += from.right[i];
-  }
-}
-
-/// One pass: counts on all three axes, or on `axis` alone. Integer sums: the same however the list is sliced.
-void count(std::span<const BoxRef> refs, bool all_axes, int axis, std::array<ScanAxis, 3>& axes) {
-  const auto pass = [&](std::span<const BoxRef> slice, std::array<ScanAxis, 3>& counts) {
-    if (all_axes) {
-      scan_three_axes(slice, counts);
-    } else {
-      scan_one_axis(slice, axis, counts[index_of(axis)]);
-    }
-  };
-  if (refs.size() < 2 * kSlice) return pass(refs, axes);
-  const std::array<ScanAxis, 3> zero = axes;
-  axes = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, refs.size(), kSlice), zero,
-      [&](const tbb::blocked_range<std::size_t>& r, std::array<ScanAxis, 3> sum) {
-        std::array<ScanAxis, 3> counts = zero;
-        pass(refs.subspan(r.begin(), r.size()), counts);
-        for (std::size_t a = 0; a < 3; ++a) add_counts(sum[a], counts[a]);
-        return sum;
-      },
-      [](std::array<ScanAxis, 3> x, const std::array<ScanAxis, 3>& y) {
-        for (std::size_t a = 0; a < 3; ++a) add_counts(x[a], y[a]);
-        return x;
-      });
-}
-
-/// Unused places repeat the last plane, so that a pass always takes a whole register.
-void fill_unused(ScanAxis& planes, std::size_t used) {
-  std::fill(planes.position.begin() + static_cast<std::ptrdiff_t>(used), planes.position.end(),
-            used == 0 ? 0.0f : planes.position[used - 1]);
-}
-
-void place_uniform(ScanAxis& planes, float lo, float hi, std::uint32_t n) {
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double share = static_cast<double>(i) / (n - 1);
-    planes.position[i] = static_cast<float>(static_cast<double>(lo) * (1 - share) + static_cast<double>(hi) * share);
-  }
-  fill_unused(planes, n);
-}
-
-Samples to_samples(const ScanAxis& planes, std::size_t n) {
-  Samples samples;
-  samples.size = n;
-  for (std::size_t i = 0; i < n; ++i) {
-    samples.at[i] = {static_cast<double>(planes.position[i]), static_cast<double>(planes.left[i]),
-                     static_cast<double>(planes.right[i])};
-  }
-  return samples;
-}
-
-/// Section 5.2: n teeth evenly along the range of C_L - C_R; a segment gets as many new planes as teeth fall into it,
-/// evenly spaced. Returns how many were placed (none where the function is constant).
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, ScanAxis& planes) {
-  const auto rise = [](const Sample& s) { return s.left - s.right; };
-  const double first = rise(uniform.at[0]);
-  const double range = rise(uniform.at[uniform.size - 1]) - first;
-  std::size_t placed = 0;
-  if (range > 0) {
-    // Tooth k stands at first + (k + 1/2) range / n.
-    const auto teeth_below = [&](double value) {
-      const double k = (value - first) / range * n + 0.5;
-      return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(n)));
-    };
-    for (std::size_t i = 0; i + 1 < uniform.size; ++i) {
-      const Sample& s = uniform.at[i];
-      const Sample& e = uniform.at[i + 1];
-      const std::size_t teeth = teeth_below(rise(e)) - teeth_below(rise(s));
-      for (std::size_t k = 1; k <= teeth; ++k) {
-        const double share = static_cast<double>(k) / static_cast<double>(teeth + 1);
-        planes.position[placed++] = static_cast<float>(s.position * (1 - share) + e.position * share);
-      }
-    }
-  }
-  fill_unused(planes, placed);
-  return placed;
-}
-
-Samples merge(const Samples& a, const Samples& b) {
-  Samples both;
-  both.size = a.size + b.size;
-  std::merge(a.at.begin(), a.at.begin() + static_cast<std::ptrdiff_t>(a.size), b.at.begin(),
-             b.at.begin() + static_cast<std::ptrdiff_t>(b.size), both.at.begin(),
-             [](const Sample& x, const Sample& y) { return x.position < y.position; });
-  return both;
 }
 
 /// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R, SA_L, SA_R make. The
@@ -180,38 +69,13 @@ void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell, const
   best.offer({axis, cut.position}, constants.traverse + constants.intersect * static_cast<double>(cut.children));
 }
 
-/// The axes that are looked at together: all of them, or one.
-struct AxisRange {
-  int begin = 0, end = 3;
-  bool all() const { return end - begin == 3; }
-};
-
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
 double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, AxisRange range,
                      BestCut& best, BuildCounters& counters) {
-  std::array<ScanAxis, 3> planes;
+  const std::array<Samples, 3> samples =
+      sample_axes(refs, cell, range, builder.uniform_samples, builder.adaptive_samples, counters);
   for (int axis = range.begin; axis < range.end; ++axis) {
-    const std::size_t a = index_of(axis);
-    place_uniform(planes[a], cell.lo[a], cell.hi[a], builder.uniform_samples);
-  }
-  count(refs, range.all(), range.begin, planes);
-  counters.touches += refs.size();
-  std::array<Samples, 3> samples;
-  std::array<std::size_t, 3> placed{};
-  for (int axis = range.begin; axis < range.end; ++axis) {
-    const std::size_t a = index_of(axis);
-    samples[a] = to_samples(planes[a], builder.uniform_samples);
-    placed[a] = place_adaptive(samples[a], builder.adaptive_samples, planes[a]);
-    planes[a].left.fill(0);
-    planes[a].right.fill(0);
-  }
-  if (placed[0] + placed[1] + placed[2] > 0) {
-    count(refs, range.all(), range.begin, planes);
-    counters.touches += refs.size();
-  }
-  for (int axis = range.begin; axis < range.end; ++axis) {
-    const std::size_t a = index_of(axis);
-    offer_minima(merge(samples[a], to_samples(planes[a], placed[a])), CutAreas(cell, axis), builder.cost, axis, cell, best);
+    offer_minima(samples[index_of(axis)], CutAreas(cell, axis), builder.cost, axis, cell, best);
   }
   const Samples& any = samples[index_of(range.begin)];
   return any.at[any.size - 1].left;
