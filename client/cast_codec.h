@@ -1,0 +1,34 @@
+// Rays to messages and hits from messages. Internal to the library. Scalar is float or double.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "client/cast_options.h"
+#include "client/rays.h"
+#include "client/result.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::client {
+
+namespace v1 = ::sightline::v1;
+
+/// Says in the request what is asked of the rays that follow.
+void describe(const std::string& scene, HitFields fields, const CastOptions& options,
+              v1::CastRaysRequest& request);
+
+/// The columns of a message, sized for n rays, to be filled in place.
+template <class Scalar>
+RayColumns<Scalar> make_room(std::size_t n, RayShape shape, v1::Rays& rays);
+
+/// Cuts the columns down to the first n rays.
+template <class Scalar>
+void trim(std::size_t n, RayShape shape, v1::Rays& rays);
+
+/// The answer's columns, in place. Errors: kInternal if one that was asked for is missing or has
+/// not n rows.
+Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n);
+
+void add_stats(const v1::CastRaysResponse& response, CastReport& report);
+
+}  // namespace sightline::client

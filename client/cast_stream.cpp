@@ -1,0 +1,174 @@
+// Rays over one stream: a thread writes requests, the calling thread reads answers,
+// kMessagesInFlight apart.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <optional>
+#include <semaphore>
+#include <thread>
+
+#include "client/cast_codec.h"
+#include "client/channel.h"
+#include "client/columns.h"
+#include "client/connection.h"
+#include "client/rpc_error.h"
+
+namespace sightline::client {
+namespace {
+
+using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
+
+// What the two threads share.
+struct Window {
+  std::counting_semaphore<> free{kMessagesInFlight};
+  std::array<std::atomic<std::size_t>, kMessagesInFlight>
+      rays{};  // of message k, at k % kMessagesInFlight
+  std::atomic<bool> closed = false;
+  std::optional<Error> source_error;  // read once the writing thread has ended
+};
+
+template <class Scalar>
+struct Writer {
+  Stream& stream;
+  grpc::ClientContext& context;
+  Window& window;
+  const RaySource<Scalar>& source;
+  RayShape shape;
+  v1::StreamCastRaysRequest request;  // the first carries what is asked; the object is used again
+
+  // The next message's rays; 0 at the end and on an error, which is kept.
+  std::size_t fill() {
+    v1::Rays& rays = *request.mutable_request()->mutable_rays();
+    const auto count = source(make_room<Scalar>(kRaysPerMessage, shape, rays));
+    if (!count) {
+      window.source_error = count.error();
+      context.TryCancel();
+      return 0;
+    }
+    trim<Scalar>(*count, shape, rays);
+    return *count;
+  }
+
+  void run() {
+    for (std::uint64_t chunk = 0;; ++chunk) {
+      window.free.acquire();
+      if (window.closed) return;
+      const std::size_t count = fill();
+      // Without any ray the first message still goes out: an unknown scene is an error all the
+      // same.
+      if ((count == 0 && chunk > 0) || window.source_error) break;
+      window.rays[chunk % kMessagesInFlight] = count;
+      request.set_chunk(chunk);
+      if (!stream.Write(request) || count == 0) break;
+      if (chunk == 0) forget_description();
+    }
+    stream.WritesDone();
+  }
+
+  void forget_description() {
+    request.mutable_request()->clear_scene();
+    request.mutable_request()->clear_fields();
+    request.mutable_request()->clear_kind();
+    request.mutable_request()->clear_build();
+  }
+};
+
+// Reads every answer; the first thing that is wrong with one cancels the call and is returned.
+Status read_all(Stream& stream, grpc::ClientContext& context, Window& window, HitFields fields,
+                const HitSink& sink, CastReport& report) {
+  Status failed;
+  std::uint64_t first = 0;
+  v1::StreamCastRaysResponse response;
+  for (std::uint64_t chunk = 0; stream.Read(&response); ++chunk) {
+    if (!failed) continue;
+    const std::size_t n = window.rays[chunk % kMessagesInFlight];
+    const auto answers = view_hits(response.response(), fields, n);
+    if (!answers) {
+      failed = answers.error();
+    } else if (response.chunk() != chunk) {
+      failed = Error{
+          Code::kInternal,
+          fmt::format("the server answered message {} instead of {}", response.chunk(), chunk),
+          {}};
+    } else {
+      failed = sink(first, n, *answers);
+    }
+    if (!failed) {
+      context.TryCancel();
+      continue;
+    }
+    add_stats(response.response(), report);
+    first += n;
+    window.free.release();
+  }
+  return failed;
+}
+
+}  // namespace
+
+template <class Scalar>
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RaySource<Scalar>& source, RayShape shape, HitFields fields,
+                               const HitSink& sink, const CastOptions& options) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.options.timeout);
+  const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
+  const auto stream = connection.queries->StreamCastRays(&context);
+
+  Window window;
+  Writer<Scalar> writer{*stream, context, window, source, shape, {}};
+  describe(scene, fields, options, *writer.request.mutable_request());
+  std::thread writing([&] { writer.run(); });
+  CastReport report;
+  const Status read = read_all(*stream, context, window, fields, sink, report);
+  window.closed = true;
+  window.free.release();
+  writing.join();
+  const grpc::Status status = stream->Finish();
+
+  if (window.source_error) return *window.source_error;
+  if (!read) return read.error();
+  if (!status.ok()) return rpc_error(status);
+  return report;
+}
+
+template <class Scalar>
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RayColumns<const Scalar>& rays, const HitColumns& hits,
+                               const CastOptions& options) {
+  if (const Status checked = check_rows(rays, hits); !checked) return checked.error();
+  std::size_t sent = 0;
+  const RaySource<Scalar> source = [&](const RayColumns<Scalar>& room) -> Result<std::size_t> {
+    const std::size_t n = std::min(room.size(), rays.size() - sent);
+    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
+    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
+    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
+    if (!room.masks.empty()) rows.masks = room.masks.first(n);
+    copy_rays(rays, sent, rows);
+    sent += n;
+    return n;
+  };
+  const HitSink sink = [&](std::uint64_t first, std::size_t, const HitView& answers) {
+    copy_hits(answers, first, hits);
+    return Status();
+  };
+  return cast_stream<Scalar>(connection, scene, source, shape_of(rays), fields_of(hits), sink,
+                             options);
+}
+
+template Result<CastReport> cast_stream(const Connection&, const std::string&,
+                                        const RaySource<float>&, RayShape, HitFields,
+                                        const HitSink&, const CastOptions&);
+template Result<CastReport> cast_stream(const Connection&, const std::string&,
+                                        const RaySource<double>&, RayShape, HitFields,
+                                        const HitSink&, const CastOptions&);
+template Result<CastReport> cast_stream(const Connection&, const std::string&,
+                                        const RayColumns<const float>&, const HitColumns&,
+                                        const CastOptions&);
+template Result<CastReport> cast_stream(const Connection&, const std::string&,
+                                        const RayColumns<const double>&, const HitColumns&,
+                                        const CastOptions&);
+
+}  // namespace sightline::client

@@ -1,0 +1,39 @@
+// The columns that hits are written in: their names, types and order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/rays.h"
+#include "client/result.h"
+
+namespace sightline::client::cli {
+
+/// In the order in which files have them.
+enum class HitColumn : std::uint8_t { kT, kNode, kPrimitive, kU, kV, kNx, kNy, kNz, kHit, kWork };
+
+struct HitColumnInfo {
+  std::string_view name;
+  std::string_view type;  ///< NumPy's.
+  std::size_t bytes;
+};
+const HitColumnInfo& info_of(HitColumn column);
+
+/// All that a closest hit has, `work` left out.
+std::vector<HitColumn> all_closest_columns();
+
+/// From names parted by commas, put in the order of files. Errors: kInvalidArgument, naming the
+/// word, for one that is no column or is there twice.
+Result<std::vector<HitColumn>> parse_hit_columns(std::string_view names);
+
+/// What has to be asked of the server for these columns.
+HitFields fields_for(const std::vector<HitColumn>& columns);
+
+/// Writes the column's value in row i as its bytes, and as text.
+void put_bytes(const HitView& hits, std::size_t i, HitColumn column, char* out);
+void put_text(const HitView& hits, std::size_t i, HitColumn column, std::string& out);
+
+}  // namespace sightline::client::cli

@@ -1,0 +1,76 @@
+// The flags of the whole command, and what happens with their errors.
+#include "client/cli/program.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "client/cli/exit_code.h"
+#include "client/cli/session.h"
+#include "client/cli/verbs.h"
+
+namespace sightline::client::cli {
+namespace {
+
+constexpr const char* kFooter = R"(Flags of the program may stand before the verb or after it.
+
+Exit codes: 0 ok, 1 failed, 2 usage, 3 scene or node not known to the server, 4 conflict, 5 unavailable or out of time,
+6 not allowed, 7 over a limit.
+
+Examples:
+  sightline scene import engine 2CylinderEngine.glb
+  sightline cast engine --in rays.npy --out hits.npy
+  sightline render engine --out engine.png
+  sightline stats engine --json)";
+
+void add_global_flags(CLI::App& program, Session& session) {
+  program.set_version_flag("--version", "sightline " SIGHTLINE_VERSION);
+  program.add_option("--endpoint", session.endpoint, "Where the server listens")
+      ->envname("SIGHTLINE_ENDPOINT")
+      ->type_name("HOST:PORT")
+      ->capture_default_str()
+      ->check(CLI::Validator(
+          [](std::string& text) -> std::string {
+            const auto client = Client::connect(text);
+            return client ? "" : client.error().message;
+          },
+          ""));
+  program.add_flag("--json", session.json, "Print one JSON document");
+  program
+      .add_option("--deadline", session.deadline, "Give up a call to the server after this long")
+      ->check(positive_number())
+      ->type_name("SECONDS");
+}
+
+int parse_and_run(int argc, const char* const* argv) {
+  Session session;
+  CLI::App program("Ray queries on scenes of a Sightline server", "sightline");
+  program.fallthrough();
+  require_verb(program);
+  program.footer(kFooter);
+  add_global_flags(program, session);
+  add_scene_verbs(program, session);
+  add_cast_verb(program, session);
+  add_render_verb(program, session);
+  add_stats_verb(program, session);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return program.exit(e) == 0 ? kOk : kUsage;
+  }
+  return session.exit;
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "sightline: %s\n", e.what());
+    return kFailed;
+  }
+}
+
+}  // namespace sightline::client::cli

@@ -1,0 +1,26 @@
+// A file of rays, in whichever form, as a source for a cast.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/cast_options.h"
+#include "client/result.h"
+
+namespace sightline::client::cli {
+
+struct RayFile {
+  /// In the precision of the file.
+  std::variant<RaySource<float>, RaySource<double>> source;
+  RayShape shape;
+  std::optional<std::uint64_t> count;  ///< Where the file tells it beforehand.
+};
+
+/// .npy of shape (n, 6) or (n, 8), float32 or float64, in either order; or CSV. Which, its first
+/// bytes tell.
+/// "-" is standard input. Errors: kInvalidArgument, naming the file and what is wrong with it.
+Result<RayFile> open_rays(const std::string& path);
+
+}  // namespace sightline::client::cli

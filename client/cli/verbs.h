@@ -1,0 +1,16 @@
+// The verbs of the command. Each adds itself and its options to the program, and runs at the end of
+// parsing.
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "client/cli/session.h"
+
+namespace sightline::client::cli {
+
+void add_scene_verbs(CLI::App& program, Session& session);
+void add_cast_verb(CLI::App& program, Session& session);
+void add_render_verb(CLI::App& program, Session& session);
+void add_stats_verb(CLI::App& program, Session& session);
+
+}  // namespace sightline::client::cli

@@ -1,0 +1,200 @@
+// The calls that are one message each way; the others have files of their own.
+#include "client/client.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "client/channel.h"
+#include "client/connection.h"
+#include "client/rpc_error.h"
+#include "client/scene_codec.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr std::size_t kNodesPerRequest = 500;     // names are up to 1 KiB: replies stay below 1 MiB
+constexpr std::size_t kDigestsPerRequest = 4096;  // of about 80 bytes each
+constexpr int kScenesPerPage = 500;
+
+// Makes one small call: `method` of `stub`.
+template <class Stub, class Request, class Response>
+Result<Response> call(const Connection& connection, const Stub& stub,
+                      grpc::Status (Stub::element_type::*method)(grpc::ClientContext*,
+                                                                 const Request&, Response*),
+                      const Request& request) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.small_timeout());
+  Response response;
+  const grpc::Status status = ((*stub).*method)(&context, request, &response);
+  if (!status.ok()) return rpc_error(status);
+  return response;
+}
+
+// HOST:PORT with something before and digits after the last colon, or unix:PATH.
+bool is_endpoint(const std::string& text) {
+  if (text.starts_with("unix:")) return text.size() > 5;
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) return false;
+  return text.size() - colon <= 6 &&
+         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(colon) + 1, text.end(),
+                     [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+Client::Client(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+Client::~Client() = default;
+
+Result<Client> Client::connect(const std::string& endpoint, const ClientOptions& options) {
+  if (!is_endpoint(endpoint)) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("endpoint '{}' is not HOST:PORT or unix:PATH", endpoint),
+                 {}};
+  }
+  return Client(std::make_unique<Connection>(open_channel(endpoint), options));
+}
+
+Result<ServerInfo> Client::server_info() const {
+  const auto response = call(*connection_, connection_->server,
+                             &v1::ServerService::Stub::GetServerInfo, v1::GetServerInfoRequest());
+  if (!response) return response.error();
+  return decode(*response);
+}
+
+Result<SceneInfo> Client::create_scene(const std::string& scene, UpAxis up_axis,
+                                       double meters_per_unit) const {
+  v1::CreateSceneRequest request;
+  request.mutable_scene()->set_name(scene);
+  request.mutable_scene()->set_up_axis(encode(up_axis));
+  request.mutable_scene()->set_meters_per_unit(meters_per_unit);
+  const auto response =
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::CreateScene, request);
+  if (!response) return response.error();
+  return decode(response->scene());
+}
+
+Result<SceneInfo> Client::get_scene(const std::string& scene) const {
+  v1::GetSceneRequest request;
+  request.set_name(scene);
+  const auto response =
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetScene, request);
+  if (!response) return response.error();
+  return decode(response->scene());
+}
+
+Result<std::vector<SceneInfo>> Client::list_scenes(const std::string& project) const {
+  std::vector<SceneInfo> scenes;
+  v1::ListScenesRequest request;
+  request.set_parent(project);
+  request.set_page_size(kScenesPerPage);
+  do {
+    const auto page =
+        call(*connection_, connection_->scenes, &v1::SceneService::Stub::ListScenes, request);
+    if (!page) return page.error();
+    for (const v1::Scene& scene : page->scenes()) scenes.push_back(decode(scene));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return scenes;
+}
+
+Status Client::delete_scene(const std::string& scene) const {
+  v1::DeleteSceneRequest request;
+  request.set_name(scene);
+  const auto response =
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::DeleteScene, request);
+  return response ? Status() : Status(response.error());
+}
+
+Result<SceneStats> Client::scene_stats(const std::string& scene) const {
+  v1::GetSceneStatsRequest request;
+  request.set_scene(scene);
+  const auto response =
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetSceneStats, request);
+  if (!response) return response.error();
+  return decode(*response);
+}
+
+Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
+                                                std::span<const std::uint64_t> ids) const {
+  std::vector<NodeInfo> nodes;
+  nodes.reserve(ids.size());
+  while (!ids.empty()) {
+    const auto some = ids.first(std::min(ids.size(), kNodesPerRequest));
+    ids = ids.subspan(some.size());
+    v1::BatchGetNodesRequest request;
+    request.set_scene(scene);
+    request.mutable_ids()->Add(some.begin(), some.end());
+    const auto response =
+        call(*connection_, connection_->scenes, &v1::SceneService::Stub::BatchGetNodes, request);
+    if (!response) return response.error();
+    for (const v1::Node& node : response->nodes()) nodes.push_back(decode(node));
+  }
+  return nodes;
+}
+
+Result<std::vector<std::string>> Client::missing_meshes(
+    std::span<const std::string> digests) const {
+  std::vector<std::string> missing;
+  while (!digests.empty()) {
+    const auto some = digests.first(std::min(digests.size(), kDigestsPerRequest));
+    digests = digests.subspan(some.size());
+    v1::FindMissingBlobsRequest request;
+    request.mutable_digests()->Add(some.begin(), some.end());
+    const auto response =
+        call(*connection_, connection_->blobs, &v1::BlobService::Stub::FindMissingBlobs, request);
+    if (!response) return response.error();
+    missing.insert(missing.end(), response->digests().begin(), response->digests().end());
+  }
+  return missing;
+}
+
+Result<Applied> Client::apply(const std::string& scene, std::span<const Update> updates,
+                              const ApplyOptions& options) const {
+  return client::apply(*connection_, scene, updates, options);
+}
+
+Result<Applied> Client::apply_in_batches(const std::string& scene, std::span<const Update> updates,
+                                         const ApplyOptions& options) const {
+  return client::apply_in_batches(*connection_, scene, updates, options);
+}
+
+Status Client::upload_mesh(const MeshBlob& mesh, const std::string& digest,
+                           const UploadProgress& progress) const {
+  return client::upload_mesh(*connection_, mesh, digest, progress);
+}
+
+Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,
+                                const HitColumns& hits, const CastOptions& options) const {
+  return client::cast(*connection_, scene, rays, hits, options);
+}
+Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const float>& rays,
+                                const HitColumns& hits, const CastOptions& options) const {
+  return client::cast(*connection_, scene, rays, hits, options);
+}
+
+Result<CastReport> Client::cast_stream(const std::string& scene,
+                                       const RayColumns<const double>& rays, const HitColumns& hits,
+                                       const CastOptions& options) const {
+  return client::cast_stream(*connection_, scene, rays, hits, options);
+}
+Result<CastReport> Client::cast_stream(const std::string& scene,
+                                       const RayColumns<const float>& rays, const HitColumns& hits,
+                                       const CastOptions& options) const {
+  return client::cast_stream(*connection_, scene, rays, hits, options);
+}
+Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<double>& source,
+                                       RayShape shape, HitFields fields, const HitSink& sink,
+                                       const CastOptions& options) const {
+  return client::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+}
+Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<float>& source,
+                                       RayShape shape, HitFields fields, const HitSink& sink,
+                                       const CastOptions& options) const {
+  return client::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+}
+
+}  // namespace sightline::client

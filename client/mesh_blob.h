@@ -1,0 +1,33 @@
+// A mesh as the bytes that are uploaded, and the name those bytes have.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "client/mesh_arrays.h"
+
+namespace sightline::client {
+
+/// Looks at the arrays, which must outlive it; makes no copy of them.
+class MeshBlob {
+ public:
+  MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces);
+
+  std::uint64_t size() const { return header_.size() + positions_.size() + indices_.size(); }
+
+  /// Copies out.size() bytes from `offset` on; they must be there.
+  void copy(std::uint64_t offset, std::span<std::byte> out) const;
+
+  /// "sha256:<64 hex digits>/<size>". Reads every byte.
+  std::string digest() const;
+
+ private:
+  std::array<std::byte, 24> header_;
+  std::span<const std::byte> positions_;
+  std::span<const std::byte> indices_;
+};
+
+}  // namespace sightline::client

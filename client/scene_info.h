@@ -1,0 +1,78 @@
+// What the server tells of itself, of scenes and of nodes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/up_axis.h"
+
+namespace sightline::client {
+
+/// Rows of [linear | translation], parent from local.
+using Transform = std::array<double, 12>;
+inline constexpr Transform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/// How a node is expected to change.
+enum class Mobility : std::uint8_t { kStatic, kRigid, kDeforming };
+
+struct SceneInfo {
+  std::string name;  ///< projects/{project}/scenes/{scene}
+  std::uint64_t revision = 0;
+  UpAxis up_axis = UpAxis::kUnknown;
+  double meters_per_unit = 0;  ///< 0: unknown.
+  std::uint64_t nodes = 0;
+  std::uint64_t instances = 0;  ///< Nodes that carry a mesh.
+  std::uint64_t meshes = 0;     ///< Distinct by content, as are unique triangles.
+  std::uint64_t triangles_unique = 0;
+  std::uint64_t triangles_instanced = 0;
+  std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones; never hit.
+  std::uint64_t bytes_geometry = 0;
+  /// World: min x y z, max x y z. Nothing for a scene without triangles.
+  std::optional<std::array<double, 6>> bounds;
+};
+
+/// How much of a scene's trees is built.
+struct SceneStats {
+  std::uint64_t revision = 0;
+  std::uint64_t instances_total = 0;
+  std::uint64_t instances_entered = 0;
+  std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.
+  std::uint64_t cells_deferred = 0;
+  std::uint64_t cells_expanded = 0;
+  std::uint64_t triangles_built = 0;  ///< Distinct triangles in finished leaves.
+  std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
+  std::uint64_t bytes_geometry = 0;
+  std::uint64_t bytes_trees = 0;
+  std::uint64_t static_instances = 0;
+  std::uint64_t dynamic_instances = 0;
+};
+
+struct NodeInfo {
+  std::uint64_t id = 0;      ///< 0: there is no such node.
+  std::uint64_t parent = 0;  ///< 0: a root.
+  std::string name;
+  Transform parent_from_local = kIdentity;
+  std::string mesh_digest;  ///< Empty: a group.
+  Mobility mobility = Mobility::kStatic;
+  std::uint32_t mask = 0;
+};
+
+struct ServerInfo {
+  std::string version;
+  std::vector<std::string> features;
+  std::uint64_t max_message_bytes = 0;
+  std::uint64_t max_blob_chunk_bytes = 0;
+  std::uint64_t max_rays_per_request = 0;
+  std::uint64_t max_rays_queued = 0;
+  std::uint64_t max_bytes_queued = 0;
+  std::uint64_t max_triangles_per_mesh = 0;
+  std::uint32_t max_depth = 0;
+  std::string policy;
+  std::uint32_t threads = 0;
+  std::string simd_target;
+};
+
+}  // namespace sightline::client

@@ -1,0 +1,128 @@
+// Meshes first, then nodes.
+#include "client/scene_upload.h"
+
+#include <fmt/format.h>
+
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "client/mesh_blob.h"
+#include "client/scene_check.h"
+
+namespace sightline::client {
+namespace {
+
+MeshBlob blob_of(const ImportedMesh& mesh) { return {mesh.vertices, mesh.faces}; }
+
+// Digests by mesh; empty for meshes that no node carries.
+std::vector<std::string> digest_meshes(const ImportedScene& scene) {
+  std::vector<std::string> digests(scene.meshes.size());
+  for (const ImportedNode& node : scene.nodes) {
+    if (node.mesh == kNone || !digests[node.mesh].empty()) continue;
+    digests[node.mesh] = blob_of(scene.meshes[node.mesh]).digest();
+  }
+  return digests;
+}
+
+Status upload_meshes(const Client& client, const ImportedScene& scene,
+                     const std::vector<std::string>& digests, const SceneUploadProgress& progress) {
+  std::unordered_map<std::string, std::size_t> mesh_of;
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    if (!digests[i].empty()) mesh_of.emplace(digests[i], i);
+  }
+  std::vector<std::string> asked;
+  asked.reserve(mesh_of.size());
+  for (std::size_t i = 0; i < digests.size(); ++i) {
+    const auto found = mesh_of.find(digests[i]);
+    if (found != mesh_of.end() && found->second == i) asked.push_back(digests[i]);
+  }
+  const auto missing = client.missing_meshes(asked);
+  if (!missing) return missing.error();
+
+  std::uint64_t total = 0;
+  for (const std::string& digest : *missing)
+    total += blob_of(scene.meshes[mesh_of.at(digest)]).size();
+  std::uint64_t done = 0;
+  for (const std::string& digest : *missing) {
+    const MeshBlob blob = blob_of(scene.meshes[mesh_of.at(digest)]);
+    const auto report = [&](std::uint64_t bytes) {
+      if (progress) progress(done + bytes, total);
+    };
+    if (Status uploaded = client.upload_mesh(blob, digest, report); !uploaded) return uploaded;
+    done += blob.size();
+  }
+  return {};
+}
+
+std::vector<Update> put_nodes(const ImportedScene& scene, const std::vector<std::string>& digests,
+                              Mobility mobility) {
+  std::vector<Update> updates;
+  updates.reserve(scene.nodes.size());
+  const auto alias = [](std::size_t i) { return -static_cast<NodeRef>(i) - 1; };
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const ImportedNode& node = scene.nodes[i];
+    PutNode put;
+    put.node = alias(i);
+    put.parent = node.parent == kNone ? 0 : alias(node.parent);
+    put.name = node.name;
+    put.parent_from_local = node.parent_from_local;
+    if (node.mesh != kNone) put.mesh_digest = digests[node.mesh];
+    put.mobility = mobility;
+    updates.emplace_back(std::move(put));
+  }
+  return updates;
+}
+
+// Whether there is a scene of that name.
+Result<bool> exists(const Client& client, const std::string& name) {
+  const auto scene = client.get_scene(name);
+  if (scene) return true;
+  if (scene.error().code == Code::kNotFound) return false;
+  return scene.error();
+}
+
+Result<SceneInfo> fill(const Client& client, const std::string& name,
+                       const std::vector<Update>& updates) {
+  const auto applied = client.apply_in_batches(name, updates);
+  if (!applied) return applied.error();
+  return client.get_scene(name);
+}
+
+Error already_exists(const std::string& name) {
+  return {Code::kAlreadyExists, fmt::format("scene {} exists", name), "SCENE_EXISTS"};
+}
+
+}  // namespace
+
+Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
+                               const ImportedScene& scene, const SceneUploadOptions& options,
+                               const SceneUploadProgress& progress) {
+  const auto limits = client.server_info();
+  if (!limits) return limits.error();
+  if (const Status good = check_scene(scene, *limits); !good) return good.error();
+  const auto there = exists(client, name);
+  if (!there) return there.error();
+  if (*there && !options.replace) return already_exists(name);
+
+  const std::vector<std::string> digests = digest_meshes(scene);
+  if (const Status sent = upload_meshes(client, scene, digests, progress); !sent)
+    return sent.error();
+  const std::vector<Update> updates = put_nodes(scene, digests, options.mobility);
+  if (*there) {
+    const Status gone = client.delete_scene(name);
+    if (!gone && gone.error().code != Code::kNotFound) return gone.error();
+  }
+  const auto created = client.create_scene(name, scene.up_axis, scene.meters_per_unit);
+  if (!created) return created.error();
+  auto filled = fill(client, name, updates);
+  if (filled) return filled;
+  Error error = filled.error();
+  if (const Status gone = client.delete_scene(name); !gone) {
+    error.message +=
+        fmt::format("; and the unfinished scene could not be deleted: {}", gone.error().message);
+  }
+  return error;
+}
+
+}  // namespace sightline::client

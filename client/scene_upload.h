@@ -1,0 +1,30 @@
+// Brings an imported scene to the server: its meshes, each once, and its nodes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "client/client.h"
+#include "client/importer/imported_scene.h"
+#include "client/result.h"
+
+namespace sightline::client {
+
+struct SceneUploadOptions {
+  Mobility mobility = Mobility::kStatic;  ///< Of every node.
+  bool replace = false;  ///< Delete a scene of that name first; else it is kAlreadyExists.
+};
+
+/// Told how many bytes of meshes the server has, of those it lacked, on the calling thread.
+using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
+
+/// Checks everything that can be checked, uploads the meshes that the server lacks, and only then
+/// replaces or creates the scene. If something fails after that, the half-made scene is deleted
+/// again. Node ids follow the order of scene.nodes. Errors: kAlreadyExists, before anything is
+/// sent; those of check_scene and of the calls.
+Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
+                               const ImportedScene& scene, const SceneUploadOptions& options,
+                               const SceneUploadProgress& progress = {});
+
+}  // namespace sightline::client

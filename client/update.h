@@ -1,0 +1,51 @@
+// What can be done to a scene's nodes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "client/scene_info.h"
+
+namespace sightline::client {
+
+/// A node's id (> 0), the negative alias that an earlier PutNode of the same batch gave it, or 0:
+/// none.
+using NodeRef = std::int64_t;
+
+/// Creates a node (`node` is a fresh negative alias) or replaces all that is said of one (its id).
+struct PutNode {
+  NodeRef node = 0;
+  NodeRef parent = 0;  ///< 0: a root.
+  std::string name;    ///< UTF-8.
+  Transform parent_from_local = kIdentity;
+  std::string mesh_digest;  ///< Of an uploaded mesh. Empty: a group.
+  Mobility mobility = Mobility::kStatic;
+  std::uint32_t mask = 0xffffffff;
+};
+
+struct SetTransforms {
+  std::vector<NodeRef> nodes;
+  std::vector<Transform> parent_from_local;  ///< As many as nodes.
+};
+
+struct DeleteNode {
+  NodeRef node = 0;
+  bool subtree = false;  ///< Needed if the node has children.
+};
+
+using Update = std::variant<PutNode, SetTransforms, DeleteNode>;
+
+struct Applied {
+  std::uint64_t revision = 0;
+  std::vector<std::uint64_t> nodes;  ///< The id of every PutNode's node, in order.
+};
+
+struct ApplyOptions {
+  /// Refused (kAborted) unless this is the scene's revision.
+  std::optional<std::uint64_t> expected_revision;
+};
+
+}  // namespace sightline::client

@@ -1,0 +1,54 @@
+// What the server agrees to work on at once: a bound on rays and on bytes in flight.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <utility>
+
+#include "accel/result.h"
+
+namespace sightline::server {
+
+struct AdmissionLimits {
+  std::uint64_t rays = std::uint64_t{1} << 20;     ///< Rays decoded and not yet answered.
+  std::uint64_t bytes = std::uint64_t{256} << 20;  ///< Bytes that those and other requests hold.
+};
+
+class Admission {
+ public:
+  /// A place in the queue; leaving scope gives it back. Must not outlive the Admission.
+  class Ticket {
+   public:
+    Ticket() = default;
+    Ticket(Ticket&& other) noexcept { *this = std::move(other); }
+    Ticket& operator=(Ticket&& other) noexcept;
+    ~Ticket() { give_back(); }
+
+   private:
+    friend class Admission;
+    Ticket(Admission* admission, std::uint64_t rays, std::uint64_t bytes)
+        : admission_(admission), rays_(rays), bytes_(bytes) {}
+    void give_back();
+
+    Admission* admission_ = nullptr;
+    std::uint64_t rays_ = 0;
+    std::uint64_t bytes_ = 0;
+  };
+
+  explicit Admission(AdmissionLimits limits) : limits_(limits) {}
+
+  /// Errors: kResourceExhausted, naming the limit, what is in flight and what was asked. Never
+  /// waits. Threads: any.
+  Result<Ticket> admit(std::uint64_t rays, std::uint64_t bytes);
+
+  const AdmissionLimits& limits() const { return limits_; }
+  /// What is in flight now.
+  AdmissionLimits in_flight() const;
+
+ private:
+  const AdmissionLimits limits_;
+  mutable std::mutex mutex_;
+  AdmissionLimits in_flight_{0, 0};
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,34 @@
+// BlobService.
+#pragma once
+
+#include "server/admission.h"
+#include "server/blob_store.h"
+#include "server/compute.h"
+#include "sightline/v1/blob.grpc.pb.h"
+
+namespace sightline::server {
+
+inline constexpr int kMaxDigestsPerRequest = 8192;
+
+class BlobRpc final : public v1::BlobService::CallbackService {
+ public:
+  /// All outlive every call.
+  BlobRpc(BlobStore& blobs, Compute& compute, Admission& admission)
+      : blobs_(blobs), compute_(compute), admission_(admission) {}
+
+  grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
+                                             const v1::FindMissingBlobsRequest* request,
+                                             v1::FindMissingBlobsResponse* reply) override;
+  grpc::ServerReadReactor<v1::UploadBlobRequest>* UploadBlob(
+      grpc::CallbackServerContext* context, v1::UploadBlobResponse* reply) override;
+  grpc::ServerUnaryReactor* GetUploadStatus(grpc::CallbackServerContext* context,
+                                            const v1::GetUploadStatusRequest* request,
+                                            v1::GetUploadStatusResponse* reply) override;
+
+ private:
+  BlobStore& blobs_;
+  Compute& compute_;
+  Admission& admission_;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,65 @@
+// RayQueryService, and its unary call.
+#include "server/cast_rpc.h"
+
+#include "server/guarded.h"
+#include "server/rpc_log.h"
+#include "server/rpc_status.h"
+#include "server/stream_cast_rpc.h"
+
+namespace sightline::server {
+namespace {
+
+/// Lives until its task in the arena has called Finish, however early the client has gone.
+class CastRaysReactor final : public grpc::ServerUnaryReactor {
+ public:
+  CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
+      : job_(services), reply_(reply) {}
+
+  void start(const v1::CastRaysRequest& request, Compute& compute) {
+    const Status ready = guarded([&] {
+      Status opened = job_.open(request);
+      return opened ? job_.take(request.rays()) : opened;
+    });
+    if (!ready) return end(ready);
+    compute.enqueue([this] {
+      const Status done = guarded([this] { return job_.run(reply_); });
+      job_.close();
+      end(done);
+    });
+  }
+
+  void OnCancel() override { job_.cancel(); }
+  void OnDone() override { delete this; }
+
+ private:
+  void end(const Status& status) {
+    const grpc::Status answer = to_grpc(status);
+    log_rpc("CastRays", answer, begun_);
+    Finish(answer);  // this reactor may be gone when it returns
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  CastJob job_;
+  v1::CastRaysResponse& reply_;
+};
+
+}  // namespace
+
+RayQueryRpc::RayQueryRpc(const CastServices& services) : services_(services) {
+  SetMessageAllocatorFor_CastRays(&messages_);
+}
+
+grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext*,
+                                                const v1::CastRaysRequest* request,
+                                                v1::CastRaysResponse* reply) {
+  auto* reactor = new CastRaysReactor(services_, *reply);
+  reactor->start(*request, services_.compute);
+  return reactor;
+}
+
+grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
+RayQueryRpc::StreamCastRays(grpc::CallbackServerContext*) {
+  return start_cast_stream(services_, open_streams_, kMaxCastStreams);
+}
+
+}  // namespace sightline::server

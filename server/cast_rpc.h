@@ -1,0 +1,32 @@
+// RayQueryService.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "server/cast_job.h"
+#include "server/message_pool.h"
+#include "sightline/v1/query.grpc.pb.h"
+
+namespace sightline::server {
+
+/// Open StreamCastRays calls on the whole server: each keeps the memory of one batch.
+inline constexpr std::size_t kMaxCastStreams = 256;
+
+class RayQueryRpc final : public v1::RayQueryService::CallbackService {
+ public:
+  explicit RayQueryRpc(const CastServices& services);
+
+  grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
+                                     const v1::CastRaysRequest* request,
+                                     v1::CastRaysResponse* reply) override;
+  grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* StreamCastRays(
+      grpc::CallbackServerContext* context) override;
+
+ private:
+  const CastServices services_;
+  MessagePool<v1::CastRaysRequest, v1::CastRaysResponse> messages_;
+  std::atomic<std::size_t> open_streams_{0};
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,23 @@
+// The flags of sightlined.
+#pragma once
+
+#include <spdlog/common.h>
+
+#include <variant>
+
+#include "server/config.h"
+
+namespace sightline::server {
+
+struct CommandLine {
+  ServerConfig config;
+  spdlog::level::level_enum log_level = spdlog::level::info;
+};
+
+inline constexpr int kUsageExit = 2;
+
+/// The flags, or the code to exit with at once: 0 after --help and --version, kUsageExit after a
+/// usage error. Either has then been printed.
+std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv);
+
+}  // namespace sightline::server

@@ -1,0 +1,15 @@
+// Text that a caller sent, made fit for an error message or a log line.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sightline::server {
+
+inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a value that are shown.
+
+/// The text in double quotes: printable ASCII only (anything else is shown as '?', a quote or
+/// backslash is escaped), cut after kMaxQuoted bytes with the full length told.
+std::string in_quotes(std::string_view text);
+
+}  // namespace sightline::server

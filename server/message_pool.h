@@ -1,0 +1,55 @@
+// Request and reply objects that unary calls use again: big columns then need no fresh memory.
+#pragma once
+
+#include <grpcpp/support/message_allocator.h>
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace sightline::server {
+
+/// A reply taken from the pool holds what it last held. Must outlive the calls that use it.
+template <class Request, class Reply>
+class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
+ public:
+  static constexpr std::size_t kMaxPooled = 8;
+  /// A string keeps the largest size it ever had: what has grown beyond this is freed.
+  static constexpr std::size_t kMaxPooledBytes = std::size_t{2} << 20;
+
+  grpc::MessageHolder<Request, Reply>* AllocateMessages() override {
+    const std::lock_guard lock(mutex_);
+    if (pooled_.empty()) return new Messages(*this);
+    Messages* messages = pooled_.back().release();
+    pooled_.pop_back();
+    return messages;
+  }
+
+ private:
+  class Messages final : public grpc::MessageHolder<Request, Reply> {
+   public:
+    explicit Messages(MessagePool& pool) : pool_(pool) {
+      this->set_request(&request_);
+      this->set_response(&reply_);
+    }
+    void Release() override { pool_.take_back(std::unique_ptr<Messages>(this)); }
+    std::size_t bytes() const { return request_.SpaceUsedLong() + reply_.SpaceUsedLong(); }
+
+   private:
+    MessagePool& pool_;
+    Request request_;
+    Reply reply_;
+  };
+
+  void take_back(std::unique_ptr<Messages> messages) {
+    if (messages->bytes() > kMaxPooledBytes) return;
+    const std::lock_guard lock(mutex_);
+    if (pooled_.size() < kMaxPooled) pooled_.push_back(std::move(messages));
+  }
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Messages>> pooled_;
+};
+
+}  // namespace sightline::server

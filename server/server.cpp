@@ -1,0 +1,156 @@
+// A running server.
+#include "server/server.h"
+
+#include <fmt/format.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
+#include <spdlog/spdlog.h>
+
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "accel/build/scan_kernel.h"
+#include "scenegraph/mesh.h"
+#include "scenegraph/node.h"
+#include "server/blob_rpc.h"
+#include "server/blob_store.h"
+#include "server/cast_rpc.h"
+#include "server/compute.h"
+#include "server/info_rpc.h"
+#include "server/listen_address.h"
+#include "server/memory_scene_store.h"
+#include "server/scene_rpc.h"
+#include "server/state_files.h"
+#include "server/upload_rpc.h"
+
+namespace sightline::server {
+namespace {
+
+constexpr int kMaxMessageBytes = 4 << 20;
+constexpr std::size_t kGrpcMemory =
+    std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
+
+v1::GetServerInfoResponse describe(const ServerConfig& config) {
+  v1::GetServerInfoResponse info;
+  info.set_version(SIGHTLINE_VERSION);
+  for (const char* feature : {"closest", "any", "stream", "build.lazy", "build.full", "build.none",
+                              "build.built-only", "policy.first-touch", "policy.full"}) {
+    info.add_features(feature);
+  }
+  info.set_max_message_bytes(kMaxMessageBytes);
+  info.set_max_blob_chunk_bytes(kMaxBlobChunk);
+  info.set_max_rays_per_request(kMaxRaysPerRequest);
+  info.set_max_rays_queued(config.admission.rays);
+  info.set_max_bytes_queued(config.admission.bytes);
+  info.set_max_triangles_per_mesh(scenegraph::kMaxFacesPerMesh);
+  info.set_max_depth(static_cast<std::uint32_t>(scenegraph::kMaxDepth));
+  info.set_policy(policy_name(config.policy));
+  info.set_threads(static_cast<std::uint32_t>(config.threads));
+  info.set_simd_target(std::string(accel::simd_target()));
+  return info;
+}
+
+/// The measured settings; the library's defaults hold where none is named.
+void configure(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
+                             0);  // or two servers would share a port unnoticed
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+}
+
+Result<ListenAddress> check_listen(const ServerConfig& config) {
+  auto address = ListenAddress::parse(config.listen);
+  if (!address || address->is_loopback() || config.insecure) return address;
+  return Error{
+      Code::kInvalidArgument,
+      fmt::format(
+          "{} can be reached from other machines, and this server has neither encryption nor "
+          "authentication: listen on a loopback address, or allow it with --insecure",
+          config.listen),
+      "INSECURE_ADDRESS"};
+}
+
+}  // namespace
+
+/// In order of construction: what comes later uses what comes before, and is destroyed first.
+struct Server::Parts {
+  explicit Parts(const ServerConfig& c)
+      : config(c),
+        admission(c.admission),
+        blobs({.memory_budget = c.memory_budget}),
+        compute(c.threads) {}
+
+  const ServerConfig config;
+  Admission admission;
+  MemorySceneStore scenes;
+  BlobStore blobs;
+  Compute compute;
+  RayQueryRpc query_rpc{{scenes, compute, admission, config.policy}};
+  SceneRpc scene_rpc{scenes, blobs, compute, admission};
+  BlobRpc blob_rpc{blobs, compute, admission};
+  InfoRpc info_rpc{describe(config)};
+  int port = 0;
+  std::unique_ptr<grpc::Server> grpc;
+  std::once_flag drained;
+};
+
+Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
+  const auto address = check_listen(config);
+  if (!address) return address.error();
+  if (Status made = make_data_dir(config.data_dir); !made) return made.error();
+
+  static std::once_flag plugins;
+  std::call_once(plugins, [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  });
+  auto parts = std::make_unique<Parts>(config);
+  grpc::ServerBuilder builder;
+  configure(builder);
+  builder.AddListeningPort(address->text(), grpc::InsecureServerCredentials(), &parts->port);
+  builder.RegisterService(&parts->query_rpc);
+  builder.RegisterService(&parts->scene_rpc);
+  builder.RegisterService(&parts->blob_rpc);
+  builder.RegisterService(&parts->info_rpc);
+  parts->grpc = builder.BuildAndStart();
+  if (parts->grpc == nullptr || parts->port == 0) {
+    return Error{Code::kUnavailable,
+                 fmt::format("cannot listen on {}: is the port in use?", config.listen),
+                 "PORT_UNAVAILABLE"};
+  }
+  std::unique_ptr<Server> server(new Server(std::move(parts)));
+  if (Status written = write_port_file(config.port_file, server->port()); !written)
+    return written.error();
+  spdlog::info(
+      "event=started version={} listen={} port={} threads={} policy={} memory_budget={} simd={}",
+      SIGHTLINE_VERSION, config.listen, server->port(), config.threads, policy_name(config.policy),
+      config.memory_budget, accel::simd_target());
+  spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
+  return server;
+}
+
+Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Server::~Server() { drain(); }
+
+int Server::port() const { return parts_->port; }
+
+void Server::drain() {
+  std::call_once(parts_->drained, [this] {
+    spdlog::info("event=draining deadline_ms={}", parts_->config.drain.count());
+    parts_->grpc->GetHealthCheckService()->SetServingStatus(false);
+    parts_->grpc->Shutdown(std::chrono::system_clock::now() + parts_->config.drain);
+    spdlog::info("event=stopped");
+  });
+}
+
+}  // namespace sightline::server

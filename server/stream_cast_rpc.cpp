@@ -1,0 +1,93 @@
+// RayQueryService.StreamCastRays: many batches over one call, one at a time.
+#include "server/stream_cast_rpc.h"
+
+#include <fmt/format.h>
+
+#include "server/guarded.h"
+#include "server/rpc_log.h"
+#include "server/rpc_status.h"
+
+namespace sightline::server {
+namespace {
+
+/// Read, trace, write, and only then read again: at most one operation is under way, so a client
+/// that does not read its replies is not served, and the two messages are enough for the whole
+/// call.
+class CastStream final
+    : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
+ public:
+  CastStream(const CastServices& services, std::atomic<std::size_t>& open)
+      : compute_(services.compute), open_(open), job_(services) {}
+
+  void start(std::size_t limit) {
+    const std::size_t before = open_.fetch_add(1);
+    if (before >= limit) {
+      return end(Error{
+          Code::kResourceExhausted,
+          fmt::format("{} streams of rays are open, the limit is {}; retry later", before, limit),
+          "TOO_MANY_STREAMS"});
+    }
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return end({});  // the client has closed its side, or is gone
+    const Status ready = guarded([this] { return take(); });
+    if (!ready) return end(ready);
+    compute_.enqueue([this] { answer(); });
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
+    StartRead(&request_);
+  }
+
+  void OnCancel() override { job_.cancel(); }
+
+  void OnDone() override {
+    open_.fetch_sub(1);
+    // In the arena, as it may be the last to hold a revision with all its trees.
+    compute_.enqueue([this] { delete this; });
+  }
+
+ private:
+  Status take() {
+    if (batches_ == 0) {
+      if (Status opened = job_.open(request_.request()); !opened) return opened;
+    }
+    ++batches_;
+    return job_.take(request_.request().rays());
+  }
+
+  void answer() {
+    const Status done = guarded([this] { return job_.run(*reply_.mutable_response()); });
+    if (!done) return end(done);
+    reply_.set_chunk(request_.chunk());
+    StartWrite(&reply_);
+  }
+
+  void end(const Status& status) {
+    const grpc::Status answer = to_grpc(status);
+    log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
+    Finish(answer);
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  Compute& compute_;
+  std::atomic<std::size_t>& open_;
+  CastJob job_;
+  std::uint64_t batches_ = 0;
+  v1::StreamCastRaysRequest request_;
+  v1::StreamCastRaysResponse reply_;
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* start_cast_stream(
+    const CastServices& services, std::atomic<std::size_t>& open, std::size_t limit) {
+  auto* stream = new CastStream(services, open);
+  stream->start(limit);
+  return stream;
+}
+
+}  // namespace sightline::server

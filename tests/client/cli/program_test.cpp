@@ -1,0 +1,255 @@
+// The command as scripts call it: exit codes, JSON keys, files.
+#include "client/cli/program.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/client/live_client.h"
+#include "tests/client/silent_port.h"
+#include "tests/client/temp_dir.h"
+
+namespace sightline::client::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kSquare =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\no square\nf 1 2 3\nf 1 3 4\nl 1 2\n";
+
+struct Outcome {
+  int exit = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome run(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "sightline");
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit = run_program(static_cast<int>(arguments.size()), arguments.data());
+  Outcome outcome{exit, testing::internal::GetCapturedStdout(),
+                  testing::internal::GetCapturedStderr()};
+  return outcome;
+}
+
+std::set<std::string> keys_of(const std::string& text) {
+  std::set<std::string> keys;
+  const json document = json::parse(text);
+  for (const auto& [key, value] : document.items()) keys.insert(key);
+  return keys;
+}
+
+void expect_keys(const std::string& text, const std::set<std::string>& expected) {
+  const std::set<std::string> keys = keys_of(text);
+  for (const std::string& key : expected) EXPECT_TRUE(keys.contains(key)) << key;
+}
+
+class Program : public tests::LiveClient {
+ protected:
+  Program() { ::setenv("SIGHTLINE_ENDPOINT", endpoint().c_str(), 1); }
+  ~Program() override { ::unsetenv("SIGHTLINE_ENDPOINT"); }
+
+  void import_square() {
+    const std::string file = dir_.write("square.obj", kSquare);
+    ASSERT_EQ(run({"scene", "import", "square", file.c_str()}).exit, 0);
+  }
+
+  tests::TempDir dir_;
+};
+
+TEST_F(Program, UsageErrorsAreTwo) {
+  const std::vector<std::vector<const char*>> wrong{
+      {},
+      {"fly"},
+      {"scene"},
+      {"scene", "fly"},
+      {"scene", "show"},
+      {"scene", "show", "UPPER"},
+      {"scene", "ls", "--flag"},
+      {"--endpoint", "nowhere", "scene", "ls"},
+      {"--deadline", "0", "scene", "ls"},
+      {"cast", "s", "--in", "a", "--out", "b", "--kind", "best"},
+      {"cast", "s", "--in", "a", "--out", "b", "--fields", "colour"},
+      {"cast", "s", "--in", "a", "--out", "b", "--kind", "any", "--fields", "t"},
+      {"cast", "s", "--in", "a", "--out", "b", "--build", "some"},
+      {"cast", "s", "--in", "a"},
+      {"--json", "cast", "s", "--in", "a", "--out", "-"},
+      {"cast", "s", "--in", "a", "--out", "-", "--json"},
+      {"render", "s", "--out", "p.png", "--size", "10"},
+      {"render", "s", "--out", "p.png", "--eye", "1,2"},
+      {"render", "s", "--out", "p.png", "--mode", "x-ray"},
+      {"scene", "import", "s", "f", "--up", "x"},
+      {"scene", "import", "s", "f", "--meters-per-unit", "0"},
+  };
+  for (const auto& arguments : wrong) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit, 2) << (arguments.empty() ? "" : arguments[0]) << ": " << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err, "");
+  }
+}
+
+TEST_F(Program, HelpHasExamplesForEveryVerb) {
+  const std::vector<std::vector<const char*>> verbs{{"--help"},
+                                                    {"scene", "--help"},
+                                                    {"scene", "import", "--help"},
+                                                    {"scene", "ls", "--help"},
+                                                    {"scene", "show", "--help"},
+                                                    {"scene", "rm", "--help"},
+                                                    {"cast", "--help"},
+                                                    {"render", "--help"},
+                                                    {"stats", "--help"}};
+  for (const auto& arguments : verbs) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit, 0);
+    EXPECT_NE(outcome.out.find("Examples:\n  sightline "), std::string::npos) << outcome.out;
+  }
+  for (const char* reserved : {"update", "stream", "load"}) {
+    EXPECT_EQ(run({"--help"}).out.find(std::string("\n  ") + reserved), std::string::npos);
+  }
+}
+
+TEST_F(Program, AnUnknownSceneIsThree) {
+  const std::string rays = dir_.write("rays.csv", "0,0,1,0,0,-1\n");
+  const std::string out = dir_.path("out");
+  EXPECT_EQ(run({"scene", "show", "none"}).exit, 3);
+  EXPECT_EQ(run({"scene", "rm", "none"}).exit, 3);
+  EXPECT_EQ(run({"stats", "none"}).exit, 3);
+  EXPECT_EQ(run({"cast", "none", "--in", rays.c_str(), "--out", out.c_str()}).exit, 3);
+  EXPECT_EQ(run({"render", "none", "--out", out.c_str()}).exit, 3);
+  EXPECT_EQ(dir_.names(), "rays.csv");
+}
+
+TEST_F(Program, NoServerIsFive) {
+  EXPECT_EQ(run({"scene", "ls", "--endpoint", "127.0.0.1:1"}).exit, 5);
+}
+
+TEST_F(Program, AServerThatSaysNothingIsFive) {
+  const tests::SilentPort port;
+  EXPECT_EQ(run({"scene", "ls", "--endpoint", port.endpoint().c_str(), "--deadline", "0.1"}).exit,
+            5);
+}
+
+TEST_F(Program, LocalFilesThatCannotBeReadAreOne) {
+  import_square();
+  const std::string none = dir_.path("none");
+  const std::string out = dir_.path("out.csv");
+  const std::string bad = dir_.write("bad.csv", "0,0,1,0,0,-1\n0,0,1,0,0,down\n");
+  EXPECT_EQ(run({"scene", "import", "new", none.c_str()}).exit, 1);
+  EXPECT_EQ(run({"scene", "import", "new", bad.c_str()}).exit, 1);
+  EXPECT_EQ(run({"cast", "square", "--in", none.c_str(), "--out", out.c_str()}).exit, 1);
+  const Outcome malformed = run({"cast", "square", "--in", bad.c_str(), "--out", out.c_str()});
+  EXPECT_EQ(malformed.exit, 1);
+  EXPECT_NE(malformed.err.find("bad.csv:2: dz is 'down'"), std::string::npos) << malformed.err;
+  EXPECT_EQ(dir_.names(), "bad.csv square.obj");
+}
+
+TEST_F(Program, ImportTellsWhatItFound) {
+  const std::string file = dir_.write("square.obj", kSquare);
+  const Outcome outcome = run({"scene", "import", "square", file.c_str(), "--json", "--up", "z"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  expect_keys(outcome.out, {"scene", "revision", "nodes", "instances", "meshes", "triangles_unique",
+                            "triangles_instanced", "lines_and_points_skipped",
+                            "triangles_nonfinite", "up_axis", "meters_per_unit", "seconds"});
+  const json document = json::parse(outcome.out);
+  EXPECT_EQ(document["scene"], "projects/default/scenes/square");
+  EXPECT_EQ(document["triangles_unique"], 2);
+  EXPECT_EQ(document["lines_and_points_skipped"], 1);
+  EXPECT_EQ(document["up_axis"], "z");
+  EXPECT_EQ(document["meters_per_unit"], nullptr);
+}
+
+TEST_F(Program, AnExistingSceneIsFourWithoutReplace) {
+  import_square();
+  const std::string file = dir_.path("square.obj");
+  const Outcome refused = run({"scene", "import", "square", file.c_str()});
+  EXPECT_EQ(refused.exit, 4);
+  EXPECT_NE(refused.err.find("--replace"), std::string::npos);
+  EXPECT_EQ(
+      run({"scene", "import", "square", file.c_str(), "--replace", "--mobility", "rigid"}).exit, 0);
+}
+
+TEST_F(Program, ScenesAreShownListedAndRemoved) {
+  import_square();
+  const Outcome show = run({"--json", "scene", "show", "square"});
+  ASSERT_EQ(show.exit, 0);
+  expect_keys(show.out,
+              {"revision", "nodes", "instances", "meshes", "triangles_unique",
+               "triangles_instanced", "bounds", "bytes_geometry", "up_axis", "meters_per_unit"});
+  EXPECT_EQ(json::parse(show.out)["bounds"].size(), 6U);
+  EXPECT_EQ(run({"scene", "show", "projects/default/scenes/square", "--json"}).out, show.out);
+  EXPECT_EQ(json::parse(run({"scene", "ls", "--json"}).out)["scenes"].size(), 1U);
+  EXPECT_NE(run({"scene", "ls"}).out.find("\nsquare "), std::string::npos);
+  EXPECT_EQ(run({"scene", "rm", "square"}).exit, 0);
+  EXPECT_TRUE(json::parse(run({"scene", "ls", "--json"}).out)["scenes"].empty());
+}
+
+TEST_F(Program, CastWritesHitsAndTellsWhatItCost) {
+  import_square();
+  const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n0,0,0,0,0,0\n");
+  const std::string out = dir_.path("hits.csv");
+  const Outcome outcome =
+      run({"cast", "square", "--in", rays.c_str(), "--out", out.c_str(), "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  expect_keys(outcome.out,
+              {"rays", "hits", "invalid", "revision", "seconds", "rays_per_s", "cells_expanded",
+               "trees_built", "triangles_built", "triangles_total", "build_ms", "trace_ms"});
+  const json document = json::parse(outcome.out);
+  EXPECT_EQ(document["rays"], 3);
+  EXPECT_EQ(document["hits"], 1);
+  EXPECT_EQ(document["invalid"], 1);
+  EXPECT_EQ(document["triangles_total"], 2);
+  EXPECT_EQ(dir_.read("hits.csv"),
+            "t,node,primitive,u,v,nx,ny,nz\n"
+            "2,2,0,0.5,0.25,0,0,1\n"
+            "inf,0,0,0,0,0,0,0\n"
+            "nan,0,0,0,0,0,0,0\n");
+}
+
+TEST_F(Program, CastToStandardOutputIsCsvAlone) {
+  import_square();
+  const std::string rays =
+      dir_.write("rays.csv", "ox,oy,oz,dx,dy,dz\n0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n0,0,0,0,0,0\n");
+  const Outcome outcome =
+      run({"cast", "square", "--in", rays.c_str(), "--out", "-", "--kind", "any"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_EQ(outcome.out, "hit\n1\n0\n2\n");
+  EXPECT_NE(outcome.err.find("3 rays, 1 hits, 1 invalid"), std::string::npos);
+}
+
+TEST_F(Program, RenderWritesAPngInEveryMode) {
+  import_square();
+  for (const char* mode : {"normal", "depth", "node", "heat"}) {
+    const std::string out = dir_.path(std::string(mode) + ".png");
+    const Outcome outcome =
+        run({"render", "square", "--out", out.c_str(), "--size", "20x10", "--mode", mode, "--eye",
+             "-1,2,3", "--at", "0.5,0.5,0", "--fov", "30", "--json"});
+    ASSERT_EQ(outcome.exit, 0) << outcome.err;
+    EXPECT_EQ(json::parse(outcome.out)["rays"], 800);
+    EXPECT_EQ(dir_.read(std::string(mode) + ".png").substr(1, 3), "PNG");
+  }
+  const std::string out = dir_.path("none/p.png");
+  EXPECT_EQ(run({"render", "square", "--out", out.c_str(), "--size", "4x4"}).exit, 1);
+  EXPECT_EQ(run({"render", "square", "--out", out.c_str(), "--eye", "1,1,1", "--at", "1,1,1"}).exit,
+            2);
+}
+
+TEST_F(Program, StatsHasTheContractsKeys) {
+  import_square();
+  const Outcome outcome = run({"stats", "square", "--json"});
+  ASSERT_EQ(outcome.exit, 0);
+  expect_keys(outcome.out, {"revision", "instances_total", "instances_entered", "cells_deferred",
+                            "cells_expanded", "triangles_built", "triangles_total",
+                            "bytes_geometry", "bytes_trees", "static_instances",
+                            "dynamic_instances", "static_share", "dynamic_share"});
+  EXPECT_EQ(run({"stats", "square"}).exit, 0);
+}
+
+}  // namespace
+}  // namespace sightline::client::cli

@@ -1,0 +1,68 @@
+// Up axes and units.
+#include "client/importer/frame.h"
+
+#include <gtest/gtest.h>
+
+namespace sightline::client {
+namespace {
+
+using Rows = std::array<double, 12>;
+
+ImportedScene scene_of(UpAxis up, double unit) {
+  ImportedScene scene;
+  scene.up_axis = up;
+  scene.meters_per_unit = unit;
+  ImportedNode root;
+  root.parent_from_local = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  ImportedNode child = root;
+  child.parent = 0;
+  scene.nodes = {root, child};
+  return scene;
+}
+
+TEST(Frame, ZUpTakesYToZ) {
+  ImportedScene scene = scene_of(UpAxis::kY, 1);
+  convert_frame(scene, UpAxis::kZ, {});
+  EXPECT_EQ(scene.nodes[0].parent_from_local, (Rows{1, 2, 3, 4, -9, -10, -11, -12, 5, 6, 7, 8}));
+  EXPECT_EQ(scene.nodes[1].parent_from_local, (Rows{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
+  EXPECT_EQ(scene.up_axis, UpAxis::kZ);
+}
+
+TEST(Frame, ThereAndBackIsNothing) {
+  ImportedScene scene = scene_of(UpAxis::kZ, 1);
+  const Rows before = scene.nodes[0].parent_from_local;
+  convert_frame(scene, UpAxis::kY, {});
+  EXPECT_NE(scene.nodes[0].parent_from_local, before);
+  convert_frame(scene, UpAxis::kZ, {});
+  EXPECT_EQ(scene.nodes[0].parent_from_local, before);
+}
+
+TEST(Frame, AnotherUnitScalesTheRoots) {
+  ImportedScene scene = scene_of(UpAxis::kY, 0.5);
+  convert_frame(scene, {}, 1.0);
+  EXPECT_EQ(scene.nodes[0].parent_from_local,
+            (Rows{0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6}));
+  EXPECT_EQ(scene.nodes[1].parent_from_local[0], 1);
+  EXPECT_EQ(scene.meters_per_unit, 1);
+}
+
+TEST(Frame, WhatTheFileDoesNotSayIsOnlyRecorded) {
+  ImportedScene scene = scene_of(UpAxis::kUnknown, 0);
+  const Rows before = scene.nodes[0].parent_from_local;
+  convert_frame(scene, UpAxis::kZ, 0.001);
+  EXPECT_EQ(scene.nodes[0].parent_from_local, before);
+  EXPECT_EQ(scene.up_axis, UpAxis::kZ);
+  EXPECT_EQ(scene.meters_per_unit, 0.001);
+}
+
+TEST(Frame, NothingAskedChangesNothing) {
+  ImportedScene scene = scene_of(UpAxis::kZ, 0.01);
+  const Rows before = scene.nodes[0].parent_from_local;
+  convert_frame(scene, {}, {});
+  EXPECT_EQ(scene.nodes[0].parent_from_local, before);
+  EXPECT_EQ(scene.up_axis, UpAxis::kZ);
+  EXPECT_EQ(scene.meters_per_unit, 0.01);
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,45 @@
+// A server in this process on a free port, and a client of it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "client/importer/imported_scene.h"
+#include "server/server.h"
+
+namespace sightline::tests {
+
+inline constexpr const char* kScene = "projects/default/scenes/test";
+
+class LiveClient : public testing::Test {
+ protected:
+  LiveClient();
+
+  std::string endpoint() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  /// Ends the server; the port stays free for another on the same.
+  void stop_server() { server_.reset(); }
+
+  std::unique_ptr<server::Server> server_;
+  client::Client client_;
+};
+
+/// `count` unit squares in planes z = 0, 1, 2, ..., two triangles each.
+client::ImportedMesh sheets(std::uint32_t count);
+
+/// A root "room", and under it `copies` nodes "sheet" of one mesh, moved by 10 along x from one to
+/// the next.
+client::ImportedScene row_of_sheets(std::uint32_t copies);
+
+/// n rays downward from z = 5 onto the squares of row_of_sheets, one a square, and around again.
+struct DownwardRays {
+  DownwardRays(std::size_t n, std::uint32_t copies);
+  client::RayColumns<const double> columns() const { return {origins, directions}; }
+  std::vector<double> origins;
+  std::vector<double> directions;
+};
+
+}  // namespace sightline::tests

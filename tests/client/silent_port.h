@@ -1,0 +1,22 @@
+// A port on which connections are made and nothing is ever said.
+#pragma once
+
+#include <string>
+
+namespace sightline::tests {
+
+class SilentPort {
+ public:
+  SilentPort();
+  SilentPort(const SilentPort&) = delete;
+  SilentPort& operator=(const SilentPort&) = delete;
+  ~SilentPort();
+
+  const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  int socket_;
+  std::string endpoint_;
+};
+
+}  // namespace sightline::tests

@@ -1,0 +1,191 @@
+// A server as a whole: starting, standing up to bad peers, and draining.
+#include "server/server.h"
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "tests/server/garbage.h"
+#include "tests/server/live_server.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+namespace {
+
+const std::string kScene = "projects/p/scenes/s";
+
+/// One message there and one back, as bytes, on a stream that stays open until `context` is
+/// cancelled.
+class RawCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+          const std::string& message)
+      : stub_(channel), slice_(message), request_(&slice_, 1) {
+    stub_.PrepareBidiStreamingCall(&context_, method, {}, this);
+    StartWrite(&request_);
+    StartRead(&reply_);
+    StartCall();
+  }
+  ~RawCall() override {
+    context_.TryCancel();
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return done_; });
+  }
+
+  /// Waits for the next message; empty once the call has ended.
+  std::string next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !unread_.empty() || done_; });
+    return std::exchange(unread_, {});
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return;
+    std::vector<grpc::Slice> slices;
+    static_cast<void>(reply_.Dump(&slices));
+    {
+      const std::lock_guard lock(mutex_);
+      for (const grpc::Slice& slice : slices)
+        unread_.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+    }
+    changed_.notify_all();
+    StartRead(&reply_);
+  }
+  void OnDone(const grpc::Status&) override {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  grpc::TemplatedGenericStub<grpc::ByteBuffer, grpc::ByteBuffer> stub_;
+  grpc::ClientContext context_;
+  grpc::Slice slice_;
+  grpc::ByteBuffer request_;
+  grpc::ByteBuffer reply_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string unread_;
+  bool done_ = false;
+};
+
+class ServerTest : public LiveServer {
+ protected:
+  grpc::Status cast_one() {
+    v1::CastRaysResponse reply;
+    return api_.cast(cast_request(kScene, rays_downward(1)), &reply);
+  }
+};
+
+TEST_F(ServerTest, TellsItsLimits) {
+  grpc::ClientContext context;
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(api_.server->GetServerInfo(&context, {}, &info).ok());
+  EXPECT_FALSE(info.version().empty());
+  EXPECT_EQ(info.policy(), "first-touch");
+  EXPECT_EQ(info.threads(), 2u);
+  EXPECT_EQ(info.max_rays_per_request(), 16384u);
+  EXPECT_EQ(info.max_message_bytes(), std::uint64_t{4} << 20);
+  EXPECT_EQ(info.max_blob_chunk_bytes(), std::uint64_t{1} << 20);
+  EXPECT_GT(info.max_triangles_per_mesh(), 0u);
+  EXPECT_GT(info.max_rays_queued(), 0u);
+  EXPECT_FALSE(info.simd_target().empty());
+}
+
+TEST_F(ServerTest, ServesHealthAndReflection) {
+  const std::string serving("\x08\x01", 2),
+      not_serving("\x08\x02", 2);  // HealthCheckResponse.status
+  auto health = std::make_unique<RawCall>(channel_, "/grpc.health.v1.Health/Watch", "");
+  EXPECT_EQ(health->next(), serving);
+  {
+    RawCall reflection(channel_, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                       std::string("\x3a\x01*", 3));  // list_services
+    const std::string services = reflection.next();
+    for (const char* name :
+         {"sightline.v1.SceneService", "sightline.v1.BlobService", "sightline.v1.RayQueryService",
+          "sightline.v1.ServerService", "grpc.health.v1.Health"}) {
+      EXPECT_NE(services.find(name), std::string::npos) << name;
+    }
+  }
+  std::thread drain([&] { server_->drain(); });
+  EXPECT_EQ(health->next(), not_serving);
+  health.reset();  // or draining would wait for it
+  drain.join();
+}
+
+TEST_F(ServerTest, GarbageOnThePortHurtsNobody) {
+  api_.make_scene(kScene, planar_sheet(1));
+  for (int i = 0; i < 20; ++i) send_garbage(server_->port());
+  EXPECT_TRUE(cast_one().ok());
+}
+
+TEST_F(ServerTest, RefusesAMessageOverItsLimit) {
+  api_.make_scene(kScene, planar_sheet(1));
+  for (const std::size_t bytes : {std::size_t{5} << 20, std::size_t{64} << 20}) {
+    v1::CastRaysRequest request;
+    request.set_scene(kScene);
+    request.mutable_rays()->set_origins(std::string(bytes, '\0'));
+    v1::CastRaysResponse reply;
+    const grpc::Status status = api_.cast(request, &reply);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+    EXPECT_NE(status.error_message().find("4194304"), std::string::npos) << status.error_message();
+  }
+  EXPECT_TRUE(cast_one().ok());
+}
+
+TEST_F(ServerTest, DrainsOnceAndRefusesCallsAfterwards) {
+  api_.make_scene(kScene, planar_sheet(1));
+  server_->drain();
+  server_->drain();
+  EXPECT_EQ(cast_one().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST(Server, CancelsWhatIsStillOpenWhenDrainingEnds) {
+  server::ServerConfig config = test_config();
+  config.drain = std::chrono::milliseconds(0);
+  const auto server = server::Server::start(config);
+  ASSERT_TRUE(server);
+  Api api(connect((*server)->port()));
+  api.make_scene(kScene, planar_sheet(1));
+  grpc::ClientContext context;
+  const auto stream = api.rays->StreamCastRays(&context);
+  v1::StreamCastRaysRequest request;
+  v1::StreamCastRaysResponse reply;
+  *request.mutable_request() = cast_request(kScene, rays_downward(1));
+  ASSERT_TRUE(stream->Write(request));
+  ASSERT_TRUE(stream->Read(&reply));
+  (*server)->drain();
+  EXPECT_FALSE(stream->Read(&reply));
+  EXPECT_FALSE(stream->Finish().ok());
+}
+
+TEST(Server, RefusesAPortInUse) {
+  const auto first = server::Server::start(test_config());
+  ASSERT_TRUE(first);
+  server::ServerConfig config = test_config();
+  config.listen = "127.0.0.1:" + std::to_string((*first)->port());
+  const auto second = server::Server::start(config);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Code::kUnavailable);
+  EXPECT_NE(second.error().message.find(config.listen), std::string::npos);
+}
+
+TEST(Server, RefusesAnOpenAddressUnlessToldSo) {
+  server::ServerConfig config = test_config();
+  config.listen = "0.0.0.0:0";
+  const auto refused = server::Server::start(config);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "INSECURE_ADDRESS");
+  config.insecure = true;
+  EXPECT_TRUE(server::Server::start(config));
+}
+
+}  // namespace
+}  // namespace sightline::tests

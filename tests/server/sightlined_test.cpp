@@ -1,0 +1,195 @@
+// The server program: its exit codes, its files, and its memory under abuse.
+#include <grpcpp/client_context.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/codec.h"
+#include "tests/server/child_server.h"
+#include "tests/server/garbage.h"
+#include "tests/server/live_server.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kScene = "projects/p/scenes/s";
+
+class Sightlined : public testing::Test {
+ protected:
+  Sightlined() {
+    std::string pattern = (fs::temp_directory_path() / "sightlined-XXXXXX").string();
+    EXPECT_NE(mkdtemp(pattern.data()), nullptr);
+    root_ = pattern;
+  }
+  ~Sightlined() override { fs::remove_all(root_); }
+
+  fs::path root_;
+};
+
+TEST_F(Sightlined, ServesWritesItsPortAndEndsOnSigterm) {
+  for (const int number : {SIGTERM, SIGINT}) {
+    const fs::path port_file = root_ / "port";
+    const fs::path data_dir = root_ / "data" / "dir";
+    ChildServer child({"--listen", "127.0.0.1:0", "--port-file", port_file, "--data-dir", data_dir,
+                       "--threads", "1"});
+    const int port = child.port();
+    ASSERT_GT(port, 0) << child.output();
+    int written = 0;
+    std::ifstream(port_file) >> written;
+    EXPECT_EQ(written, port);
+    EXPECT_TRUE(fs::is_directory(data_dir));
+    Api(connect(port)).make_scene(kScene, cube());
+    child.signal(number);
+    EXPECT_EQ(child.wait(), 0) << child.output();
+    EXPECT_NE(child.output().find("not kept across restarts"), std::string::npos);
+  }
+}
+
+TEST_F(Sightlined, TellsWhyItDoesNotStart) {
+  const auto expect_end = [](const std::vector<std::string>& flags, int code,
+                             const std::string& told) {
+    ChildServer child(flags);
+    EXPECT_EQ(child.wait(), code) << child.output();
+    EXPECT_NE(child.output().find(told), std::string::npos) << child.output();
+  };
+  expect_end({"--policy", "sometimes"}, 2, "sometimes");
+  expect_end({"--listen", "0.0.0.0:0"}, 2, "--insecure");
+  std::ofstream(root_ / "file") << "x";
+  expect_end({"--listen", "127.0.0.1:0", "--data-dir", root_ / "file"}, 1,
+             (root_ / "file").string());
+  expect_end({"--listen", "127.0.0.1:0", "--port-file", root_ / "none" / "port"}, 1, "port file");
+  ChildServer first({"--listen", "127.0.0.1:0"});
+  const std::string taken = "127.0.0.1:" + std::to_string(first.port());
+  expect_end({"--listen", taken}, 1, taken);
+}
+
+/// One server for all abuses, which is to come back to the memory it had before each.
+class SightlinedAbuse : public Sightlined {
+ protected:
+  static constexpr std::uint64_t kSlack = std::uint64_t{64} << 20;
+
+  SightlinedAbuse() : child_({"--listen", "127.0.0.1:0"}), port_(child_.port()) {
+    Api api(connect(port_));
+    api.make_scene(kScene, planar_sheet(100));
+    v1::CastRaysResponse reply;
+    EXPECT_TRUE(
+        api.cast(cast_request(kScene, rays_downward(server::kMaxRaysPerRequest)), &reply).ok());
+    before_ = child_.resident_bytes();
+  }
+
+  void expect_serving_in_bounds(const char* after) {
+    v1::CastRaysResponse reply;
+    const grpc::Status status =
+        Api(connect(port_)).cast(cast_request(kScene, rays_downward(100)), &reply);
+    EXPECT_TRUE(status.ok()) << after << ": " << status.error_message();
+    EXPECT_EQ(reply.stats().hits(), 100u);
+    const std::uint64_t now = child_.resident_bytes();
+    RecordProperty(after, std::to_string((now >> 10)) + " KiB, before " +
+                              std::to_string(before_ >> 10) + " KiB");
+    EXPECT_LT(now, before_ + kSlack) << after;
+  }
+
+  ChildServer child_;
+  int port_;
+  std::uint64_t before_ = 0;
+};
+
+TEST_F(SightlinedAbuse, Garbage) {
+  for (int i = 0; i < 100; ++i) send_garbage(port_);
+  expect_serving_in_bounds("garbage");
+}
+
+TEST_F(SightlinedAbuse, OversizedMessages) {
+  for (const std::size_t mib : {5, 64, 200}) {
+    v1::CastRaysRequest request;
+    request.set_scene(kScene);
+    request.mutable_rays()->set_origins(std::string(mib << 20, '\0'));
+    v1::CastRaysResponse reply;
+    EXPECT_EQ(Api(connect(port_)).cast(request, &reply).error_code(),
+              grpc::StatusCode::RESOURCE_EXHAUSTED);
+  }
+  expect_serving_in_bounds("oversized");
+}
+
+TEST_F(SightlinedAbuse, CancelledStreamOfTenMillionRays) {
+  Api api(connect(port_));
+  grpc::ClientContext context;
+  const auto stream = api.rays->StreamCastRays(&context);
+  v1::StreamCastRaysRequest request;
+  *request.mutable_request() = cast_request(kScene, rays_downward(8192));
+  std::thread writer([&] {
+    for (int i = 0; i < 1221 && stream->Write(request); ++i) {
+    }
+  });
+  v1::StreamCastRaysResponse reply;
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(stream->Read(&reply));
+  context.TryCancel();
+  writer.join();
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  expect_serving_in_bounds("cancelled");
+}
+
+TEST_F(SightlinedAbuse, ClientsThatNeverRead) {
+  std::vector<std::thread> clients;
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::atomic<int> accepted{0};
+  const v1::CastRaysRequest rays = cast_request(kScene, rays_downward(8192));
+  for (int c = 0; c < 4; ++c) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    clients.emplace_back([&, context = contexts.back().get()] {
+      Api api(connect(port_));
+      const auto stream = api.rays->StreamCastRays(context);
+      v1::StreamCastRaysRequest request;
+      *request.mutable_request() = rays;
+      while (stream->Write(request)) ++accepted;
+      stream->Finish();
+    });
+  }
+  for (int i = 0; i < 50; ++i) expect_serving_in_bounds("never reading, meanwhile");
+  for (auto& context : contexts) context->TryCancel();
+  for (auto& client : clients) client.join();
+  EXPECT_LT(accepted, 2000);
+  expect_serving_in_bounds("never reading");
+}
+
+TEST_F(SightlinedAbuse, RaysThatAreNoRays) {
+  auto rays = rays_downward(server::kMaxRaysPerRequest);
+  for (auto& ray : rays) ray.direction.x = std::numeric_limits<double>::quiet_NaN();
+  v1::CastRaysResponse reply;
+  ASSERT_TRUE(Api(connect(port_)).cast(cast_request(kScene, rays), &reply).ok());
+  EXPECT_EQ(reply.stats().invalid(), server::kMaxRaysPerRequest);
+  expect_serving_in_bounds("not rays");
+}
+
+TEST_F(SightlinedAbuse, UploadsThatAreNeverFinished) {
+  Api api(connect(port_));
+  for (int i = 0; i < 300; ++i) {
+    grpc::ClientContext context;
+    v1::UploadBlobResponse reply;
+    const auto writer = api.blobs->UploadBlob(&context, &reply);
+    v1::UploadBlobRequest chunk;
+    std::string sum = std::to_string(i);
+    sum.insert(0, 64 - sum.size(), '0');
+    chunk.set_digest("sha256:" + sum + "/1000000008");  // a header of 24 bytes and rows of 12
+    chunk.set_data(std::string("SLM1\0\0\0\0\1\0\0\0\0\0\0\0\xd3\x90\xf7\4\0\0\0\0", 24));
+    writer->Write(chunk);
+    writer->WritesDone();
+    EXPECT_TRUE(writer->Finish().ok());
+  }
+  expect_serving_in_bounds("unfinished uploads");
+}
+
+}  // namespace
+}  // namespace sightline::tests
