@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -13,39 +14,48 @@
 namespace sightline::client {
 namespace {
 
-MeshBlob blob_of(const ImportedMesh& mesh) { return {mesh.vertices, mesh.faces}; }
+// The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal content are told apart:
+// the scene has as many meshes as the file.
+struct Blobs {
+  std::vector<std::optional<MeshBlob>> blob;
+  std::vector<std::string> digest;
+};
 
-// Digests by mesh; empty for meshes that no node carries.
-std::vector<std::string> digest_meshes(const ImportedScene& scene) {
-  std::vector<std::string> digests(scene.meshes.size());
+Blobs make_blobs(const ImportedScene& scene) {
+  Blobs blobs{std::vector<std::optional<MeshBlob>>(scene.meshes.size()),
+              std::vector<std::string>(scene.meshes.size())};
+  std::unordered_map<std::string, std::uint32_t> twins;
   for (const ImportedNode& node : scene.nodes) {
-    if (node.mesh == kNone || !digests[node.mesh].empty()) continue;
-    digests[node.mesh] = blob_of(scene.meshes[node.mesh]).digest();
+    if (node.mesh == kNone || blobs.blob[node.mesh]) continue;
+    const ImportedMesh& mesh = scene.meshes[node.mesh];
+    MeshBlob blob(mesh.vertices, mesh.faces);
+    std::string digest = blob.digest();
+    if (const std::uint32_t twin = twins[digest]++; twin > 0) {
+      blob = MeshBlob(mesh.vertices, mesh.faces, twin);
+      digest = blob.digest();
+    }
+    blobs.blob[node.mesh] = blob;
+    blobs.digest[node.mesh] = std::move(digest);
   }
-  return digests;
+  return blobs;
 }
 
-Status upload_meshes(const Client& client, const ImportedScene& scene,
-                     const std::vector<std::string>& digests, const SceneUploadProgress& progress) {
-  std::unordered_map<std::string, std::size_t> mesh_of;
-  for (std::size_t i = 0; i < digests.size(); ++i) {
-    if (!digests[i].empty()) mesh_of.emplace(digests[i], i);
-  }
+Status upload_meshes(const Client& client, const Blobs& blobs, const SceneUploadProgress& progress) {
+  std::unordered_map<std::string, std::size_t> place;
   std::vector<std::string> asked;
-  asked.reserve(mesh_of.size());
-  for (std::size_t i = 0; i < digests.size(); ++i) {
-    const auto found = mesh_of.find(digests[i]);
-    if (found != mesh_of.end() && found->second == i) asked.push_back(digests[i]);
+  for (std::size_t i = 0; i < blobs.digest.size(); ++i) {
+    if (!blobs.blob[i]) continue;
+    place.emplace(blobs.digest[i], i);
+    asked.push_back(blobs.digest[i]);
   }
   const auto missing = client.missing_meshes(asked);
   if (!missing) return missing.error();
 
   std::uint64_t total = 0;
-  for (const std::string& digest : *missing)
-    total += blob_of(scene.meshes[mesh_of.at(digest)]).size();
+  for (const std::string& digest : *missing) total += blobs.blob[place.at(digest)]->size();
   std::uint64_t done = 0;
   for (const std::string& digest : *missing) {
-    const MeshBlob blob = blob_of(scene.meshes[mesh_of.at(digest)]);
+    const MeshBlob& blob = *blobs.blob[place.at(digest)];
     const auto report = [&](std::uint64_t bytes) {
       if (progress) progress(done + bytes, total);
     };
@@ -105,10 +115,9 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
   if (!there) return there.error();
   if (*there && !options.replace) return already_exists(name);
 
-  const std::vector<std::string> digests = digest_meshes(scene);
-  if (const Status sent = upload_meshes(client, scene, digests, progress); !sent)
-    return sent.error();
-  const std::vector<Update> updates = put_nodes(scene, digests, options.mobility);
+  const Blobs blobs = make_blobs(scene);
+  if (const Status sent = upload_meshes(client, blobs, progress); !sent) return sent.error();
+  const std::vector<Update> updates = put_nodes(scene, blobs.digest, options.mobility);
   if (*there) {
     const Status gone = client.delete_scene(name);
     if (!gone && gone.error().code != Code::kNotFound) return gone.error();

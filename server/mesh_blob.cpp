@@ -66,9 +66,8 @@ Status MeshBlobReader::append(std::span<const std::byte> bytes) {
 }
 
 Status MeshBlobReader::read_header() {
-  if (std::memcmp(header_.data(), kMagic.data(), kMagic.size()) != 0 ||
-      load<std::uint32_t>(&header_[4]) != 0) {
-    return bad_blob("the blob does not begin with \"SLM1\" and a zero word");
+  if (std::memcmp(header_.data(), kMagic.data(), kMagic.size()) != 0) {
+    return bad_blob("the blob does not begin with \"SLM1\"");
   }
   const auto vertices = load<std::uint64_t>(&header_[8]);
   const auto faces = load<std::uint64_t>(&header_[16]);

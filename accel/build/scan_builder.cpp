@@ -5,6 +5,9 @@
 #include <array>
 #include <limits>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include "accel/build/scan_samples.h"
 
 namespace sightline::accel {
@@ -88,14 +91,20 @@ struct Neighbours {
 };
 
 Neighbours nearest_bounds(std::span<const BoxRef> refs, std::size_t axis, float x) {
-  Neighbours n;
-  for (const BoxRef& ref : refs) {
-    for (const float bound : {ref.lo[axis], ref.hi[axis]}) {
-      n.below = bound <= x && bound > n.below ? bound : n.below;
-      n.above = bound >= x && bound < n.above ? bound : n.above;
+  const auto pass = [&](const tbb::blocked_range<std::size_t>& slice, Neighbours n) {
+    for (std::size_t i = slice.begin(); i != slice.end(); ++i) {
+      for (const float bound : {refs[i].lo[axis], refs[i].hi[axis]}) {
+        n.below = bound <= x && bound > n.below ? bound : n.below;
+        n.above = bound >= x && bound < n.above ? bound : n.above;
+      }
     }
-  }
-  return n;
+    return n;
+  };
+  const tbb::blocked_range<std::size_t> all(0, refs.size(), kScanSlice);
+  if (refs.size() < 2 * kScanSlice) return pass(all, {});
+  return tbb::parallel_reduce(all, Neighbours{}, pass, [](const Neighbours& p, const Neighbours& q) {
+    return Neighbours{std::max(p.below, q.below), std::min(p.above, q.above)};
+  });
 }
 
 /// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose costs are true.
@@ -104,14 +113,15 @@ void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahCons
   const int axis = best.plane.axis;
   const std::size_t a = index_of(axis);
   const Neighbours n = nearest_bounds(refs, a, best.plane.position);
-  ScanAxis planes;
+  std::array<ScanAxis, 3> axes;
+  ScanAxis& planes = axes[a];
   std::size_t used = 0;
   for (const float x : {n.below, n.above}) {
     if (x > cell.lo[a] && x < cell.hi[a]) planes.position[used++] = x;
   }
   if (used == 0) return;
   fill_unused(planes, used);
-  scan_one_axis(refs, axis, planes);
+  count_planes(refs, {axis, axis + 1}, axes);
   counters.touches += 2 * refs.size();
   const CutAreas areas(cell, axis);
   best = {};

@@ -9,9 +9,6 @@
 namespace sightline::accel {
 namespace {
 
-/// Lists at least this long are scanned in slices of this many boxes, in parallel.
-constexpr std::size_t kSlice = 32768;
-
 void add_counts(ScanAxis& to, const ScanAxis& from) {
   for (std::size_t i = 0; i < kScanWidth; ++i) {
     to.left[i] += from.left[i];
@@ -29,10 +26,10 @@ void count_planes(std::span<const BoxRef> refs, AxisRange range, std::array<Scan
       scan_one_axis(slice, range.begin, counts[static_cast<std::size_t>(range.begin)]);
     }
   };
-  if (refs.size() < 2 * kSlice) return pass(refs, axes);
+  if (refs.size() < 2 * kScanSlice) return pass(refs, axes);
   const std::array<ScanAxis, 3> zero = axes;
   axes = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, refs.size(), kSlice), zero,
+      tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), zero,
       [&](const tbb::blocked_range<std::size_t>& r, std::array<ScanAxis, 3> sum) {
         std::array<ScanAxis, 3> counts = zero;
         pass(refs.subspan(r.begin(), r.size()), counts);

@@ -24,6 +24,9 @@ struct Samples {
   std::size_t size = 0;
 };
 
+/// Lists of at least twice this many boxes are passed over in parallel slices of this size.
+inline constexpr std::size_t kScanSlice = 32768;
+
 /// The axes that one pass looks at: all three, or one.
 struct AxisRange {
   int begin = 0, end = 3;

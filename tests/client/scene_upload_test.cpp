@@ -31,7 +31,7 @@ TEST_F(SceneUpload, CountsAreTheScenes) {
   EXPECT_NEAR((*info->bounds)[3], 41, 1e-3);
 }
 
-TEST_F(SceneUpload, EqualMeshesAreSentOnceAndUnusedOnesNever) {
+TEST_F(SceneUpload, EqualMeshesOfAFileStaySeveralAndUnusedOnesAreNotSent) {
   ImportedScene scene = tests::row_of_sheets(2);
   scene.meshes.push_back(scene.meshes[0]);
   scene.meshes.push_back(tests::sheets(9));
@@ -40,8 +40,9 @@ TEST_F(SceneUpload, EqualMeshesAreSentOnceAndUnusedOnesNever) {
   const auto info = upload_scene(client_, kScene, scene, {},
                                  [&](std::uint64_t, std::uint64_t all) { total = all; });
   ASSERT_TRUE(info) << info.error().message;
-  EXPECT_EQ(info->meshes, 1U);
-  EXPECT_EQ(total, MeshBlob(scene.meshes[0].vertices, scene.meshes[0].faces).size());
+  EXPECT_EQ(info->meshes, 2U);
+  EXPECT_EQ(info->triangles_unique, 8U);
+  EXPECT_EQ(total, 2 * MeshBlob(scene.meshes[0].vertices, scene.meshes[0].faces).size());
 }
 
 TEST_F(SceneUpload, WhatTheServerHasIsNotSentAgain) {

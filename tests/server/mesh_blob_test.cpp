@@ -50,9 +50,17 @@ void expect_bad(const std::string& blob) {
 
 TEST(MeshBlob, RefusesWhatIsNoMesh) {
   expect_bad(std::string(1000, 'x'));
-  std::string reserved = blob_of(tests::cube());
-  reserved[4] = 1;
-  expect_bad(reserved);
+  std::string other = blob_of(tests::cube());
+  other[3] = '2';
+  expect_bad(other);
+}
+
+TEST(MeshBlob, TheTwinNumberMeansNothing) {
+  std::string twin = blob_of(tests::cube());
+  twin[4] = 1;
+  const auto mesh = read(twin, 1000);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ((*mesh)->faces(), 12u);
 }
 
 TEST(MeshBlob, RefusesCountsThatDisagreeWithItsSize) {
