@@ -14,8 +14,8 @@
 namespace sightline::client {
 namespace {
 
-// The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal content are told apart:
-// the scene has as many meshes as the file.
+// The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal
+// content are told apart: the scene has as many meshes as the file.
 struct Blobs {
   std::vector<std::optional<MeshBlob>> blob;
   std::vector<std::string> digest;
@@ -40,7 +40,8 @@ Blobs make_blobs(const ImportedScene& scene) {
   return blobs;
 }
 
-Status upload_meshes(const Client& client, const Blobs& blobs, const SceneUploadProgress& progress) {
+Status upload_meshes(const Client& client, const Blobs& blobs,
+                     const SceneUploadProgress& progress) {
   std::unordered_map<std::string, std::size_t> place;
   std::vector<std::string> asked;
   for (std::size_t i = 0; i < blobs.digest.size(); ++i) {

@@ -81,8 +81,7 @@ void print_report(const SceneInfo& scene, const FileCounts& file, double seconds
   fmt::print("{} at revision {} in {:.2f} s\n", scene.name, scene.revision, seconds);
   fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
   fmt::print("  meshes     {}", scene.meshes);
-  if (file.meshes != scene.meshes)
-    fmt::print(" that differ or are used, of {} in the file", file.meshes);
+  if (file.meshes != scene.meshes) fmt::print(" used, of {} in the file", file.meshes);
   fmt::print("\n  triangles  {} unique, {} instanced\n", scene.triangles_unique,
              scene.triangles_instanced);
   if (file.lines_and_points > 0)
