@@ -105,7 +105,7 @@ Instances::Instances(const Snapshot& snapshot) {
     list_[i].box = relative_box(boxes[i], center_);
     bounds.grow(list_[i].box);
   }
-  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), accel::AnyBuilder{},
+  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), accel::default_builder(),
                                             [this](accel::BuildCounters& counters) {
     counters.touches_prepare += list_.size();
     accel::BoxList refs(list_.size());

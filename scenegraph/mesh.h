@@ -25,7 +25,7 @@ class Mesh {
   /// Faces with a non-finite vertex are accepted, counted and never hit.
   /// `builder` is what its tree will be grown by.
   static Result<std::shared_ptr<const Mesh>> make(std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
-                                                  const accel::AnyBuilder& builder = {});
+                                                  const accel::AnyBuilder& builder = accel::default_builder());
 
   accel::MeshView view() const { return {vertices_, faces_}; }
   /// Of the finite triangles, each widened as widen_flat does; empty if there is none.

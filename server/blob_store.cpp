@@ -28,7 +28,7 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
     freed.push_back(old->upload);
     forget(old->upload.get());
   }
-  if (Status room = make_room(digest.size, freed); !room) return room.error();
+  if (const Status room = make_room(digest.size, freed); !room) return room.error();
   auto upload = std::make_shared<Upload>(digest);
   pending_.push_back({upload, false});
   bytes_used_ += digest.size;
@@ -55,8 +55,8 @@ Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>
   const std::lock_guard lock(mutex_);
   forget(upload.get());
   if (!made) return made;
-  Stored stored{*made, (*made)->bytes(), next_order_++};
-  const auto [kept, is_new] = meshes_.try_emplace(upload->digest(), std::move(stored));
+  const Stored stored{*made, (*made)->bytes(), next_order_++};
+  const auto [kept, is_new] = meshes_.try_emplace(upload->digest(), stored);
   if (is_new) bytes_used_ += kept->second.bytes;
   return kept->second.mesh;
 }

@@ -17,8 +17,8 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
   void start(const v1::CastRaysRequest& request, Compute& compute) {
     const Status ready = guarded([&] {
-      Status opened = job_.open(request);
-      return opened ? job_.take(request.rays()) : opened;
+      if (Status opened = job_.open(request); !opened) return opened;
+      return job_.take(request.rays());
     });
     if (!ready) return end(ready);
     compute.enqueue([this] {

@@ -174,7 +174,7 @@ Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy
   CastQuery query{*kind, *growth, {}, false};
   for (const int number : request.fields()) {
     const auto field = static_cast<v1::HitField>(number);
-    if (Status good = check_field(field, *kind, query.fields); !good) return good.error();
+    if (const Status good = check_field(field, *kind, query.fields); !good) return good.error();
     query.fields.push_back(field);
     query.surface |= field == v1::HIT_FIELD_BARYCENTRIC || field == v1::HIT_FIELD_NORMAL;
   }

@@ -1,12 +1,15 @@
 // sightlined: the server program.
 #include <grpc/support/log.h>
 #include <malloc.h>
+#include <oneapi/tbb/global_control.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <exception>
+#include <new>
 #include <variant>
 
 #include "server/command_line.h"
@@ -20,10 +23,12 @@ using namespace sightline::server;
 /// being given back to the system and faulted in again, which costs 10 to 50 % of throughput. What
 /// is larger goes back.
 void keep_memory_at_hand() {
+  // NOLINTBEGIN(concurrency-mt-unsafe): no other thread runs yet
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 32 << 20);
   mallopt(M_TOP_PAD, 8 << 20);
   mallopt(M_ARENA_MAX, 1);
+  // NOLINTEND(concurrency-mt-unsafe)
 }
 
 void log_grpc(gpr_log_func_args* args) {
@@ -51,17 +56,9 @@ sigset_t block_signals() {
   return ending;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const auto parsed = parse_command_line(argc, argv);
-  if (const int* code = std::get_if<int>(&parsed)) return *code;
-  const auto& line = std::get<CommandLine>(parsed);
-  keep_memory_at_hand();
-  start_logging(line.log_level);
-  const sigset_t ending = block_signals();
-
-  const auto server = Server::start(line.config);
+/// From start to drained. Returns the program's exit code.
+int serve(const ServerConfig& config, const sigset_t& ending) {
+  const auto server = Server::start(config);
   if (!server) {
     std::fprintf(stderr, "sightlined: %s\n", server.error().message.c_str());
     return server.error().reason == "INSECURE_ADDRESS" ? kUsageExit : 1;
@@ -71,4 +68,24 @@ int main(int argc, char** argv) {
   spdlog::info("event=signal signal={}", caught);
   (*server)->drain();
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const auto parsed = parse_command_line(argc, argv);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  const auto& line = std::get<CommandLine>(parsed);
+  keep_memory_at_hand();
+  start_logging(line.log_level);
+  const sigset_t ending = block_signals();
+
+  tbb::task_scheduler_handle workers{tbb::attach{}};
+  const int code = serve(line.config, ending);
+  // Joined, so that every thread has freed what is its own before the process ends.
+  static_cast<void>(tbb::finalize(workers, std::nothrow));
+  return code;
+} catch (const std::exception& thrown) {
+  std::fprintf(stderr, "sightlined: %s\n", thrown.what());
+  return 1;
 }

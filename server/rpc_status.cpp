@@ -2,7 +2,6 @@
 #include "server/rpc_status.h"
 
 #include <string>
-#include <utility>
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -66,8 +65,7 @@ grpc::Status to_grpc(const Error& error) {
   status.set_code(code);
   status.set_message(cut(error.message));
   status.add_details()->PackFrom(info);
-  std::string message = status.message();
-  return {code, std::move(message), status.SerializeAsString()};
+  return {code, status.message(), status.SerializeAsString()};
 }
 
 grpc::Status to_grpc(const Status& status) {

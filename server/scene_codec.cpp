@@ -144,7 +144,7 @@ class UpdateDecoder {
 }  // namespace
 
 Result<SceneInfo> decode_scene(const v1::Scene& scene) {
-  if (Status good = check_scene_name(scene.name()); !good) return good.error();
+  if (const Status good = check_scene_name(scene.name()); !good) return good.error();
   SceneInfo info{scene.name(), UpAxis::kUnspecified, scene.meters_per_unit()};
   if (!std::isfinite(info.meters_per_unit) || info.meters_per_unit < 0) {
     return invalid(
@@ -188,7 +188,7 @@ Result<std::vector<scenegraph::Update>> decode_updates(const v1::ApplyUpdatesReq
     }
     updates.push_back(std::move(*decoded));
   }
-  if (Status found = decoder.check_missing(); !found) return found.error();
+  if (const Status found = decoder.check_missing(); !found) return found.error();
   return updates;
 }
 

@@ -23,7 +23,7 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
 }  // namespace
 
 Result<std::shared_ptr<StoredScene>> SceneRpc::find(const std::string& name) const {
-  if (Status good = check_scene_name(name); !good) return good.error();
+  if (const Status good = check_scene_name(name); !good) return good.error();
   return scenes_.get(name);
 }
 

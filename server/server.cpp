@@ -106,7 +106,7 @@ struct Server::Parts {
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   const auto address = check_listen(config);
   if (!address) return address.error();
-  if (Status made = make_data_dir(config.data_dir); !made) return made.error();
+  if (const Status made = make_data_dir(config.data_dir); !made) return made.error();
 
   static std::once_flag plugins;
   std::call_once(plugins, [] {
@@ -128,7 +128,7 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
                  "PORT_UNAVAILABLE"};
   }
   std::unique_ptr<Server> server(new Server(std::move(parts)));
-  if (Status written = write_port_file(config.port_file, server->port()); !written)
+  if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
   spdlog::info(
       "event=started version={} listen={} port={} threads={} policy={} memory_budget={} simd={}",

@@ -2,8 +2,7 @@
 #include "accel/build/any_builder.h"
 
 #include <charconv>
-#include <functional>
-#include <map>
+#include <cmath>
 
 namespace sightline::accel {
 namespace {
@@ -13,55 +12,161 @@ struct Named {
   AnyBuilder builder;
 };
 
+/// Above this share of a leaf's cost the longest axis is taken to have no good cut.
+constexpr double kPoorCut = 0.85;
+
+ScanBuilder scan_fast() {
+  return {.axes = ScanAxes::kOne, .retry_above = kPoorCut, .snap = true};
+}
+
 const std::vector<Named>& all_builders() {
   static const std::vector<Named> kBuilders = {
+      {"spatial-median", SpatialMedianBuilder{}},
+      {"object-median", ObjectMedianBuilder{}},
+      {"sah-naive", ExactBuilder{.search = ExactSearch::kNaive}},
+      {"sah-sort", ExactBuilder{.search = ExactSearch::kSort}},
+      {"sah-sweep", ExactBuilder{.search = ExactSearch::kSweep}},
+      {"min-max-bins", MinMaxBuilder{}},
       {"scan-one-axis", ScanBuilder{.axes = ScanAxes::kOne}},
       {"scan-hybrid", ScanBuilder{.axes = ScanAxes::kHybrid}},
       {"scan-all-axes", ScanBuilder{.axes = ScanAxes::kAll}},
+      {"scan-fast", scan_fast()},
+      {"scan-best", ScanBuilder{.axes = ScanAxes::kAll, .snap = true, .clip = true}},
   };
   return kBuilders;
 }
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), "BUILDER_PARAMETER"}; }
+Error invalid(std::string message) {
+  return {Code::kInvalidArgument, std::move(message), "BUILDER_PARAMETER"};
+}
 
-using Setter = std::function<void(ScanBuilder&, double)>;
+/// A parameter by name, and where the builder keeps it. What it is, a number, a count or a switch,
+/// follows from its type. A name may stand for several.
+template <class Builder>
+struct Parameter {
+  template <class T>
+  using Field = T& (*)(Builder&);
 
-std::uint32_t to_count(double x) { return x >= 0 && x < 4294967295.0 ? static_cast<std::uint32_t>(x) : 4294967295u; }
+  std::string_view name;
+  std::variant<Field<double>, Field<std::uint32_t>, Field<bool>> field;
+};
 
-const std::map<std::string_view, Setter>& scan_parameters() {
-  static const std::map<std::string_view, Setter> kParameters = {
-      {"samples", [](ScanBuilder& b, double x) { b.uniform_samples = b.adaptive_samples = to_count(x); }},
-      {"uniform_samples", [](ScanBuilder& b, double x) { b.uniform_samples = to_count(x); }},
-      {"adaptive_samples", [](ScanBuilder& b, double x) { b.adaptive_samples = to_count(x); }},
-      {"exact_below", [](ScanBuilder& b, double x) { b.exact_below = to_count(x); }},
-      {"hybrid_below", [](ScanBuilder& b, double x) { b.hybrid_below = to_count(x); }},
-      {"cost_traverse", [](ScanBuilder& b, double x) { b.cost.traverse = x; }},
-      {"cost_intersect", [](ScanBuilder& b, double x) { b.cost.intersect = x; }},
-      {"empty_bonus", [](ScanBuilder& b, double x) { b.cost.empty_bonus = x; }},
+template <class Builder>
+using Parameters = std::vector<Parameter<Builder>>;
+
+const Parameters<ScanBuilder>& parameters(const ScanBuilder&) {
+  using B = ScanBuilder;
+  static const Parameters<B> kParameters = {
+      {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
+      {"uniform_samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"adaptive_samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
+      {"exact_below", [](B& b) -> std::uint32_t& { return b.exact_below; }},
+      {"hybrid_below", [](B& b) -> std::uint32_t& { return b.hybrid_below; }},
+      {"cost_traverse", [](B& b) -> double& { return b.cost.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
+      {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
+      {"retry_above", [](B& b) -> double& { return b.retry_above; }},
+      {"snap", [](B& b) -> bool& { return b.snap; }},
+      {"clip", [](B& b) -> bool& { return b.clip; }},
   };
   return kParameters;
 }
 
-Status set(ScanBuilder& builder, std::string_view key, std::string_view value) {
-  const auto found = scan_parameters().find(key);
-  if (found == scan_parameters().end()) {
+template <class B>
+const Parameters<B>& median_parameters() {
+  static const Parameters<B> kParameters = {
+      {"leaf_size", [](B& b) -> std::uint32_t& { return b.stop.leaf_size; }},
+      {"max_depth", [](B& b) -> std::uint32_t& { return b.stop.max_depth; }},
+  };
+  return kParameters;
+}
+
+const Parameters<SpatialMedianBuilder>& parameters(const SpatialMedianBuilder&) {
+  return median_parameters<SpatialMedianBuilder>();
+}
+
+const Parameters<ObjectMedianBuilder>& parameters(const ObjectMedianBuilder&) {
+  return median_parameters<ObjectMedianBuilder>();
+}
+
+const Parameters<ExactBuilder>& parameters(const ExactBuilder&) {
+  using B = ExactBuilder;
+  static const Parameters<B> kParameters = {
+      {"cost_traverse", [](B& b) -> double& { return b.costs.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.costs.intersect; }},
+      {"lambda", [](B& b) -> double& { return b.costs.lambda; }},
+      {"bad_refines", [](B& b) -> std::uint32_t& { return b.bad_refines; }},
+      {"clip", [](B& b) -> bool& { return b.clip; }},
+  };
+  return kParameters;
+}
+
+const Parameters<MinMaxBuilder>& parameters(const MinMaxBuilder&) {
+  using B = MinMaxBuilder;
+  static const Parameters<B> kParameters = {
+      {"bins", [](B& b) -> std::uint32_t& { return b.bins; }},
+      {"subsample", [](B& b) -> bool& { return b.subsample; }},
+      {"threads", [](B& b) -> std::uint32_t& { return b.threads; }},
+      {"cost_traverse", [](B& b) -> double& { return b.cost.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
+      {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
+  };
+  return kParameters;
+}
+
+/// Reads a value of the field's type. Returns what it had to be, if it is not.
+std::optional<std::string_view> read(std::string_view text, double& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(out))
+    return std::nullopt;
+  return "a number";
+}
+
+std::optional<std::string_view> read(std::string_view text, std::uint32_t& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (error == std::errc() && end == text.data() + text.size()) return std::nullopt;
+  return "a whole number of 0 to 4294967295";
+}
+
+std::optional<std::string_view> read(std::string_view text, bool& out) {
+  const bool on = text == "on" || text == "1";
+  if (!on && text != "off" && text != "0") return "on, off, 1 or 0";
+  out = on;
+  return std::nullopt;
+}
+
+template <class Builder>
+Status set(Builder& builder, std::string_view key, std::string_view value) {
+  Builder changed = builder;
+  bool known = false;
+  for (const Parameter<Builder>& parameter : parameters(builder)) {
+    if (parameter.name != key) continue;
+    known = true;
+    const auto expected =
+        std::visit([&](auto field) { return read(value, field(changed)); }, parameter.field);
+    if (expected) {
+      return invalid(std::string(key) + ": \"" + std::string(value) + "\" is not " +
+                     std::string(*expected));
+    }
+  }
+  if (!known) {
     std::string message = "no parameter \"" + std::string(key) + "\"; there are:";
-    for (const auto& [name, setter] : scan_parameters()) message += " " + std::string(name);
+    std::string_view last;
+    for (const Parameter<Builder>& parameter : parameters(builder)) {
+      if (parameter.name != last) message += " " + std::string(parameter.name);
+      last = parameter.name;
+    }
     return invalid(std::move(message));
   }
-  double number = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc() || end != value.data() + value.size()) {
-    return invalid(std::string(key) + ": \"" + std::string(value) + "\" is not a number");
-  }
-  ScanBuilder changed = builder;
-  found->second(changed, number);
   if (const auto complaint = changed.check()) return invalid(*complaint);
   builder = changed;
   return {};
 }
 
 }  // namespace
+
+AnyBuilder default_builder() { return scan_fast(); }
 
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;

@@ -6,21 +6,31 @@
 #include <variant>
 #include <vector>
 
+#include "accel/build/exact_builder.h"
+#include "accel/build/median_builders.h"
+#include "accel/build/min_max_builder.h"
 #include "accel/build/scan_builder.h"
 #include "accel/result.h"
 
 namespace sightline::accel {
 
-using AnyBuilder = std::variant<ScanBuilder>;
+/// Made without a name it is a scan builder with its default parameters.
+using AnyBuilder = std::variant<ScanBuilder, SpatialMedianBuilder, ObjectMedianBuilder,
+                                ExactBuilder, MinMaxBuilder>;
+
+/// What trees are grown by unless told otherwise: scan-fast.
+AnyBuilder default_builder();
 
 /// All names that make_builder knows, in the order of docs/builders.md.
 std::vector<std::string_view> builder_names();
 
-/// The builder of that name with its default parameters. Errors: kInvalidArgument, listing the names.
+/// The builder of that name with its default parameters. Errors: kInvalidArgument, listing the
+/// names.
 Result<AnyBuilder> make_builder(std::string_view name);
 
-/// Sets one parameter by name, e.g. ("samples", "8"). Errors: kInvalidArgument: no such parameter (listing them), not a
-/// number, or out of range (naming the range).
+/// Sets one parameter by name, e.g. ("samples", "8") or ("clip", "off"). Errors: kInvalidArgument:
+/// no such parameter (listing them), not a number (a whole number, on or off), or out of range
+/// (naming the range); the builder stays as it was.
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value);
 
 }  // namespace sightline::accel

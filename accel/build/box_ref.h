@@ -48,19 +48,29 @@ struct Plane {
 struct Cut {
   Plane plane;
   bool planar_left = false;
+  bool at_a_loss = false;  ///< A leaf would be cheaper: cut in the hope of better cuts below.
   bool operator==(const Cut&) const = default;
 };
 
-/// Whether a box lies flat in a plane: widen_flat gave it the least extent there is.
+/// Whether a box lies flat in a plane, at ref.lo: widen_flat gave it the least extent there is.
 inline bool is_planar(const BoxRef& ref, std::size_t axis) {
   return ref.hi[axis] == least_above(ref.lo[axis]);
 }
+
+/// What a cell inherits from the cells above it.
+struct CellPath {
+  int depth = 0;            ///< Of the root: 0.
+  int cuts_at_a_loss = 0;   ///< How many of the cuts above it were (Cut::at_a_loss).
+
+  CellPath below(const Cut& cut) const { return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0)}; }
+  bool operator==(const CellPath&) const = default;
+};
 
 /// A cell as a builder is asked about it.
 struct CellRefs {
   std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
   Aabb box;
-  int depth = 0;  ///< Of the root: 0.
+  CellPath path;
 };
 
 }  // namespace sightline::accel

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "accel/build/box_ref.h"
@@ -10,6 +11,23 @@
 #include "accel/geometry/mesh_view.h"
 
 namespace sightline::accel {
+
+/// Bounds of the part of a face in one half of a cell that the face is held by; nothing if it only touches that half.
+///
+/// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's face, and which cells hold
+/// it then was decided by the cut that made the face (Cut::planar_left).
+inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face, const Aabb& half) {
+  const Face& f = mesh.faces[face];
+  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+  const std::optional<Aabb> box = clipped_bounds(a, b, c, half);
+  if (!box) return std::nullopt;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool overlaps = box->lo[axis] < half.hi[axis] && box->hi[axis] > half.lo[axis];
+    const bool flat = a[axis] == b[axis] && b[axis] == c[axis];
+    if (!overlaps && !flat) return std::nullopt;
+  }
+  return box;
+}
 
 /// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from their original
 /// triangle, those that do not reach into the cell after all are left out, the others keep their order. Returns how many
@@ -19,10 +37,8 @@ inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list,
   std::size_t kept = 0;
   for (BoxRef ref : list) {
     if (ref.lo[axis] < plane.position && ref.hi[axis] > plane.position) {
-      const Face& f = mesh.faces[ref.id];
-      const std::optional<Aabb> box =
-          clipped_bounds(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]], cell);
-      if (!box || !is_member(*box, cell)) continue;
+      const std::optional<Aabb> box = clip_to_half(mesh, ref.id, cell);
+      if (!box) continue;
       ref.lo = box->lo;
       ref.hi = box->hi;
     }

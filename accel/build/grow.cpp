@@ -4,42 +4,45 @@
 #include <algorithm>
 #include <bit>
 
-#include <tbb/task_group.h>
-
 #include "accel/build/clip_straddlers.h"
+#include "accel/build/fork.h"
 #include "accel/build/list_stack.h"
 #include "accel/build/sift.h"
 
 namespace sightline::accel {
 namespace {
 
-/// Subtrees over at least this many references are worth a task of their own.
-constexpr std::size_t kTask = 4096;
+using BoxStack = ListStack<BoxRef>;
 
 template <class Builder>
 class Growth {
  public:
-  Growth(const GrowContext& context, const Builder& builder) : context_(context), builder_(builder) {}
+  Growth(const GrowContext& context, const Builder& builder)
+      : context_(context), builder_(builder) {}
 
-  Slot grow(std::span<BoxRef> refs, const Aabb& cell, int depth, ListStack& lists, BuildCounters& counters) {
-    if (refs.size() >= kTask && context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed)) {
-      return defer(refs, cell, depth, false);
+  Slot grow(std::span<BoxRef> refs, const Aabb& cell, const CellPath& path, BoxStack& lists,
+            BuildCounters& counters) {
+    if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
+        context_.cancelled->load(std::memory_order_relaxed)) {
+      return defer(refs, cell, path, false);
     }
-    const std::optional<Cut> cut =
-        depth < context_.max_depth ? builder_.choose({refs, cell, depth}, counters) : std::nullopt;
-    if (!cut) return leaf(refs, cell, depth);
+    const std::optional<Cut> cut = path.depth < context_.max_depth
+                                       ? builder_.choose({refs, cell, path}, counters)
+                                       : std::nullopt;
+    if (!cut) return leaf(refs, cell, path);
     const Plane& plane = cut->plane;
 
     // Before the list is divided: without room for the children it stays as it is.
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return defer(refs, cell, depth, true);
+    if (!pair) return defer(refs, cell, path, true);
 
     const HalvedCell halves = halve(cell, plane.axis, plane.position);
-    const ListStack::Mark mark = lists.mark();
+    const BoxStack::Mark mark = lists.mark();
     BoxRef* right = lists.top(refs.size());
     Sifted n = sift(refs, *cut, refs.data(), right);
     counters.touches += refs.size();
-    if (n.left == refs.size() && n.right == refs.size()) return leaf(refs, cell, depth);  // separates nothing
+    if (n.left == refs.size() && n.right == refs.size())
+      return leaf(refs, cell, path);  // separates nothing
     if (builder_.clips() && context_.mesh != nullptr) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
@@ -47,11 +50,23 @@ class Growth {
     lists.take(n.right);
     const Slot slot = Slot::binary(plane, *pair);
     AtomicSlot* children = context_.tree.children(slot);
-    if (std::min(n.left, n.right) >= kTask) {
-      grow_both(refs.first(n.left), {right, n.right}, halves, depth + 1, children, lists, counters);
+    const CellPath below = path.below(*cut);
+    const auto grow_left = [&] {
+      set(children[0], grow(refs.first(n.left), halves.left, below, lists, counters));
+    };
+    const auto grow_right = [&](BoxStack& own, BuildCounters& sum) {
+      set(children[1], grow({right, n.right}, halves.right, below, own, sum));
+    };
+    if (std::min(n.left, n.right) >= kForkFrom) {
+      BuildCounters right_counters;
+      fork(grow_left, [&] {
+        BoxStack own;
+        grow_right(own, right_counters);
+      });
+      counters += right_counters;
     } else {
-      set(children[0], grow(refs.first(n.left), halves.left, depth + 1, lists, counters));
-      set(children[1], grow({right, n.right}, halves.right, depth + 1, lists, counters));
+      grow_left();
+      grow_right(lists, counters);
     }
     lists.release(mark);
     return slot;
@@ -59,41 +74,35 @@ class Growth {
 
  private:
   /// Not published until the slot of the whole subtree is.
-  static void set(AtomicSlot& slot, Slot value) { slot.store(value.bits(), std::memory_order_relaxed); }
-
-  void grow_both(std::span<BoxRef> left, std::span<BoxRef> right, const HalvedCell& halves, int depth,
-                 AtomicSlot* children, ListStack& lists, BuildCounters& counters) {
-    BuildCounters right_counters;
-    tbb::task_group group;
-    group.run([&] {
-      ListStack own;
-      set(children[1], grow(right, halves.right, depth, own, right_counters));
-    });
-    try {
-      set(children[0], grow(left, halves.left, depth, lists, counters));
-    } catch (...) {
-      group.cancel();
-      group.wait();
-      throw;
-    }
-    group.wait();
-    counters += right_counters;
+  static void set(AtomicSlot& slot, Slot value) {
+    slot.store(value.bits(), std::memory_order_relaxed);
   }
 
-  Slot leaf(std::span<const BoxRef> refs, const Aabb& cell, int depth) {
+  Slot leaf(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path) {
     const std::optional<Slot> slot = context_.tree.make_leaf(refs);
-    return slot ? *slot : defer(refs, cell, depth, true);
+    return slot ? *slot : defer(refs, cell, path, true);
   }
 
-  Slot defer(std::span<const BoxRef> refs, const Aabb& box, int depth, bool given_up) {
+  Slot defer(std::span<const BoxRef> refs, const Aabb& box, const CellPath& path, bool given_up) {
     BoxList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), box, depth, given_up);
+    return context_.tree.defer(std::move(list), box, path, given_up);
   }
 
   const GrowContext& context_;
   const Builder& builder_;
 };
+
+template <class Builder>
+Slot grow_with(const GrowContext& context, const Builder& builder, std::span<BoxRef> refs,
+               const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+  if constexpr (requires { builder.grow_subtree(context, refs, cell, path, counters); }) {
+    if (const std::optional<Slot> grown = builder.grow_subtree(context, refs, cell, path, counters))
+      return *grown;
+  }
+  BoxStack lists;
+  return Growth(context, builder).grow(refs, cell, path, lists, counters);
+}
 
 }  // namespace
 
@@ -102,10 +111,23 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kMaxTreeDepth);
 }
 
-Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell, int depth, BuildCounters& counters) {
-  ListStack lists;
+int depth_limit(const AnyBuilder& builder, std::size_t references) {
   return std::visit(
-      [&](const auto& builder) { return Growth(context, builder).grow(refs, cell, depth, lists, counters); },
+      [&](const auto& b) {
+        const int shared = depth_limit(references);
+        if constexpr (requires { b.depth_bound(references); }) {
+          return std::min(shared, b.depth_bound(references));
+        } else {
+          return shared;
+        }
+      },
+      builder);
+}
+
+Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell,
+          const CellPath& path, BuildCounters& counters) {
+  return std::visit(
+      [&](const auto& builder) { return grow_with(context, builder, refs, cell, path, counters); },
       context.builder);
 }
 

@@ -21,14 +21,22 @@ struct GrowContext {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
-/// Depth beyond which no cell of a tree over this many references is cut: 8 + 1.3 log2 n is the depth of a good tree
-/// (Havran 2000), the rest is room for cutting off empty space.
+/// Depth beyond which no cell of a tree over this many references is cut: 8 + 1.3 log2 n is the
+/// depth of a good tree (Havran 2000), the rest is room for cutting off empty space.
 int depth_limit(std::size_t references);
 
-/// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is used up: the left
-/// child overwrites its parent's, the right child's comes from a stack (Hunt et al. 2006, section 6.3.1). Large
-/// subtrees become tasks in the caller's arena. A cell for which there is no room stays deferred, given up.
-/// Throws std::bad_alloc; whatever was grown until then stays unreachable in the tree's storage.
-Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell, int depth, BuildCounters& counters);
+/// The same, or less where the builder has a bound of its own (`depth_bound`).
+int depth_limit(const AnyBuilder& builder, std::size_t references);
+
+/// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is
+/// used up: the left child overwrites its parent's, the right child's comes from a stack (Hunt et
+/// al. 2006, section 6.3.1). Large subtrees become tasks in the caller's arena. A cell for which
+/// there is no room stays deferred, given up. Throws std::bad_alloc; whatever was grown until then
+/// stays unreachable in the tree's storage.
+///
+/// A builder may grow subtrees in its own way (`grow_subtree`); what it makes has to be what its
+/// `choose` would lead to.
+Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell,
+          const CellPath& path, BuildCounters& counters);
 
 }  // namespace sightline::accel

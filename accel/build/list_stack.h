@@ -1,16 +1,19 @@
-// Room for the right-hand lists of an eager build: taken in order, given back in reverse, never moved.
+// Room for the lists of an eager build: taken in order, given back in reverse, never moved.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
-
-#include "accel/build/box_ref.h"
 
 namespace sightline::accel {
 
 /// Not shared between threads: every task has its own.
+template <class T>
 class ListStack {
+  static_assert(std::is_trivially_copyable_v<T>);
+
  public:
   struct Mark {
     std::size_t chunk, used;
@@ -22,8 +25,8 @@ class ListStack {
     used_ = m.used;
   }
 
-  /// Room for n boxes at the top. Valid until released; only what is then taken stays. Throws std::bad_alloc.
-  BoxRef* top(std::size_t n) {
+  /// Room for n items at the top. Valid until released; only what is then taken stays. Throws std::bad_alloc.
+  T* top(std::size_t n) {
     while (chunk_ < chunks_.size() && chunks_[chunk_].size - used_ < n) {
       ++chunk_;
       used_ = 0;
@@ -32,25 +35,25 @@ class ListStack {
       const std::size_t size = n > kChunk ? n : kChunk;
       chunks_.push_back({std::make_unique_for_overwrite<Raw[]>(size), size});
     }
-    return reinterpret_cast<BoxRef*>(chunks_[chunk_].boxes.get()) + used_;
+    return reinterpret_cast<T*>(chunks_[chunk_].items.get()) + used_;
   }
   void take(std::size_t n) { used_ += n; }
 
   std::uint64_t bytes() const {
     std::uint64_t sum = 0;
-    for (const Chunk& c : chunks_) sum += c.size * sizeof(BoxRef);
+    for (const Chunk& c : chunks_) sum += c.size * sizeof(T);
     return sum;
   }
 
  private:
   static constexpr std::size_t kChunk = 8192;
-  /// BoxRef has member initialisers; a chunk is left as the kernel gives it, so that room reserved and not taken
-  /// costs no memory.
-  struct alignas(BoxRef) Raw {
-    std::byte bytes[sizeof(BoxRef)];
+  /// T may have member initialisers; a chunk is left as the kernel gives it, so that room reserved and not taken costs
+  /// no memory.
+  struct alignas(T) Raw {
+    std::byte bytes[sizeof(T)];
   };
   struct Chunk {
-    std::unique_ptr<Raw[]> boxes;
+    std::unique_ptr<Raw[]> items;
     std::size_t size;
   };
   std::vector<Chunk> chunks_;

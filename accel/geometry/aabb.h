@@ -58,7 +58,7 @@ inline float round_up(double x) {
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
-/// The least float above x that widen_flat gives a box flat at x.
+/// The upper bound that widen_flat gives a box flat at x.
 inline float least_above(float x) {
   return std::max(std::nextafter(x, std::numeric_limits<float>::infinity()), x + std::numeric_limits<float>::min());
 }
@@ -67,15 +67,18 @@ inline float least_above(float x) {
 ///
 /// This is what makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a flat box
 /// would lie on neither side of a plane through it, one widened by a float lies on one. Not depending on denormals
-/// makes the rule the same with flush-to-zero on or off.
+/// makes the rule the same with flush-to-zero on or off. A thin box that is not flat gets two floats at least, so that an
+/// extent of one float says "flat".
 inline Aabb widen_flat(Aabb b) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   for (std::size_t a = 0; a < 3; ++a) {
     float& lo = b.lo[a];
     float& hi = b.hi[a];
+    const bool flat = lo == hi && (lo == 0 || std::fabs(lo) >= kTiny);
     if (lo > -kTiny && lo < kTiny) lo = lo < 0 ? -kTiny : 0.0f;
     if (hi > -kTiny && hi < kTiny) hi = hi > 0 ? kTiny : 0.0f;
     if (!(hi - lo >= kTiny)) hi = least_above(lo);
+    if (!flat && hi <= least_above(lo)) hi = least_above(least_above(lo));
   }
   return b;
 }

@@ -14,8 +14,8 @@ struct Polygon {
 };
 
 /// Keeps the part with sign * (x[axis] - position) <= 0.
-Polygon cut(const Polygon& in, std::size_t axis, double sign, double position) {
-  Polygon out;
+void cut(const Polygon& in, std::size_t axis, double sign, double position, Polygon& out) {
+  out.size = 0;
   for (std::size_t i = 0; i < in.size; ++i) {
     const Vec3d& p = in.at[i];
     const Vec3d& q = in.at[i + 1 == in.size ? 0 : i + 1];
@@ -27,28 +27,40 @@ Polygon cut(const Polygon& in, std::size_t axis, double sign, double position) {
       out.at[out.size++] = x;
     }
   }
-  return out;
 }
 
 }  // namespace
 
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell) {
-  Polygon polygon;
-  polygon.at[0] = Vec3d(a);
-  polygon.at[1] = Vec3d(b);
-  polygon.at[2] = Vec3d(c);
-  polygon.size = 3;
+  std::array<Polygon, 2> polygons;  // what is cut, and what comes of it, in turn
+  std::size_t now = 0;
+  polygons[0].at[0] = Vec3d(a);
+  polygons[0].at[1] = Vec3d(b);
+  polygons[0].at[2] = Vec3d(c);
+  polygons[0].size = 3;
   // The corners that cutting makes are off by a few roundings of the largest coordinate: cutting a little outside the
   // cell, and widening what comes out by as much, keeps every true point.
+  Vec3d whole_lo, whole_hi;
   double largest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(polygon.at[i][k]));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    whole_lo[axis] = static_cast<double>(std::min({a[axis], b[axis], c[axis]}));
+    whole_hi[axis] = static_cast<double>(std::max({a[axis], b[axis], c[axis]}));
+    largest = std::max({largest, -whole_lo[axis], whole_hi[axis]});
   }
   const double slack = largest * 0x1p-48;
-  for (std::size_t axis = 0; axis < 3 && polygon.size > 0; ++axis) {
-    polygon = cut(polygon, axis, -1, static_cast<double>(cell.lo[axis]) - slack);
-    polygon = cut(polygon, axis, 1, static_cast<double>(cell.hi[axis]) + slack);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // A face that the triangle does not reach beyond cuts nothing off.
+    const double lo = static_cast<double>(cell.lo[axis]) - slack, hi = static_cast<double>(cell.hi[axis]) + slack;
+    if (whole_lo[axis] < lo) {
+      cut(polygons[now], axis, -1, lo, polygons[1 - now]);
+      now = 1 - now;
+    }
+    if (whole_hi[axis] > hi) {
+      cut(polygons[now], axis, 1, hi, polygons[1 - now]);
+      now = 1 - now;
+    }
   }
+  const Polygon& polygon = polygons[now];
   if (polygon.size == 0) return std::nullopt;
   Aabb box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -57,11 +69,9 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
       lo = std::min(lo, polygon.at[i][axis]);
       hi = std::max(hi, polygon.at[i][axis]);
     }
-    // A vertex of the triangle is exact; what was cut is not.
-    const double whole_lo = static_cast<double>(std::min({a[axis], b[axis], c[axis]}));
-    const double whole_hi = static_cast<double>(std::max({a[axis], b[axis], c[axis]}));
-    box.lo[axis] = std::max(lo == whole_lo ? round_down(lo) : round_down(lo - slack), cell.lo[axis]);
-    box.hi[axis] = std::min(hi == whole_hi ? round_up(hi) : round_up(hi + slack), cell.hi[axis]);
+    // What was cut is widened, but never beyond the triangle, whose own bounds are exact.
+    box.lo[axis] = std::max(round_down(std::max(lo - slack, whole_lo[axis])), cell.lo[axis]);
+    box.hi[axis] = std::min(round_up(std::min(hi + slack, whole_hi[axis])), cell.hi[axis]);
     if (box.lo[axis] > box.hi[axis]) return std::nullopt;
   }
   return widen_flat(box);

@@ -38,7 +38,7 @@ LazyTree::LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder&
       source_(std::move(source)),
       mesh_(mesh),
       references_(references),
-      max_depth_(depth_limit(references)) {}
+      max_depth_(depth_limit(builder, references)) {}
 
 bool LazyTree::expand(AtomicSlot& slot, BuildCounters& counters) {
   const Slot now = load(slot);
@@ -95,9 +95,9 @@ bool LazyTree::build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildC
 }
 
 Slot LazyTree::cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, BuildCounters& counters) {
-  const CellRefs list{refs, cell.box, cell.depth};
+  const CellRefs list{refs, cell.box, cell.path};
   const std::optional<Cut> cut =
-      cell.depth < max_depth_
+      cell.path.depth < max_depth_
           ? std::visit([&](const auto& builder) { return builder.choose(list, counters); }, builder_)
           : std::nullopt;
   const auto leaf = [&] {
@@ -121,15 +121,17 @@ Slot LazyTree::cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, 
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
   const Slot slot = Slot::binary(plane, *pair);
-  tree_.children(slot)[0].store(tree_.defer(std::move(left), halves.left, cell.depth + 1).bits(), std::memory_order_relaxed);
-  tree_.children(slot)[1].store(tree_.defer(std::move(right), halves.right, cell.depth + 1).bits(), std::memory_order_relaxed);
+  const CellPath path = cell.path.below(*cut);
+  AtomicSlot* children = tree_.children(slot);
+  children[0].store(tree_.defer(std::move(left), halves.left, path).bits(), std::memory_order_relaxed);
+  children[1].store(tree_.defer(std::move(right), halves.right, path).bits(), std::memory_order_relaxed);
   return slot;
 }
 
 Slot LazyTree::finish(BoxList list, const DeferredCell& cell, BuildCounters& counters,
                       const std::atomic<bool>* cancelled) {
   const GrowContext context{tree_, builder_, mesh_, max_depth_, cancelled};
-  return grow(context, list.all(), cell.box, cell.depth, counters);
+  return grow(context, list.all(), cell.box, cell.path, counters);
 }
 
 void LazyTree::finish_slot(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled) {

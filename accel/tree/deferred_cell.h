@@ -50,7 +50,7 @@ class BoxList {
 /// Immutable but for `once` and `given_up` until it is retired; readers hold an epoch.
 struct alignas(8) DeferredCell {
   Aabb box;
-  int depth = 0;
+  CellPath path;
   /// The root's list is derived from the geometry by whoever expands it; until then `list` is empty and readers search
   /// all of the geometry.
   bool listed = true;

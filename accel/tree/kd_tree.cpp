@@ -67,11 +67,11 @@ std::optional<Slot> KdTree::make_leaf(std::span<const BoxRef> refs) {
   return Slot::leaf(refs.size(), static_cast<std::uint32_t>(first));
 }
 
-Slot KdTree::defer(BoxList list, const Aabb& box, int depth, bool given_up) {
+Slot KdTree::defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up) {
   if (list.size() == 0) return Slot::empty_leaf();
   auto cell = std::make_unique<DeferredCell>();
   cell->box = box;
-  cell->depth = depth;
+  cell->path = path;
   cell->size = list.size();
   cell->list = std::move(list);
   cell->given_up = given_up;

@@ -55,7 +55,7 @@ class KdTree {
   std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
 
   /// A slot to be expanded later; an empty leaf for an empty list. Throws std::bad_alloc. Threads: any.
-  Slot defer(BoxList list, const Aabb& box, int depth, bool given_up = false);
+  Slot defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up = false);
 
   /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
   void retire_cell(DeferredCell& cell);

@@ -1,4 +1,5 @@
-// The invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its cell's members.
+// The invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its cell's members, or, where the builder
+// clips, all that is to be met there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "accel/tree/kd_tree.h"
+#include "tests/support/scenes.h"
 
 namespace sightline::tests {
 
@@ -43,6 +45,73 @@ inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel:
 
 inline void check_tree(const accel::KdTree& tree, const std::vector<accel::Aabb>& bounds) {
   check_cell(tree, accel::load(tree.root()), tree.bounds(), 0, bounds);
+}
+
+/// Whether some leaf whose closed cell holds the point holds the reference.
+inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell, const accel::Vec3f& point,
+                       std::uint32_t id) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (point[a] < cell.lo[a] || point[a] > cell.hi[a]) return false;
+  }
+  if (slot.is_binary()) {
+    const accel::HalvedCell halves = accel::halve(cell, slot.axis(), slot.position());
+    return is_held_at(tree, accel::load(tree.children(slot)[0]), halves.left, point, id) ||
+           is_held_at(tree, accel::load(tree.children(slot)[1]), halves.right, point, id);
+  }
+  if (slot.is_unbuilt()) {
+    if (!slot.cell()->listed) return true;
+    const auto refs = std::as_const(slot.cell()->list).all();
+    return std::any_of(refs.begin(), refs.end(), [&](const accel::BoxRef& ref) { return ref.id == id; });
+  }
+  if (slot.leaf_count() == 0) return false;
+  std::uint32_t storage;
+  const auto ids = tree.leaf(slot, storage);
+  return std::find(ids.begin(), ids.end(), id) != ids.end();
+}
+
+inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell, int depth,
+                              const std::vector<accel::Aabb>& bounds) {
+  ASSERT_LE(depth, accel::kMaxTreeDepth);
+  if (slot.is_binary()) {
+    const auto axis = static_cast<std::size_t>(slot.axis());
+    ASSERT_GE(slot.position(), cell.lo[axis]);
+    ASSERT_LE(slot.position(), cell.hi[axis]);
+    const accel::HalvedCell halves = accel::halve(cell, slot.axis(), slot.position());
+    check_closed_cell(tree, accel::load(tree.children(slot)[0]), halves.left, depth + 1, bounds);
+    check_closed_cell(tree, accel::load(tree.children(slot)[1]), halves.right, depth + 1, bounds);
+    return;
+  }
+  std::vector<std::uint32_t> held;
+  if (slot.is_unbuilt()) {
+    ASSERT_EQ(slot.cell()->box, cell);
+    for (const accel::BoxRef& ref : std::as_const(slot.cell()->list).all()) held.push_back(ref.id);
+  } else if (slot.leaf_count() > 0) {
+    std::uint32_t storage;
+    for (const std::uint32_t id : tree.leaf(slot, storage)) held.push_back(id);
+  }
+  std::sort(held.begin(), held.end());
+  ASSERT_EQ(std::adjacent_find(held.begin(), held.end()), held.end());
+  for (const std::uint32_t id : held) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      ASSERT_LE(bounds[id].lo[a], cell.hi[a]);
+      ASSERT_GE(bounds[id].hi[a], cell.lo[a]);
+    }
+  }
+}
+
+/// For builders that clip or choose the side of flat boxes, as their papers do: cells tile the bounds, flat ones among
+/// them; a leaf holds nothing twice and nothing that does not touch its closed cell; and every corner of every face is in
+/// the closed cell of a leaf that holds the face. `bounds` as above.
+inline void check_closed_tree(const accel::KdTree& tree, const TestMesh& mesh, const std::vector<accel::Aabb>& bounds) {
+  check_closed_cell(tree, accel::load(tree.root()), tree.bounds(), 0, bounds);
+  for (std::size_t id = 0; id < bounds.size(); ++id) {
+    if (bounds[id].empty()) continue;
+    for (const std::uint32_t v : mesh.faces[id]) {
+      ASSERT_TRUE(is_held_at(tree, accel::load(tree.root()), tree.bounds(), mesh.vertices[v],
+                             static_cast<std::uint32_t>(id)))
+          << "face " << id;
+    }
+  }
 }
 
 }  // namespace sightline::tests

@@ -75,7 +75,14 @@ TEST_F(Sightlined, TellsWhyItDoesNotStart) {
   expect_end({"--listen", taken}, 1, taken);
 }
 
-/// One server for all abuses, which is to come back to the memory it had before each.
+// The address sanitizer keeps what is freed.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kMemoryIsPlain = false;
+#else
+constexpr bool kMemoryIsPlain = true;
+#endif
+
+/// A server that is to keep within 64 MiB of what it held before the abuse.
 class SightlinedAbuse : public Sightlined {
  protected:
   static constexpr std::uint64_t kSlack = std::uint64_t{64} << 20;
@@ -98,7 +105,9 @@ class SightlinedAbuse : public Sightlined {
     const std::uint64_t now = child_.resident_bytes();
     RecordProperty(after, std::to_string((now >> 10)) + " KiB, before " +
                               std::to_string(before_ >> 10) + " KiB");
-    EXPECT_LT(now, before_ + kSlack) << after;
+    if (kMemoryIsPlain) {
+      EXPECT_LT(now, before_ + kSlack) << after;
+    }
   }
 
   ChildServer child_;
@@ -146,7 +155,7 @@ TEST_F(SightlinedAbuse, ClientsThatNeverRead) {
   std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
   std::atomic<int> accepted{0};
   const v1::CastRaysRequest rays = cast_request(kScene, rays_downward(8192));
-  for (int c = 0; c < 4; ++c) {
+  for (int c = 0; c < 2; ++c) {
     contexts.push_back(std::make_unique<grpc::ClientContext>());
     clients.emplace_back([&, context = contexts.back().get()] {
       Api api(connect(port_));
@@ -160,7 +169,7 @@ TEST_F(SightlinedAbuse, ClientsThatNeverRead) {
   for (int i = 0; i < 50; ++i) expect_serving_in_bounds("never reading, meanwhile");
   for (auto& context : contexts) context->TryCancel();
   for (auto& client : clients) client.join();
-  EXPECT_LT(accepted, 2000);
+  EXPECT_LT(accepted, 1000);
   expect_serving_in_bounds("never reading");
 }
 
@@ -182,8 +191,8 @@ TEST_F(SightlinedAbuse, UploadsThatAreNeverFinished) {
     v1::UploadBlobRequest chunk;
     std::string sum = std::to_string(i);
     sum.insert(0, 64 - sum.size(), '0');
-    chunk.set_digest("sha256:" + sum + "/1000000008");  // a header of 24 bytes and rows of 12
-    chunk.set_data(std::string("SLM1\0\0\0\0\1\0\0\0\0\0\0\0\xd3\x90\xf7\4\0\0\0\0", 24));
+    chunk.set_digest("sha256:" + sum + "/12000024");  // a header of 24 bytes and rows of 12
+    chunk.set_data(std::string("SLM1\0\0\0\0\1\0\0\0\0\0\0\0\x3f\x42\x0f\0\0\0\0\0", 24));
     writer->Write(chunk);
     writer->WritesDone();
     EXPECT_TRUE(writer->Finish().ok());

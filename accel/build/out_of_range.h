@@ -1,0 +1,19 @@
+// The sentence that names a parameter out of range.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sightline::accel {
+
+/// "bins is 1, must lie in 2 to 256"; nothing if the value lies in lo to hi, both included. NaN
+/// lies nowhere.
+template <class T>
+std::optional<std::string> out_of_range(std::string_view name, T value, T lo, T hi) {
+  if (value >= lo && value <= hi) return std::nullopt;
+  return std::string(name) + " is " + std::to_string(value) + ", must lie in " +
+         std::to_string(lo) + " to " + std::to_string(hi);
+}
+
+}  // namespace sightline::accel
