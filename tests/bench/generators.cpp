@@ -105,6 +105,12 @@ const std::vector<Generator>& all_generators() {
        {triangles_key(100'000)},
        false,
        [](const Values& v, const SceneLoader&) -> Made { return make_grid(v.count("triangles")); }},
+      {"wall",
+       {triangles_key(10'000), {"share", 0.3, 0, 1, false}, {"at", 0.62, 0, 1, false}},
+       false,
+       [](const Values& v, const SceneLoader&) -> Made {
+         return make_wall(v.count("triangles"), v.number("share"), v.number("at"), kGeneratorSeed);
+       }},
   };
   return kGenerators;
 }

@@ -40,6 +40,9 @@ SceneSource make_stadium();
 SceneSource make_slivers(std::uint64_t triangles, std::uint64_t seed);
 /// 20 * 4^level triangles on the unit sphere, its node moved by `offset` on each axis.
 SceneSource make_icosphere(int level, double offset);
+/// An axis-aligned wall in the unit cube, at x = `at` with the `share` of the triangles, among
+/// small triangles that lie denser toward the middle of x.
+SceneSource make_wall(std::uint64_t triangles, double share, double at, std::uint64_t seed);
 /// Copies of all meshes (not instances) of a scene, turned about y, on a square raster.
 SceneSource make_herd(const SceneSource& animal, std::uint64_t copies, std::uint64_t seed);
 /// The scene inside a closed box of 12 triangles, half as large again.

@@ -48,14 +48,10 @@ bool same(const SceneSource& a, const SceneSource& b) {
   return true;
 }
 
-const char* const kSpecs[] = {"terrain?triangles=1001",
-                              "city?boxes=120",
-                              "stadium",
-                              "slivers?triangles=50",
-                              "icosphere?level=2",
-                              "grid?triangles=99",
-                              "box?mesh=gen:icosphere",
-                              "herd?copies=3&mesh=gen:icosphere?level=1"};
+const char* const kSpecs[] = {
+    "terrain?triangles=1001", "city?boxes=120",         "stadium",
+    "slivers?triangles=50",   "icosphere?level=2",      "grid?triangles=99",
+    "wall?triangles=99",      "box?mesh=gen:icosphere", "herd?copies=3&mesh=gen:icosphere?level=1"};
 
 TEST(Generators, AreDeterministicAndValidScenes) {
   for (const char* spec : kSpecs) {
@@ -81,6 +77,24 @@ TEST(Generators, GiveTheTrianglesAskedFor) {
   EXPECT_EQ(make("city?triangles=1201").unique_triangles(), 1212u);
   EXPECT_EQ(make("herd?copies=5&mesh=gen:icosphere?level=1").unique_triangles(), 400u);
   EXPECT_EQ(make("box?mesh=gen:icosphere?level=1").unique_triangles(), 92u);
+}
+
+TEST(Generators, WallTakesItsShareOfTheUnitCube) {
+  for (const double share : {0.0, 0.25, 1.0}) {
+    const SceneSource wall = make_wall(1000, share, 0.4, 1);
+    const SceneGeometry geometry(wall);
+    EXPECT_EQ(geometry.triangles(), 1000u);
+    std::uint64_t flat = 0;
+    for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
+      const auto [a, b, c] = geometry.triangle(n);
+      flat += a.x == b.x && b.x == c.x;
+    }
+    EXPECT_EQ(flat, static_cast<std::uint64_t>(1000 * share));
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_GE(geometry.lo()[a], 0);
+      EXPECT_LE(geometry.hi()[a], 1);
+    }
+  }
 }
 
 TEST(Generators, CityIsAHierarchyOfFiftyBoxObjects) {

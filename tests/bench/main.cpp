@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "accel/build/any_builder.h"
+#include "tests/bench/embree_peer.h"
 #include "tests/bench/generators.h"
 #include "tests/bench/verbs.h"
 
@@ -36,7 +37,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
   app.add_option("--seed", common.seed, "Of the rays");
   app.add_option("--policy", common.policy, "first-touch|full");
   app.add_option("--rotate", common.rotate, "Turns the scene: x,y,z in degrees");
-  app.add_option("--set", common.set, "A builder parameter, key=value; repeatable")
+  app.add_option("--set", common.set, "A parameter of our builders, key=value; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--json", common.json, "One JSON object a line");
@@ -51,11 +52,16 @@ void add_rays(CLI::App& verb, RayOptions& rays) {
 
 void add_builders(CLI::App& verb, std::vector<std::string>& builders) {
   std::string names;
-  for (const std::string_view name : accel::builder_names()) {
+  const auto add = [&](std::string_view name) {
     if (!names.empty()) names += '|';
     names += name;
+  };
+  for (const std::string_view name : accel::builder_names()) add(name);
+  if (embree_found()) {
+    for (const std::string_view name : embree_names()) add(name);
   }
-  verb.add_option("--builder", builders, names + "; several by commas: a row each")
+  verb.add_option("--builder", builders,
+                  names + "; several by commas: a row each; own parameters: NAME?key=value&...")
       ->delimiter(',')
       ->required();
 }
@@ -94,10 +100,22 @@ Verb add_verb_lazy(CLI::App& app) {
   CLI::App& verb =
       *app.add_subcommand("lazy", "From arrays to hits: growing trees against full ones");
   add_rays(verb, options->rays);
-  verb.add_option("--modes", options->modes, "lazy,full")->delimiter(',');
+  verb.add_option("--modes", options->modes, "lazy,full,embree-low,embree-medium,...")
+      ->delimiter(',');
   verb.add_option("--builder", options->builder, "Default: the product's");
   verb.add_option("--batch", options->batch, "Rays a batch (default: all in one)");
   return [options](const CommonOptions& common) { return run_lazy(common, *options); };
+}
+
+Verb add_verb_curve(CLI::App& app) {
+  auto options = std::make_shared<CurveOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "curve", "The cost of cutting the scene along an axis: sampled, suggested, true");
+  const std::map<std::string, char> axes{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}};
+  verb.add_option("--axis", options->axis, "x|y|z")->transform(CLI::CheckedTransformer(axes));
+  verb.add_option("--points", options->points, "How finely the curves are drawn")
+      ->check(CLI::Range(2, 1'000'000));
+  return [options](const CommonOptions& common) { return run_curve(common, *options); };
 }
 
 int run(const CommonOptions& common, const Verb& verb) {
@@ -126,7 +144,8 @@ int main_checked(int argc, char** argv) {
   const std::map<std::string, Verb> verbs{{"rays", add_verb_rays(app)},
                                           {"build", add_verb_build(app)},
                                           {"trace", add_verb_trace(app)},
-                                          {"lazy", add_verb_lazy(app)}};
+                                          {"lazy", add_verb_lazy(app)},
+                                          {"curve", add_verb_curve(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -49,4 +49,9 @@ struct LazyOptions {
   std::size_t batch = 0;  ///< Rays a batch; 0: all in one.
 };
 
+struct CurveOptions {
+  char axis = 'x';
+  int points = 500;  ///< How finely the curves are drawn.
+};
+
 }  // namespace sightline::bench

@@ -38,7 +38,7 @@ struct Traced {
 class ScratchTracer {
  public:
   static Result<ScratchTracer> make(const SceneSource& scene) {
-    auto snapshot = assemble(scene, {});
+    auto snapshot = assemble(scene, accel::default_builder());
     if (!snapshot.ok()) return snapshot.error();
     return ScratchTracer(std::move(snapshot).value());
   }

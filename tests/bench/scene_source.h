@@ -45,6 +45,9 @@ scenegraph::Affine rotation(double x, double y, double z);
 /// The whole scene turned about the world's origin.
 void rotate(SceneSource& scene, const scenegraph::Affine& turn);
 
+/// The id in the assembled scene of the node in that place.
+inline scenegraph::NodeId node_id(std::size_t place) { return place + 1; }
+
 /// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
 Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
                                                              const accel::AnyBuilder& builder);

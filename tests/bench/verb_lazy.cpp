@@ -1,6 +1,8 @@
 // lazy: from vertex and index arrays to hits, growing only what rays enter, or everything first.
 #include <algorithm>
 
+#include "tests/bench/contenders.h"
+#include "tests/bench/disagreement.h"
 #include "tests/bench/hit_hash.h"
 #include "tests/bench/tree_figures.h"
 #include "tests/bench/verbs.h"
@@ -12,10 +14,13 @@ namespace {
 struct Mode {
   std::string name;
   scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
+  std::unique_ptr<EmbreePeer> embree;  // null: one of ours
   std::vector<double> seconds, build_ms, trace_ms;
   scenegraph::TraceStats stats;
   scenegraph::BuildSummary summary;
   std::string hash;
+  std::uint64_t embree_bytes = 0;
+  Disagreement disagreement;
 };
 
 struct Task {
@@ -77,25 +82,62 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   return run;
 }
 
-Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names) {
+// Rays are put into Embree's own layout outside the clock.
+Status run_embree(const Task& task, Mode& mode) {
+  const auto built = mode.embree->build();
+  if (!built.ok()) return built.error();
+  std::vector<accel::Hit> hits(task.rays.size());
+  const double trace = mode.embree->trace(task.rays, false, hits, task.batch);
+  mode.seconds.push_back(built->total_seconds + trace);
+  mode.build_ms.push_back(built->total_seconds * 1e3);
+  mode.trace_ms.push_back(trace * 1e3);
+  mode.embree_bytes = built->bytes_final;
+  return {};
+}
+
+Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names,
+                                      const SceneSource& scene, int threads) {
   std::vector<Mode> modes;
   for (const std::string& name : names) {
     Mode mode;
     mode.name = name;
-    if (name == "full") {
+    const auto embree = parse_embree(name);
+    if (embree) {
+      if (embree_is_missing(name)) continue;
+      auto peer = EmbreePeer::make(scene, *embree, threads);
+      if (!peer.ok()) return peer.error();
+      mode.embree = std::move(peer).value();
+    } else if (name == "full") {
       mode.growth = scenegraph::Growth::kFull;
     } else if (name != "lazy") {
-      return Error{Code::kInvalidArgument, "no mode \"" + name + "\"; there are: lazy full",
-                   "MODE"};
+      std::string known = "lazy full";
+      for (const std::string_view peer : embree_names()) known += " " + std::string(peer);
+      return Error{Code::kInvalidArgument, "no mode \"" + name + "\"; there are: " + known, "MODE"};
     }
     modes.push_back(std::move(mode));
   }
   return modes;
 }
 
+// An uncounted run of each of Embree's modes warms it, chooses how rays are handed over, and shows
+// where it answers otherwise than we do.
+Status prepare_embree(const Task& task, const Run& ours, std::vector<Mode>& modes) {
+  for (Mode& mode : modes) {
+    if (!mode.embree) continue;
+    if (auto built = mode.embree->build(); !built.ok()) return built.error();
+    mode.embree->choose_entry(task.rays, false);
+    std::vector<accel::Hit> hits(task.rays.size());
+    mode.embree->trace(task.rays, false, hits, task.batch);
+    mode.hash = hit_hash(hits, scenegraph::QueryKind::kClosest);
+    for (const accel::Hit& hit : hits) mode.stats.hits += hit.state == accel::HitState::kHit;
+    mode.disagreement = explain(ours.snapshot, task.rays, ours.hits, hits, false);
+  }
+  return {};
+}
+
 Row make_row(const CommonOptions& common, const LazyOptions& options, const Task& task,
              const Mode& mode, std::uint64_t visible) {
-  const std::uint64_t total = mode.summary.triangles_total;
+  const std::uint64_t total = task.scene.unique_triangles();
   Row row;
   row["scene"] = common.scene;
   row["mode"] = mode.name;
@@ -106,17 +148,24 @@ Row make_row(const CommonOptions& common, const LazyOptions& options, const Task
   set_times(row, "build_ms", mode.build_ms);
   set_times(row, "trace_ms", mode.trace_ms);
   row["hits"] = mode.stats.hits;
+  row["triangles_total"] = total;
+  row["triangles_touched"] = mode.embree ? total : mode.summary.triangles_built;
+  row["visible_fraction"] =
+      total > 0 ? static_cast<double>(visible) / static_cast<double>(total) : 0.0;
+  row["bytes_final"] = mode.embree ? mode.embree_bytes : mode.summary.bytes_trees;
+  row["hit_hash"] = mode.hash;
+  if (mode.embree) {
+    row["entry"] = mode.embree->entry();
+    row["differences"] = mode.disagreement.differences;
+    row["differences_checked"] = mode.disagreement.checked;
+    row["unexplained"] = mode.disagreement.unexplained;
+    return row;
+  }
   row["touches"] = mode.stats.touches;
   row["touches_prepare"] = mode.stats.touches_prepare;
   row["cells_expanded"] = mode.stats.cells_expanded;
   row["instances_total"] = mode.summary.instances_total;
   row["instances_entered"] = mode.summary.instances_entered;
-  row["triangles_total"] = total;
-  row["triangles_touched"] = mode.summary.triangles_built;
-  row["visible_fraction"] =
-      total > 0 ? static_cast<double>(visible) / static_cast<double>(total) : 0.0;
-  row["bytes_final"] = mode.summary.bytes_trees;
-  row["hit_hash"] = mode.hash;
   row["traversal_steps"] = mode.stats.traversal_steps;
   row["triangle_tests"] = mode.stats.triangle_tests;
   return row;
@@ -125,8 +174,6 @@ Row make_row(const CommonOptions& common, const LazyOptions& options, const Task
 }  // namespace
 
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options) {
-  auto modes = parse_modes(options.modes);
-  if (!modes.ok()) return modes.error();
   if (auto p = parse_policy(common.policy, scenegraph::Growth::kFirstTouch); !p.ok()) {
     return p.error();
   }
@@ -134,6 +181,8 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   if (!builder.ok()) return builder.error();
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
+  auto modes = parse_modes(options.modes, *scene, common.threads);
+  if (!modes.ok()) return modes.error();
   const auto rays = make_rays(*scene, options.rays, common.seed);
   if (!rays.ok()) return rays.error();
   const auto check = AnswerCheck::make(*scene, *rays, scenegraph::QueryKind::kClosest);
@@ -149,10 +198,15 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   if (!full.ok()) return full.error();
   if (auto right = (*check)(full->hits); !right.ok()) return right.error();
   const std::uint64_t visible = visible_triangles(*full->snapshot, *rays, full->hits);
+  if (auto ready = prepare_embree(task, *full, *modes); !ready.ok()) return ready.error();
   full->snapshot.reset();
 
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     for (Mode& mode : *modes) {
+      if (mode.embree) {
+        if (auto done = run_embree(task, mode); !done.ok()) return done.error();
+        continue;
+      }
       auto run = run_once(task, mode);
       if (!run.ok()) return run.error();
       if (mode.hash != unmeasured.hash) {

@@ -1,4 +1,6 @@
 // trace: how fast rays are answered from a builder's trees.
+#include "tests/bench/contenders.h"
+#include "tests/bench/disagreement.h"
 #include "tests/bench/hit_hash.h"
 #include "tests/bench/verbs.h"
 #include "tests/bench/workload.h"
@@ -10,6 +12,8 @@ struct Measured {
   std::vector<double> build_ms, trace_ms;
   scenegraph::TraceStats stats;
   std::string hash;
+  std::string entry;          // Embree's alone
+  Disagreement disagreement;  // Embree's alone
 };
 
 struct Task {
@@ -18,9 +22,28 @@ struct Task {
   scenegraph::QueryKind kind;
   scenegraph::Growth growth;
   const AnswerCheck& check;
+
+  bool any() const { return kind == scenegraph::QueryKind::kAny; }
 };
 
-Status measure_once(const Task& task, const accel::AnyBuilder& builder, Measured& measured) {
+// What Embree's answers are held against: all answers of the default builder's trees.
+struct Reference {
+  std::shared_ptr<const scenegraph::Snapshot> snapshot;
+  std::vector<accel::Hit> hits;
+};
+
+Result<Reference> make_reference(const Task& task) {
+  auto snapshot = assemble(task.scene, accel::default_builder());
+  if (!snapshot.ok()) return snapshot.error();
+  Reference reference{std::move(snapshot).value(), std::vector<accel::Hit>(task.rays.size())};
+  auto traced = scenegraph::trace(*reference.snapshot, task.rays, reference.hits,
+                                  {.kind = task.kind, .surface = false});
+  if (!traced.ok()) return traced.error();
+  if (auto right = task.check(reference.hits); !right.ok()) return right.error();
+  return reference;
+}
+
+Status measure_ours(const Task& task, const accel::AnyBuilder& builder, Measured& measured) {
   auto snapshot = assemble(task.scene, builder);
   if (!snapshot.ok()) return snapshot.error();
   (void)(*snapshot)->instances();
@@ -57,15 +80,34 @@ Status measure_once(const Task& task, const accel::AnyBuilder& builder, Measured
   return {};
 }
 
+Status measure_embree(const Task& task, EmbreePeer& peer, const Reference& reference,
+                      Measured& measured) {
+  const auto built = peer.build();
+  if (!built.ok()) return built.error();
+  const bool first = measured.trace_ms.empty();
+  if (first) peer.choose_entry(task.rays, task.any());
+  std::vector<accel::Hit> hits(task.rays.size());
+  const double trace_seconds = peer.trace(task.rays, task.any(), hits, 0);
+  measured.build_ms.push_back(built->commit_seconds * 1e3);
+  measured.trace_ms.push_back(trace_seconds * 1e3);
+  if (!first) return {};
+  measured.entry = peer.entry();
+  measured.hash = hit_hash(hits, task.kind);
+  for (const accel::Hit& hit : hits) measured.stats.hits += hit.state == accel::HitState::kHit;
+  measured.disagreement = explain(reference.snapshot, task.rays, reference.hits, hits, task.any());
+  return {};
+}
+
 Row make_row(const CommonOptions& common, const TraceOptions& options, const Task& task,
-             const std::string& builder, const Measured& m) {
+             const Contender& contender, const Measured& m) {
+  const bool ours = contender.ours() != nullptr;
   Row row;
   row["scene"] = common.scene;
-  row["builder"] = builder;
-  row["policy"] = policy_name(task.growth);
+  row["builder"] = contender.name;
+  row["policy"] = policy_name(ours ? task.growth : scenegraph::Growth::kFull);
   row["rays"] = options.rays.kind;
   row["count"] = task.rays.size();
-  row["kind"] = task.kind == scenegraph::QueryKind::kAny ? "any" : "closest";
+  row["kind"] = task.any() ? "any" : "closest";
   row["triangles"] = task.scene.unique_triangles();
   row["threads"] = common.threads;
   set_times(row, "build_ms", m.build_ms);
@@ -73,6 +115,13 @@ Row make_row(const CommonOptions& common, const TraceOptions& options, const Tas
   row["mrays_per_s"] = static_cast<double>(task.rays.size()) / (median(m.trace_ms) * 1e3);
   row["hits"] = m.stats.hits;
   row["hit_hash"] = m.hash;
+  if (!ours) {
+    row["entry"] = m.entry;
+    row["differences"] = m.disagreement.differences;
+    row["differences_checked"] = m.disagreement.checked;
+    row["unexplained"] = m.disagreement.unexplained;
+    return row;
+  }
   row["traversal_steps"] = m.stats.traversal_steps;
   row["triangle_tests"] = m.stats.triangle_tests;
   row["cells_expanded"] = m.stats.cells_expanded;
@@ -81,17 +130,27 @@ Row make_row(const CommonOptions& common, const TraceOptions& options, const Tas
   return row;
 }
 
+Status compare_hashes(const std::vector<Contender>& contenders,
+                      const std::vector<Measured>& measured) {
+  std::size_t first = contenders.size();
+  for (std::size_t b = 0; b < contenders.size(); ++b) {
+    if (contenders[b].ours() == nullptr || measured[b].hash.empty()) continue;
+    if (first == contenders.size()) first = b;
+    if (measured[b].hash == measured[first].hash) continue;
+    return Error{Code::kDataLoss,
+                 "answers differ between " + contenders[first].name + " and " + contenders[b].name,
+                 "HASHES_DIFFER"};
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptions& options) {
   const auto growth = parse_policy(common.policy, scenegraph::Growth::kFull);
   if (!growth.ok()) return growth.error();
-  std::vector<accel::AnyBuilder> builders;
-  for (const std::string& name : options.builders) {
-    auto builder = configured_builder(name, common);
-    if (!builder.ok()) return builder.error();
-    builders.push_back(*builder);
-  }
+  const auto contenders = parse_contenders(options.builders, common);
+  if (!contenders.ok()) return contenders.error();
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   const auto rays = make_rays(*scene, options.rays, common.seed);
@@ -99,22 +158,28 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
   const auto check = AnswerCheck::make(*scene, *rays, options.kind);
   if (!check.ok()) return check.error();
   const Task task{*scene, *rays, options.kind, *growth, *check};
+  const auto peers = open_peers(*contenders, *scene, common.threads);
+  if (!peers.ok()) return peers.error();
+  const auto reference = make_reference(task);
+  if (!reference.ok()) return reference.error();
 
-  std::vector<Measured> measured(builders.size());
+  std::vector<Measured> measured(contenders->size());
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
-    for (std::size_t b = 0; b < builders.size(); ++b) {
-      if (auto s = measure_once(task, builders[b], measured[b]); !s.ok()) return s.error();
-      if (measured[b].hash != measured.front().hash) {
-        return Error{
-            Code::kDataLoss,
-            "answers differ between " + options.builders.front() + " and " + options.builders[b],
-            "HASHES_DIFFER"};
+    for (std::size_t b = 0; b < contenders->size(); ++b) {
+      const accel::AnyBuilder* ours = (*contenders)[b].ours();
+      const Status done = ours != nullptr
+                              ? measure_ours(task, *ours, measured[b])
+                              : measure_embree(task, *(*peers)[b], *reference, measured[b]);
+      if (!done.ok()) {
+        return Error{done.error().code, (*contenders)[b].name + ": " + done.error().message,
+                     done.error().reason};
       }
     }
+    if (auto same = compare_hashes(*contenders, measured); !same.ok()) return same.error();
   }
   std::vector<Row> rows;
-  for (std::size_t b = 0; b < builders.size(); ++b) {
-    rows.push_back(make_row(common, options, task, options.builders[b], measured[b]));
+  for (std::size_t b = 0; b < contenders->size(); ++b) {
+    rows.push_back(make_row(common, options, task, (*contenders)[b], measured[b]));
   }
   return rows;
 }

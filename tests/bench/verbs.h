@@ -25,4 +25,8 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
 /// From vertex and index arrays to hits, a row a mode; modes take turns within each repeat.
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options);
 
+/// The cost of cutting the scene's box along one axis: rows of what = uniform and adaptive samples,
+/// then the suggested and the true curve.
+Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options);
+
 }  // namespace sightline::bench

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 
+#include "tests/bench/embree_peer.h"
 #include "tests/bench/workload.h"
 #include "tests/support/brute_force.h"
 
@@ -92,6 +94,59 @@ TEST(VerbTrace, BuildersAndPoliciesAnswerAlike) {
   EXPECT_EQ(any->front()["hits"], full->front()["hits"]);
 }
 
+TEST(VerbBuild, ABuilderMayHaveParametersOfItsOwn) {
+  CommonOptions options = common("gen:terrain?triangles=2000");
+  const auto rows = run_build(
+      options, {.builders = {"scan-hybrid", "scan-hybrid?cost_traverse=8&samples=4", "sah-sweep"}});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  EXPECT_EQ((*rows)[0]["cost_traverse"], 1);
+  EXPECT_EQ((*rows)[1]["cost_traverse"], 8);
+  EXPECT_EQ((*rows)[1]["builder"], "scan-hybrid?cost_traverse=8&samples=4");
+  EXPECT_EQ((*rows)[2]["cost_intersect"], 1.5);
+  EXPECT_FALSE(run_build(options, {.builders = {"scan-hybrid?nonsense=1"}}).ok());
+  EXPECT_FALSE(run_build(options, {.builders = {"scan-hybrid?samples"}}).ok());
+}
+
+TEST(VerbBuild, HasRowsForEmbreeWhereItIs) {
+  const auto rows =
+      run_build(common("gen:icosphere?level=3"),
+                {.builders = {"scan-one-axis", "embree-low", "embree-medium-robust"}});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), embree_found() ? 3u : 1u);
+  for (const Row& row : *rows) {
+    expect_keys(row, {"builder", "build_ms", "mtris_per_s", "bytes_final", "bytes_peak"});
+    EXPECT_GE(row["bytes_peak"], row["bytes_final"]);
+  }
+  const auto none = run_build(common("gen:icosphere?level=3"), {.builders = {"embree-high"}});
+  EXPECT_EQ(none.ok(), embree_found());
+}
+
+TEST(VerbTrace, EmbreeRowsSayHowAndWhatDiffers) {
+  if (!embree_found()) GTEST_SKIP() << "built without Embree 3";
+  const auto rows = run_trace(common("gen:city?boxes=200"),
+                              {.builders = {"scan-one-axis", "embree-medium", "embree-high"},
+                               .rays = some("overview", 1000)});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  for (std::size_t b : {1u, 2u}) {
+    const Row& row = (*rows)[b];
+    expect_keys(row, {"mrays_per_s", "hits", "hit_hash", "entry", "differences", "unexplained"});
+    EXPECT_EQ(row["unexplained"], 0);
+    EXPECT_NEAR(row["hits"].get<double>(), rows->front()["hits"].get<double>(), 10);
+  }
+}
+
+TEST(VerbLazy, EmbreeIsAMode) {
+  const auto rows = run_lazy(common("gen:terrain?triangles=2000"),
+                             {.rays = some("closeup", 300), .modes = {"lazy", "embree-low"}});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), embree_found() ? 2u : 1u);
+  for (const Row& row : *rows) {
+    expect_keys(row, {"mode", "seconds_to_hits", "build_ms", "trace_ms", "triangles_total",
+                      "triangles_touched", "visible_fraction", "bytes_final", "hit_hash"});
+  }
+  EXPECT_EQ(rows->back()["triangles_touched"] == 2000, embree_found());
+}
+
 TEST(VerbLazy, ModesAgreeAndLazyTouchesLess) {
   const auto rows = run_lazy(common("gen:terrain?triangles=20000"), {.rays = some("closeup", 300)});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
@@ -120,6 +175,26 @@ TEST(VerbLazy, BatchesChangeNoAnswer) {
   const auto cut = run_lazy(common("gen:stadium"), options);
   ASSERT_TRUE(whole.ok() && cut.ok());
   EXPECT_EQ(whole->front()["hit_hash"], cut->front()["hit_hash"]);
+}
+
+TEST(VerbCurve, SamplesLieOnBothCurves) {
+  CommonOptions options = common("gen:wall?triangles=2000");
+  const auto rows = run_curve(options, {.axis = 'x', .points = 50});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  std::map<std::string, int> counts;
+  double least_true = 1e300, least_sample = 1e300;
+  for (const Row& row : *rows) {
+    const std::string what = row["what"];
+    ++counts[what];
+    EXPECT_GE(row["left"].get<double>() + row["right"].get<double>(), 2000 - 1e-9) << row.dump();
+    double& least = what == "true" ? least_true : least_sample;
+    if (what != "suggested") least = std::min(least, row["cost"].get<double>());
+  }
+  EXPECT_EQ(counts["uniform"], 8);
+  EXPECT_EQ(counts["adaptive"], 8);
+  EXPECT_GE(counts["true"], 53);  // both sides of the wall
+  EXPECT_EQ(counts["true"], counts["suggested"]);
+  EXPECT_LE(least_true, least_sample);
 }
 
 TEST(VerbRays, WritesTheFile) {

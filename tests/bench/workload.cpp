@@ -45,21 +45,6 @@ Result<SceneSource> make_scene(const CommonOptions& common) {
   return scene;
 }
 
-Result<accel::AnyBuilder> configured_builder(const std::string& name, const CommonOptions& common) {
-  auto builder =
-      name.empty() ? Result<accel::AnyBuilder>(accel::AnyBuilder{}) : accel::make_builder(name);
-  if (!builder.ok()) return builder.error();
-  for (const std::string& pair : common.set) {
-    const std::size_t equals = pair.find('=');
-    if (equals == std::string::npos)
-      return invalid(fmt::format("--set \"{}\" is not key=value", pair));
-    const auto status = accel::set_parameter(*builder, std::string_view(pair).substr(0, equals),
-                                             std::string_view(pair).substr(equals + 1));
-    if (!status.ok()) return status.error();
-  }
-  return builder;
-}
-
 Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback) {
   if (policy.empty()) return fallback;
   if (policy == "first-touch") return scenegraph::Growth::kFirstTouch;

@@ -1,26 +1,22 @@
-// What the verbs share: the scene as asked for, its builder, its rays, and the check of answers.
+// What the verbs share: the scene as asked for, its rays, and the check of answers.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "accel/build/any_builder.h"
 #include "accel/result.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/options.h"
 #include "tests/bench/scene_source.h"
+#include "tests/bench/stopwatch.h"
 #include "tests/support/brute_force.h"
 
 namespace sightline::bench {
 
 /// Loaded and turned.
 Result<SceneSource> make_scene(const CommonOptions& common);
-
-/// With the --set parameters. An empty name: the default builder.
-Result<accel::AnyBuilder> configured_builder(const std::string& name, const CommonOptions& common);
 
 /// `fallback` where --policy is not given.
 Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback);
@@ -44,16 +40,6 @@ class AnswerCheck {
   std::vector<std::size_t> sample_;
   std::vector<accel::Ray> rays_;
   scenegraph::QueryKind kind_{};
-};
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace sightline::bench

@@ -1,0 +1,73 @@
+// Embree 3 as a peer: the same arrays, rays and threads, answered by another library at its best.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "tests/bench/scene_source.h"
+
+namespace sightline::bench {
+
+enum class EmbreeQuality : std::uint8_t { kLow, kMedium, kHigh };
+
+struct EmbreeSettings {
+  EmbreeQuality quality = EmbreeQuality::kMedium;
+  /// RTC_SCENE_FLAG_ROBUST. It silently turns HIGH into MEDIUM, so there is no HIGH with it.
+  bool robust = false;
+};
+
+/// The command line's names: embree-low, ..., embree-medium-robust.
+std::span<const std::string_view> embree_names();
+/// Nothing if it is none of them.
+std::optional<EmbreeSettings> parse_embree(std::string_view name);
+
+/// Whether this program was built with Embree 3. If not, EmbreePeer::make fails.
+bool embree_found();
+
+struct EmbreeBuilt {
+  double commit_seconds = 0;  ///< rtcCommitScene alone, of every scene there is.
+  double total_seconds = 0;   ///< With making scenes and geometries out of the arrays.
+  std::uint64_t bytes_final = 0, bytes_peak = 0;  ///< As Embree tells; the arrays left out.
+};
+
+/// One device and one scene at a time.
+///
+/// What is made ready by `make` and never timed: the device, and vertex arrays as Embree wants
+/// them (shared with it, one vertex longer than ours, because it reads 16 bytes at the last one).
+/// A mesh used once is laid in the world beforehand, if it does not lie there already: one level
+/// is Embree's best. A mesh used more often is a scene of its own under instances.
+/// Everything happens in a frame that turns with the first node, so that --rotate, which turns our
+/// rays and leaves our trees as they are, is the same to both.
+///
+/// Denormals are flushed, as Embree advises, on its threads and only while it works.
+/// Threads: one caller, in an oneTBB arena of `threads` threads.
+class EmbreePeer {
+ public:
+  /// Errors: kFailedPrecondition where embree_found() is false; kInternal: what Embree says.
+  static Result<std::unique_ptr<EmbreePeer>> make(const SceneSource& scene, EmbreeSettings settings,
+                                                  int threads);
+  virtual ~EmbreePeer() = default;
+
+  /// Drops the scene and builds it anew. Errors: kInternal: what Embree says.
+  virtual Result<EmbreeBuilt> build() = 0;
+
+  /// Tries every entry point on blocks of these rays and keeps the fastest. After build().
+  virtual void choose_entry(std::span<const accel::Ray> rays, bool any) = 0;
+  /// E.g. "rtcIntersect16 coherent".
+  virtual std::string entry() const = 0;
+
+  /// Answers the rays, `batch` of them at a time (0: all at once), by the chosen entry point.
+  /// Returns the seconds inside Embree: its ray buffers are filled before and read after.
+  /// Of a hit only t, node, primitive and state are set; for `any` only the state.
+  virtual double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
+                       std::size_t batch) = 0;
+};
+
+}  // namespace sightline::bench

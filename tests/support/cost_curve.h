@@ -1,0 +1,58 @@
+// The counts under the cost of cutting a cell, along one axis: exactly, and as samples suggest.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "accel/build/box_ref.h"
+#include "accel/build/sah.h"
+#include "accel/build/scan_samples.h"
+
+namespace sightline::tests {
+
+/// C_L and C_R by their definition, from sorted bounds.
+class TrueCounts {
+ public:
+  TrueCounts(std::span<const accel::BoxRef> refs, std::size_t axis);
+
+  double left(double x) const;   ///< Weight with lo < x.
+  double right(double x) const;  ///< Weight with hi > x.
+  /// Where one of them steps, ascending, each once. Both are constant between neighbours.
+  const std::vector<double>& steps() const { return steps_; }
+
+ private:
+  struct Bound {
+    double at;
+    double weight_to_here;  // of this bound and all before it
+  };
+  static void accumulate(std::vector<Bound>& bounds);
+
+  std::vector<Bound> lower_, upper_;
+  std::vector<double> steps_;
+};
+
+/// Two neighbouring samples; C_L and C_R are taken to be linear between them.
+struct SampleSegment {
+  accel::Sample begin, end;
+
+  double width() const { return end.position - begin.position; }
+  /// Of C_L - C_R, which only rises: that of C_L and that of -C_R together.
+  double rise() const { return (end.left - end.right) - (begin.left - begin.right); }
+  double left(double x) const { return between(x, begin.left, end.left); }
+  double right(double x) const { return between(x, begin.right, end.right); }
+
+ private:
+  double between(double x, double from, double to) const {
+    return width() > 0 ? from + (to - from) * (x - begin.position) / width() : from;
+  }
+};
+
+/// All segments of some width, in order.
+std::vector<SampleSegment> segments(const accel::Samples& samples);
+
+/// The segment that holds x, the left one at a border; x lies between the first sample and the
+/// last.
+const SampleSegment& segment_at(const std::vector<SampleSegment>& segments, double x);
+
+}  // namespace sightline::tests
