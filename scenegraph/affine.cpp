@@ -28,7 +28,8 @@ std::optional<Affine> inverse(const Affine& a) {
   if (determinant == 0 || !std::isfinite(determinant)) return std::nullopt;
   const double s = 1 / determinant;
   Affine r;
-  r.m = {c0.x * s, c1.x * s, c2.x * s, 0, c0.y * s, c1.y * s, c2.y * s, 0, c0.z * s, c1.z * s, c2.z * s, 0};
+  r.m = {c0.x * s, c1.x * s, c2.x * s, 0,        c0.y * s, c1.y * s,
+         c2.y * s, 0,        c0.z * s, c1.z * s, c2.z * s, 0};
   const Vec3d t = r.direction({m[3], m[7], m[11]});
   r.m[3] = -t.x;
   r.m[7] = -t.y;

@@ -17,7 +17,8 @@ struct Affine {
   constexpr bool operator==(const Affine&) const = default;
 
   Vec3d point(const Vec3d& p) const {
-    return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+    return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
+            m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
             m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
   }
   Vec3d direction(const Vec3d& d) const {

@@ -6,14 +6,19 @@
 namespace sightline::scenegraph {
 namespace {
 
-Error error(Code code, std::string reason, std::string message) { return {code, std::move(message), std::move(reason)}; }
+Error error(Code code, std::string reason, std::string message) {
+  return {code, std::move(message), std::move(reason)};
+}
 
-std::string described(const Node& node) { return "node " + std::to_string(node.id) + " \"" + node.name + "\""; }
+std::string described(const Node& node) {
+  return "node " + std::to_string(node.id) + " \"" + node.name + "\"";
+}
 
 Status check_matrix(const Affine& matrix, const std::string& whose) {
   if (inverse(matrix)) return {};
   return error(Code::kInvalidArgument, "SINGULAR_TRANSFORM",
-               "the transform of " + whose + " is not finite, singular, or has a condition number above 1e12");
+               "the transform of " + whose +
+                   " is not finite, singular, or has a condition number above 1e12");
 }
 
 }  // namespace
@@ -34,7 +39,8 @@ Status Draft::put(const PutNode& put) {
   NodeId parent = 0;
   if (put.parent != 0) {
     const Result<NodeId> found = resolve(put.parent);
-    if (!found) return error(found.error().code, "PARENT_NOT_FOUND", "parent: " + found.error().message);
+    if (!found)
+      return error(found.error().code, "PARENT_NOT_FOUND", "parent: " + found.error().message);
     parent = *found;
   }
   NodeId id = 0;
@@ -76,8 +82,8 @@ Status Draft::put(const PutNode& put) {
 Status Draft::set_transforms(const SetTransforms& set) {
   if (set.nodes.size() != set.parent_from_local.size()) {
     return error(Code::kInvalidArgument, "COUNT_MISMATCH",
-                 std::to_string(set.nodes.size()) + " nodes but " + std::to_string(set.parent_from_local.size()) +
-                     " transforms");
+                 std::to_string(set.nodes.size()) + " nodes but " +
+                     std::to_string(set.parent_from_local.size()) + " transforms");
   }
   for (std::size_t i = 0; i < set.nodes.size(); ++i) {
     const Result<NodeId> id = resolve(set.nodes[i]);
@@ -134,7 +140,9 @@ Node& Draft::edit(NodeId id) {
   return *node;
 }
 
-std::vector<NodeId>& Draft::siblings(NodeId parent) { return parent == 0 ? roots_ : edit(parent).children; }
+std::vector<NodeId>& Draft::siblings(NodeId parent) {
+  return parent == 0 ? roots_ : edit(parent).children;
+}
 
 /// The node may hang under this parent: no cycle, and nothing below it deeper than kMaxDepth.
 Status Draft::check_place(NodeId node, NodeId parent) const {
@@ -180,7 +188,8 @@ Status Draft::check_below(const Node& node, const Affine& world) const {
   for (const NodeId child : node.children) {
     // A child that moved too is checked on its own.
     if (moved_.contains(child)) continue;
-    if (Status s = check_below(*find(child), compose(world, find(child)->parent_from_local)); !s) return s;
+    if (Status s = check_below(*find(child), compose(world, find(child)->parent_from_local)); !s)
+      return s;
   }
   return {};
 }

@@ -15,11 +15,13 @@ namespace sightline::scenegraph {
 /// One writer. After an error the draft is to be thrown away.
 class Draft {
  public:
-  Draft(const Snapshot& base, NodeId next_id) : base_(base), roots_(base.roots()), next_id_(next_id) {}
+  Draft(const Snapshot& base, NodeId next_id)
+      : base_(base), roots_(base.roots()), next_id_(next_id) {}
 
   Status apply(const Update& update);
 
-  /// Whether every mesh below a node that was put or moved can be reached by rays: its world transform is invertible.
+  /// Whether every mesh below a node that was put or moved can be reached by rays: its world
+  /// transform is invertible.
   Status check_transforms() const;
 
   /// Ids of PutNode's nodes, in order.

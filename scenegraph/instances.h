@@ -14,7 +14,7 @@ namespace sightline::scenegraph {
 struct Instance {
   Affine local_from_world;
   bool mirrored = false;  ///< The transform turns windings around.
-  accel::Aabb box;  ///< World, less Instances::center(), rounded outward.
+  accel::Aabb box;        ///< World, less Instances::center(), rounded outward.
   NodeId node = 0;
   std::uint32_t mask = accel::kAllMasks;
   const Mesh* mesh = nullptr;
@@ -38,7 +38,8 @@ class Instances {
   explicit Instances(const Snapshot& snapshot);
 
   const std::vector<Instance>& list() const { return list_; }
-  /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as its extent allows.
+  /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
+  /// its extent allows.
   const Vec3d& center() const { return center_; }
   /// References are places in list(). Growing it is not a change of the snapshot.
   accel::LazyTree& tree() const { return *tree_; }

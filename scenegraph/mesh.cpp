@@ -29,7 +29,8 @@ Survey survey(const std::vector<accel::Face>& faces, std::size_t vertices) {
           const accel::Face& f = faces[i];
           if (!holds_triangle(f)) continue;
           ++s.triangles;
-          if (f[0] >= vertices || f[1] >= vertices || f[2] >= vertices) s.first_bad = std::min(s.first_bad, i);
+          if (f[0] >= vertices || f[1] >= vertices || f[2] >= vertices)
+            s.first_bad = std::min(s.first_bad, i);
         }
         return s;
       },
@@ -41,14 +42,15 @@ Survey survey(const std::vector<accel::Face>& faces, std::size_t vertices) {
 Error bad_index(const accel::Face& face, std::size_t i, std::size_t vertices) {
   const std::uint32_t worst = *std::max_element(face.begin(), face.end());
   return {Code::kInvalidArgument,
-          "face " + std::to_string(i) + " has vertex index " + std::to_string(worst) + ", but the mesh has " +
-              std::to_string(vertices) + " vertices",
+          "face " + std::to_string(i) + " has vertex index " + std::to_string(worst) +
+              ", but the mesh has " + std::to_string(vertices) + " vertices",
           "INDEX_OUT_OF_RANGE"};
 }
 
 }  // namespace
 
-Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
+Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertices,
+                                               std::vector<accel::Face> faces,
                                                const accel::AnyBuilder& builder) {
   if (faces.size() > kMaxFacesPerMesh) {
     return Error{Code::kResourceExhausted,
@@ -57,7 +59,8 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
                  "MESH_TOO_LARGE"};
   }
   const Survey found = survey(faces, vertices.size());
-  if (found.first_bad < faces.size()) return bad_index(faces[found.first_bad], found.first_bad, vertices.size());
+  if (found.first_bad < faces.size())
+    return bad_index(faces[found.first_bad], found.first_bad, vertices.size());
 
   std::shared_ptr<Mesh> mesh(new Mesh);
   mesh->vertices_ = std::move(vertices);

@@ -1,5 +1,5 @@
-// A mesh: immutable triangles in float about their own origin, and the one kd-tree that grows over them.
-// Instances, revisions and scenes share it by content.
+// A mesh: immutable triangles in float about their own origin, and the one kd-tree that grows over
+// them. Instances, revisions and scenes share it by content.
 #pragma once
 
 #include <cstdint>
@@ -20,20 +20,25 @@ inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
 class Mesh {
  public:
   /// Checks the arrays and takes them over.
-  /// Errors: kInvalidArgument, naming the face and the index, where an index is not below the vertex
-  /// count (and the face is not all kNoVertex); kResourceExhausted over kMaxFacesPerMesh.
+  /// Errors: kInvalidArgument, naming the face and the index, where an index is not below the
+  /// vertex count (and the face is not all kNoVertex); kResourceExhausted over kMaxFacesPerMesh.
   /// Faces with a non-finite vertex are accepted, counted and never hit.
   /// `builder` is what its tree will be grown by.
-  static Result<std::shared_ptr<const Mesh>> make(std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
-                                                  const accel::AnyBuilder& builder = accel::default_builder());
+  static Result<std::shared_ptr<const Mesh>> make(
+      std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
+      const accel::AnyBuilder& builder = accel::default_builder());
 
   accel::MeshView view() const { return {vertices_, faces_}; }
   /// Of the finite triangles, each widened as widen_flat does; empty if there is none.
   const accel::Aabb& bounds() const { return bounds_; }
-  std::uint64_t faces() const { return faces_.size(); }          ///< Numbered slots, lines and points included.
-  std::uint64_t triangles() const { return triangles_; }         ///< Slots that hold a triangle.
-  std::uint64_t nonfinite() const { return nonfinite_; }         ///< Triangles with a NaN or infinite vertex.
-  std::uint64_t bytes() const;                                   ///< Vertex and index arrays.
+  std::uint64_t faces() const {
+    return faces_.size();
+  }  ///< Numbered slots, lines and points included.
+  std::uint64_t triangles() const { return triangles_; }  ///< Slots that hold a triangle.
+  std::uint64_t nonfinite() const {
+    return nonfinite_;
+  }                             ///< Triangles with a NaN or infinite vertex.
+  std::uint64_t bytes() const;  ///< Vertex and index arrays.
 
   /// Grows while rays are traced; every member of the tree is safe to call from any thread.
   accel::MeshTree& tree() const { return *tree_; }

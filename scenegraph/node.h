@@ -16,7 +16,8 @@ namespace sightline::scenegraph {
 /// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
 using NodeId = std::uint64_t;
 
-/// How a node is expected to change. Stored and reported; the split into a static and a dynamic tree uses it.
+/// How a node is expected to change. Stored and reported; the split into a static and a dynamic
+/// tree uses it.
 enum class Mobility : std::uint8_t { kStatic = 0, kRigid = 1, kDeforming = 2 };
 
 inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.
@@ -32,7 +33,8 @@ struct Node {
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = accel::kAllMasks;
   std::vector<NodeId> children;  ///< In order of creation.
-  /// Set once rays have entered the mesh; carried over from revision to revision. Null without a mesh.
+  /// Set once rays have entered the mesh; carried over from revision to revision. Null without a
+  /// mesh.
   std::shared_ptr<std::atomic<bool>> entered;
 };
 

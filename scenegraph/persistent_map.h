@@ -55,7 +55,9 @@ class PersistentMap {
     std::array<T, kFan> value{};
   };
 
-  static std::size_t digit(std::uint64_t key, unsigned height) { return (key >> kBits * height) & (kFan - 1); }
+  static std::size_t digit(std::uint64_t key, unsigned height) {
+    return (key >> kBits * height) & (kFan - 1);
+  }
 
   /// One level more above the root.
   void raise() {
@@ -72,11 +74,13 @@ class PersistentMap {
 
   static Block with(const Block& block, unsigned height, std::uint64_t key, T value) {
     if (height == 0) {
-      auto copy = block ? std::make_shared<Leaf>(*static_cast<const Leaf*>(block.get())) : std::make_shared<Leaf>();
+      auto copy = block ? std::make_shared<Leaf>(*static_cast<const Leaf*>(block.get()))
+                        : std::make_shared<Leaf>();
       copy->value[digit(key, 0)] = std::move(value);
       return copy;
     }
-    auto copy = block ? std::make_shared<Inner>(*static_cast<const Inner*>(block.get())) : std::make_shared<Inner>();
+    auto copy = block ? std::make_shared<Inner>(*static_cast<const Inner*>(block.get()))
+                      : std::make_shared<Inner>();
     Block& child = copy->child[digit(key, height)];
     child = with(child, height - 1, key, std::move(value));
     return copy;

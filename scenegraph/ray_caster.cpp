@@ -16,15 +16,19 @@ using accel::Ray;
 
 AtUnbuilt at_unbuilt(Growth growth) {
   switch (growth) {
-    case Growth::kNone: return AtUnbuilt::kSearch;
-    case Growth::kBuiltOnly: return AtUnbuilt::kSkip;
+    case Growth::kNone:
+      return AtUnbuilt::kSearch;
+    case Growth::kBuiltOnly:
+      return AtUnbuilt::kSkip;
     case Growth::kFirstTouch:
-    case Growth::kFull: break;
+    case Growth::kFull:
+      break;
   }
   return AtUnbuilt::kExpand;
 }
 
-/// An instance lies in several cells; the last few entered are not entered again. Forgetting one costs time only.
+/// An instance lies in several cells; the last few entered are not entered again. Forgetting one
+/// costs time only.
 class RecentlyEntered {
  public:
   bool contains_or_add(std::uint32_t id) {
@@ -61,7 +65,8 @@ struct RayCaster::Visit {
   }
 
   accel::Unbuilt unbuilt(accel::AtomicSlot& slot, const accel::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand && caster.instances_.tree().expand(slot, caster.built_)) {
+    if (query.at_unbuilt == AtUnbuilt::kExpand &&
+        caster.instances_.tree().expand(slot, caster.built_)) {
       return accel::Unbuilt::kAgain;
     }
     query.met_unbuilt = true;
@@ -82,13 +87,16 @@ struct RayCaster::Visit {
     return false;
   }
 
-  /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led here.
+  /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
+  /// here.
   bool enter(std::uint32_t id) {
     const Instance& instance = caster.instances_.list()[id];
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
     accel::TreeRay in_box;
     const double tmax = std::fmin(query.tmax, query.best_t);
-    if (!accel::enter(centered, instance.box, query.tmin / centered.unit, tmax / centered.unit, in_box)) return false;
+    if (!accel::enter(centered, instance.box, query.tmin / centered.unit, tmax / centered.unit,
+                      in_box))
+      return false;
     caster.enter_instance(ray, id, query);
     return query.any && query.found;
   }
@@ -116,8 +124,9 @@ Hit RayCaster::cast(const Ray& ray) {
   query.any = options_.kind == QueryKind::kAny;
   accel::TreeRay scene_ray;
   accel::LazyTree& tree = instances_.tree();
-  if (!instances_.list().empty() && accel::enter(*centered, tree.tree().bounds(), ray.tmin / centered->unit,
-                                                 ray.tmax / centered->unit, scene_ray)) {
+  if (!instances_.list().empty() &&
+      accel::enter(*centered, tree.tree().bounds(), ray.tmin / centered->unit,
+                   ray.tmax / centered->unit, scene_ray)) {
     Visit visit{*this, ray, *centered, scene_ray.slack, query, {}};
     accel::walk(tree.tree(), scene_ray, tree.root(), walked_, visit);
   }
@@ -134,8 +143,9 @@ Hit RayCaster::cast(const Ray& ray) {
 
 void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& query) {
   const Instance& instance = instances_.list()[index];
-  const std::optional<accel::LocalRay> local = accel::make_local_ray(
-      instance.local_from_world.point(ray.origin), instance.local_from_world.direction(ray.direction));
+  const std::optional<accel::LocalRay> local =
+      accel::make_local_ray(instance.local_from_world.point(ray.origin),
+                            instance.local_from_world.direction(ray.direction));
   if (!local) return;
   ++stats_.instances_entered;
   if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
@@ -147,7 +157,8 @@ void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& q
   query.ray = *local;
   query.node = instance.node;
   instance.mesh->tree().query(query, walked_, built_);
-  if (query.best_t != t_before || query.best_node != node_before || query.best_primitive != primitive_before) {
+  if (query.best_t != t_before || query.best_node != node_before ||
+      query.best_primitive != primitive_before) {
     nearest_ = index;
   }
 }
@@ -163,12 +174,15 @@ Hit RayCaster::surface(const Ray& ray, const MeshQuery& query) const {
   const accel::MeshView mesh = instance.mesh->view();
   const accel::Face& f = mesh.faces[query.best_primitive];
   const accel::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const std::optional<accel::LocalRay> local = accel::make_local_ray(
-      instance.local_from_world.point(ray.origin), instance.local_from_world.direction(ray.direction));
-  const accel::Barycentric weights = accel::barycentric(*local, query.best_t / local->unit, a, b, c);
+  const std::optional<accel::LocalRay> local =
+      accel::make_local_ray(instance.local_from_world.point(ray.origin),
+                            instance.local_from_world.direction(ray.direction));
+  const accel::Barycentric weights =
+      accel::barycentric(*local, query.best_t / local->unit, a, b, c);
   hit.u = static_cast<float>(weights.u);
   hit.v = static_cast<float>(weights.v);
-  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides where space is mirrored.
+  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
+  // where space is mirrored.
   const Vec3d normal =
       instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
   const double size = instance.mirrored ? -length(normal) : length(normal);

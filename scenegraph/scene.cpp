@@ -16,13 +16,14 @@ std::shared_ptr<const Snapshot> Scene::snapshot() const {
   return current_;
 }
 
-Result<Applied> Scene::apply(const std::vector<Update>& updates, std::optional<std::uint64_t> expected_revision) {
+Result<Applied> Scene::apply(const std::vector<Update>& updates,
+                             std::optional<std::uint64_t> expected_revision) {
   const std::lock_guard writer(writer_);
   const std::shared_ptr<const Snapshot> base = snapshot();
   if (expected_revision && *expected_revision != base->revision()) {
     return Error{Code::kAborted,
-                 "expected revision " + std::to_string(*expected_revision) + ", but the scene is at " +
-                     std::to_string(base->revision()),
+                 "expected revision " + std::to_string(*expected_revision) +
+                     ", but the scene is at " + std::to_string(base->revision()),
                  "REVISION_MISMATCH"};
   }
   Draft draft(*base, next_id_);

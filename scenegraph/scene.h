@@ -29,9 +29,9 @@ class Scene {
 
   /// Applies the batch whole, or leaves the scene as it was. Threads: any; writers take turns.
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
-  /// Errors name the update's place in the batch: kNotFound (unknown node or parent), kInvalidArgument
-  /// (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth, alias used twice,
-  /// counts that disagree), kFailedPrecondition (delete of a node with children).
+  /// Errors name the update's place in the batch: kNotFound (unknown node or parent),
+  /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
+  /// alias used twice, counts that disagree), kFailedPrecondition (delete of a node with children).
   Result<Applied> apply(const std::vector<Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt);
 

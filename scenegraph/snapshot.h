@@ -27,11 +27,12 @@ class Snapshot {
   const NodeMap& nodes() const { return nodes_; }
   const std::vector<NodeId>& roots() const { return roots_; }
 
-  /// The nodes that carry a mesh, in world space, and the kd-tree over them. Made by whoever asks first.
+  /// The nodes that carry a mesh, in world space, and the kd-tree over them. Made by whoever asks
+  /// first.
   const Instances& instances() const;
 
-  /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large scenes. Made by whoever
-  /// asks first.
+  /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
+  /// scenes. Made by whoever asks first.
   const WorldBounds& bounds() const;
 
  private:
@@ -53,19 +54,21 @@ struct SceneSummary {
   std::uint64_t triangles_instanced = 0;  ///< Over instances.
   std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones, never hit.
   std::uint64_t bytes_geometry = 0;       ///< Vertex and index arrays of distinct meshes.
-  std::array<double, 6> bounds{};         ///< World: min x y z, max x y z. All NaN for a scene without triangles.
+  std::array<double, 6>
+      bounds{};  ///< World: min x y z, max x y z. All NaN for a scene without triangles.
 };
 SceneSummary summarize(const Snapshot& snapshot);
 
 /// How much of the trees exists. Walks the built part of every distinct mesh's tree.
 struct BuildSummary {
   std::uint64_t instances_total = 0;
-  std::uint64_t instances_entered = 0;  ///< Whose mesh tree rays have entered or a full build has made.
-  std::uint64_t trees_built = 0;        ///< Mesh trees with at least one finished leaf.
+  std::uint64_t instances_entered =
+      0;                          ///< Whose mesh tree rays have entered or a full build has made.
+  std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.
   std::uint64_t cells_deferred = 0;
-  std::uint64_t cells_expanded = 0;     ///< Inner nodes and leaves.
-  std::uint64_t triangles_built = 0;    ///< Distinct triangles in finished leaves.
-  std::uint64_t triangles_total = 0;    ///< Of distinct meshes.
+  std::uint64_t cells_expanded = 0;   ///< Inner nodes and leaves.
+  std::uint64_t triangles_built = 0;  ///< Distinct triangles in finished leaves.
+  std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
   std::uint64_t static_instances = 0;

@@ -18,7 +18,8 @@ enum class Growth : std::uint8_t {
   kFirstTouch,  ///< A cell is expanded by the first ray that enters it.
   kFull,        ///< Everything is built before the first ray.
   kNone,        ///< Nothing is grown; what is not built is searched triangle by triangle.
-  kBuiltOnly,   ///< Nothing is grown and what is not built is passed over: shows what exists, answers no query.
+  kBuiltOnly,   ///< Nothing is grown and what is not built is passed over: shows what exists,
+                ///< answers no query.
 };
 
 /// Rays are cut into blocks of this many; a block is one task, and the grain of cancelling.
@@ -38,13 +39,13 @@ struct TraceStats {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
   std::uint64_t invalid = 0;
-  std::uint64_t traversal_steps = 0;   ///< Inner nodes visited, scene level included.
-  std::uint64_t triangle_tests = 0;    ///< Scans of unbuilt cells included.
+  std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
+  std::uint64_t triangle_tests = 0;   ///< Scans of unbuilt cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
-  std::uint64_t touches = 0;           ///< Reference bounds read by build passes.
-  std::uint64_t touches_prepare = 0;   ///< Boxes made from vertices.
-  double build_seconds = 0;            ///< Summed over threads.
+  std::uint64_t touches = 0;          ///< Reference bounds read by build passes.
+  std::uint64_t touches_prepare = 0;  ///< Boxes made from vertices.
+  double build_seconds = 0;           ///< Summed over threads.
 
   TraceStats& operator+=(const TraceStats& other);
 };
@@ -57,6 +58,7 @@ Result<TraceStats> trace(const Snapshot& snapshot, std::span<const accel::Ray> r
                          std::span<accel::Hit> hits, const TraceOptions& options);
 
 /// Builds every tree of the snapshot to its end ("expand everything"). Errors: kCancelled.
-Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled = nullptr);
+Result<TraceStats> build_all(const Snapshot& snapshot,
+                             const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace sightline::scenegraph

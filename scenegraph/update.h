@@ -1,4 +1,5 @@
-// What can be done to a scene. A batch of updates is applied whole or not at all and makes one revision.
+// What can be done to a scene. A batch of updates is applied whole or not at all and makes one
+// revision.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +12,12 @@
 
 namespace sightline::scenegraph {
 
-/// In a batch, a node is named by its id (> 0) or, if an earlier PutNode of the same batch made it, by the
-/// negative alias that PutNode gave it. 0 means "no node" where that is allowed.
+/// In a batch, a node is named by its id (> 0) or, if an earlier PutNode of the same batch made it,
+/// by the negative alias that PutNode gave it. 0 means "no node" where that is allowed.
 using NodeRef = std::int64_t;
 
-/// Creates a node (`node` is a fresh negative alias) or replaces all that is said of an existing one
+/// Creates a node (`node` is a fresh negative alias) or replaces all that is said of an existing
+/// one
 /// (`node` is its id), its place in the hierarchy included. Its children stay.
 struct PutNode {
   NodeRef node = 0;

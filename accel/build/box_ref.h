@@ -14,7 +14,8 @@ struct BoxRef {
   Vec3f lo;
   std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance.
   Vec3f hi;
-  std::uint32_t weight = 1;  ///< Cost of testing it, in triangle tests. A list's weights sum below 2^32.
+  std::uint32_t weight =
+      1;  ///< Cost of testing it, in triangle tests. A list's weights sum below 2^32.
 
   Aabb bounds() const { return {lo, hi}; }
 };
@@ -25,7 +26,7 @@ struct BuildCounters {
   std::uint64_t touches = 0;          ///< One reference's bounds read by one pass.
   std::uint64_t touches_prepare = 0;  ///< One box made from vertices.
   std::uint64_t cells_expanded = 0;   ///< Deferred cells that became inner nodes or leaves.
-  double seconds = 0;                 ///< Spent expanding, summed over threads. For reports, never for decisions.
+  double seconds = 0;  ///< Spent expanding, summed over threads. For reports, never for decisions.
 
   BuildCounters& operator+=(const BuildCounters& o) {
     touches += o.touches;
@@ -43,8 +44,8 @@ struct Plane {
   bool operator==(const Plane&) const = default;
 };
 
-/// A plane, and on which side of it the boxes go that lie flat in it. By the rule of membership (is_member) that is the
-/// right; builders that follow Wald and Havran choose.
+/// A plane, and on which side of it the boxes go that lie flat in it. By the rule of membership
+/// (is_member) that is the right; builders that follow Wald and Havran choose.
 struct Cut {
   Plane plane;
   bool planar_left = false;
@@ -59,10 +60,12 @@ inline bool is_planar(const BoxRef& ref, std::size_t axis) {
 
 /// What a cell inherits from the cells above it.
 struct CellPath {
-  int depth = 0;            ///< Of the root: 0.
-  int cuts_at_a_loss = 0;   ///< How many of the cuts above it were (Cut::at_a_loss).
+  int depth = 0;           ///< Of the root: 0.
+  int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Cut::at_a_loss).
 
-  CellPath below(const Cut& cut) const { return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0)}; }
+  CellPath below(const Cut& cut) const {
+    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0)};
+  }
   bool operator==(const CellPath&) const = default;
 };
 

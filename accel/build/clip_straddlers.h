@@ -1,5 +1,5 @@
-// Perfect splits: a straddler's box shrinks to the part of its triangle in the child. Source: Wald, Havran 2006,
-// section 3.4 (after Hurley et al. 2002).
+// Perfect splits: a straddler's box shrinks to the part of its triangle in the child. Source: Wald,
+// Havran 2006, section 3.4 (after Hurley et al. 2002).
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,13 @@
 
 namespace sightline::accel {
 
-/// Bounds of the part of a face in one half of a cell that the face is held by; nothing if it only touches that half.
+/// Bounds of the part of a face in one half of a cell that the face is held by; nothing if it only
+/// touches that half.
 ///
-/// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's face, and which cells hold
-/// it then was decided by the cut that made the face (Cut::planar_left).
-inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face, const Aabb& half) {
+/// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's
+/// face, and which cells hold it then was decided by the cut that made the face (Cut::planar_left).
+inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face,
+                                        const Aabb& half) {
   const Face& f = mesh.faces[face];
   const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
   const std::optional<Aabb> box = clipped_bounds(a, b, c, half);
@@ -29,10 +31,11 @@ inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face
   return box;
 }
 
-/// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from their original
-/// triangle, those that do not reach into the cell after all are left out, the others keep their order. Returns how many
-/// are left.
-inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list, const Plane& plane, const Aabb& cell) {
+/// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from
+/// their original triangle, those that do not reach into the cell after all are left out, the
+/// others keep their order. Returns how many are left.
+inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list, const Plane& plane,
+                                   const Aabb& cell) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   std::size_t kept = 0;
   for (BoxRef ref : list) {

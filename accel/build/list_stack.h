@@ -25,7 +25,8 @@ class ListStack {
     used_ = m.used;
   }
 
-  /// Room for n items at the top. Valid until released; only what is then taken stays. Throws std::bad_alloc.
+  /// Room for n items at the top. Valid until released; only what is then taken stays. Throws
+  /// std::bad_alloc.
   T* top(std::size_t n) {
     while (chunk_ < chunks_.size() && chunks_[chunk_].size - used_ < n) {
       ++chunk_;
@@ -47,8 +48,8 @@ class ListStack {
 
  private:
   static constexpr std::size_t kChunk = 8192;
-  /// T may have member initialisers; a chunk is left as the kernel gives it, so that room reserved and not taken costs
-  /// no memory.
+  /// T may have member initialisers; a chunk is left as the kernel gives it, so that room reserved
+  /// and not taken costs no memory.
   struct alignas(T) Raw {
     std::byte bytes[sizeof(T)];
   };

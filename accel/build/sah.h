@@ -1,4 +1,5 @@
-// The surface area heuristic for one cell, as a function of where it is cut. Source: Hunt et al. 2006, section 2.
+// The surface area heuristic for one cell, as a function of where it is cut. Source: Hunt et al.
+// 2006, section 2.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +10,10 @@ namespace sightline::accel {
 
 /// Cost of the parts of a method, in units of one triangle test.
 struct SahConstants {
-  double traverse = 1;       ///< C_I: visiting an inner node. Range >= 0.
-  double intersect = 1;      ///< Testing one unit of weight. Range > 0.
-  double empty_bonus = 0.85; ///< Factor on the children's cost if one of them is empty. Range (0, 1].
+  double traverse = 1;   ///< C_I: visiting an inner node. Range >= 0.
+  double intersect = 1;  ///< Testing one unit of weight. Range > 0.
+  double empty_bonus =
+      0.85;  ///< Factor on the children's cost if one of them is empty. Range (0, 1].
 
   bool operator==(const SahConstants&) const = default;
 };
@@ -21,7 +23,9 @@ class CutAreas {
  public:
   CutAreas(const Aabb& cell, int axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const auto extent = [&](std::size_t i) { return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]); };
+    const auto extent = [&](std::size_t i) {
+      return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
+    };
     const double u = extent((a + 1) % 3), v = extent((a + 2) % 3);
     lo_ = static_cast<double>(cell.lo[a]);
     hi_ = static_cast<double>(cell.hi[a]);
@@ -41,13 +45,15 @@ class CutAreas {
 };
 
 /// Cost of cutting at x with these weights on the sides.
-inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left, double right) {
+inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left,
+                       double right) {
   double children = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
   if (left == 0 || right == 0) children *= c.empty_bonus;
   return c.traverse + c.intersect * children;
 }
 
-/// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of the method.
+/// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of
+/// the method.
 struct BestCut {
   Plane plane;
   double cost = 0;

@@ -20,10 +20,10 @@ int longest_axis(const Aabb& cell) {
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
-/// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R, SA_L, SA_R make. The
-/// parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
-void offer_minima(const Samples& samples, const CutAreas& areas, const SahConstants& constants, int axis, const Aabb& cell,
-                  BestCut& best) {
+/// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
+/// SA_L, SA_R make. The parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
+void offer_minima(const Samples& samples, const CutAreas& areas, const SahConstants& constants,
+                  int axis, const Aabb& cell, BestCut& best) {
   const auto offer = [&](double x, double left, double right) {
     const auto position = static_cast<float>(x);
     if (!(position > cell.lo[index_of(axis)] && position < cell.hi[index_of(axis)])) return;
@@ -46,9 +46,10 @@ void offer_minima(const Samples& samples, const CutAreas& areas, const SahConsta
   }
 }
 
-/// Section 6.2: every bound inside the cell is a candidate, counted by the same kernel, as many passes as it takes.
-void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell, const SahConstants& constants,
-                 BestCut& best, BuildCounters& counters) {
+/// Section 6.2: every bound inside the cell is a candidate, counted by the same kernel, as many
+/// passes as it takes.
+void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell,
+                 const SahConstants& constants, BestCut& best, BuildCounters& counters) {
   const std::size_t a = index_of(axis);
   const float lo = cell.lo[a], hi = cell.hi[a];
   std::array<float, 2 * ScanBuilder::kMaxExact + kScanWidth> candidates;
@@ -67,14 +68,16 @@ void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell, const
   const CutTerms terms{lo, hi, static_cast<float>(areas.ends() * areas.per_whole()),
                        static_cast<float>(areas.slope() * areas.per_whole()),
                        static_cast<float>(constants.empty_bonus)};
-  const ExactCut cut = scan_exact(refs, axis, std::span(candidates).first(passes * kScanWidth), terms);
+  const ExactCut cut =
+      scan_exact(refs, axis, std::span(candidates).first(passes * kScanWidth), terms);
   counters.touches += passes * refs.size();
-  best.offer({axis, cut.position}, constants.traverse + constants.intersect * static_cast<double>(cut.children));
+  best.offer({axis, cut.position},
+             constants.traverse + constants.intersect * static_cast<double>(cut.children));
 }
 
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
-double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell, AxisRange range,
-                     BestCut& best, BuildCounters& counters) {
+double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell,
+                     AxisRange range, BestCut& best, BuildCounters& counters) {
   const std::array<Samples, 3> samples =
       sample_axes(refs, cell, range, builder.uniform_samples, builder.adaptive_samples, counters);
   for (int axis = range.begin; axis < range.end; ++axis) {
@@ -102,14 +105,16 @@ Neighbours nearest_bounds(std::span<const BoxRef> refs, std::size_t axis, float 
   };
   const tbb::blocked_range<std::size_t> all(0, refs.size(), kScanSlice);
   if (refs.size() < 2 * kScanSlice) return pass(all, {});
-  return tbb::parallel_reduce(all, Neighbours{}, pass, [](const Neighbours& p, const Neighbours& q) {
-    return Neighbours{std::max(p.below, q.below), std::min(p.above, q.above)};
-  });
+  return tbb::parallel_reduce(
+      all, Neighbours{}, pass, [](const Neighbours& p, const Neighbours& q) {
+        return Neighbours{std::max(p.below, q.below), std::min(p.above, q.above)};
+      });
 }
 
-/// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose costs are true.
-void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahConstants& constants, BestCut& best,
-                   BuildCounters& counters) {
+/// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose
+/// costs are true.
+void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahConstants& constants,
+                   BestCut& best, BuildCounters& counters) {
   const int axis = best.plane.axis;
   const std::size_t a = index_of(axis);
   const Neighbours n = nearest_bounds(refs, a, best.plane.position);
@@ -126,8 +131,9 @@ void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahCons
   const CutAreas areas(cell, axis);
   best = {};
   for (std::size_t i = 0; i < used; ++i) {
-    best.offer({axis, planes.position[i]}, cut_cost(constants, areas, static_cast<double>(planes.position[i]),
-                                                    planes.left[i], planes.right[i]));
+    best.offer({axis, planes.position[i]},
+               cut_cost(constants, areas, static_cast<double>(planes.position[i]), planes.left[i],
+                        planes.right[i]));
   }
 }
 
@@ -140,10 +146,11 @@ double total_weight(std::span<const BoxRef> refs) {
 }  // namespace
 
 std::optional<std::string> ScanBuilder::check() const {
-  const auto range = [](const char* name, auto value, auto lo, auto hi) -> std::optional<std::string> {
+  const auto range = [](const char* name, auto value, auto lo,
+                        auto hi) -> std::optional<std::string> {
     if (value >= lo && value <= hi) return std::nullopt;
-    return std::string(name) + " is " + std::to_string(value) + ", must lie in " + std::to_string(lo) + " to " +
-           std::to_string(hi);
+    return std::string(name) + " is " + std::to_string(value) + ", must lie in " +
+           std::to_string(lo) + " to " + std::to_string(hi);
   };
   constexpr auto kHalf = static_cast<std::uint32_t>(kScanWidth / 2);
   if (auto e = range("uniform_samples", uniform_samples, 2u, kHalf)) return e;
@@ -152,7 +159,8 @@ std::optional<std::string> ScanBuilder::check() const {
   if (auto e = range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
   if (auto e = range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
   if (auto e = range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
-  if (auto e = range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity())) return e;
+  if (auto e = range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity()))
+    return e;
   return std::nullopt;
 }
 
@@ -160,7 +168,8 @@ std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& coun
   const auto& [refs, cell, depth] = list;
   if (refs.empty()) return std::nullopt;
   const bool exact = refs.size() <= exact_below;
-  const bool all_axes = axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
+  const bool all_axes =
+      axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
   const int longest = longest_axis(cell);
   BestCut best;
   double weight = exact ? total_weight(refs) : 0;
@@ -169,7 +178,8 @@ std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& coun
       weight = offer_sampled(*this, refs, cell, range, best, counters);
       return;
     }
-    for (int axis = range.begin; axis < range.end; ++axis) offer_exact(refs, axis, cell, cost, best, counters);
+    for (int axis = range.begin; axis < range.end; ++axis)
+      offer_exact(refs, axis, cell, cost, best, counters);
   };
   offer(all_axes ? AxisRange{} : AxisRange{longest, longest + 1});
   if (!all_axes && !(best.found && best.cost < retry_above * cost.intersect * weight)) {

@@ -1,5 +1,6 @@
 // Hunt's adaptive scan: where to cut a cell, found by a few passes over its list and no sorting.
-// Source: Hunt, Mark, Stoll 2006, "Fast kd-tree Construction with an Adaptive Error-Bounded Heuristic".
+// Source: Hunt, Mark, Stoll 2006, "Fast kd-tree Construction with an Adaptive Error-Bounded
+// Heuristic".
 #pragma once
 
 #include <cstdint>
@@ -23,9 +24,11 @@ enum class ScanAxes : std::uint8_t {
 /// A builder is a value: parameters, `check()`, and one decision.
 struct ScanBuilder {
   ScanAxes axes = ScanAxes::kAll;
-  /// Sample planes an axis in the first, uniform pass, the cell's faces included. Range 2 to kScanWidth / 2.
+  /// Sample planes an axis in the first, uniform pass, the cell's faces included. Range 2 to
+  /// kScanWidth / 2.
   std::uint32_t uniform_samples = 8;
-  /// Sample planes an axis in the second pass, placed along the range of C_L - C_R. Range 0 to kScanWidth / 2.
+  /// Sample planes an axis in the second pass, placed along the range of C_L - C_R. Range 0 to
+  /// kScanWidth / 2.
   std::uint32_t adaptive_samples = 8;
   /// Up to this many boxes every bound is a candidate. Range 0 to kMaxExact.
   std::uint32_t exact_below = 36;
@@ -35,11 +38,11 @@ struct ScanBuilder {
 
   // Ours, not the paper's; off unless a builder's name says otherwise.
 
-  /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two are tried as well.
-  /// Range > 0; infinite: never.
+  /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two
+  /// are tried as well. Range > 0; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
-  /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost is linear, so the
-  /// minimum always lies at one. Costs two passes.
+  /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost
+  /// is linear, so the minimum always lies at one. Costs two passes.
   bool snap = false;
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
@@ -51,8 +54,9 @@ struct ScanBuilder {
   /// Which parameter is out of range, and the range; nothing if all are fine.
   std::optional<std::string> check() const;
 
-  /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing every box, or no plane
-  /// fits. Threads: any. Large lists are scanned in parallel in the caller's arena; the answer does not depend on how.
+  /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing
+  /// every box, or no plane fits. Threads: any. Large lists are scanned in parallel in the caller's
+  /// arena; the answer does not depend on how.
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }

@@ -15,8 +15,8 @@ namespace sightline::accel {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// kPlanes planes on each of kAxes axes from `first_axis` on. Counters stay in registers; nothing is written until
-/// the pass ends.
+/// kPlanes planes on each of kAxes axes from `first_axis` on. Counters stay in registers; nothing
+/// is written until the pass ends.
 template <int kAxes, std::size_t kPlanes>
 void scan(std::span<const BoxRef> refs, int first_axis, ScanAxis* HWY_RESTRICT axes) {
   const hn::CappedTag<float, kPlanes> df;
@@ -52,28 +52,35 @@ void scan(std::span<const BoxRef> refs, int first_axis, ScanAxis* HWY_RESTRICT a
   }
 }
 
-void three_axes(std::span<const BoxRef> refs, ScanAxis* axes) { scan<3, kScanWidth / 2>(refs, 0, axes); }
+void three_axes(std::span<const BoxRef> refs, ScanAxis* axes) {
+  scan<3, kScanWidth / 2>(refs, 0, axes);
+}
 void one_axis(std::span<const BoxRef> refs, int axis, ScanAxis* planes) {
   scan<1, kScanWidth / 2>(refs, axis, planes);
 }
 
 /// Plain products and sums, no fused ones: every target gets the same bits.
-ExactCut exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates, const CutTerms& terms) {
+ExactCut exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates,
+               const CutTerms& terms) {
   const hn::CappedTag<float, kScanWidth> df;
   const hn::RebindToSigned<decltype(df)> di;
   constexpr std::size_t kLanes = hn::MaxLanes(df);
   const auto lo = hn::Set(df, terms.lo), hi = hn::Set(df, terms.hi);
-  const auto ends = hn::Set(df, terms.ends), slope = hn::Set(df, terms.slope), bonus = hn::Set(df, terms.empty_bonus);
+  const auto ends = hn::Set(df, terms.ends), slope = hn::Set(df, terms.slope),
+             bonus = hn::Set(df, terms.empty_bonus);
   auto best_cost = hn::Set(df, std::numeric_limits<float>::infinity());
   auto best_position = hn::Zero(df);
   ScanAxis counted;
   for (std::size_t begin = 0; begin < candidates.size(); begin += kScanWidth) {
-    std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(begin), kScanWidth, counted.position.begin());
+    std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(begin), kScanWidth,
+                counted.position.begin());
     scan<1, kScanWidth>(refs, axis, &counted);
     for (std::size_t p = 0; p < kScanWidth; p += kLanes) {
       const auto x = hn::LoadU(df, counted.position.data() + p);
-      const auto left = hn::ConvertTo(df, hn::LoadU(di, reinterpret_cast<const std::int32_t*>(counted.left.data() + p)));
-      const auto right = hn::ConvertTo(df, hn::LoadU(di, reinterpret_cast<const std::int32_t*>(counted.right.data() + p)));
+      const auto left = hn::ConvertTo(
+          df, hn::LoadU(di, reinterpret_cast<const std::int32_t*>(counted.left.data() + p)));
+      const auto right = hn::ConvertTo(
+          df, hn::LoadU(di, reinterpret_cast<const std::int32_t*>(counted.right.data() + p)));
       const auto left_area = hn::Add(ends, hn::Mul(slope, hn::Sub(x, lo)));
       const auto right_area = hn::Add(ends, hn::Mul(slope, hn::Sub(hi, x)));
       const auto sum = hn::Add(hn::Mul(left_area, left), hn::Mul(right_area, right));
@@ -115,7 +122,8 @@ void scan_three_axes(std::span<const BoxRef> refs, std::array<ScanAxis, 3>& axes
 void scan_one_axis(std::span<const BoxRef> refs, int axis, ScanAxis& planes) {
   HWY_DYNAMIC_DISPATCH(one_axis)(refs, axis, &planes);
 }
-ExactCut scan_exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates, const CutTerms& terms) {
+ExactCut scan_exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates,
+                    const CutTerms& terms) {
   return HWY_DYNAMIC_DISPATCH(exact)(refs, axis, candidates, terms);
 }
 

@@ -1,5 +1,5 @@
-// The inner loop of scan building: one pass over a list, counting what lies below and above a few sample planes.
-// Source: Hunt, Mark, Stoll 2006, section 6.1. Differs: counts are sums of weights.
+// The inner loop of scan building: one pass over a list, counting what lies below and above a few
+// sample planes. Source: Hunt, Mark, Stoll 2006, section 6.1. Differs: counts are sums of weights.
 #pragma once
 
 #include <array>
@@ -28,7 +28,8 @@ void scan_three_axes(std::span<const BoxRef> refs, std::array<ScanAxis, 3>& axes
 /// Counts the first kScanWidth / 2 planes of one axis in one pass.
 void scan_one_axis(std::span<const BoxRef> refs, int axis, ScanAxis& planes);
 
-/// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x - lo) and so on.
+/// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x -
+/// lo) and so on.
 struct CutTerms {
   float lo = 0, hi = 0, ends = 0, slope = 0;
   float empty_bonus = 1;  ///< Factor where one side is empty.
@@ -40,9 +41,10 @@ struct ExactCut {
   float position = 0;
 };
 
-/// Counts every candidate, kScanWidth to a pass, and weighs them. `candidates` has room for whole registers: its size is
-/// rounded up to kScanWidth by repeating any of them. At least one.
-ExactCut scan_exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates, const CutTerms& terms);
+/// Counts every candidate, kScanWidth to a pass, and weighs them. `candidates` has room for whole
+/// registers: its size is rounded up to kScanWidth by repeating any of them. At least one.
+ExactCut scan_exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates,
+                    const CutTerms& terms);
 
 /// What the kernels run on here, e.g. "AVX3".
 std::string_view simd_target();

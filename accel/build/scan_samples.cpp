@@ -50,7 +50,8 @@ void fill_unused(ScanAxis& planes, std::size_t used) {
 void place_uniform(ScanAxis& planes, float lo, float hi, std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) {
     const double share = static_cast<double>(i) / (n - 1);
-    planes.position[i] = static_cast<float>(static_cast<double>(lo) * (1 - share) + static_cast<double>(hi) * share);
+    planes.position[i] =
+        static_cast<float>(static_cast<double>(lo) * (1 - share) + static_cast<double>(hi) * share);
   }
   fill_unused(planes, n);
 }
@@ -82,7 +83,8 @@ std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, ScanAxis& pl
       const std::size_t teeth = teeth_below(rise(e)) - teeth_below(rise(s));
       for (std::size_t k = 1; k <= teeth; ++k) {
         const double share = static_cast<double>(k) / static_cast<double>(teeth + 1);
-        planes.position[placed++] = static_cast<float>(s.position * (1 - share) + e.position * share);
+        planes.position[placed++] =
+            static_cast<float>(s.position * (1 - share) + e.position * share);
       }
     }
   }
@@ -99,13 +101,16 @@ Samples merge(const Samples& a, const Samples& b) {
   return both;
 }
 
-std::array<Samples, 3> sample_axes(std::span<const BoxRef> refs, const Aabb& cell, AxisRange range, std::uint32_t uniform,
-                                   std::uint32_t adaptive, BuildCounters& counters) {
+std::array<Samples, 3> sample_axes(std::span<const BoxRef> refs, const Aabb& cell, AxisRange range,
+                                   std::uint32_t uniform, std::uint32_t adaptive,
+                                   BuildCounters& counters) {
   std::array<ScanAxis, 3> planes;
   std::array<Samples, 3> samples;
   std::array<std::size_t, 3> placed{};
-  const auto begin = static_cast<std::size_t>(range.begin), end = static_cast<std::size_t>(range.end);
-  for (std::size_t a = begin; a < end; ++a) place_uniform(planes[a], cell.lo[a], cell.hi[a], uniform);
+  const auto begin = static_cast<std::size_t>(range.begin),
+             end = static_cast<std::size_t>(range.end);
+  for (std::size_t a = begin; a < end; ++a)
+    place_uniform(planes[a], cell.lo[a], cell.hi[a], uniform);
   count_planes(refs, range, planes);
   counters.touches += refs.size();
   for (std::size_t a = begin; a < end; ++a) {
@@ -117,7 +122,8 @@ std::array<Samples, 3> sample_axes(std::span<const BoxRef> refs, const Aabb& cel
   if (placed[0] + placed[1] + placed[2] == 0) return samples;
   count_planes(refs, range, planes);
   counters.touches += refs.size();
-  for (std::size_t a = begin; a < end; ++a) samples[a] = merge(samples[a], to_samples(planes[a], placed[a]));
+  for (std::size_t a = begin; a < end; ++a)
+    samples[a] = merge(samples[a], to_samples(planes[a], placed[a]));
   return samples;
 }
 

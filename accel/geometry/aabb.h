@@ -51,7 +51,8 @@ inline HalvedCell halve(const Aabb& cell, int axis, float position) {
 /// The nearest floats at or beyond a double, downward and upward.
 inline float round_down(double x) {
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity())
+                                    : f;
 }
 inline float round_up(double x) {
   const auto f = static_cast<float>(x);
@@ -60,15 +61,17 @@ inline float round_up(double x) {
 
 /// The upper bound that widen_flat gives a box flat at x.
 inline float least_above(float x) {
-  return std::max(std::nextafter(x, std::numeric_limits<float>::infinity()), x + std::numeric_limits<float>::min());
+  return std::max(std::nextafter(x, std::numeric_limits<float>::infinity()),
+                  x + std::numeric_limits<float>::min());
 }
 
 /// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
 ///
-/// This is what makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a flat box
-/// would lie on neither side of a plane through it, one widened by a float lies on one. Not depending on denormals
-/// makes the rule the same with flush-to-zero on or off. A thin box that is not flat gets two floats at least, so that an
-/// extent of one float says "flat".
+/// This is what makes strict comparison with a plane a safe rule of membership
+/// (docs/decisions/0001): a flat box would lie on neither side of a plane through it, one widened
+/// by a float lies on one. Not depending on denormals makes the rule the same with flush-to-zero on
+/// or off. A thin box that is not flat gets two floats at least, so that an extent of one float
+/// says "flat".
 inline Aabb widen_flat(Aabb b) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   for (std::size_t a = 0; a < 3; ++a) {

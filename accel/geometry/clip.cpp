@@ -31,15 +31,16 @@ void cut(const Polygon& in, std::size_t axis, double sign, double position, Poly
 
 }  // namespace
 
-std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell) {
+std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                                   const Aabb& cell) {
   std::array<Polygon, 2> polygons;  // what is cut, and what comes of it, in turn
   std::size_t now = 0;
   polygons[0].at[0] = Vec3d(a);
   polygons[0].at[1] = Vec3d(b);
   polygons[0].at[2] = Vec3d(c);
   polygons[0].size = 3;
-  // The corners that cutting makes are off by a few roundings of the largest coordinate: cutting a little outside the
-  // cell, and widening what comes out by as much, keeps every true point.
+  // The corners that cutting makes are off by a few roundings of the largest coordinate: cutting a
+  // little outside the cell, and widening what comes out by as much, keeps every true point.
   Vec3d whole_lo, whole_hi;
   double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -50,7 +51,8 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
   const double slack = largest * 0x1p-48;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // A face that the triangle does not reach beyond cuts nothing off.
-    const double lo = static_cast<double>(cell.lo[axis]) - slack, hi = static_cast<double>(cell.hi[axis]) + slack;
+    const double lo = static_cast<double>(cell.lo[axis]) - slack,
+                 hi = static_cast<double>(cell.hi[axis]) + slack;
     if (whole_lo[axis] < lo) {
       cut(polygons[now], axis, -1, lo, polygons[1 - now]);
       now = 1 - now;

@@ -9,20 +9,24 @@
 namespace sightline::accel {
 namespace {
 
-// The computed determinant has seven roundings on its longest path, each at most 2^-53 of a term, and six terms of at
-// most |d| |p| |q| in the maximum norm; |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
+// The computed determinant has seven roundings on its longest path, each at most 2^-53 of a term,
+// and six terms of at most |d| |p| |q| in the maximum norm; |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
 constexpr double kSignError = 0x1p-46;
 
 // Where |N . d| is below this share of |e1| |e2|, t is computed exactly: see kHitError.
 constexpr double kEdgeOn = 0x1p-16;
 
-double max_norm(const Vec3d& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
-
-std::array<Expansion, 3> difference(const Vec3d& a, const Vec3d& b) {
-  return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y), Expansion::difference(a.z, b.z)};
+double max_norm(const Vec3d& v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
-std::array<Expansion, 3> cross(const std::array<Expansion, 3>& p, const std::array<Expansion, 3>& q) {
+std::array<Expansion, 3> difference(const Vec3d& a, const Vec3d& b) {
+  return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y),
+          Expansion::difference(a.z, b.z)};
+}
+
+std::array<Expansion, 3> cross(const std::array<Expansion, 3>& p,
+                               const std::array<Expansion, 3>& q) {
   std::array<Expansion, 3> result;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -40,11 +44,14 @@ Expansion dot(const std::array<Expansion, 3>& p, const std::array<Expansion, 3>&
   return sum;
 }
 
-std::array<Expansion, 3> exactly(const Vec3d& v) { return {Expansion(v.x), Expansion(v.y), Expansion(v.z)}; }
+std::array<Expansion, 3> exactly(const Vec3d& v) {
+  return {Expansion(v.x), Expansion(v.y), Expansion(v.z)};
+}
 
-/// Sign of det[d, a - o, b - o] for the ray with its origin moved by (e, e^2, e^3): the determinant is linear in the
-/// origin with gradient (a - b) x d, so the first non-zero of (det, gradient x, y, z) decides. 0 only for an edge
-/// parallel to the ray or of no length, and then the triangle is edge-on.
+/// Sign of det[d, a - o, b - o] for the ray with its origin moved by (e, e^2, e^3): the determinant
+/// is linear in the origin with gradient (a - b) x d, so the first non-zero of (det, gradient x, y,
+/// z) decides. 0 only for an edge parallel to the ray or of no length, and then the triangle is
+/// edge-on.
 int exact_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b) {
   const auto d = exactly(ray.direction);
   const int sign = dot(d, cross(difference(a, ray.origin), difference(b, ray.origin))).sign();
@@ -56,7 +63,8 @@ int exact_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b) {
   return 0;
 }
 
-int edge_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b, double determinant, double bound) {
+int edge_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b, double determinant,
+              double bound) {
   if (determinant > bound) return 1;
   if (determinant < -bound) return -1;
   return exact_sign(ray, a, b);
@@ -65,12 +73,14 @@ int edge_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b, double determ
 /// t = N . (a - o) / N . d for a triangle so nearly edge-on, or so thin, that doubles lose it.
 double exact_t(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const auto normal = cross(difference(b, a), difference(c, a));
-  return dot(normal, difference(a, ray.origin)).estimate() / dot(normal, exactly(ray.direction)).estimate();
+  return dot(normal, difference(a, ray.origin)).estimate() /
+         dot(normal, exactly(ray.direction)).estimate();
 }
 
 }  // namespace
 
-std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& cf) {
+std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
+                                const Vec3f& cf) {
   const Vec3d a(af), b(bf), c(cf);
   const Vec3d pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
   const double na = max_norm(pa), nb = max_norm(pb), nc = max_norm(pc);
@@ -84,18 +94,21 @@ std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3
   if (positive && negative) return std::nullopt;
 
   const int sign = edge_sign(ray, a, b, ab, ab_bound);
-  if (sign == 0 || edge_sign(ray, b, c, bc, bc_bound) != sign || edge_sign(ray, c, a, ca, ca_bound) != sign) {
+  if (sign == 0 || edge_sign(ray, b, c, bc, bc_bound) != sign ||
+      edge_sign(ray, c, a, ca, ca_bound) != sign) {
     return std::nullopt;
   }
 
   const Vec3d e1 = b - a, e2 = c - a;
   const Vec3d normal = cross(e1, e2);
   const double denominator = dot(normal, ray.direction);
-  if (std::fabs(denominator) < kEdgeOn * max_norm(e1) * max_norm(e2)) return exact_t(ray, a, b, c) + 0.0;
+  if (std::fabs(denominator) < kEdgeOn * max_norm(e1) * max_norm(e2))
+    return exact_t(ray, a, b, c) + 0.0;
   return dot(normal, pa) / denominator + 0.0;  // + 0.0: no negative zero
 }
 
-Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf, const Vec3f& cf) {
+Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf,
+                        const Vec3f& cf) {
   // Around the hit point the numbers are of the triangle's size, not of the ray's length.
   const Vec3d p = ray.origin + ray.direction * t;
   const Vec3d pa = Vec3d(af) - p, pb = Vec3d(bf) - p, pc = Vec3d(cf) - p;
@@ -105,7 +118,8 @@ Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Ve
   const double sum = wa + wb + wc;
   const double u = std::clamp(wb / sum, 0.0, 1.0);
   const double v = std::clamp(wc / sum, 0.0, 1.0);
-  if (!(u >= 0 && v >= 0)) return {1.0 / 3, 1.0 / 3};  // too thin for doubles: any point of it is near
+  if (!(u >= 0 && v >= 0))
+    return {1.0 / 3, 1.0 / 3};  // too thin for doubles: any point of it is near
   return u + v > 1 ? Barycentric{u / (u + v), v / (u + v)} : Barycentric{u, v};
 }
 

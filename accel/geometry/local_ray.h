@@ -1,5 +1,5 @@
-// A ray in the frame of a tree, brought into a range where the exact arithmetic of the hit rule can neither overflow
-// nor underflow.
+// A ray in the frame of a tree, brought into a range where the exact arithmetic of the hit rule can
+// neither overflow nor underflow.
 #pragma once
 
 #include <cmath>

@@ -11,7 +11,8 @@ namespace sightline::accel {
 
 using Face = std::array<std::uint32_t, 3>;
 
-/// A face slot that holds no triangle (a line or a point in the file): it keeps its number and is never hit.
+/// A face slot that holds no triangle (a line or a point in the file): it keeps its number and is
+/// never hit.
 inline constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 /// Indices are in range or kNoVertex; vertices may be non-finite (such faces are never referenced).

@@ -32,7 +32,8 @@ struct Hit {
   float u = 0;                  ///< Weight of the face's vertex 1.
   float v = 0;                  ///< Weight of the face's vertex 2.
   Vec3f normal;                 ///< Geometric, unit, by winding, in scene coordinates.
-  std::uint32_t work = 0;       ///< Traversal steps plus triangle tests spent on this ray; see kWorkUnbuilt.
+  std::uint32_t work =
+      0;  ///< Traversal steps plus triangle tests spent on this ray; see kWorkUnbuilt.
   HitState state = HitState::kMiss;
 };
 

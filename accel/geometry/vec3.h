@@ -10,7 +10,8 @@ template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
 
-  // One indexed load: a choice between three members would be two conditional moves in every inner loop.
+  // One indexed load: a choice between three members would be two conditional moves in every inner
+  // loop.
   T& operator[](std::size_t axis) { return reinterpret_cast<T*>(this)[axis]; }
   const T& operator[](std::size_t axis) const { return reinterpret_cast<const T*>(this)[axis]; }
   constexpr bool operator==(const Vec3&) const = default;
@@ -21,26 +22,39 @@ struct Vec3 {
   }
 };
 
-static_assert(sizeof(Vec3<float>) == 3 * sizeof(float) && sizeof(Vec3<double>) == 3 * sizeof(double));
+static_assert(sizeof(Vec3<float>) == 3 * sizeof(float) &&
+              sizeof(Vec3<double>) == 3 * sizeof(double));
 
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
 template <class T>
-constexpr Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+constexpr Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 template <class T>
-constexpr Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+constexpr Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 template <class T>
-constexpr Vec3<T> operator*(const Vec3<T>& a, T s) { return {a.x * s, a.y * s, a.z * s}; }
+constexpr Vec3<T> operator*(const Vec3<T>& a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
 template <class T>
-constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T length(const Vec3<T>& a) { return std::sqrt(dot(a, a)); }
+T length(const Vec3<T>& a) {
+  return std::sqrt(dot(a, a));
+}
 template <class T>
-bool is_finite(const Vec3<T>& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+bool is_finite(const Vec3<T>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 }  // namespace sightline::accel

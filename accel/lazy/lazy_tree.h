@@ -1,4 +1,5 @@
-// A kd-tree that grows where it is looked at. The part of the ray's way between "a cell is not built" and "it is".
+// A kd-tree that grows where it is looked at. The part of the ray's way between "a cell is not
+// built" and "it is".
 #pragma once
 
 #include <atomic>
@@ -12,24 +13,28 @@
 
 namespace sightline::accel {
 
-/// All references of a tree, made from its geometry. Called when the root is expanded, by one thread.
+/// All references of a tree, made from its geometry. Called when the root is expanded, by one
+/// thread.
 using ReferenceSource = std::function<BoxList(BuildCounters&)>;
 
 /// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
 class LazyTree {
  public:
-  /// `bounds` holds every reference; `references` is how many the source will make (an upper bound).
-  /// `mesh`: what the references are faces of, for builders that clip; null if they are not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder, ReferenceSource source,
-           const MeshView* mesh = nullptr);
+  /// `bounds` holds every reference; `references` is how many the source will make (an upper
+  /// bound). `mesh`: what the references are faces of, for builders that clip; null if they are
+  /// not. Must outlive the tree.
+  LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder,
+           ReferenceSource source, const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
   AtomicSlot& root() { return tree_.root(); }
 
-  /// Called by a ray that meets an unbuilt slot. True: the slot is built now (by us, or by the work we joined), read it
-  /// again. False: somebody is at it and it is small, or there is no memory: search the cell's list instead.
+  /// Called by a ray that meets an unbuilt slot. True: the slot is built now (by us, or by the work
+  /// we joined), read it again. False: somebody is at it and it is small, or there is no memory:
+  /// search the cell's list instead.
   ///
-  /// First touch: one cell is cut into two deferred ones. A cell of at most kFinishBelow references is finished whole.
+  /// First touch: one cell is cut into two deferred ones. A cell of at most kFinishBelow references
+  /// is finished whole.
   bool expand(AtomicSlot& slot, BuildCounters& counters);
 
   /// Expands everything until nothing is unbuilt, or `cancelled`. Parallel in the caller's arena.
@@ -43,7 +48,8 @@ class LazyTree {
   bool build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildCounters& counters,
              const std::atomic<bool>* cancelled);
   Slot cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, BuildCounters& counters);
-  Slot finish(BoxList list, const DeferredCell& cell, BuildCounters& counters, const std::atomic<bool>* cancelled);
+  Slot finish(BoxList list, const DeferredCell& cell, BuildCounters& counters,
+              const std::atomic<bool>* cancelled);
   void expand_rounds(BuildCounters& counters, const std::atomic<bool>* cancelled);
   void finish_slot(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);
 
@@ -55,7 +61,8 @@ class LazyTree {
   int max_depth_;
 };
 
-/// A deferred cell this small is finished whole: splitting it further would cost more than it defers.
+/// A deferred cell this small is finished whole: splitting it further would cost more than it
+/// defers.
 inline constexpr std::size_t kFinishBelow = 32;
 
 }  // namespace sightline::accel

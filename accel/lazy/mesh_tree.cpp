@@ -15,14 +15,17 @@ BoxList make_references(const MeshView& mesh, std::uint64_t count, BuildCounters
   counters.touches_prepare += faces;
   BoxList list(faces);
   const std::span<BoxRef> refs = list.all();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const std::optional<Aabb> box = face_bounds(mesh, i);
-      refs[i] = box ? BoxRef{box->lo, static_cast<std::uint32_t>(i), box->hi, 1} : BoxRef{{}, 0, {}, 0};
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        const std::optional<Aabb> box = face_bounds(mesh, i);
+                        refs[i] = box ? BoxRef{box->lo, static_cast<std::uint32_t>(i), box->hi, 1}
+                                      : BoxRef{{}, 0, {}, 0};
+                      }
+                    });
   if (count < faces) {
-    const auto end = std::remove_if(refs.begin(), refs.end(), [](const BoxRef& r) { return r.weight == 0; });
+    const auto end =
+        std::remove_if(refs.begin(), refs.end(), [](const BoxRef& r) { return r.weight == 0; });
     list.shrink(static_cast<std::size_t>(end - refs.begin()));
   }
   return list;
@@ -89,15 +92,21 @@ struct Visit {
 
 }  // namespace
 
-MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles, const AnyBuilder& builder)
-    : mesh_(mesh), lazy_(bounds, finite_triangles, builder, [mesh, finite_triangles](BuildCounters& counters) {
-        return make_references(mesh, finite_triangles, counters);
-      }, &mesh_) {}
+MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
+                   const AnyBuilder& builder)
+    : mesh_(mesh),
+      lazy_(
+          bounds, finite_triangles, builder,
+          [mesh, finite_triangles](BuildCounters& counters) {
+            return make_references(mesh, finite_triangles, counters);
+          },
+          &mesh_) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;
   const double tmax = std::fmin(query.tmax, query.best_t);
-  if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
+  if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray))
+    return;
   Visit visit{mesh_, lazy_, query, ray, walked, built};
   walk(tree(), ray, lazy_.root(), walked, visit);
 }

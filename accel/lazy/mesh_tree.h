@@ -1,4 +1,5 @@
-// The kd-tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest or any hit.
+// The kd-tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest or
+// any hit.
 #pragma once
 
 #include <atomic>
@@ -19,7 +20,8 @@ enum class AtUnbuilt : std::uint8_t {
   kSkip,    ///< Pass it over.
 };
 
-/// The ray as it stands in one mesh's frame, and the best hit so far. t counts in the world ray's direction.
+/// The ray as it stands in one mesh's frame, and the best hit so far. t counts in the world ray's
+/// direction.
 struct MeshQuery {
   LocalRay ray;
   double tmin = 0, tmax = kInfinity;
@@ -37,8 +39,10 @@ struct MeshQuery {
 /// Threads: all members, from any thread pinned to an epoch.
 class MeshTree {
  public:
-  /// The view's arrays must outlive the tree. `bounds`: of the finite triangles, widened (widen_flat).
-  MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles, const AnyBuilder& builder);
+  /// The view's arrays must outlive the tree. `bounds`: of the finite triangles, widened
+  /// (widen_flat).
+  MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
+           const AnyBuilder& builder);
 
   /// Looks for a hit better than the query's best and updates it.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
@@ -56,7 +60,8 @@ class MeshTree {
   LazyTree lazy_;
 };
 
-/// The bounds of a face as the builder sees them, or nothing if it has no triangle or a vertex is not finite.
+/// The bounds of a face as the builder sees them, or nothing if it has no triangle or a vertex is
+/// not finite.
 std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face);
 
 /// Of all faces that have bounds; `count` is how many those are. Parallel in the caller's arena.

@@ -1,4 +1,5 @@
-// A cell that is not built yet: its box, its list, and the state that lets one thread build it while others go on.
+// A cell that is not built yet: its box, its list, and the state that lets one thread build it
+// while others go on.
 #pragma once
 
 #include <cstdint>
@@ -51,8 +52,8 @@ class BoxList {
 struct alignas(8) DeferredCell {
   Aabb box;
   CellPath path;
-  /// The root's list is derived from the geometry by whoever expands it; until then `list` is empty and readers search
-  /// all of the geometry.
+  /// The root's list is derived from the geometry by whoever expands it; until then `list` is empty
+  /// and readers search all of the geometry.
   bool listed = true;
   BoxList list;
   std::size_t size = 0;  ///< References in the cell, listed or not.

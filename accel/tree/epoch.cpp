@@ -95,8 +95,8 @@ EpochPin::EpochPin() {
   ThisThread& t = this_thread();
   if (t.depth++ > 0) return;
   Domain& d = domain();
-  // Read again after it is published: whoever frees without having seen this pin moved the epoch on first, and then
-  // the second read makes its unlinking visible here.
+  // Read again after it is published: whoever frees without having seen this pin moved the epoch on
+  // first, and then the second read makes its unlinking visible here.
   std::uint64_t epoch = d.epoch.load(std::memory_order_seq_cst);
   for (;;) {
     t.place->epoch.store(epoch, std::memory_order_seq_cst);
@@ -118,8 +118,9 @@ void retire(void* object, void (*free)(void*), std::uint64_t bytes) {
   {
     const std::lock_guard lock(d.mutex);
     d.waiting.push_back({object, free, bytes, d.epoch.load(std::memory_order_seq_cst)});
-    const bool due = d.waiting.size() % kReclaimObjects == 0 ||
-                     d.bytes.load(std::memory_order_relaxed) > d.bytes_at_last_reclaim + kReclaimBytes;
+    const bool due =
+        d.waiting.size() % kReclaimObjects == 0 ||
+        d.bytes.load(std::memory_order_relaxed) > d.bytes_at_last_reclaim + kReclaimBytes;
     if (!due) return;
     list = take_free(d);
     std::uint64_t left = 0;

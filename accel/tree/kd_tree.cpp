@@ -9,7 +9,8 @@
 namespace sightline::accel {
 namespace {
 
-// Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells unbuilt.
+// Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells
+// unbuilt.
 constexpr std::size_t kPairsPerReference = 32;
 constexpr std::size_t kIdsPerReference = 64;
 constexpr std::size_t kSpare = 64;
@@ -26,7 +27,8 @@ void delete_cells(const KdTree& tree, Slot slot) {
 
 }  // namespace
 
-KdTree::KdTree(const Aabb& bounds, std::size_t references) : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
+KdTree::KdTree(const Aabb& bounds, std::size_t references)
+    : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
   if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
@@ -39,8 +41,10 @@ KdTree::KdTree(const Aabb& bounds, std::size_t references) : bounds_(bounds), ro
 KdTree::~KdTree() { delete_cells(*this, load(root_)); }
 
 void KdTree::reserve(std::size_t references) {
-  const std::size_t pairs = std::min<std::size_t>(references * kPairsPerReference + kSpare, Slot::kMaxPairs);
-  const std::size_t ids = std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
+  const std::size_t pairs =
+      std::min<std::size_t>(references * kPairsPerReference + kSpare, Slot::kMaxPairs);
+  const std::size_t ids =
+      std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
   pairs_ = Reservation<AtomicSlot>(2 * pairs);
   ids_ = Reservation<std::uint32_t>(ids);
 }

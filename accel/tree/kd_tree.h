@@ -1,4 +1,5 @@
-// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its unbuilt slots while it is read.
+// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its unbuilt slots
+// while it is read.
 #pragma once
 
 #include <atomic>
@@ -20,7 +21,8 @@ inline Slot load(const AtomicSlot& slot) { return Slot(slot.load(std::memory_ord
 /// Deepest node of any tree: walks keep a stack of this size.
 inline constexpr int kMaxTreeDepth = 80;
 
-/// Storage only: what a slot says may be followed at any time by any thread that is pinned to an epoch.
+/// Storage only: what a slot says may be followed at any time by any thread that is pinned to an
+/// epoch.
 class KdTree {
  public:
   /// A tree that is one cell, not listed yet; an empty leaf for no references.
@@ -36,7 +38,8 @@ class KdTree {
   /// The two child slots of a binary slot, left first.
   AtomicSlot* children(Slot binary) const { return pairs_.data() + 2 * std::size_t{binary.pair()}; }
 
-  /// The references of a leaf slot. `storage` backs the span where the leaf holds its one reference itself.
+  /// The references of a leaf slot. `storage` backs the span where the leaf holds its one reference
+  /// itself.
   std::span<const std::uint32_t> leaf(Slot slot, std::uint32_t& storage) const {
     if (slot.leaf_count() == 1) {
       storage = slot.leaf_first();
@@ -45,7 +48,8 @@ class KdTree {
     return {ids_.data() + slot.leaf_first(), slot.leaf_count()};
   }
 
-  /// Makes room for a tree over `references` boxes. Called once, before the first node. Throws std::bad_alloc.
+  /// Makes room for a tree over `references` boxes. Called once, before the first node. Throws
+  /// std::bad_alloc.
   void reserve(std::size_t references);
 
   /// The place of a fresh pair of slots, or nothing if the reservation is used up. Threads: any.
@@ -54,7 +58,8 @@ class KdTree {
   /// A leaf over these references, or nothing if the reservation is used up. Threads: any.
   std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
 
-  /// A slot to be expanded later; an empty leaf for an empty list. Throws std::bad_alloc. Threads: any.
+  /// A slot to be expanded later; an empty leaf for an empty list. Throws std::bad_alloc. Threads:
+  /// any.
   Slot defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up = false);
 
   /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.

@@ -7,7 +7,8 @@
 namespace sightline::accel {
 namespace {
 
-void measure_below(const KdTree& tree, Slot slot, const Aabb& cell, int depth, double root_area, TreeMetrics& m) {
+void measure_below(const KdTree& tree, Slot slot, const Aabb& cell, int depth, double root_area,
+                   TreeMetrics& m) {
   const double share = root_area > 0 ? half_area(cell) / root_area : 1;
   if (slot.is_unbuilt()) {
     ++m.unbuilt_cells;
@@ -57,7 +58,8 @@ void grow_below(const KdTree& tree, Slot slot, std::vector<bool>& seen, GrowthMe
 TreeMetrics measure(const KdTree& tree) {
   TreeMetrics m;
   measure_below(tree, load(tree.root()), tree.bounds(), 0, half_area(tree.bounds()), m);
-  m.sah_cost = kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
+  m.sah_cost =
+      kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
   m.bytes = tree.bytes();
   return m;
 }

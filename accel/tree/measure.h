@@ -8,11 +8,13 @@
 
 namespace sightline::accel {
 
-/// Costs are always stated with these, whatever a builder optimised (Wald, Havran 2006: K_T = 1, K_I = 1.5).
+/// Costs are always stated with these, whatever a builder optimised (Wald, Havran 2006: K_T = 1,
+/// K_I = 1.5).
 inline constexpr double kMeasuredTraverse = 1;
 inline constexpr double kMeasuredIntersect = 1.5;
 
-/// Expected values are for a random line that meets the tree's bounds: sums of SA(cell) / SA(bounds).
+/// Expected values are for a random line that meets the tree's bounds: sums of SA(cell) /
+/// SA(bounds).
 struct TreeMetrics {
   std::uint64_t nodes = 0;   ///< Inner nodes and leaves.
   std::uint64_t leaves = 0;  ///< Empty ones included.
@@ -20,11 +22,12 @@ struct TreeMetrics {
   std::uint64_t references = 0;  ///< In leaves.
   int max_depth = 0;             ///< Of a leaf; a lone root has 0.
   std::uint64_t unbuilt_cells = 0;
-  std::uint64_t given_up_cells = 0;  ///< Of the unbuilt ones: for want of room, and searched for good.
-  double expected_traversals = 0;    ///< Inner nodes met (E_T).
-  double expected_leaves = 0;        ///< Leaves met, empty ones included (E_L).
-  double expected_intersections = 0; ///< References in the leaves met (E_I).
-  double sah_cost = 0;               ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
+  std::uint64_t given_up_cells =
+      0;  ///< Of the unbuilt ones: for want of room, and searched for good.
+  double expected_traversals = 0;     ///< Inner nodes met (E_T).
+  double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
+  double expected_intersections = 0;  ///< References in the leaves met (E_I).
+  double sah_cost = 0;                ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
   std::uint64_t bytes = 0;
 };
 

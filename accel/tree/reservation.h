@@ -1,4 +1,5 @@
-// An array that is reserved at its largest and paid for as it is used: addresses never move, so readers need no lock.
+// An array that is reserved at its largest and paid for as it is used: addresses never move, so
+// readers need no lock.
 #pragma once
 
 #include <sys/mman.h>
@@ -10,8 +11,8 @@
 
 namespace sightline::accel {
 
-/// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the kernel backs page
-/// by page on first use. Throws std::bad_alloc.
+/// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the
+/// kernel backs page by page on first use. Throws std::bad_alloc.
 template <class T>
 class Reservation {
  public:
@@ -19,7 +20,8 @@ class Reservation {
   explicit Reservation(std::size_t capacity) : capacity_(capacity) {
     const std::size_t bytes = capacity * sizeof(T);
     if (bytes >= kMapFrom) {
-      void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+      void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
       if (p == MAP_FAILED) throw std::bad_alloc();
       data_ = static_cast<T*>(p);
     } else {

@@ -15,13 +15,22 @@ struct DeferredCell;
 ///
 ///     bits 0..2   tag
 ///     deferred, expanding:  the other bits are the address of a DeferredCell (8-byte aligned)
-///     leaf:      bits 3..31 count; bits 32..63 the reference if count is 1, else the place of the first in the id array
-///     binary:    bits 3..31 place of the pair of child slots; bits 32..63 the plane's position, a float
+///     leaf:      bits 3..31 count; bits 32..63 the reference if count is 1, else the place of the
+///     first in the id array binary:    bits 3..31 place of the pair of child slots; bits 32..63
+///     the plane's position, a float
 ///
-/// With the plane in its own slot an inner node is nothing but its two child slots: 16 bytes, one cache line touched.
+/// With the plane in its own slot an inner node is nothing but its two child slots: 16 bytes, one
+/// cache line touched.
 class Slot {
  public:
-  enum class Tag : std::uint64_t { kDeferred = 0, kExpanding = 1, kLeaf = 2, kBinaryX = 4, kBinaryY = 5, kBinaryZ = 6 };
+  enum class Tag : std::uint64_t {
+    kDeferred = 0,
+    kExpanding = 1,
+    kLeaf = 2,
+    kBinaryX = 4,
+    kBinaryY = 5,
+    kBinaryZ = 6
+  };
 
   static constexpr std::uint64_t kMaxPairs = std::uint64_t{1} << 29;
   static constexpr std::uint64_t kMaxLeafCount = (std::uint64_t{1} << 29) - 1;
@@ -39,8 +48,10 @@ class Slot {
   }
   static Slot binary(const Plane& plane, std::uint32_t pair) {
     assert(pair < kMaxPairs);
-    return Slot((static_cast<std::uint64_t>(Tag::kBinaryX) + static_cast<std::uint64_t>(plane.axis)) |
-                std::uint64_t{pair} << 3 | std::uint64_t{std::bit_cast<std::uint32_t>(plane.position)} << 32);
+    return Slot(
+        (static_cast<std::uint64_t>(Tag::kBinaryX) + static_cast<std::uint64_t>(plane.axis)) |
+        std::uint64_t{pair} << 3 |
+        std::uint64_t{std::bit_cast<std::uint32_t>(plane.position)} << 32);
   }
 
   constexpr std::uint64_t bits() const { return bits_; }

@@ -21,11 +21,12 @@ struct WalkCounters {
 
 /// A ray prepared for one tree.
 ///
-/// Why no cell with a hit is passed over: a plane's t is computed to 3 * 2^-53 of itself, a hit's t to kHitError of the
-/// distance, and `slack` is above both for any t inside the tree's bounds. Intervals are only ever widened by it.
+/// Why no cell with a hit is passed over: a plane's t is computed to 3 * 2^-53 of itself, a hit's t
+/// to kHitError of the distance, and `slack` is above both for any t inside the tree's bounds.
+/// Intervals are only ever widened by it.
 struct TreeRay {
   LocalRay ray;
-  Vec3d inverse;               ///< 1 / direction; infinite where the direction is zero.
+  Vec3d inverse;                       ///< 1 / direction; infinite where the direction is zero.
   std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
   double slack = 0;
   double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
@@ -35,10 +36,12 @@ struct TreeRay {
 inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double tmax, TreeRay& out) {
   out.ray = ray;
   double distance = 0;
-  double t_in = -std::numeric_limits<double>::infinity(), t_out = std::numeric_limits<double>::infinity();
+  double t_in = -std::numeric_limits<double>::infinity(),
+         t_out = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; ++a) {
     const double o = ray.origin[a], d = ray.direction[a];
-    const double lo = static_cast<double>(bounds.lo[a]) - o, hi = static_cast<double>(bounds.hi[a]) - o;
+    const double lo = static_cast<double>(bounds.lo[a]) - o,
+                 hi = static_cast<double>(bounds.hi[a]) - o;
     distance = std::fmax(distance, std::fmax(std::fabs(lo), std::fabs(hi)));
     out.inverse[a] = 1 / d;
     out.first[a] = std::signbit(d) ? 1u : 0u;
@@ -46,7 +49,8 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
       if (lo > 0 || hi < 0) return false;
       continue;
     }
-    const double near = (out.first[a] == 1 ? hi : lo) * out.inverse[a], far = (out.first[a] == 1 ? lo : hi) * out.inverse[a];
+    const double near = (out.first[a] == 1 ? hi : lo) * out.inverse[a],
+                 far = (out.first[a] == 1 ? lo : hi) * out.inverse[a];
     t_in = std::fmax(t_in, near);
     t_out = std::fmin(t_out, far);
   }
@@ -56,14 +60,15 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
   return out.t_in <= out.t_out;
 }
 
-/// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For searching the lists
-/// of cells that are not built.
+/// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For
+/// searching the lists of cells that are not built.
 inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
   double t_in = ray.t_in, t_out = std::fmin(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {
     const double lo = (static_cast<double>(box.lo[a]) - ray.ray.origin[a]) * ray.inverse[a];
     const double hi = (static_cast<double>(box.hi[a]) - ray.ray.origin[a]) * ray.inverse[a];
-    const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack, far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
+    const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack,
+                 far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
     // A ray along the face has NaN here, which changes nothing.
     if (near > t_in) t_in = near;
     if (far < t_out) t_out = far;
@@ -75,8 +80,9 @@ inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
 ///
 /// `visit` supplies:
 ///   bool leaf(span<const uint32_t> references)   true: stop the walk
-///   bool unbuilt(AtomicSlot&, const DeferredCell&) what to do at an unbuilt slot; see Unbuilt below
-///   double limit()                               t beyond which nothing matters any more, widened by the slack
+///   bool unbuilt(AtomicSlot&, const DeferredCell&) what to do at an unbuilt slot; see Unbuilt
+///   below double limit()                               t beyond which nothing matters any more,
+///   widened by the slack
 enum class Unbuilt {
   kAgain,  ///< It is built now: look again.
   kDone,   ///< Dealt with: go on with the next cell.
@@ -84,7 +90,8 @@ enum class Unbuilt {
 };
 
 template <class Visit>
-void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters& counters, Visit& visit) {
+void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters& counters,
+          Visit& visit) {
   struct Waiting {
     AtomicSlot* slot;
     double t_in, t_out;
@@ -98,10 +105,12 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
     while (slot.is_binary()) {
       ++counters.steps;
       const auto axis = static_cast<std::size_t>(slot.axis());
-      const double t = (static_cast<double>(slot.position()) - ray.ray.origin[axis]) * ray.inverse[axis];
+      const double t =
+          (static_cast<double>(slot.position()) - ray.ray.origin[axis]) * ray.inverse[axis];
       AtomicSlot* children = tree.children(slot);
       const std::size_t first = ray.first[axis];
-      // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its interval.
+      // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its
+      // interval.
       const bool skip_near = t + ray.slack < t_in;
       const bool skip_far = t - ray.slack > t_out;
       if (skip_near) {
@@ -109,7 +118,8 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
       } else {
         at = &children[first];
         if (!skip_far) {
-          stack[waiting++] = {&children[1 - first], t - ray.slack > t_in ? t - ray.slack : t_in, t_out};
+          stack[waiting++] = {&children[1 - first], t - ray.slack > t_in ? t - ray.slack : t_in,
+                              t_out};
           if (t + ray.slack < t_out) t_out = t + ray.slack;
         }
       }

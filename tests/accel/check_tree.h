@@ -1,5 +1,5 @@
-// The invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its cell's members, or, where the builder
-// clips, all that is to be met there.
+// The invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its cell's
+// members, or, where the builder clips, all that is to be met there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 namespace sightline::tests {
 
 /// `bounds[id]` is the builder's box of a reference; references without one have an empty box.
-inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell, int depth,
-                       const std::vector<accel::Aabb>& bounds) {
+inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
+                       int depth, const std::vector<accel::Aabb>& bounds) {
   ASSERT_LE(depth, accel::kMaxTreeDepth);
   if (slot.is_binary()) {
     const auto axis = static_cast<std::size_t>(slot.axis());
@@ -37,7 +37,8 @@ inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel:
     }
   }
   for (std::size_t id = 0; id < bounds.size(); ++id) {
-    if (!bounds[id].empty() && accel::is_member(bounds[id], cell)) members.push_back(static_cast<std::uint32_t>(id));
+    if (!bounds[id].empty() && accel::is_member(bounds[id], cell))
+      members.push_back(static_cast<std::uint32_t>(id));
   }
   std::sort(held.begin(), held.end());
   ASSERT_EQ(held, members);
@@ -48,8 +49,8 @@ inline void check_tree(const accel::KdTree& tree, const std::vector<accel::Aabb>
 }
 
 /// Whether some leaf whose closed cell holds the point holds the reference.
-inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell, const accel::Vec3f& point,
-                       std::uint32_t id) {
+inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
+                       const accel::Vec3f& point, std::uint32_t id) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (point[a] < cell.lo[a] || point[a] > cell.hi[a]) return false;
   }
@@ -61,7 +62,8 @@ inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel:
   if (slot.is_unbuilt()) {
     if (!slot.cell()->listed) return true;
     const auto refs = std::as_const(slot.cell()->list).all();
-    return std::any_of(refs.begin(), refs.end(), [&](const accel::BoxRef& ref) { return ref.id == id; });
+    return std::any_of(refs.begin(), refs.end(),
+                       [&](const accel::BoxRef& ref) { return ref.id == id; });
   }
   if (slot.leaf_count() == 0) return false;
   std::uint32_t storage;
@@ -69,8 +71,8 @@ inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel:
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell, int depth,
-                              const std::vector<accel::Aabb>& bounds) {
+inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
+                              int depth, const std::vector<accel::Aabb>& bounds) {
   ASSERT_LE(depth, accel::kMaxTreeDepth);
   if (slot.is_binary()) {
     const auto axis = static_cast<std::size_t>(slot.axis());
@@ -99,10 +101,12 @@ inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const
   }
 }
 
-/// For builders that clip or choose the side of flat boxes, as their papers do: cells tile the bounds, flat ones among
-/// them; a leaf holds nothing twice and nothing that does not touch its closed cell; and every corner of every face is in
-/// the closed cell of a leaf that holds the face. `bounds` as above.
-inline void check_closed_tree(const accel::KdTree& tree, const TestMesh& mesh, const std::vector<accel::Aabb>& bounds) {
+/// For builders that clip or choose the side of flat boxes, as their papers do: cells tile the
+/// bounds, flat ones among them; a leaf holds nothing twice and nothing that does not touch its
+/// closed cell; and every corner of every face is in the closed cell of a leaf that holds the face.
+/// `bounds` as above.
+inline void check_closed_tree(const accel::KdTree& tree, const TestMesh& mesh,
+                              const std::vector<accel::Aabb>& bounds) {
   check_closed_cell(tree, accel::load(tree.root()), tree.bounds(), 0, bounds);
   for (std::size_t id = 0; id < bounds.size(); ++id) {
     if (bounds[id].empty()) continue;

@@ -13,7 +13,8 @@ const std::vector<accel::Vec3f> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 TEST(Mesh, CountsWhatItHolds) {
   auto corners = kCorners;
   corners.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
-  const auto mesh = Mesh::make(corners, {{0, 1, 2}, {accel::kNoVertex, accel::kNoVertex, accel::kNoVertex}, {0, 1, 3}});
+  const auto mesh = Mesh::make(
+      corners, {{0, 1, 2}, {accel::kNoVertex, accel::kNoVertex, accel::kNoVertex}, {0, 1, 3}});
   ASSERT_TRUE(mesh);
   EXPECT_EQ((*mesh)->faces(), 3u);
   EXPECT_EQ((*mesh)->triangles(), 2u);

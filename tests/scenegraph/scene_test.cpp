@@ -28,7 +28,8 @@ PutNode put(NodeRef node, NodeRef parent, std::string name, bool mesh = false) {
 Affine shifted(double x) { return Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
 
 /// Refused with this reason, and the scene is as it was.
-void expect_refused(Scene& scene, const std::vector<Update>& updates, Code code, const std::string& reason) {
+void expect_refused(Scene& scene, const std::vector<Update>& updates, Code code,
+                    const std::string& reason) {
   const auto before = scene.snapshot();
   const auto result = scene.apply(updates);
   ASSERT_FALSE(result);
@@ -45,7 +46,8 @@ TEST(Scene, BeginsEmptyAtRevisionZero) {
 
 TEST(Scene, PutsAHierarchyInOneBatch) {
   Scene scene;
-  const auto applied = scene.apply({put(-1, 0, "root"), put(-2, -1, "arm"), put(-3, -2, "hand", true)});
+  const auto applied =
+      scene.apply({put(-1, 0, "root"), put(-2, -1, "arm"), put(-3, -2, "hand", true)});
   ASSERT_TRUE(applied);
   EXPECT_EQ(applied->revision, 1u);
   EXPECT_EQ(applied->nodes, (std::vector<NodeId>{1, 2, 3}));
@@ -121,8 +123,10 @@ TEST(Scene, RefusesTransformsThatCannotBeInverted) {
   flat.parent_from_local = Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
   expect_refused(scene, {flat}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b", true)}));
-  expect_refused(scene, {SetTransforms{{1}, {flat.parent_from_local}}}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
-  expect_refused(scene, {SetTransforms{{1, 2}, {Affine{}}}}, Code::kInvalidArgument, "COUNT_MISMATCH");
+  expect_refused(scene, {SetTransforms{{1}, {flat.parent_from_local}}}, Code::kInvalidArgument,
+                 "SINGULAR_TRANSFORM");
+  expect_refused(scene, {SetTransforms{{1, 2}, {Affine{}}}}, Code::kInvalidArgument,
+                 "COUNT_MISMATCH");
   // Each is fine alone; both, one above the other, are not.
   const Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
   ASSERT_TRUE(scene.apply({SetTransforms{{2}, {thin}}}));
@@ -132,8 +136,8 @@ TEST(Scene, RefusesTransformsThatCannotBeInverted) {
 TEST(Scene, AppliesABatchWholeOrNotAtAll) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
-  expect_refused(scene, {put(-1, 0, "b"), SetTransforms{{1}, {shifted(3)}}, DeleteNode{5}}, Code::kNotFound,
-                 "NODE_NOT_FOUND");
+  expect_refused(scene, {put(-1, 0, "b"), SetTransforms{{1}, {shifted(3)}}, DeleteNode{5}},
+                 Code::kNotFound, "NODE_NOT_FOUND");
   EXPECT_EQ(scene.snapshot()->node_count(), 1u);
   EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, Affine{});
 }

@@ -23,9 +23,12 @@ using accel::Hit;
 using accel::HitState;
 using accel::Ray;
 
-std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m) { return *Mesh::make(m.vertices, m.faces); }
+std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m) {
+  return *Mesh::make(m.vertices, m.faces);
+}
 
-PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& where, NodeRef parent = 0) {
+PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& where,
+              NodeRef parent = 0) {
   PutNode p;
   p.node = node;
   p.parent = parent;
@@ -53,7 +56,8 @@ std::shared_ptr<const Snapshot> crowd(int instances, double reach = 4) {
   Scene scene;
   std::vector<Update> updates{place(-1, nullptr, random_affine(random, 1))};
   for (int i = 0; i < instances; ++i) {
-    updates.push_back(place(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach), i % 2 == 0 ? -1 : 0));
+    updates.push_back(place(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach),
+                            i % 2 == 0 ? -1 : 0));
   }
   EXPECT_TRUE(scene.apply(updates));
   return scene.snapshot();
@@ -65,7 +69,8 @@ std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint
   std::vector<Ray> rays(n);
   for (Ray& ray : rays) {
     const auto p = [&] {
-      return Vec3d{random.uniform(b.lo.x, b.hi.x), random.uniform(b.lo.y, b.hi.y), random.uniform(b.lo.z, b.hi.z)};
+      return Vec3d{random.uniform(b.lo.x, b.hi.x), random.uniform(b.lo.y, b.hi.y),
+                   random.uniform(b.lo.z, b.hi.z)};
     };
     ray.origin = p();
     ray.direction = p() - ray.origin;
@@ -73,7 +78,8 @@ std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint
   return rays;
 }
 
-std::vector<Hit> cast(const Snapshot& snapshot, const std::vector<Ray>& rays, TraceOptions options = {}) {
+std::vector<Hit> cast(const Snapshot& snapshot, const std::vector<Ray>& rays,
+                      TraceOptions options = {}) {
   std::vector<Hit> hits(rays.size());
   const auto stats = trace(snapshot, rays, hits, options);
   EXPECT_TRUE(stats);
@@ -82,8 +88,9 @@ std::vector<Hit> cast(const Snapshot& snapshot, const std::vector<Ray>& rays, Tr
 }
 
 bool same(const Hit& a, const Hit& b) {
-  return std::memcmp(&a.t, &b.t, sizeof a.t) == 0 && a.node == b.node && a.primitive == b.primitive && a.u == b.u &&
-         a.v == b.v && a.normal == b.normal && a.state == b.state;
+  return std::memcmp(&a.t, &b.t, sizeof a.t) == 0 && a.node == b.node &&
+         a.primitive == b.primitive && a.u == b.u && a.v == b.v && a.normal == b.normal &&
+         a.state == b.state;
 }
 
 void expect_same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
@@ -146,7 +153,8 @@ TEST(Trace, TheSameRaysAgainExpandNothing) {
 TEST(Trace, OnlyEnteredInstancesGrow) {
   const auto sphere = to_mesh(tests::icosphere(3)), other = to_mesh(tests::icosphere(4));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, sphere, Affine{}), place(-2, other, Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
+  ASSERT_TRUE(scene.apply({place(-1, sphere, Affine{}),
+                           place(-2, other, Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(cast(*snapshot, {Ray{{0, 0, 5}, {0, 0, -1}}})[0].node, 1u);
   const BuildSummary s = summarize_build(*snapshot);
@@ -230,7 +238,8 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
 TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
   const auto mesh = to_mesh(tests::duplicates(5));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, mesh, Affine{}), place(-2, mesh, Affine{}), place(-3, mesh, Affine{})}));
+  ASSERT_TRUE(scene.apply(
+      {place(-1, mesh, Affine{}), place(-2, mesh, Affine{}), place(-3, mesh, Affine{})}));
   ASSERT_TRUE(scene.apply({DeleteNode{1}}));
   const Hit hit = cast(*scene.snapshot(), {Ray{{0.2, 0.2, 1}, {0, 0, -1}}})[0];
   EXPECT_EQ(hit.node, 2u);
@@ -242,7 +251,8 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
   const Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
   Scene scene, home;
   ASSERT_TRUE(scene.apply({place(-1, sphere, far)}));
-  ASSERT_TRUE(home.apply({place(-1, sphere, Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
+  ASSERT_TRUE(
+      home.apply({place(-1, sphere, Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
   // On a lattice of 2^-20 the far origin is exact.
   const auto lattice = [](double x) { return std::round(x * 0x1p+20) * 0x1p-20; };
   tests::Random random(5);
@@ -305,7 +315,8 @@ TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
   std::thread writer([&] {
     for (int i = 1; !stop; ++i) {
       const double z = i % 2 == 0 ? 0.0 : 10.0;
-      EXPECT_TRUE(scene.apply({SetTransforms{{1}, {Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}}}}}));
+      EXPECT_TRUE(
+          scene.apply({SetTransforms{{1}, {Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}}}}}));
     }
   });
   const std::vector<Ray> rays(2000, Ray{{0.1, 0.1, 50}, {0, 0, -1}});

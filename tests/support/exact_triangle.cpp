@@ -72,7 +72,8 @@ std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<Q
   if (area == 0) return std::nullopt;
 
   Candidate c;
-  c.normal = {static_cast<double>(normal.x / Quad{area}), static_cast<double>(normal.y / Quad{area}),
+  c.normal = {static_cast<double>(normal.x / Quad{area}),
+              static_cast<double>(normal.y / Quad{area}),
               static_cast<double>(normal.z / Quad{area})};
   // The triangle's extent along the ray bounds how wrong t can be, however grazing the ray.
   Quad first = dot(p[0], d), last = first;

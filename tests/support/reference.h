@@ -20,8 +20,8 @@ struct Candidate {
   double t_tolerance = 0;  ///< How far a correct t may lie from it: more at a grazing angle.
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
-  double u = 0, v = 0;  ///< Weights of the face's vertices 1 and 2.
-  accel::Vec3d normal;  ///< Geometric, unit, by the winding in scene coordinates.
+  double u = 0, v = 0;    ///< Weights of the face's vertices 1 and 2.
+  accel::Vec3d normal;    ///< Geometric, unit, by the winding in scene coordinates.
   bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
   bool borderline =
       false;  ///< Within the edge tolerance of an edge, of tmin or of tmax, or edge-on.

@@ -38,25 +38,29 @@ Aabb bounds(const std::vector<BoxRef>& refs) {
 }
 
 /// The cost of a plane by its definition.
-double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane, const SahConstants& constants) {
+double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
+                 const SahConstants& constants) {
   double left = 0, right = 0;
   for (const BoxRef& r : refs) {
     left += r.lo[static_cast<std::size_t>(plane.axis)] < plane.position ? r.weight : 0;
     right += r.hi[static_cast<std::size_t>(plane.axis)] > plane.position ? r.weight : 0;
   }
   const HalvedCell halves = halve(cell, plane.axis, plane.position);
-  double children = (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
+  double children =
+      (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
   if (left == 0 || right == 0) children *= constants.empty_bonus;
   return constants.traverse + constants.intersect * children;
 }
 
-double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell, const SahConstants& constants) {
+double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell,
+                     const SahConstants& constants) {
   double best = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     for (const BoxRef& r : refs) {
       for (const float x : {r.lo[a], r.hi[a]}) {
-        if (x > cell.lo[a] && x < cell.hi[a]) best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
+        if (x > cell.lo[a] && x < cell.hi[a])
+          best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
       }
     }
   }
@@ -73,7 +77,8 @@ TEST(ScanBuilder, FindsTheOptimumWhenExact) {
     const double best = best_possible(refs, cell, builder.cost);
     if (best < static_cast<double>(n)) {
       ASSERT_TRUE(plane) << n;
-      EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best, 1e-6 * best)  // weighed in float
+      EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best,
+                  1e-6 * best)  // weighed in float
           << n;
     } else {
       EXPECT_FALSE(plane) << n;
@@ -90,8 +95,10 @@ TEST(ScanBuilder, SampledChoiceIsNearTheOptimumOnSmoothInput) {
     BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
     ASSERT_TRUE(plane);
-    EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost), 1.03 * best_possible(refs, cell, builder.cost));
-    EXPECT_EQ(counters.touches, 2 * refs.size());  // the uniform and the adaptive pass, all axes fused
+    EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
+              1.03 * best_possible(refs, cell, builder.cost));
+    EXPECT_EQ(counters.touches,
+              2 * refs.size());  // the uniform and the adaptive pass, all axes fused
   }
 }
 
@@ -110,8 +117,10 @@ TEST(ScanBuilder, AdaptiveSamplesCloseInOnAStep) {
   const auto plane = builder.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
   // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
-  const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) / (builder.uniform_samples - 1);
-  EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637), segment / builder.adaptive_samples);
+  const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) /
+                         (builder.uniform_samples - 1);
+  EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637),
+            segment / builder.adaptive_samples);
 }
 
 TEST(ScanBuilder, OneAxisCutsTheLongest) {
@@ -128,7 +137,8 @@ TEST(ScanBuilder, OneAxisCutsTheLongest) {
 
 TEST(ScanBuilder, HeavyReferencesPullThePlane) {
   // Two light boxes left, one heavy one right: the cut separates the heavy one.
-  std::vector<BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}), ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  std::vector<BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
+                           ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   const Aabb cell = bounds(refs);
   BuildCounters counters;
   const auto plane = ScanBuilder{}.choose({refs, cell, 0}, counters);

@@ -21,7 +21,8 @@ std::vector<BoxRef> boxes(std::size_t n, std::uint64_t seed) {
     box.grow(Vec3f{p(), p(), p()});
     box.grow(Vec3f{p(), p(), p()});
     box = widen_flat(box);
-    refs[i] = {box.lo, static_cast<std::uint32_t>(i), box.hi, static_cast<std::uint32_t>(1 + random.below(5))};
+    refs[i] = {box.lo, static_cast<std::uint32_t>(i), box.hi,
+               static_cast<std::uint32_t>(1 + random.below(5))};
   }
   return refs;
 }
@@ -33,7 +34,8 @@ ScanAxis planes(std::uint64_t seed) {
   return axis;
 }
 
-void expect_counts(const std::vector<BoxRef>& refs, std::size_t axis, const ScanAxis& counted, std::size_t used) {
+void expect_counts(const std::vector<BoxRef>& refs, std::size_t axis, const ScanAxis& counted,
+                   std::size_t used) {
   for (std::size_t i = 0; i < used; ++i) {
     std::uint32_t left = 0, right = 0;
     for (const BoxRef& r : refs) {
@@ -81,9 +83,11 @@ TEST_P(ScanKernel, FindsTheBestCandidate) {
           left += r.lo[a] < x ? static_cast<float>(r.weight) : 0;
           right += r.hi[a] > x ? static_cast<float>(r.weight) : 0;
         }
-        float cost = (terms.ends + terms.slope * (x - terms.lo)) * left + (terms.ends + terms.slope * (terms.hi - x)) * right;
+        float cost = (terms.ends + terms.slope * (x - terms.lo)) * left +
+                     (terms.ends + terms.slope * (terms.hi - x)) * right;
         if (left == 0 || right == 0) cost *= terms.empty_bonus;
-        if (cost < expected.children || (cost == expected.children && x < expected.position)) expected = {cost, x};
+        if (cost < expected.children || (cost == expected.children && x < expected.position))
+          expected = {cost, x};
       }
       const ExactCut found = scan_exact(refs, axis, candidates, terms);
       ASSERT_EQ(found.position, expected.position) << n;
@@ -94,12 +98,15 @@ TEST_P(ScanKernel, FindsTheBestCandidate) {
 
 std::vector<std::int64_t> targets_here() {
   std::vector<std::int64_t> all;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) all.push_back(left & -left);
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
+    all.push_back(left & -left);
   return all;
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryTarget, ScanKernel, ::testing::ValuesIn(targets_here()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+                         [](const auto& target) {
+                           return std::string(hwy::TargetName(target.param));
+                         });
 
 }  // namespace
 }  // namespace sightline::accel

@@ -37,7 +37,8 @@ TEST(Rounding, GoesOutward) {
   EXPECT_EQ(round_up(-0.5), -0.5f);
 }
 
-/// What a sift asks of one plane at a time is what is_member asks of the cell at once, in whatever order it was cut.
+/// What a sift asks of one plane at a time is what is_member asks of the cell at once, in whatever
+/// order it was cut.
 TEST(Membership, DoesNotDependOnThePathOfSplits) {
   tests::Random random(7);
   // A coarse lattice, so that bounds and planes coincide often.
@@ -62,7 +63,8 @@ TEST(Membership, DoesNotDependOnThePathOfSplits) {
   }
 }
 
-/// Every point of a box lies in a closed cell that the box is a member of, also on the planes between cells.
+/// Every point of a box lies in a closed cell that the box is a member of, also on the planes
+/// between cells.
 TEST(Membership, CoversEveryPointOfABox) {
   tests::Random random(8);
   const auto lattice = [&] { return static_cast<float>(random.below(5)); };
@@ -71,12 +73,14 @@ TEST(Membership, CoversEveryPointOfABox) {
     box.grow(Vec3f{lattice(), lattice(), lattice()});
     box.grow(Vec3f{lattice(), lattice(), lattice()});
     const Aabb bounds = widen_flat(box);
-    const Vec3f p{std::min(box.hi.x, std::max(box.lo.x, lattice())), std::min(box.hi.y, std::max(box.lo.y, lattice())),
+    const Vec3f p{std::min(box.hi.x, std::max(box.lo.x, lattice())),
+                  std::min(box.hi.y, std::max(box.lo.y, lattice())),
                   std::min(box.hi.z, std::max(box.lo.z, lattice()))};
     // The grid of unit cells: p lies in up to eight of them.
     bool covered = false;
     for (int i = 0; i < 8; ++i) {
-      const Vec3f lo{p.x - static_cast<float>(i & 1), p.y - static_cast<float>(i >> 1 & 1), p.z - static_cast<float>(i >> 2)};
+      const Vec3f lo{p.x - static_cast<float>(i & 1), p.y - static_cast<float>(i >> 1 & 1),
+                     p.z - static_cast<float>(i >> 2)};
       covered = covered || is_member(bounds, {lo, lo + Vec3f{1, 1, 1}});
     }
     ASSERT_TRUE(covered);

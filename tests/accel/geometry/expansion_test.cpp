@@ -47,7 +47,8 @@ TEST(Expansion, SignsOfSumsOfProductsAreThoseOfIntegers) {
       last_b = b;
     }
     ASSERT_EQ(e.sign(), sign_of(exact));
-    ASSERT_NEAR(e.estimate(), static_cast<double>(exact), std::fabs(static_cast<double>(exact)) * 1e-15);
+    ASSERT_NEAR(e.estimate(), static_cast<double>(exact),
+                std::fabs(static_cast<double>(exact)) * 1e-15);
   }
 }
 
@@ -57,7 +58,8 @@ TEST(Expansion, ProductsOfExpansionsDistribute) {
   Expansion b(1);
   b.add(-1e-20);
   Expansion product;
-  product.add_product(a, b);  // 1e10 + 1e-10 - 1e-10 - 1e-30, with 1e-10 and 1e10 * 1e-20 not quite equal
+  product.add_product(
+      a, b);  // 1e10 + 1e-10 - 1e-10 - 1e-30, with 1e-10 and 1e10 * 1e-20 not quite equal
   Expansion expected(1e10);
   expected.add(1e-10);
   expected.add_product(1e10, -1e-20);

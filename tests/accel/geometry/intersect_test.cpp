@@ -12,12 +12,15 @@
 namespace sightline::accel {
 namespace {
 
-LocalRay ray(const Vec3d& origin, const Vec3d& direction) { return *make_local_ray(origin, direction); }
+LocalRay ray(const Vec3d& origin, const Vec3d& direction) {
+  return *make_local_ray(origin, direction);
+}
 
 std::vector<double> all_hits(const tests::TestMesh& mesh, const LocalRay& r) {
   std::vector<double> ts;
   for (const Face& f : mesh.faces) {
-    if (const auto t = intersect(r, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]])) {
+    if (const auto t =
+            intersect(r, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]])) {
       ts.push_back(*t * r.unit);
     }
   }
@@ -49,14 +52,19 @@ struct Integers {
 
 TEST(Intersect, AgreesWithExactIntegersOnDegenerateRays) {
   tests::Random random(11);
-  const auto small = [&](std::uint64_t n) { return static_cast<int>(random.below(2 * n + 1)) - static_cast<int>(n); };
+  const auto small = [&](std::uint64_t n) {
+    return static_cast<int>(random.below(2 * n + 1)) - static_cast<int>(n);
+  };
   int hits = 0;
   for (int round = 0; round < 300000; ++round) {
     int n[15];
     // Few values: edges, vertices and planes are met exactly all the time.
     for (int& x : n) x = small(3);
     if (n[3] == 0 && n[4] == 0 && n[5] == 0) continue;
-    const auto v = [&](int i) { return Vec3f{static_cast<float>(n[i]), static_cast<float>(n[i + 1]), static_cast<float>(n[i + 2])}; };
+    const auto v = [&](int i) {
+      return Vec3f{static_cast<float>(n[i]), static_cast<float>(n[i + 1]),
+                   static_cast<float>(n[i + 2])};
+    };
     const auto w = [&](int i) { return Integers::V{n[i], n[i + 1], n[i + 2]}; };
     const bool expected = Integers::hit(w(0), w(3), w(6), w(9), w(12));
     const auto t = intersect(ray(Vec3d(v(0)), Vec3d(v(3))), v(6), v(9), v(12));
@@ -69,7 +77,10 @@ TEST(Intersect, AgreesWithExactIntegersOnDegenerateRays) {
 TEST(Intersect, WindingDoesNotMatter) {
   tests::Random random(12);
   for (int round = 0; round < 50000; ++round) {
-    const auto p = [&] { return Vec3f{static_cast<float>(random.below(4)), static_cast<float>(random.below(4)), static_cast<float>(random.below(4))}; };
+    const auto p = [&] {
+      return Vec3f{static_cast<float>(random.below(4)), static_cast<float>(random.below(4)),
+                   static_cast<float>(random.below(4))};
+    };
     const Vec3f a = p(), b = p(), c = p();
     const Vec3d d(static_cast<Vec3d>(p()) - Vec3d{1.5, 1.5, 2});
     const LocalRay r = ray({1, 1, 7}, d);
@@ -82,7 +93,8 @@ TEST(Intersect, WindingDoesNotMatter) {
 TEST(Intersect, EveryPointOfASheetHasOneOwner) {
   const tests::TestMesh sheet = tests::planar_sheet(4);
   // Vertices, edge midpoints, diagonals: straight down and slanted.
-  for (const Vec3d d : {Vec3d{0, 0, -1}, Vec3d{0.5, 0.25, -1}, Vec3d{-0.0, 1, -2}, Vec3d{1, 0, -4}}) {
+  for (const Vec3d d :
+       {Vec3d{0, 0, -1}, Vec3d{0.5, 0.25, -1}, Vec3d{-0.0, 1, -2}, Vec3d{1, 0, -4}}) {
     for (int x = 1; x < 16; ++x) {
       for (int y = 1; y < 16; ++y) {
         const Vec3d target{x * 0.25, y * 0.25, 0};
@@ -131,7 +143,9 @@ TEST(Intersect, TKeepsItsErrorBoundWhereDoublesLoseIt) {
   tests::Random random(14);
   int checked = 0;
   for (int round = 0; round < 20000; ++round) {
-    const auto near = [&](double x, double e) { return static_cast<float>(x + random.uniform(-e, e)); };
+    const auto near = [&](double x, double e) {
+      return static_cast<float>(x + random.uniform(-e, e));
+    };
     const double thin = std::pow(10.0, -random.uniform(0, 7));
     const Vec3f a{near(0, 1), near(0, 1), near(0, thin)}, b{near(3, 1), near(0, 1), near(0, thin)},
         c{near(1, 1), near(0, 1) + static_cast<float>(thin), near(0, thin)};
@@ -144,9 +158,16 @@ TEST(Intersect, TKeepsItsErrorBoundWhereDoublesLoseIt) {
     // The same by long double, well conditioned enough for these sizes.
     using L = long double;
     const auto ld = [](const Vec3d& v) { return std::array<L, 3>{v.x, v.y, v.z}; };
-    const auto sub = [](const std::array<L, 3>& p, const std::array<L, 3>& q) { return std::array<L, 3>{p[0] - q[0], p[1] - q[1], p[2] - q[2]}; };
-    const auto crs = [](const std::array<L, 3>& p, const std::array<L, 3>& q) { return std::array<L, 3>{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]}; };
-    const auto dt = [](const std::array<L, 3>& p, const std::array<L, 3>& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; };
+    const auto sub = [](const std::array<L, 3>& p, const std::array<L, 3>& q) {
+      return std::array<L, 3>{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+    };
+    const auto crs = [](const std::array<L, 3>& p, const std::array<L, 3>& q) {
+      return std::array<L, 3>{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+                              p[0] * q[1] - p[1] * q[0]};
+    };
+    const auto dt = [](const std::array<L, 3>& p, const std::array<L, 3>& q) {
+      return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    };
     const auto n = crs(sub(ld(Vec3d(b)), ld(Vec3d(a))), sub(ld(Vec3d(c)), ld(Vec3d(a))));
     const L exact = dt(n, sub(ld(Vec3d(a)), ld(r.origin))) / dt(n, ld(r.direction));
     double distance = 0;

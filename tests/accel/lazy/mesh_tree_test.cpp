@@ -61,14 +61,16 @@ Answer search(const TestMesh& mesh, const Ray& ray) {
     const auto t = intersect(local, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
     if (!t) continue;
     const double world = *t * local.unit;
-    if (world >= ray.tmin && world <= ray.tmax && world < best.t) best = {world, static_cast<std::uint32_t>(i)};
+    if (world >= ray.tmin && world <= ray.tmax && world < best.t)
+      best = {world, static_cast<std::uint32_t>(i)};
   }
   return best;
 }
 
 std::vector<Aabb> reference_bounds(const TestMesh& mesh) {
   std::vector<Aabb> bounds;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) bounds.push_back(face_bounds(mesh.view(), i).value_or(Aabb{}));
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i)
+    bounds.push_back(face_bounds(mesh.view(), i).value_or(Aabb{}));
   return bounds;
 }
 
@@ -157,7 +159,8 @@ std::vector<Ray> rays_for(const TestMesh& mesh, std::size_t count) {
     if (!is_finite(v) || !is_finite(w)) continue;
     rays.push_back({v - Vec3d{0, 0, 5}, {0, 0, 1}});
     rays.push_back({v + Vec3d{5, 0, 0}, {-1, -0.0, 0}});
-    rays.push_back({v, {0, 1, 0}});  // starts on the surface, often on a split plane, along a grid line
+    rays.push_back(
+        {v, {0, 1, 0}});  // starts on the surface, often on a split plane, along a grid line
     rays.push_back({w, {1, 1, 0}, -3, 3});
     const Vec3d from = v + random.direction() * 3.0;
     rays.push_back({from, v - from, 0.25, 1});  // ends on the vertex: both limits are closed
@@ -191,7 +194,8 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
   for (const std::string_view name : builder_names()) {
     if (takes_too_long(name, mesh)) continue;
     const AnyBuilder builder = *make_builder(name);
-    const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder), unbuilt = make_tree(mesh, builder);
+    const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
+               unbuilt = make_tree(mesh, builder);
     BuildCounters counters;
     full->expand_all(counters);
     {
@@ -237,7 +241,8 @@ TEST(MeshTree, GrowsOnlyWhereRaysLook) {
   std::vector<Ray> rays;
   tests::Random random(2);
   for (int i = 0; i < 500; ++i) {
-    rays.push_back({{0, 0, 3}, Vec3d{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}, 0, 2.5});
+    rays.push_back(
+        {{0, 0, 3}, Vec3d{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}, 0, 2.5});
   }
   const EpochPin pin;
   for (const Ray& ray : rays) {
