@@ -12,19 +12,16 @@ namespace {
 /// Lists at least twice as long are counted in slices of this many, in parallel.
 constexpr std::size_t kSlice = 32768;
 
-/// `add` counts the items from begin to end into a sum; sums of slices are added by `join`.
+/// `add` counts the items from begin to end into a sum, which is zero at first; sums of slices are
+/// added by `join`.
 template <class Sum, class Add, class Join>
-Sum count_in_slices(std::size_t items, const Sum& zero, const Add& add, const Join& join) {
-  if (items < 2 * kSlice) {
-    Sum sum = zero;
-    add(0, items, sum);
-    return sum;
-  }
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, items, kSlice), zero,
-      [&](const tbb::blocked_range<std::size_t>& slice, Sum sum) {
-        add(slice.begin(), slice.end(), sum);
-        return sum;
+void count_in_slices(std::size_t items, Sum& sum, const Add& add, const Join& join) {
+  if (items < 2 * kSlice) return add(0, items, sum);
+  sum = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, items, kSlice), sum,
+      [&](const tbb::blocked_range<std::size_t>& slice, Sum of_slice) {
+        add(slice.begin(), slice.end(), of_slice);
+        return of_slice;
       },
       [&](Sum a, const Sum& b) {
         join(a, b);
@@ -60,8 +57,9 @@ AxisBins& AxisBins::operator+=(const AxisBins& o) {
 }
 
 Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell) {
-  Aabb bounds = count_in_slices(
-      refs.size(), Aabb{},
+  Aabb bounds;
+  count_in_slices(
+      refs.size(), bounds,
       [&](std::size_t begin, std::size_t end, Aabb& sum) {
         grow_bounds(refs.subspan(begin, end - begin), sum);
       },
@@ -75,7 +73,7 @@ Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell) {
 
 void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes) {
-  axes = count_in_slices(
+  count_in_slices(
       sampling.size(refs.size()), axes,
       [&](std::size_t begin, std::size_t end, std::array<AxisBins, 3>& sum) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -89,7 +87,7 @@ void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
 }
 
 void count_bins(std::span<const BoxRef> refs, std::size_t axis, AxisBins& bins) {
-  bins = count_in_slices(
+  count_in_slices(
       refs.size(), bins,
       [&](std::size_t begin, std::size_t end, AxisBins& sum) {
         for (const BoxRef& ref : refs.subspan(begin, end - begin))

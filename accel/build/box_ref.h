@@ -21,6 +21,12 @@ struct BoxRef {
 };
 static_assert(sizeof(BoxRef) == 32);
 
+inline double total_weight(std::span<const BoxRef> refs) {
+  std::uint64_t sum = 0;
+  for (const BoxRef& ref : refs) sum += ref.weight;
+  return static_cast<double>(sum);
+}
+
 /// Work done by build passes, in the units of docs/benchmarks.md.
 struct BuildCounters {
   std::uint64_t touches = 0;          ///< One reference's bounds read by one pass.

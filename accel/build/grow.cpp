@@ -8,6 +8,7 @@
 #include "accel/build/fork.h"
 #include "accel/build/list_stack.h"
 #include "accel/build/sift.h"
+#include "accel/build/small_growth.h"
 
 namespace sightline::accel {
 namespace {
@@ -18,13 +19,21 @@ template <class Builder>
 class Growth {
  public:
   Growth(const GrowContext& context, const Builder& builder)
-      : context_(context), builder_(builder) {}
+      : context_(context), builder_(builder) {
+    if constexpr (requires { builder.bound_rule(kSmallList); }) {
+      if (!builder.clips()) small_ = builder.bound_rule(kSmallList);
+    }
+  }
 
   Slot grow(std::span<BoxRef> refs, const Aabb& cell, const CellPath& path, BoxStack& lists,
             BuildCounters& counters) {
     if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
+    }
+    if constexpr (requires { builder_.bound_rule(kSmallList); }) {
+      if (small_ && is_small(refs))
+        return grow_small(context_, *small_, refs, cell, path, counters);
     }
     const std::optional<Cut> cut = path.depth < context_.max_depth
                                        ? builder_.choose({refs, cell, path}, counters)
@@ -91,6 +100,7 @@ class Growth {
 
   const GrowContext& context_;
   const Builder& builder_;
+  std::optional<BoundRule> small_;  ///< For all lists up to kSmallList, if there is one.
 };
 
 template <class Builder>

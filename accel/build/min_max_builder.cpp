@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <limits>
 
 #include <tbb/task_arena.h>
 
 #include "accel/build/bins.h"
+#include "accel/build/bound_scan.h"
 #include "accel/build/out_of_range.h"
-#include "accel/build/scan_kernel.h"
 
 namespace sightline::accel {
 namespace {
@@ -19,11 +18,6 @@ namespace {
 bool is_inside(const Aabb& cell, std::size_t axis, float x) {
   return static_cast<bool>(static_cast<int>(x > cell.lo[axis]) &
                            static_cast<int>(x < cell.hi[axis]));
-}
-
-std::size_t longest_axis(const Aabb& box) {
-  const Vec3f e = box.hi - box.lo;
-  return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
 /// floor(log10 n), at least 1.
@@ -52,34 +46,6 @@ std::uint32_t total(const AxisBins& bins) {
   return sum;
 }
 
-/// Section 7: with as many bins as references or more, exactly: every bound inside the cell is a
-/// candidate, counted by the scan kernel.
-void offer_bounds(std::span<const BoxRef> refs, const Aabb& cell, int axis,
-                  const SahConstants& constants, BestCut& best, BuildCounters& counters) {
-  const auto a = static_cast<std::size_t>(axis);
-  std::array<float, 2 * MinMaxBuilder::kMaxBins + kScanWidth> candidates;
-  std::size_t n = 0;
-  for (const BoxRef& ref : refs) {
-    candidates[n] = ref.lo[a];
-    n += is_inside(cell, a, ref.lo[a]) ? 1 : 0;
-    candidates[n] = ref.hi[a];
-    n += is_inside(cell, a, ref.hi[a]) ? 1 : 0;
-  }
-  if (n == 0) return;
-  const std::size_t passes = (n + kScanWidth - 1) / kScanWidth;
-  std::fill(candidates.begin() + static_cast<std::ptrdiff_t>(n),
-            candidates.begin() + static_cast<std::ptrdiff_t>(passes * kScanWidth), candidates[0]);
-  const CutAreas areas(cell, axis);
-  const CutTerms terms{cell.lo[a], cell.hi[a], static_cast<float>(areas.ends() * areas.per_whole()),
-                       static_cast<float>(areas.slope() * areas.per_whole()),
-                       static_cast<float>(constants.empty_bonus)};
-  const ExactCut cut =
-      scan_exact(refs, axis, std::span(candidates).first(passes * kScanWidth), terms);
-  counters.touches += passes * refs.size();
-  best.offer({axis, cut.position},
-             constants.traverse + constants.intersect * static_cast<double>(cut.children));
-}
-
 /// Whether a plane keeps something out of one side.
 bool separates(std::span<const BoxRef> refs, std::size_t axis, float x) {
   return std::any_of(refs.begin(), refs.end(),
@@ -90,7 +56,7 @@ bool separates(std::span<const BoxRef> refs, std::size_t axis, float x) {
 std::optional<Cut> cut_at_median(const CellRefs& list, std::uint32_t bins,
                                  BuildCounters& counters) {
   const Aabb contents = content_bounds(list.refs, list.box);
-  const std::size_t axis = longest_axis(contents);
+  const auto axis = static_cast<std::size_t>(longest_axis(contents));
   AxisBins counted(contents.lo[axis], contents.hi[axis], bins);
   count_bins(list.refs, axis, counted);
   counters.touches += 2 * list.refs.size();
@@ -118,42 +84,46 @@ std::optional<std::string> MinMaxBuilder::check() const {
   return std::nullopt;
 }
 
+std::uint32_t MinMaxBuilder::threads_at(int depth) const {
+  if (depth >= 10) return 0;  // 2^10 threads at most
+  const auto all =
+      threads > 0 ? threads : static_cast<std::uint32_t>(tbb::this_task_arena::max_concurrency());
+  return all >> depth;
+}
+
 std::optional<Cut> MinMaxBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
   const auto& [refs, cell, path] = list;
   if (refs.empty()) return std::nullopt;
-  const auto all =
-      threads > 0 ? threads : static_cast<std::uint32_t>(tbb::this_task_arena::max_concurrency());
-  const std::uint32_t here = path.depth < 16 ? all >> path.depth : 0;  // threads of this cell
-  if (here > 1 && refs.size() >= std::size_t{kDecompositionBins} * here) {
+  if (const std::uint32_t here = threads_at(path.depth);
+      here > 1 && refs.size() >= std::size_t{kDecompositionBins} * here) {
     if (const auto cut = cut_at_median(list, kDecompositionBins * here, counters)) return cut;
   }
+  if (const auto rule = bound_rule(refs.size())) return choose_bound(refs, cell, *rule, counters);
+  return choose_boundary(refs, cell, counters);
+}
+
+std::optional<Cut> MinMaxBuilder::choose_boundary(std::span<const BoxRef> refs, const Aabb& cell,
+                                                  BuildCounters& counters) const {
+  const Sampling sampling{subsample ? stride_for(refs.size()) : 1};
+  const Aabb contents = content_bounds(refs, cell);
+  std::array<AxisBins, 3> counted;
+  for (std::size_t a = 0; a < 3; ++a) counted[a] = AxisBins(contents.lo[a], contents.hi[a], bins);
+  count_bins(refs, sampling, counted);
+  counters.touches += refs.size() + sampling.size(refs.size());
+  const std::uint32_t weight = total(counted[0]);
+  const double each =
+      static_cast<double>(refs.size()) / static_cast<double>(sampling.size(refs.size()));
   BestCut best;
-  double leaf = 0;
-  if (refs.size() <= bins) {
-    for (const BoxRef& ref : refs) leaf += ref.weight;
-    for (const int axis : {0, 1, 2}) offer_bounds(refs, cell, axis, cost, best, counters);
-  } else {
-    const Sampling sampling{subsample ? stride_for(refs.size()) : 1};
-    const Aabb contents = content_bounds(refs, cell);
-    std::array<AxisBins, 3> counted;
-    for (std::size_t a = 0; a < 3; ++a) counted[a] = AxisBins(contents.lo[a], contents.hi[a], bins);
-    count_bins(refs, sampling, counted);
-    counters.touches += refs.size() + sampling.size(refs.size());
-    const std::uint32_t weight = total(counted[0]);
-    const double each =
-        static_cast<double>(refs.size()) / static_cast<double>(sampling.size(refs.size()));
-    leaf = weight * each;
-    for (const int axis : {0, 1, 2}) {
-      const auto a = static_cast<std::size_t>(axis);
-      const CutAreas areas(cell, axis);
-      for_each_boundary(counted[a], weight, [&](float x, std::uint32_t left, std::uint32_t right) {
-        if (!is_inside(cell, a, x)) return;
-        best.offer({axis, x},
-                   cut_cost(cost, areas, static_cast<double>(x), left * each, right * each));
-      });
-    }
+  for (const int axis : {0, 1, 2}) {
+    const auto a = static_cast<std::size_t>(axis);
+    const CutAreas areas(cell, axis);
+    for_each_boundary(counted[a], weight, [&](float x, std::uint32_t left, std::uint32_t right) {
+      if (!is_inside(cell, a, x)) return;
+      best.offer({axis, x},
+                 cut_cost(cost, areas, static_cast<double>(x), left * each, right * each));
+    });
   }
-  if (!best.found || !(best.cost < cost.intersect * leaf)) return std::nullopt;
+  if (!best.found || !(best.cost < cost.intersect * weight * each)) return std::nullopt;
   return Cut{.plane = best.plane};
 }
 

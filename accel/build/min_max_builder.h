@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "accel/build/bound_scan.h"
 #include "accel/build/sah.h"
 
 namespace sightline::accel {
@@ -39,6 +40,19 @@ struct MinMaxBuilder {
 
   /// Boxes are left as they are: a straddler keeps its bounds on both sides.
   bool clips() const { return false; }
+
+  /// How lists of this length are cut, if every bound is a candidate.
+  std::optional<BoundRule> bound_rule(std::size_t references) const {
+    if (references > bins) return std::nullopt;
+    return BoundRule{.cost = cost};
+  }
+
+ private:
+  /// Threads of the decomposition that share a cell at this depth.
+  std::uint32_t threads_at(int depth) const;
+  /// The best boundary of the bins.
+  std::optional<Cut> choose_boundary(std::span<const BoxRef> refs, const Aabb& cell,
+                                     BuildCounters& counters) const;
 };
 
 }  // namespace sightline::accel

@@ -18,6 +18,12 @@ struct SahConstants {
   bool operator==(const SahConstants&) const = default;
 };
 
+/// The first of the axes along which the cell is longest.
+inline int longest_axis(const Aabb& cell) {
+  const Vec3f e = cell.hi - cell.lo;
+  return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+}
+
 /// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
 class CutAreas {
  public:

@@ -8,17 +8,14 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/build/bound_scan.h"
+#include "accel/build/out_of_range.h"
 #include "accel/build/scan_samples.h"
 
 namespace sightline::accel {
 namespace {
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
-
-int longest_axis(const Aabb& cell) {
-  const Vec3f e = cell.hi - cell.lo;
-  return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
-}
 
 /// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
 /// SA_L, SA_R make. The parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
@@ -44,35 +41,6 @@ void offer_minima(const Samples& samples, const CutAreas& areas, const SahConsta
     const double u = -slope / (2 * curvature);
     if (u > 0 && u < h) offer(s.position + u, s.left + left_slope * u, s.right + right_slope * u);
   }
-}
-
-/// Section 6.2: every bound inside the cell is a candidate, counted by the same kernel, as many
-/// passes as it takes.
-void offer_exact(std::span<const BoxRef> refs, int axis, const Aabb& cell,
-                 const SahConstants& constants, BestCut& best, BuildCounters& counters) {
-  const std::size_t a = index_of(axis);
-  const float lo = cell.lo[a], hi = cell.hi[a];
-  std::array<float, 2 * ScanBuilder::kMaxExact + kScanWidth> candidates;
-  std::size_t n = 0;
-  for (const BoxRef& ref : refs) {
-    candidates[n] = ref.lo[a];
-    n += static_cast<std::size_t>(ref.lo[a] > lo) & static_cast<std::size_t>(ref.lo[a] < hi);
-    candidates[n] = ref.hi[a];
-    n += static_cast<std::size_t>(ref.hi[a] > lo) & static_cast<std::size_t>(ref.hi[a] < hi);
-  }
-  if (n == 0) return;
-  const std::size_t passes = (n + kScanWidth - 1) / kScanWidth;
-  std::fill(candidates.begin() + static_cast<std::ptrdiff_t>(n),
-            candidates.begin() + static_cast<std::ptrdiff_t>(passes * kScanWidth), candidates[0]);
-  const CutAreas areas(cell, axis);
-  const CutTerms terms{lo, hi, static_cast<float>(areas.ends() * areas.per_whole()),
-                       static_cast<float>(areas.slope() * areas.per_whole()),
-                       static_cast<float>(constants.empty_bonus)};
-  const ExactCut cut =
-      scan_exact(refs, axis, std::span(candidates).first(passes * kScanWidth), terms);
-  counters.touches += passes * refs.size();
-  best.offer({axis, cut.position},
-             constants.traverse + constants.intersect * static_cast<double>(cut.children));
 }
 
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
@@ -137,57 +105,48 @@ void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahCons
   }
 }
 
-double total_weight(std::span<const BoxRef> refs) {
-  std::uint64_t sum = 0;
-  for (const BoxRef& ref : refs) sum += ref.weight;
-  return static_cast<double>(sum);
-}
-
 }  // namespace
 
 std::optional<std::string> ScanBuilder::check() const {
-  const auto range = [](const char* name, auto value, auto lo,
-                        auto hi) -> std::optional<std::string> {
-    if (value >= lo && value <= hi) return std::nullopt;
-    return std::string(name) + " is " + std::to_string(value) + ", must lie in " +
-           std::to_string(lo) + " to " + std::to_string(hi);
-  };
   constexpr auto kHalf = static_cast<std::uint32_t>(kScanWidth / 2);
-  if (auto e = range("uniform_samples", uniform_samples, 2u, kHalf)) return e;
-  if (auto e = range("adaptive_samples", adaptive_samples, 0u, kHalf)) return e;
-  if (auto e = range("exact_below", exact_below, 0u, kMaxExact)) return e;
-  if (auto e = range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
-  if (auto e = range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
-  if (auto e = range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
-  if (auto e = range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity()))
+  if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, kHalf)) return e;
+  if (auto e = out_of_range("adaptive_samples", adaptive_samples, 0u, kHalf)) return e;
+  if (auto e = out_of_range("exact_below", exact_below, 0u, kMaxExact)) return e;
+  if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
+  if (auto e = out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
+  if (auto e = out_of_range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
+  if (auto e =
+          out_of_range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity()))
     return e;
   return std::nullopt;
 }
 
+std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
+  if (references > exact_below) return std::nullopt;
+  BoundRule rule{.cost = cost, .retry_above = retry_above};
+  if (axes == ScanAxes::kOne) rule.all_axes_up_to = 0;
+  if (axes == ScanAxes::kHybrid) rule.all_axes_up_to = hybrid_below;
+  return rule;
+}
+
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const auto& [refs, cell, depth] = list;
+  const auto& [refs, cell, path] = list;
   if (refs.empty()) return std::nullopt;
-  const bool exact = refs.size() <= exact_below;
+  if (const auto rule = bound_rule(refs.size())) return choose_bound(refs, cell, *rule, counters);
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
   const int longest = longest_axis(cell);
   BestCut best;
-  double weight = exact ? total_weight(refs) : 0;
+  double weight = 0;
   const auto offer = [&](AxisRange range) {
-    if (!exact) {
-      weight = offer_sampled(*this, refs, cell, range, best, counters);
-      return;
-    }
-    for (int axis = range.begin; axis < range.end; ++axis)
-      offer_exact(refs, axis, cell, cost, best, counters);
+    weight = offer_sampled(*this, refs, cell, range, best, counters);
   };
   offer(all_axes ? AxisRange{} : AxisRange{longest, longest + 1});
-  if (!all_axes && !(best.found && best.cost < retry_above * cost.intersect * weight)) {
-    for (const int axis : {(longest + 1) % 3, (longest + 2) % 3}) {
-      if (retry_above < std::numeric_limits<double>::infinity()) offer({axis, axis + 1});
-    }
+  const bool may_retry = !all_axes && retry_above < std::numeric_limits<double>::infinity();
+  if (may_retry && !(best.found && best.cost < retry_above * cost.intersect * weight)) {
+    for (const int axis : {(longest + 1) % 3, (longest + 2) % 3}) offer({axis, axis + 1});
   }
-  if (snap && !exact && best.found) snap_to_bound(refs, cell, cost, best, counters);
+  if (snap && best.found) snap_to_bound(refs, cell, cost, best, counters);
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
   return Cut{best.plane};
 }

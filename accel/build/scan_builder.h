@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "accel/build/bound_scan.h"
 #include "accel/build/sah.h"
 #include "accel/result.h"
 
@@ -47,7 +48,7 @@ struct ScanBuilder {
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
 
-  static constexpr std::uint32_t kMaxExact = 64;
+  static constexpr std::uint32_t kMaxExact = 64;  ///< Below kMaxBoundScan.
 
   bool operator==(const ScanBuilder&) const = default;
 
@@ -60,6 +61,9 @@ struct ScanBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }
+
+  /// How lists of this length are cut, if every bound is a candidate.
+  std::optional<BoundRule> bound_rule(std::size_t references) const;
 };
 
 }  // namespace sightline::accel

@@ -22,29 +22,17 @@ struct ScanAxis {
   std::array<std::uint32_t, kScanWidth> right{};  ///< Weight with hi > position.
 };
 
+/// The axes that one pass looks at: all three, or one.
+struct AxisRange {
+  int begin = 0, end = 3;
+  bool all() const { return end - begin == 3; }
+};
+
 /// Counts the first kScanWidth / 2 planes of all three axes in one pass.
 void scan_three_axes(std::span<const BoxRef> refs, std::array<ScanAxis, 3>& axes);
 
 /// Counts the first kScanWidth / 2 planes of one axis in one pass.
 void scan_one_axis(std::span<const BoxRef> refs, int axis, ScanAxis& planes);
-
-/// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x -
-/// lo) and so on.
-struct CutTerms {
-  float lo = 0, hi = 0, ends = 0, slope = 0;
-  float empty_bonus = 1;  ///< Factor where one side is empty.
-};
-
-/// The best of some candidates: least cost of the children (in weight units), then least position.
-struct ExactCut {
-  float children = 0;
-  float position = 0;
-};
-
-/// Counts every candidate, kScanWidth to a pass, and weighs them. `candidates` has room for whole
-/// registers: its size is rounded up to kScanWidth by repeating any of them. At least one.
-ExactCut scan_exact(std::span<const BoxRef> refs, int axis, std::span<const float> candidates,
-                    const CutTerms& terms);
 
 /// What the kernels run on here, e.g. "AVX3".
 std::string_view simd_target();

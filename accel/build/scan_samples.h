@@ -27,12 +27,6 @@ struct Samples {
 /// Lists of at least twice this many boxes are passed over in parallel slices of this size.
 inline constexpr std::size_t kScanSlice = 32768;
 
-/// The axes that one pass looks at: all three, or one.
-struct AxisRange {
-  int begin = 0, end = 3;
-  bool all() const { return end - begin == 3; }
-};
-
 /// One pass: adds the counts of the first kScanWidth / 2 planes of the axes in range, which must be
 /// zero before. Long lists are scanned in parallel slices; sums of integers are the same however
 /// the list is cut.

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "accel/geometry/vec3.h"
@@ -59,10 +61,11 @@ inline float round_up(double x) {
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
-/// The upper bound that widen_flat gives a box flat at x.
+/// The upper bound that widen_flat gives a box flat at x. Finite x.
 inline float least_above(float x) {
-  return std::max(std::nextafter(x, std::numeric_limits<float>::infinity()),
-                  x + std::numeric_limits<float>::min());
+  const auto bits = std::bit_cast<std::uint32_t>(x + 0.0f);  // + 0: no negative zero
+  const float next = std::bit_cast<float>(x < 0 ? bits - 1 : bits + 1);
+  return std::max(next, x + std::numeric_limits<float>::min());
 }
 
 /// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.

@@ -3,22 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "accel/geometry/expansion.h"
 
 namespace sightline::accel {
 namespace {
 
-// The computed determinant has seven roundings on its longest path, each at most 2^-53 of a term,
-// and six terms of at most |d| |p| |q| in the maximum norm; |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
-constexpr double kSignError = 0x1p-46;
-
 // Where |N . d| is below this share of |e1| |e2|, t is computed exactly: see kHitError.
 constexpr double kEdgeOn = 0x1p-16;
-
-double max_norm(const Vec3d& v) {
-  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-}
 
 std::array<Expansion, 3> difference(const Vec3d& a, const Vec3d& b) {
   return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y),
@@ -77,28 +70,29 @@ double exact_t(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d&
          dot(normal, exactly(ray.direction)).estimate();
 }
 
+/// The shares of det[d, c - o, a - o] and det[d, a - o, b - o] in N . d, likewise.
+Barycentric exact_weights(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const auto d = exactly(ray.direction);
+  const auto pa = difference(a, ray.origin), pb = difference(b, ray.origin),
+             pc = difference(c, ray.origin);
+  const double whole = dot(cross(difference(b, a), difference(c, a)), d).estimate();
+  return {dot(d, cross(pc, pa)).estimate() / whole, dot(d, cross(pa, pb)).estimate() / whole};
+}
+
 }  // namespace
 
-std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
-                                const Vec3f& cf) {
+double intersect_survivor(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& cf,
+                          const Vec3d& determinants) {
   const Vec3d a(af), b(bf), c(cf);
   const Vec3d pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
   const double na = max_norm(pa), nb = max_norm(pb), nc = max_norm(pc);
-
-  const double ab = dot(ray.direction, cross(pa, pb)), ab_bound = kSignError * na * nb;
-  const double bc = dot(ray.direction, cross(pb, pc)), bc_bound = kSignError * nb * nc;
-  const double ca = dot(ray.direction, cross(pc, pa)), ca_bound = kSignError * nc * na;
-  // Two certain and opposite signs: by far the most frequent case.
-  const bool positive = ab > ab_bound || bc > bc_bound || ca > ca_bound;
-  const bool negative = ab < -ab_bound || bc < -bc_bound || ca < -ca_bound;
-  if (positive && negative) return std::nullopt;
-
-  const int sign = edge_sign(ray, a, b, ab, ab_bound);
-  if (sign == 0 || edge_sign(ray, b, c, bc, bc_bound) != sign ||
-      edge_sign(ray, c, a, ca, ca_bound) != sign) {
-    return std::nullopt;
+  const auto& [ab, bc, ca] = determinants;
+  constexpr double kMiss = std::numeric_limits<double>::quiet_NaN();
+  const int sign = edge_sign(ray, a, b, ab, kSignError * na * nb);
+  if (sign == 0 || edge_sign(ray, b, c, bc, kSignError * nb * nc) != sign ||
+      edge_sign(ray, c, a, ca, kSignError * nc * na) != sign) {
+    return kMiss;
   }
-
   const Vec3d e1 = b - a, e2 = c - a;
   const Vec3d normal = cross(e1, e2);
   const double denominator = dot(normal, ray.direction);
@@ -109,18 +103,25 @@ std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3
 
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf,
                         const Vec3f& cf) {
-  // Around the hit point the numbers are of the triangle's size, not of the ray's length.
-  const Vec3d p = ray.origin + ray.direction * t;
-  const Vec3d pa = Vec3d(af) - p, pb = Vec3d(bf) - p, pc = Vec3d(cf) - p;
+  const Vec3d a(af), b(bf), c(cf);
+  // Around the hit point the numbers are of the triangle's size, not of the ray's length. By way of
+  // the origin, so that the distance from the frame's zero does not count either.
+  const Vec3d p = ray.direction * t;
+  const Vec3d pa = (a - ray.origin) - p, pb = (b - ray.origin) - p, pc = (c - ray.origin) - p;
   const double wa = dot(ray.direction, cross(pb, pc));
   const double wb = dot(ray.direction, cross(pc, pa));
   const double wc = dot(ray.direction, cross(pa, pb));
   const double sum = wa + wb + wc;
-  const double u = std::clamp(wb / sum, 0.0, 1.0);
-  const double v = std::clamp(wc / sum, 0.0, 1.0);
-  if (!(u >= 0 && v >= 0))
-    return {1.0 / 3, 1.0 / 3};  // too thin for doubles: any point of it is near
-  return u + v > 1 ? Barycentric{u / (u + v), v / (u + v)} : Barycentric{u, v};
+  // Each of the three is wrong by 2^-46 size^2 at most, as in the hit rule: a quotient by 2^-28.
+  const double size = std::max({max_norm(pa), max_norm(pb), max_norm(pc)});
+  const Barycentric weights = std::fabs(sum) <= kEdgeOn * size * size
+                                  ? exact_weights(ray, a, b, c)
+                                  : Barycentric{wb / sum, wc / sum};
+  const double u = std::clamp(weights.u, 0.0, 1.0);
+  const double v = std::clamp(weights.v, 0.0, 1.0);
+  if (u + v <= 1) return {u, v};
+  const double share = u / (u + v);
+  return {share, 1 - share};  // two rounded quotients can add up to more than 1
 }
 
 }  // namespace sightline::accel

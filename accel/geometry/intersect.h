@@ -3,6 +3,8 @@
 // argument.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "accel/geometry/local_ray.h"
@@ -17,16 +19,48 @@ namespace sightline::accel {
 /// small e > 0, so an edge in the interior of a surface has one owner and a silhouette edge none or
 /// two. A triangle seen edge-on, or without area, is never hit. t is off by at most kHitError times
 /// the largest |v - o| of its vertices (maximum norm). Vertices must be finite.
-std::optional<double> intersect(const LocalRay& ray, const Vec3f& a, const Vec3f& b,
-                                const Vec3f& c);
+inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& a, const Vec3f& b,
+                                       const Vec3f& c);
 
 inline constexpr double kHitError = 0x1p-30;
 
-/// Weights of vertices 1 and 2 at a hit; both >= 0, sum <= 1.
+/// Weights of vertices 1 and 2 at a hit; both >= 0, sum <= 1. The point that they name is off the
+/// hit by at most 16 kHitError times the largest |v - o|.
 struct Barycentric {
   double u = 0, v = 0;
 };
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c);
+
+// The first look, inline: by far the most triangles asked about show two certain and opposite
+// signs.
+//
+// The computed determinant has seven roundings on its longest path, each at most 2^-53 of a term,
+// and six terms of at most |d| |p| |q| in the maximum norm; |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
+inline constexpr double kSignError = 0x1p-46;
+
+inline double max_norm(const Vec3d& v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
+
+/// The decision for a triangle that is not certainly missed, given the computed determinants of ab,
+/// bc and ca; NaN: no hit.
+double intersect_survivor(const LocalRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                          const Vec3d& determinants);
+
+inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
+                                       const Vec3f& cf) {
+  const Vec3d pa = Vec3d(af) - ray.origin, pb = Vec3d(bf) - ray.origin, pc = Vec3d(cf) - ray.origin;
+  const double ab = dot(ray.direction, cross(pa, pb));
+  const double bc = dot(ray.direction, cross(pb, pc));
+  const double ca = dot(ray.direction, cross(pc, pa));
+  const double n = std::max({max_norm(pa), max_norm(pb), max_norm(pc)});
+  const double bound = kSignError * n * n;
+  const bool positive = std::max({ab, bc, ca}) > bound;
+  const bool negative = std::min({ab, bc, ca}) < -bound;
+  if (positive && negative) return std::nullopt;
+  const double t = intersect_survivor(ray, af, bf, cf, {ab, bc, ca});
+  return std::isnan(t) ? std::nullopt : std::optional(t);
+}
 
 }  // namespace sightline::accel

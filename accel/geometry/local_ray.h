@@ -2,7 +2,10 @@
 // neither overflow nor underflow.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "accel/geometry/vec3.h"
@@ -24,13 +27,13 @@ struct LocalRay {
 /// Nothing for a direction that is zero or not finite, or an origin out of range.
 inline std::optional<LocalRay> make_local_ray(Vec3d origin, Vec3d direction) {
   const double largest =
-      std::fmax(std::fabs(direction.x), std::fmax(std::fabs(direction.y), std::fabs(direction.z)));
+      std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});
   if (!is_finite(direction) || !is_finite(origin) || !(largest > 0)) return std::nullopt;
-  const int exponent = std::ilogb(largest);
+  const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1023;
   // A direction this short or long has no use, and its unit would not be a normal double.
   if (exponent < -1000 || exponent > 1000) return std::nullopt;
   LocalRay ray;
-  ray.unit = std::ldexp(1.0, -exponent);
+  ray.unit = std::bit_cast<double>(static_cast<std::uint64_t>(1023 - exponent) << 52);
   for (std::size_t a = 0; a < 3; ++a) {
     if (std::fabs(origin[a]) > kLargestRay) return std::nullopt;
     ray.origin[a] = std::fabs(origin[a]) < kSmallestRay ? 0.0 : origin[a];

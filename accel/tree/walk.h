@@ -1,6 +1,7 @@
 // Walking a ray through a kd-tree: the one traversal loop, for both levels and all kinds of query.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -42,7 +43,7 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
     const double o = ray.origin[a], d = ray.direction[a];
     const double lo = static_cast<double>(bounds.lo[a]) - o,
                  hi = static_cast<double>(bounds.hi[a]) - o;
-    distance = std::fmax(distance, std::fmax(std::fabs(lo), std::fabs(hi)));
+    distance = std::max(distance, std::max(std::fabs(lo), std::fabs(hi)));
     out.inverse[a] = 1 / d;
     out.first[a] = std::signbit(d) ? 1u : 0u;
     if (d == 0) {
@@ -51,19 +52,19 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
     }
     const double near = (out.first[a] == 1 ? hi : lo) * out.inverse[a],
                  far = (out.first[a] == 1 ? lo : hi) * out.inverse[a];
-    t_in = std::fmax(t_in, near);
-    t_out = std::fmin(t_out, far);
+    t_in = std::max(t_in, near);
+    t_out = std::min(t_out, far);
   }
   out.slack = distance * (4 * kHitError);
-  out.t_in = std::fmax(t_in, tmin) - out.slack;
-  out.t_out = std::fmin(t_out, tmax) + out.slack;
+  out.t_in = std::max(t_in, tmin) - out.slack;
+  out.t_out = std::min(t_out, tmax) + out.slack;
   return out.t_in <= out.t_out;
 }
 
 /// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For
 /// searching the lists of cells that are not built.
 inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
-  double t_in = ray.t_in, t_out = std::fmin(ray.t_out, limit);
+  double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {
     const double lo = (static_cast<double>(box.lo[a]) - ray.ray.origin[a]) * ray.inverse[a];
     const double hi = (static_cast<double>(box.hi[a]) - ray.ray.origin[a]) * ray.inverse[a];

@@ -67,35 +67,6 @@ TEST_P(ScanKernel, CountsWeights) {
   }
 }
 
-TEST_P(ScanKernel, FindsTheBestCandidate) {
-  for (const std::size_t n : {1u, 2u, 9u, 36u}) {
-    const std::vector<BoxRef> refs = boxes(n, n + 50);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      const CutTerms terms{-1, 10, 0.25f, 0.0625f, 0.85f};
-      std::vector<float> candidates;
-      for (const BoxRef& r : refs) candidates.insert(candidates.end(), {r.lo[a], r.hi[a]});
-      while (candidates.size() % kScanWidth != 0) candidates.push_back(candidates[0]);
-      ExactCut expected{1e30f, 0};
-      for (const float x : candidates) {
-        float left = 0, right = 0;
-        for (const BoxRef& r : refs) {
-          left += r.lo[a] < x ? static_cast<float>(r.weight) : 0;
-          right += r.hi[a] > x ? static_cast<float>(r.weight) : 0;
-        }
-        float cost = (terms.ends + terms.slope * (x - terms.lo)) * left +
-                     (terms.ends + terms.slope * (terms.hi - x)) * right;
-        if (left == 0 || right == 0) cost *= terms.empty_bonus;
-        if (cost < expected.children || (cost == expected.children && x < expected.position))
-          expected = {cost, x};
-      }
-      const ExactCut found = scan_exact(refs, axis, candidates, terms);
-      ASSERT_EQ(found.position, expected.position) << n;
-      ASSERT_EQ(found.children, expected.children) << n;
-    }
-  }
-}
-
 std::vector<std::int64_t> targets_here() {
   std::vector<std::int64_t> all;
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
