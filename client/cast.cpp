@@ -11,6 +11,7 @@ template <class Scalar>
 Result<CastReport> cast(const Connection& connection, const std::string& scene,
                         const RayColumns<const Scalar>& rays, const HitColumns& hits,
                         const CastOptions& options) {
+  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rays, hits); !checked) return checked.error();
   const HitFields fields = fields_of(hits);
   v1::CastRaysRequest request;

@@ -29,6 +29,11 @@ void trim(std::size_t n, RayShape shape, v1::Rays& rays);
 /// not n rows.
 Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n);
 
+/// A part of an answer that lists all hits. Errors: kInternal as above; also if it does not begin
+/// with ray `first` of its batch, or goes beyond its n rays or ends before them.
+Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fields,
+                              std::size_t first, std::size_t n);
+
 void add_stats(const v1::CastRaysResponse& response, CastReport& report);
 
 }  // namespace sightline::client

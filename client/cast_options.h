@@ -5,16 +5,24 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <vector>
 
 #include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client {
 
+/// All kinds see the same hits, whatever limits, masks and other options are set.
 enum class QueryKind : std::uint8_t {
   kClosest,  ///< The hit with the smallest (t, node, primitive).
   kAny,      ///< Whether there is a hit at all: answers `hit`, and `work`.
+  kCount,    ///< How many distinct (node, primitive) are hit: answers `count`, `hit` and `work`.
+  kAll,      ///< Every hit by (t, node, primitive), each (node, primitive) once.
 };
+
+/// Hits that do not exist for a cast, whatever its kind. The front of a triangle is the side that
+/// shows its corners counterclockwise in scene coordinates.
+enum class Culling : std::uint8_t { kNone, kBack, kFront };
 
 /// How much tree a cast may grow.
 enum class BuildMode : std::uint8_t {
@@ -28,6 +36,13 @@ enum class BuildMode : std::uint8_t {
 struct CastOptions {
   QueryKind kind = QueryKind::kClosest;
   BuildMode build = BuildMode::kServerPolicy;
+  Culling culling = Culling::kNone;
+  /// Only this node and those under it exist; 0: all. Errors: kNotFound, as for `exclude`.
+  std::uint64_t root = 0;
+  /// These nodes and those under them do not.
+  std::vector<std::uint64_t> exclude{};
+  /// Of kAll: for each ray, the nearest are kept. 0: as the server has it.
+  std::uint32_t max_hits = 0;
   /// Cancels the cast, which then ends with kCancelled.
   std::stop_token stop{};
 };
@@ -36,8 +51,10 @@ struct CastOptions {
 struct CastReport {
   std::uint64_t revision = 0;  ///< Of the scene, the one that answered every ray.
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;
+  std::uint64_t hits = 0;  ///< Rays with a hit, whatever the kind.
   std::uint64_t invalid = 0;
+  std::uint64_t hits_found = 0;    ///< kCount: the sum; kAll: hits listed.
+  std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more hits than max_hits.
   std::uint64_t traversal_steps = 0;
   std::uint64_t triangle_tests = 0;
   std::uint64_t instances_entered = 0;
@@ -62,8 +79,8 @@ struct RayShape {
 template <class Scalar>
 using RaySource = std::function<Result<std::size_t>(const RayColumns<Scalar>& room)>;
 
-/// Takes the answers to `count` rays from number `first` on, in order, on the thread that casts. An
-/// error ends the cast and is what it returns.
+/// Takes the answers to `count` rays from number `first` on, in order, on the thread that casts; of
+/// kAll with `offsets` and `hit`. An error ends the cast and is what it returns.
 using HitSink = std::function<Status(std::uint64_t first, std::size_t count, const HitView& hits)>;
 
 }  // namespace sightline::client

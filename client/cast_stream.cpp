@@ -72,38 +72,78 @@ struct Writer {
     request.mutable_request()->clear_fields();
     request.mutable_request()->clear_kind();
     request.mutable_request()->clear_build();
+    request.mutable_request()->clear_culling();
+    request.mutable_request()->clear_root();
+    request.mutable_request()->clear_exclude();
+    request.mutable_request()->clear_max_hits();
+  }
+};
+
+// Takes the answers as they come; those to a message may come in several parts.
+struct Reader {
+  Window& window;
+  HitFields fields;
+  QueryKind kind;
+  const HitSink& sink;
+  CastReport& report;
+  std::uint64_t chunk = 0;
+  std::uint64_t first = 0;   // ray of the chunk
+  std::size_t answered = 0;  // rays of it
+
+  Status take(const v1::StreamCastRaysResponse& response) {
+    if (response.chunk() != chunk) {
+      return Error{
+          Code::kInternal,
+          fmt::format("the server answered message {} instead of {}", response.chunk(), chunk),
+          {}};
+    }
+    const std::size_t n = window.rays[chunk % kMessagesInFlight];
+    const bool is_all = kind == QueryKind::kAll;
+    const auto answers = is_all ? view_all_hits(response.response(), fields, answered, n)
+                                : view_hits(response.response(), fields, n);
+    if (!answers) return answers.error();
+    const std::size_t count = is_all ? answers->offsets.size() - 1 : n;
+    if (Status taken = sink(first + answered, count, *answers); !taken) return taken;
+    answered += count;
+    if (!response.response().more()) next_chunk(response.response());
+    return {};
+  }
+
+  void next_chunk(const v1::CastRaysResponse& response) {
+    add_stats(response, report);
+    first += answered;
+    answered = 0;
+    ++chunk;
+    window.free.release();
   }
 };
 
 // Reads every answer; the first thing that is wrong with one cancels the call and is returned.
-Status read_all(Stream& stream, grpc::ClientContext& context, Window& window, HitFields fields,
-                const HitSink& sink, CastReport& report) {
+Status read_all(Stream& stream, grpc::ClientContext& context, Reader reader) {
   Status failed;
-  std::uint64_t first = 0;
   v1::StreamCastRaysResponse response;
-  for (std::uint64_t chunk = 0; stream.Read(&response); ++chunk) {
+  while (stream.Read(&response)) {
     if (!failed) continue;
-    const std::size_t n = window.rays[chunk % kMessagesInFlight];
-    const auto answers = view_hits(response.response(), fields, n);
-    if (!answers) {
-      failed = answers.error();
-    } else if (response.chunk() != chunk) {
-      failed = Error{
-          Code::kInternal,
-          fmt::format("the server answered message {} instead of {}", response.chunk(), chunk),
-          {}};
-    } else {
-      failed = sink(first, n, *answers);
-    }
-    if (!failed) {
-      context.TryCancel();
-      continue;
-    }
-    add_stats(response.response(), report);
-    first += n;
-    window.free.release();
+    failed = reader.take(response);
+    if (!failed) context.TryCancel();
   }
   return failed;
+}
+
+// The rays of columns, message by message.
+template <class Scalar>
+RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
+  return [&rays,
+          sent = std::size_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(room.size(), rays.size() - sent);
+    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
+    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
+    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
+    if (!room.masks.empty()) rows.masks = room.masks.first(n);
+    copy_rays(rays, sent, rows);
+    sent += n;
+    return n;
+  };
 }
 
 }  // namespace
@@ -122,7 +162,8 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
   describe(scene, fields, options, *writer.request.mutable_request());
   std::thread writing([&] { writer.run(); });
   CastReport report;
-  const Status read = read_all(*stream, context, window, fields, sink, report);
+  const Status read =
+      read_all(*stream, context, Reader{window, fields, options.kind, sink, report});
   window.closed = true;
   window.free.release();
   writing.join();
@@ -138,24 +179,32 @@ template <class Scalar>
 Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
                                const RayColumns<const Scalar>& rays, const HitColumns& hits,
                                const CastOptions& options) {
+  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rays, hits); !checked) return checked.error();
-  std::size_t sent = 0;
-  const RaySource<Scalar> source = [&](const RayColumns<Scalar>& room) -> Result<std::size_t> {
-    const std::size_t n = std::min(room.size(), rays.size() - sent);
-    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
-    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
-    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
-    if (!room.masks.empty()) rows.masks = room.masks.first(n);
-    copy_rays(rays, sent, rows);
-    sent += n;
-    return n;
-  };
   const HitSink sink = [&](std::uint64_t first, std::size_t, const HitView& answers) {
     copy_hits(answers, first, hits);
     return Status();
   };
-  return cast_stream<Scalar>(connection, scene, source, shape_of(rays), fields_of(hits), sink,
-                             options);
+  return cast_stream<Scalar>(connection, scene, source_of(rays), shape_of(rays), fields_of(hits),
+                             sink, options);
+}
+
+template <class Scalar>
+Result<AllHits> cast_all(const Connection& connection, const std::string& scene,
+                         const RayColumns<const Scalar>& rays, HitFields fields,
+                         CastOptions options) {
+  if (const Status checked = check_rows(rays, HitColumns{}); !checked) return checked.error();
+  options.kind = QueryKind::kAll;
+  AllHits all;
+  const HitSink sink = [&](std::uint64_t, std::size_t, const HitView& answers) {
+    all.append(answers);
+    return Status();
+  };
+  const auto report = cast_stream<Scalar>(connection, scene, source_of(rays), shape_of(rays),
+                                          fields, sink, options);
+  if (!report) return report.error();
+  all.report = *report;
+  return all;
 }
 
 template Result<CastReport> cast_stream(const Connection&, const std::string&,
@@ -170,5 +219,10 @@ template Result<CastReport> cast_stream(const Connection&, const std::string&,
 template Result<CastReport> cast_stream(const Connection&, const std::string&,
                                         const RayColumns<const double>&, const HitColumns&,
                                         const CastOptions&);
+
+template Result<AllHits> cast_all(const Connection&, const std::string&,
+                                  const RayColumns<const float>&, HitFields, CastOptions);
+template Result<AllHits> cast_all(const Connection&, const std::string&,
+                                  const RayColumns<const double>&, HitFields, CastOptions);
 
 }  // namespace sightline::client

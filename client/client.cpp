@@ -197,4 +197,13 @@ Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource
   return client::cast_stream(*connection_, scene, source, shape, fields, sink, options);
 }
 
+Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const double>& rays,
+                                 HitFields fields, const CastOptions& options) const {
+  return client::cast_all(*connection_, scene, rays, fields, options);
+}
+Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const float>& rays,
+                                 HitFields fields, const CastOptions& options) const {
+  return client::cast_all(*connection_, scene, rays, fields, options);
+}
+
 }  // namespace sightline::client

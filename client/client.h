@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/all_hits.h"
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
 #include "client/rays.h"
@@ -76,7 +77,7 @@ class Client {
 
   /// One batch in one message, answered at one revision into `hits`, whose non-empty columns have a
   /// row a ray. For as many rays as the server takes in a request; more go by cast_stream. Errors:
-  /// kInvalidArgument if columns disagree in length.
+  /// kInvalidArgument if columns disagree in length, and for kAll, whose answers have no such row.
   Result<CastReport> cast(const std::string& scene, const RayColumns<const double>& rays,
                           const HitColumns& hits, const CastOptions& options = {}) const;
   Result<CastReport> cast(const std::string& scene, const RayColumns<const float>& rays,
@@ -96,6 +97,13 @@ class Client {
   Result<CastReport> cast_stream(const std::string& scene, const RaySource<float>& source,
                                  RayShape shape, HitFields fields, const HitSink& sink,
                                  const CastOptions& options = {}) const;
+
+  /// Every hit of any number of rays, by the same kind of stream: kAll, whatever the options say.
+  /// `fields` are those wanted beside offsets and `hit`.
+  Result<AllHits> cast_all(const std::string& scene, const RayColumns<const double>& rays,
+                           HitFields fields, const CastOptions& options = {}) const;
+  Result<AllHits> cast_all(const std::string& scene, const RayColumns<const float>& rays,
+                           HitFields fields, const CastOptions& options = {}) const;
 
  private:
   explicit Client(std::unique_ptr<Connection> connection);

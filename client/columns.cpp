@@ -51,7 +51,14 @@ HitFields fields_of(const HitColumns& hits) {
   fields.normal = !hits.normal.empty();
   fields.hit = !hits.hit.empty();
   fields.work = !hits.work.empty();
+  fields.count = !hits.count.empty();
   return fields;
+}
+
+Status check_kind(QueryKind kind) {
+  if (kind != QueryKind::kAll) return {};
+  return Error{
+      Code::kInvalidArgument, "all hits of a ray do not fit a row: use cast_all, or a sink", {}};
 }
 
 template <class Scalar>
@@ -73,7 +80,8 @@ Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) 
         Column{"masks", rays.masks.size(), 1}, Column{"t", hits.t.size(), 1},
         Column{"node", hits.node.size(), 1}, Column{"primitive", hits.primitive.size(), 1},
         Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
-        Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1}}) {
+        Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
+        Column{"count", hits.count.size(), 1}}) {
     if (Status checked = check_column(column.name, column.values, n, column.width); !checked) {
       return checked;
     }
@@ -99,6 +107,7 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.normal, first, 3, hits.normal);
   put_rows(answers.hit, first, 1, hits.hit);
   put_rows(answers.work, first, 1, hits.work);
+  put_rows(answers.count, first, 1, hits.count);
 }
 
 template Status check_rows(const RayColumns<const float>&, const HitColumns&);

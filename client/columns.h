@@ -18,6 +18,9 @@ RayShape shape_of(const RayColumns<const Scalar>& rays) {
 /// The columns that are not empty.
 HitFields fields_of(const HitColumns& hits);
 
+/// Errors: kInvalidArgument for kAll, whose answers have not a row a ray.
+Status check_kind(QueryKind kind);
+
 /// Errors: kInvalidArgument, naming the column, where one has not a row a ray.
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);

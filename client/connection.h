@@ -63,4 +63,9 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
                                const RayColumns<const Scalar>& rays, const HitColumns& hits,
                                const CastOptions& options);
 
+template <class Scalar>
+Result<AllHits> cast_all(const Connection& connection, const std::string& scene,
+                         const RayColumns<const Scalar>& rays, HitFields fields,
+                         CastOptions options);
+
 }  // namespace sightline::client

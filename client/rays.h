@@ -36,10 +36,20 @@ struct BasicHitColumns {
   Span<float> normal{};             ///< (n, 3) geometric, unit, by winding, world space
   Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray
   Span<std::uint32_t> work{};       ///< (n) steps + triangle tests; kMetUnbuilt is set beside them
+  Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount for a bad ray
 };
 using HitColumns = BasicHitColumns<false>;
-using HitView = BasicHitColumns<true>;
+/// Where all hits are asked for, t, node, primitive, barycentric and normal have a row a hit, in
+/// the order of the rays, and `offsets` (n + 1) says which: those of ray i are rows offsets[i] up
+/// to offsets[i + 1]. A bad ray has none.
+struct HitView : BasicHitColumns<true> {
+  std::span<const std::uint32_t> offsets{};
+};
 
+/// In `hit`, where all hits are asked for: there are more than max_hits, the nearest are here.
+inline constexpr std::uint8_t kCutOff = 3;
+/// In `count`: a bad ray.
+inline constexpr std::uint32_t kInvalidCount = 0xffffffff;
 /// In `work`: the ray met a cell that is not built.
 inline constexpr std::uint32_t kMetUnbuilt = 0x80000000;
 
@@ -52,6 +62,7 @@ struct HitFields {
   bool normal = false;
   bool hit = false;
   bool work = false;
+  bool count = false;
 };
 
 }  // namespace sightline::client

@@ -116,6 +116,9 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.policy = info.policy();
   out.threads = info.threads();
   out.simd_target = info.simd_target();
+  out.max_hits_per_ray = info.max_hits_per_ray();
+  out.max_hits_per_reply = info.max_hits_per_reply();
+  out.max_exclusions = info.max_exclusions();
   return out;
 }
 

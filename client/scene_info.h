@@ -73,6 +73,9 @@ struct ServerInfo {
   std::string policy;
   std::uint32_t threads = 0;
   std::string simd_target;
+  std::uint32_t max_hits_per_ray = 0;    ///< Of QueryKind::kAll.
+  std::uint32_t max_hits_per_reply = 0;  ///< Of one message: rays times CastOptions::max_hits.
+  std::uint32_t max_exclusions = 0;
 };
 
 }  // namespace sightline::client

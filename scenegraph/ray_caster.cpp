@@ -1,9 +1,12 @@
 // The scene level of a ray's way.
 #include "scenegraph/ray_caster.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "scenegraph/selection.h"
+#include "scenegraph/surface.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -26,23 +29,6 @@ AtUnbuilt at_unbuilt(Growth growth) {
   }
   return AtUnbuilt::kExpand;
 }
-
-/// An instance lies in several cells; the last few entered are not entered again. Forgetting one
-/// costs time only.
-class RecentlyEntered {
- public:
-  bool contains_or_add(std::uint32_t id) {
-    for (const std::uint32_t seen : ids_) {
-      if (seen == id) return true;
-    }
-    ids_[next_++ % ids_.size()] = id;
-    return false;
-  }
-
- private:
-  std::array<std::uint32_t, 8> ids_{~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
-  std::size_t next_ = 0;
-};
 
 }  // namespace
 
@@ -92,36 +78,91 @@ struct RayCaster::Visit {
   bool enter(std::uint32_t id) {
     const Instance& instance = caster.instances_.list()[id];
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
+    if (caster.options_.selection != nullptr && !caster.options_.selection->selects(id))
+      return false;
     accel::TreeRay in_box;
-    const double tmax = std::fmin(query.tmax, query.best_t);
+    const double tmax = std::min(query.tmax, query.best_t);
     if (!accel::enter(centered, instance.box, query.tmin / centered.unit, tmax / centered.unit,
                       in_box))
       return false;
+    if (query.collects() && !caster.entered_.add(id)) return false;
     caster.enter_instance(ray, id, query);
     return query.any && query.found;
   }
 };
 
 RayCaster::RayCaster(const Instances& instances, const TraceOptions& options)
-    : instances_(instances), options_(options), at_unbuilt_(at_unbuilt(options.growth)) {}
+    : instances_(instances),
+      options_(options),
+      at_unbuilt_(at_unbuilt(options.growth)),
+      list_(std::size_t{options.max_hits} + 1) {}
 
 Hit RayCaster::cast(const Ray& ray) {
+  MeshQuery query;
+  query.any = options_.kind == QueryKind::kAny;
+  Hit hit;
+  if (!search(ray, query)) {
+    hit.t = std::numeric_limits<double>::quiet_NaN();
+    hit.state = HitState::kInvalid;
+    return hit;
+  }
+  if (query.found) {
+    hit = make_hit(instances_.list()[query.best_instance], ray, query.best_t, query.best_primitive,
+                   options_.surface && !query.any);
+  }
+  hit.work = work_of(query);
+  return hit;
+}
+
+RayTally RayCaster::count(const Ray& ray) {
+  MeshQuery query;
+  query.primitives = &primitives_;
+  counted_ = 0;
+  if (!search(ray, query)) return {.count = kInvalidCount, .state = HitState::kInvalid};
+  stats_.hits_found += counted_;
+  return {.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
+          .work = work_of(query),
+          .state = query.found ? HitState::kHit : HitState::kMiss};
+}
+
+/// One more than may be kept is looked for: whether there is one is then known exactly, and does
+/// not depend on where the walk has stopped.
+RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
+  MeshQuery query;
+  query.list = &list_;
+  list_.clear();
+  if (!search(ray, query)) return {.state = HitState::kInvalid};
+  std::span<const accel::ListedHit> found = list_.sorted();
+  RayTally tally{.work = work_of(query),
+                 .state = query.found ? HitState::kHit : HitState::kMiss,
+                 .cut_off = found.size() > options_.max_hits};
+  if (tally.cut_off) {
+    found = found.first(options_.max_hits);
+    ++stats_.cut_off;
+  }
+  for (const accel::ListedHit& hit : found) {
+    hits.push_back(
+        make_hit(instances_.list()[hit.instance], ray, hit.t, hit.primitive, options_.surface));
+  }
+  tally.count = static_cast<std::uint32_t>(found.size());
+  stats_.hits_found += found.size();
+  return tally;
+}
+
+/// False for an invalid ray.
+bool RayCaster::search(const Ray& ray, MeshQuery& query) {
   ++stats_.rays;
-  const std::uint64_t work_before = walked_.steps + walked_.tests;
+  entered_.clear();
+  work_before_ = walked_.steps + walked_.tests;
   const std::optional<accel::LocalRay> centered =
       accel::make_local_ray(ray.origin - instances_.center(), ray.direction);
   if (!centered || std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
-    Hit invalid;
-    invalid.t = std::numeric_limits<double>::quiet_NaN();
-    invalid.state = HitState::kInvalid;
-    return invalid;
+    return false;
   }
-  MeshQuery query;
   query.tmin = ray.tmin;
   query.tmax = ray.tmax;
   query.at_unbuilt = at_unbuilt_;
-  query.any = options_.kind == QueryKind::kAny;
   accel::TreeRay scene_ray;
   accel::LazyTree& tree = instances_.tree();
   if (!instances_.list().empty() &&
@@ -130,15 +171,14 @@ Hit RayCaster::cast(const Ray& ray) {
     Visit visit{*this, ray, *centered, scene_ray.slack, query, {}};
     accel::walk(tree.tree(), scene_ray, tree.root(), walked_, visit);
   }
-  Hit hit;
-  if (query.found) {
-    ++stats_.hits;
-    hit = surface(ray, query);
-  }
-  const std::uint64_t work = walked_.steps + walked_.tests - work_before;
-  hit.work = static_cast<std::uint32_t>(std::min<std::uint64_t>(work, accel::kWorkUnbuilt - 1)) |
-             (query.met_unbuilt ? accel::kWorkUnbuilt : 0);
-  return hit;
+  if (query.found) ++stats_.hits;
+  return true;
+}
+
+std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
+  const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(work, accel::kWorkUnbuilt - 1)) |
+         (query.met_unbuilt ? accel::kWorkUnbuilt : 0);
 }
 
 void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& query) {
@@ -151,43 +191,13 @@ void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& q
   if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
     instance.entered->store(true, std::memory_order_relaxed);
   }
-  const std::uint64_t node_before = query.best_node;
-  const std::uint32_t primitive_before = query.best_primitive;
-  const double t_before = query.best_t;
   query.ray = *local;
   query.node = instance.node;
+  query.instance = index;
+  query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
+  if (query.primitives != nullptr) query.primitives->clear();
   instance.mesh->tree().query(query, walked_, built_);
-  if (query.best_t != t_before || query.best_node != node_before ||
-      query.best_primitive != primitive_before) {
-    nearest_ = index;
-  }
-}
-
-Hit RayCaster::surface(const Ray& ray, const MeshQuery& query) const {
-  Hit hit;
-  hit.state = HitState::kHit;
-  hit.t = query.best_t;
-  hit.node = query.best_node;
-  hit.primitive = query.best_primitive;
-  if (query.any || !options_.surface) return hit;
-  const Instance& instance = instances_.list()[nearest_];
-  const accel::MeshView mesh = instance.mesh->view();
-  const accel::Face& f = mesh.faces[query.best_primitive];
-  const accel::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const std::optional<accel::LocalRay> local =
-      accel::make_local_ray(instance.local_from_world.point(ray.origin),
-                            instance.local_from_world.direction(ray.direction));
-  const accel::Barycentric weights =
-      accel::barycentric(*local, query.best_t / local->unit, a, b, c);
-  hit.u = static_cast<float>(weights.u);
-  hit.v = static_cast<float>(weights.v);
-  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
-  // where space is mirrored.
-  const Vec3d normal =
-      instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
-  const double size = instance.mirrored ? -length(normal) : length(normal);
-  if (size != 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
-  return hit;
+  if (query.primitives != nullptr) counted_ += query.primitives->sorted().size();
 }
 
 TraceStats RayCaster::stats() const {

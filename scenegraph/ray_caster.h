@@ -1,7 +1,11 @@
 // One ray through the scene: instances near to far, each in its own frame.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "accel/lazy/mesh_tree.h"
+#include "scenegraph/entered.h"
 #include "scenegraph/instances.h"
 #include "scenegraph/trace.h"
 
@@ -12,19 +16,30 @@ class RayCaster {
  public:
   RayCaster(const Instances& instances, const TraceOptions& options);
 
+  /// The nearest hit or, for kAny, whether there is one.
   accel::Hit cast(const accel::Ray& ray);
+  /// How many hits there are.
+  RayTally count(const accel::Ray& ray);
+  /// Adds the nearest max_hits hits to `hits`, in order.
+  RayTally list(const accel::Ray& ray, std::vector<accel::Hit>& hits);
+
   TraceStats stats() const;
 
  private:
   struct Visit;
 
+  bool search(const accel::Ray& ray, accel::MeshQuery& query);
+  std::uint32_t work_of(const accel::MeshQuery& query) const;
   void enter_instance(const accel::Ray& ray, std::uint32_t index, accel::MeshQuery& query);
-  accel::Hit surface(const accel::Ray& ray, const accel::MeshQuery& query) const;
 
   const Instances& instances_;
   TraceOptions options_;
   accel::AtUnbuilt at_unbuilt_;
-  std::uint32_t nearest_ = 0;  // instance of the best hit so far
+  accel::Distinct<accel::ListedHit> list_;
+  accel::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
+  EnteredOnce entered_;
+  std::uint64_t counted_ = 0;  // hits of the ray in the instances that it has left
+  std::uint64_t work_before_ = 0;
   TraceStats stats_;
   accel::WalkCounters walked_;
   accel::BuildCounters built_;

@@ -4,14 +4,17 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
+#include "scenegraph/selection.h"
 #include "scenegraph/trace.h"
 #include "server/admission.h"
-#include "server/codec.h"
+#include "server/cast_query.h"
 #include "server/compute.h"
+#include "server/hit_lister.h"
 #include "server/scene_store.h"
 #include "sightline/v1/query.pb.h"
 
@@ -25,39 +28,54 @@ struct CastServices {
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
 };
 
-/// Serves one call: open once, then take and run once per batch. Its memory is used again by the
-/// next batch.
+/// How many messages the answer to a batch may be.
+enum class Replies : std::uint8_t { kOne, kMany };
+
+/// Serves one call: open once, then for each batch take once, and run until there is no more. Its
+/// memory is used again by the next batch.
 class CastJob {
  public:
-  explicit CastJob(const CastServices& services) : services_(services) {}
+  CastJob(const CastServices& services, Replies replies) : services_(services), replies_(replies) {}
 
   /// Pins the scene's current revision, which then answers every batch.
   /// Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
 
-  /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit.
+  /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
+  /// kInvalidArgument, where one reply could not hold all hits.
   Status take(const v1::Rays& rays);
 
-  /// Traces what was taken, in the calling thread's arena, and gives the place back.
-  /// Errors: kCancelled.
+  /// Traces what was taken, in the calling thread's arena, and gives the place back; unless the
+  /// reply says that there is more: then it is to be called again, for the next reply.
+  /// Errors: kCancelled; kNotFound, naming a node that the query selects by and does not exist.
   Status run(v1::CastRaysResponse& reply);
 
   /// Makes run() end within a block of rays. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
   /// Lets go of the revision; the last to do so frees its trees, which takes time.
-  void close() { snapshot_.reset(); }
+  void close();
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  Status select();
+  Status answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply);
+
   const CastServices& services_;
+  const Replies replies_;
   CastQuery query_;
   std::shared_ptr<const scenegraph::Snapshot> snapshot_;
   std::vector<accel::Ray> rays_;
+  std::optional<scenegraph::Selection> selection_;
   std::vector<accel::Hit> hits_;
+  std::vector<scenegraph::RayTally> tallies_;
+  HitLister lister_;
+  scenegraph::TraceStats stats_;
   Admission::Ticket ticket_;
   Clock::time_point taken_;
+  Clock::duration queued_{}, traced_{};  // of the batch
+  bool begun_ = false;                   // a reply to the batch has been made
   std::atomic<bool> cancelled_{false};
 };
 

@@ -13,7 +13,7 @@ namespace {
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
   CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
-      : job_(services), reply_(reply) {}
+      : job_(services, Replies::kOne), reply_(reply) {}
 
   void start(const v1::CastRaysRequest& request, Compute& compute) {
     const Status ready = guarded([&] {

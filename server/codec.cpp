@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <string>
@@ -17,8 +17,7 @@ static_assert(std::endian::native == std::endian::little,
 
 using accel::Hit;
 using accel::Ray;
-using scenegraph::Growth;
-using scenegraph::QueryKind;
+using scenegraph::RayTally;
 
 Error invalid(std::string message, std::string reason) {
   return {Code::kInvalidArgument, std::move(message), std::move(reason)};
@@ -80,68 +79,21 @@ Status check_columns(const v1::Rays& columns, std::size_t rays, std::size_t elem
   return check_optional_column("masks", columns.masks(), rays, sizeof(std::uint32_t));
 }
 
-Result<QueryKind> decode_kind(v1::QueryKind kind) {
-  switch (kind) {
-    case v1::QUERY_KIND_UNSPECIFIED:
-    case v1::QUERY_KIND_CLOSEST:
-      return QueryKind::kClosest;
-    case v1::QUERY_KIND_ANY:
-      return QueryKind::kAny;
-    default:
-      return invalid(fmt::format("query kind {} is not known", static_cast<int>(kind)),
-                     "UNKNOWN_KIND");
-  }
-}
-
-Result<Growth> decode_growth(v1::BuildMode build, Growth policy) {
-  switch (build) {
-    case v1::BUILD_MODE_UNSPECIFIED:
-      return policy;
-    case v1::BUILD_MODE_LAZY:
-      return Growth::kFirstTouch;
-    case v1::BUILD_MODE_FULL:
-      return Growth::kFull;
-    case v1::BUILD_MODE_NONE:
-      return Growth::kNone;
-    case v1::BUILD_MODE_BUILT_ONLY:
-      return Growth::kBuiltOnly;
-    default:
-      return invalid(fmt::format("build mode {} is not known", static_cast<int>(build)),
-                     "UNKNOWN_BUILD_MODE");
-  }
-}
-
-Status check_field(v1::HitField field, QueryKind kind, std::span<const v1::HitField> before) {
-  if (!v1::HitField_IsValid(field) || field == v1::HIT_FIELD_UNSPECIFIED) {
-    return invalid(fmt::format("hit field {} is not known", static_cast<int>(field)),
-                   "UNKNOWN_FIELD");
-  }
-  if (std::find(before.begin(), before.end(), field) != before.end()) {
-    return invalid(fmt::format("{} is asked for twice", v1::HitField_Name(field)), "FIELD_TWICE");
-  }
-  if (kind == QueryKind::kAny && field != v1::HIT_FIELD_HIT && field != v1::HIT_FIELD_WORK) {
-    return invalid(fmt::format("QUERY_KIND_ANY has HIT_FIELD_HIT and HIT_FIELD_WORK, not {}",
-                               v1::HitField_Name(field)),
-                   "FIELD_NOT_OF_KIND");
-  }
-  return {};
-}
-
-/// One column: `element(hit)` for every hit, each copied as its bytes.
-template <class Element>
-void write_column(std::span<const Hit> hits, std::string& data, Element element) {
-  using Value = decltype(element(hits[0]));
+/// One column: `element(row)` for every row, each copied as its bytes.
+template <class Row, class Element>
+void write_column(std::span<const Row> rows, std::string& data, Element element) {
+  using Value = decltype(element(rows[0]));
   static_assert(std::is_trivially_copyable_v<Value>);
-  data.resize(hits.size() * sizeof(Value));
+  data.resize(rows.size() * sizeof(Value));
   char* out = data.data();
-  for (const Hit& hit : hits) {
-    const Value value = element(hit);
+  for (const Row& row : rows) {
+    const Value value = element(row);
     std::memcpy(out, &value, sizeof(Value));
     out += sizeof(Value);
   }
 }
 
-void write_field(std::span<const Hit> hits, v1::HitField field, std::string& data) {
+void write_hits(std::span<const Hit> hits, v1::HitField field, std::string& data) {
   switch (field) {
     case v1::HIT_FIELD_T:
       return write_column(hits, data, [](const Hit& h) { return h.t; });
@@ -162,31 +114,46 @@ void write_field(std::span<const Hit> hits, v1::HitField field, std::string& dat
   }
 }
 
+constexpr std::uint8_t kCutOff = 3;
+
+void write_tallies(std::span<const RayTally> tallies, std::span<const Hit> hits, v1::HitField field,
+                   std::string& data) {
+  std::uint32_t end = 0;
+  switch (field) {
+    case v1::HIT_FIELD_OFFSET:
+      write_column(tallies, data, [&](const RayTally& r) { return end += r.count; });
+      data.insert(0, sizeof(end), '\0');
+      return;
+    case v1::HIT_FIELD_COUNT:
+      return write_column(tallies, data, [](const RayTally& r) { return r.count; });
+    case v1::HIT_FIELD_HIT:
+      return write_column(tallies, data, [](const RayTally& r) {
+        return r.cut_off ? kCutOff : static_cast<std::uint8_t>(r.state);
+      });
+    case v1::HIT_FIELD_WORK:
+      return write_column(tallies, data, [](const RayTally& r) { return r.work; });
+    default:
+      return write_hits(hits, field, data);
+  }
+}
+
+/// write(field, data) fills the column of each field. What the reply held before is overwritten.
+template <class Write>
+void write_columns(std::span<const v1::HitField> fields, v1::CastRaysResponse& reply,
+                   const Write& write) {
+  const auto count = static_cast<int>(fields.size());
+  while (reply.columns_size() > count) reply.mutable_columns()->RemoveLast();
+  while (reply.columns_size() < count) reply.add_columns();
+  for (int i = 0; i < count; ++i) {
+    v1::HitColumn& column = *reply.mutable_columns(i);
+    column.set_field(fields[static_cast<std::size_t>(i)]);
+    write(column.field(), *column.mutable_data());
+  }
+}
+
 static_assert(sizeof(accel::Vec3f) == 3 * sizeof(float) && sizeof(accel::HitState) == 1);
 
 }  // namespace
-
-Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
-  const auto kind = decode_kind(request.kind());
-  if (!kind) return kind.error();
-  const auto growth = decode_growth(request.build(), policy);
-  if (!growth) return growth.error();
-  CastQuery query{*kind, *growth, {}, false};
-  for (const int number : request.fields()) {
-    const auto field = static_cast<v1::HitField>(number);
-    if (const Status good = check_field(field, *kind, query.fields); !good) return good.error();
-    query.fields.push_back(field);
-    query.surface |= field == v1::HIT_FIELD_BARYCENTRIC || field == v1::HIT_FIELD_NORMAL;
-  }
-  if (*kind == QueryKind::kAny) {
-    const bool has_hit = std::find(query.fields.begin(), query.fields.end(), v1::HIT_FIELD_HIT) !=
-                         query.fields.end();
-    if (!has_hit) query.fields.insert(query.fields.begin(), v1::HIT_FIELD_HIT);
-  } else if (query.fields.empty()) {
-    query.fields = {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE};
-  }
-  return query;
-}
 
 Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
   const std::size_t element = columns.float64() ? sizeof(double) : sizeof(float);
@@ -218,20 +185,23 @@ Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
 
 void encode_hits(std::span<const Hit> hits, std::span<const v1::HitField> fields,
                  v1::CastRaysResponse& reply) {
-  const auto count = static_cast<int>(fields.size());
-  while (reply.columns_size() > count) reply.mutable_columns()->RemoveLast();
-  while (reply.columns_size() < count) reply.add_columns();
-  for (int i = 0; i < count; ++i) {
-    v1::HitColumn& column = *reply.mutable_columns(i);
-    column.set_field(fields[static_cast<std::size_t>(i)]);
-    write_field(hits, column.field(), *column.mutable_data());
-  }
+  write_columns(fields, reply,
+                [&](v1::HitField field, std::string& data) { write_hits(hits, field, data); });
+}
+
+void encode_tallies(std::span<const RayTally> tallies, std::span<const Hit> hits,
+                    std::span<const v1::HitField> fields, v1::CastRaysResponse& reply) {
+  write_columns(fields, reply, [&](v1::HitField field, std::string& data) {
+    write_tallies(tallies, hits, field, data);
+  });
 }
 
 void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply) {
   reply.set_rays(stats.rays);
   reply.set_hits(stats.hits);
   reply.set_invalid(stats.invalid);
+  reply.set_hits_found(stats.hits_found);
+  reply.set_rays_cut_off(stats.cut_off);
   reply.set_traversal_steps(stats.traversal_steps);
   reply.set_triangle_tests(stats.triangle_tests);
   reply.set_instances_entered(stats.instances_entered);

@@ -18,6 +18,7 @@
 #include "server/blob_rpc.h"
 #include "server/blob_store.h"
 #include "server/cast_rpc.h"
+#include "server/codec.h"
 #include "server/compute.h"
 #include "server/info_rpc.h"
 #include "server/listen_address.h"
@@ -36,8 +37,9 @@ constexpr std::size_t kGrpcMemory =
 v1::GetServerInfoResponse describe(const ServerConfig& config) {
   v1::GetServerInfoResponse info;
   info.set_version(SIGHTLINE_VERSION);
-  for (const char* feature : {"closest", "any", "stream", "build.lazy", "build.full", "build.none",
-                              "build.built-only", "policy.first-touch", "policy.full"}) {
+  for (const char* feature :
+       {"closest", "any", "count", "all", "culling", "selection", "stream", "build.lazy",
+        "build.full", "build.none", "build.built-only", "policy.first-touch", "policy.full"}) {
     info.add_features(feature);
   }
   info.set_max_message_bytes(kMaxMessageBytes);
@@ -47,6 +49,9 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   info.set_max_bytes_queued(config.admission.bytes);
   info.set_max_triangles_per_mesh(scenegraph::kMaxFacesPerMesh);
   info.set_max_depth(static_cast<std::uint32_t>(scenegraph::kMaxDepth));
+  info.set_max_hits_per_ray(kMaxMaxHits);
+  info.set_max_hits_per_reply(kMaxHitsPerReply);
+  info.set_max_exclusions(kMaxExclusions);
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
   info.set_simd_target(std::string(accel::simd_target()));

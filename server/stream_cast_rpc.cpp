@@ -10,14 +10,14 @@
 namespace sightline::server {
 namespace {
 
-/// Read, trace, write, and only then read again: at most one operation is under way, so a client
-/// that does not read its replies is not served, and the two messages are enough for the whole
-/// call.
+/// Read, trace, write, and only then read again, or go on with what is left of the batch: at most
+/// one operation is under way, so a client that does not read its replies is not served, and the
+/// two messages are enough for the whole call.
 class CastStream final
     : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
  public:
   CastStream(const CastServices& services, std::atomic<std::size_t>& open)
-      : compute_(services.compute), open_(open), job_(services) {}
+      : compute_(services.compute), open_(open), job_(services, Replies::kMany) {}
 
   void start(std::size_t limit) {
     const std::size_t before = open_.fetch_add(1);
@@ -39,6 +39,7 @@ class CastStream final
 
   void OnWriteDone(bool ok) override {
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
+    if (reply_.response().more()) return compute_.enqueue([this] { answer(); });
     StartRead(&request_);
   }
 

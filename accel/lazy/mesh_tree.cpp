@@ -45,11 +45,16 @@ struct Visit {
   bool test(std::uint32_t id) {
     ++walked.tests;
     const Face& f = mesh.faces[id];
-    const std::optional<double> local =
-        intersect(query.ray, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+    const std::optional<double> local = intersect(query.ray, a, b, c);
     if (!local) return false;
     const double t = *local * query.ray.unit;
     if (!(t >= query.tmin && t <= query.tmax) || t > query.best_t) return false;
+    if (is_culled(query.culling, query.ray, a, b, c)) return false;
+    if (query.collects()) {
+      collect(t, id);
+      return false;
+    }
     if (t == query.best_t) {
       if (query.node > query.best_node) return false;
       if (query.node == query.best_node && id >= query.best_primitive) return false;
@@ -57,8 +62,18 @@ struct Visit {
     query.best_t = t;
     query.best_node = query.node;
     query.best_primitive = id;
+    query.best_instance = query.instance;
     query.found = true;
     return query.any;
+  }
+
+  void collect(double t, std::uint32_t id) {
+    query.found = true;
+    if (query.primitives != nullptr) {
+      query.primitives->add(id);
+    } else if (query.list->add({t, query.node, id, query.instance})) {
+      if (const ListedHit* last = query.list->greatest()) query.best_t = last->t;
+    }
   }
 
   bool leaf(std::span<const std::uint32_t> ids) {
@@ -104,7 +119,7 @@ MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_trian
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;
-  const double tmax = std::fmin(query.tmax, query.best_t);
+  const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray))
     return;
   Visit visit{mesh_, lazy_, query, ray, walked, built};

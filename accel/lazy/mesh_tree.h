@@ -1,13 +1,15 @@
-// The kd-tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest or
-// any hit.
+// The kd-tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest hit,
+// for any, or for every one.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <vector>
 
+#include "accel/geometry/facing.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
+#include "accel/lazy/distinct.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/tree/walk.h"
 
@@ -20,20 +22,30 @@ enum class AtUnbuilt : std::uint8_t {
   kSkip,    ///< Pass it over.
 };
 
-/// The ray as it stands in one mesh's frame, and the best hit so far. t counts in the world ray's
-/// direction.
+/// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
+/// ray's direction.
+///
+/// The nearest hit or any: a hit is taken if (t, node, primitive) is less than (best_t, best_node,
+/// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell it is
+/// met in; best_t is then only the t beyond which none is wanted.
 struct MeshQuery {
   LocalRay ray;
   double tmin = 0, tmax = kInfinity;
+  Culling culling = Culling::kNone;  ///< By the winding in the mesh's frame.
   AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
   bool any = false;  ///< Stop at the first hit found.
-  /// A hit is taken if (t, node, primitive) is less than (best_t, best_node, best_primitive).
   std::uint64_t node = 0;
-  double best_t = kInfinity;
+  std::uint32_t instance = 0;  ///< The caller's; goes with the node.
+  double best_t = std::numeric_limits<double>::max();
   std::uint64_t best_node = ~std::uint64_t{0};
   std::uint32_t best_primitive = 0;
+  std::uint32_t best_instance = 0;
   bool found = false;
   bool met_unbuilt = false;  ///< A cell was passed over or searched.
+  Distinct<ListedHit>* list = nullptr;
+  Distinct<std::uint32_t>* primitives = nullptr;
+
+  bool collects() const { return list != nullptr || primitives != nullptr; }
 };
 
 /// Threads: all members, from any thread pinned to an epoch.
@@ -44,7 +56,7 @@ class MeshTree {
   MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
            const AnyBuilder& builder);
 
-  /// Looks for a hit better than the query's best and updates it.
+  /// Looks for hits and updates the query.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
 
   /// "Expand everything."

@@ -11,6 +11,7 @@
 
 #include "client/cli/hit_columns.h"
 #include "client/cli/hit_file.h"
+#include "client/cli/hit_rows.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/ray_file.h"
 #include "client/cli/verbs.h"
@@ -25,27 +26,32 @@ struct CastArguments {
   std::string kind = "closest";
   std::string fields;
   std::string build;
+  std::string cull;
+  std::uint64_t under = 0;
+  std::vector<std::uint64_t> exclude;
+  std::uint32_t max_hits = 0;
 };
 
 const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
-                                              {"any", QueryKind::kAny}};
+                                              {"any", QueryKind::kAny},
+                                              {"all", QueryKind::kAll},
+                                              {"count", QueryKind::kCount}};
 const std::map<std::string, BuildMode> kBuilds{
     {"lazy", BuildMode::kLazy}, {"full", BuildMode::kFull}, {"none", BuildMode::kNone}};
+const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
+                                               {"front", Culling::kFront}};
 
 // What the arguments ask for, each checked against the others. Throws what CLI11 takes for a usage
 // error.
 std::vector<HitColumn> columns_of(const CastArguments& arguments) {
-  const bool is_any = arguments.kind == "any";
-  if (arguments.fields.empty())
-    return is_any ? std::vector{HitColumn::kHit} : all_closest_columns();
+  const QueryKind kind = kKinds.at(arguments.kind);
+  if (arguments.max_hits > 0 && kind != QueryKind::kAll)
+    throw CLI::ValidationError("--max-hits", "only --kind all has it");
+  if (arguments.fields.empty()) return standard_columns(kind);
   auto columns = parse_hit_columns(arguments.fields);
   if (!columns) throw CLI::ValidationError("--fields", columns.error().message);
-  for (const HitColumn column : *columns) {
-    if (is_any && column != HitColumn::kHit && column != HitColumn::kWork) {
-      throw CLI::ValidationError(
-          "--fields", fmt::format("--kind any has hit and work, not {}", info_of(column).name));
-    }
-  }
+  if (const Status good = check_columns(*columns, kind); !good)
+    throw CLI::ValidationError("--fields", good.error().message);
   return *std::move(columns);
 }
 
@@ -53,6 +59,10 @@ CastOptions options_of(const CastArguments& arguments) {
   CastOptions options;
   options.kind = kKinds.at(arguments.kind);
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
+  if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
+  options.root = arguments.under;
+  options.exclude = arguments.exclude;
+  options.max_hits = arguments.max_hits;
   return options;
 }
 
@@ -65,22 +75,26 @@ Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
                           const std::vector<HitColumn>& columns) {
   const auto rays = open_rays(arguments.in);
   if (!rays) return rays.error();
-  auto hits = HitFile::open(arguments.out, columns, rays->count);
+  const CastOptions options = options_of(arguments);
+  const bool lists = options.kind == QueryKind::kAll;
+  auto hits = HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
   if (!hits) return hits.error();
 
   ProgressBar bar("casting");
   const HitFields fields = fields_for(columns);
+  HitRows rows;
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& answers) {
     if (rays->count && *rays->count > 0) {
       bar.update(static_cast<double>(first + count) / static_cast<double>(*rays->count));
     }
-    return hits->write(answers, count);
+    if (!lists) return hits->write(answers, count);
+    const RowView listed = rows.make(first, answers);
+    return hits->write(listed, rows.size());
   };
   const auto start = std::chrono::steady_clock::now();
   const auto report = std::visit(
       [&](const auto& source) {
-        return client.cast_stream(arguments.scene, source, rays->shape, fields, sink,
-                                  options_of(arguments));
+        return client.cast_stream(arguments.scene, source, rays->shape, fields, sink, options);
       },
       rays->source);
   if (!report) return report.error();
@@ -93,23 +107,26 @@ double rays_per_second(const Outcome& outcome) {
   return outcome.seconds > 0 ? static_cast<double>(outcome.cast.rays) / outcome.seconds : 0;
 }
 
-Json json_of(const Outcome& outcome, const SceneStats& stats) {
+Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
   const CastReport& cast = outcome.cast;
-  return {{"rays", cast.rays},
-          {"hits", cast.hits},
-          {"invalid", cast.invalid},
-          {"revision", cast.revision},
-          {"seconds", outcome.seconds},
-          {"rays_per_s", rays_per_second(outcome)},
-          {"cells_expanded", cast.cells_expanded},
-          {"trees_built", stats.trees_built},
-          {"triangles_built", stats.triangles_built},
-          {"triangles_total", stats.triangles_total},
-          {"build_ms", static_cast<double>(cast.build_us) / 1000},
-          {"trace_ms", static_cast<double>(cast.trace_us) / 1000},
-          {"traversal_steps", cast.traversal_steps},
-          {"triangle_tests", cast.triangle_tests},
-          {"instances_entered", cast.instances_entered}};
+  Json json{{"rays", cast.rays},
+            {"hits", cast.hits},
+            {"invalid", cast.invalid},
+            {"revision", cast.revision},
+            {"seconds", outcome.seconds},
+            {"rays_per_s", rays_per_second(outcome)},
+            {"cells_expanded", cast.cells_expanded},
+            {"trees_built", stats.trees_built},
+            {"triangles_built", stats.triangles_built},
+            {"triangles_total", stats.triangles_total},
+            {"build_ms", static_cast<double>(cast.build_us) / 1000},
+            {"trace_ms", static_cast<double>(cast.trace_us) / 1000},
+            {"traversal_steps", cast.traversal_steps},
+            {"triangle_tests", cast.triangle_tests},
+            {"instances_entered", cast.instances_entered}};
+  if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
+  if (kind == QueryKind::kAll) json["rays_cut_off"] = cast.rays_cut_off;
+  return json;
 }
 
 void print_summary(std::FILE* to, const Outcome& outcome) {
@@ -118,6 +135,13 @@ void print_summary(std::FILE* to, const Outcome& outcome) {
              cast.rays, cast.hits, cast.invalid, cast.revision, outcome.seconds,
              rays_per_second(outcome));
   fmt::print(to, "{} cells expanded\n", cast.cells_expanded);
+  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", cast.hits_found);
+}
+
+void warn_of_cuts(const CastReport& cast) {
+  if (cast.rays_cut_off == 0) return;
+  fmt::print(stderr, "sightline: {} rays have more hits than were kept; --max-hits keeps more\n",
+             cast.rays_cut_off);
 }
 
 ExitCode run(const Session& session, const CastArguments& arguments) {
@@ -130,13 +154,14 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
   if (!client) return fail(client.error());
   const auto outcome = cast_file(*client, arguments, columns);
   if (!outcome) return fail(outcome.error());
+  warn_of_cuts(outcome->cast);
   if (!session.json) {
     print_summary(to_stdout ? stderr : stdout, *outcome);
     return kOk;
   }
   const auto stats = client->scene_stats(arguments.scene);
   if (!stats) return fail(stats.error());
-  print_json(json_of(*outcome, *stats));
+  print_json(json_of(*outcome, kKinds.at(arguments.kind), *stats));
   return kOk;
 }
 
@@ -144,20 +169,45 @@ constexpr const char* kFooter = R"(Rays are ox oy oz dx dy dz, and tmin tmax if 
   .npy   (n, 6) or (n, 8), float32 or float64
   CSV    a line a ray, with or without a line of names first
   -      standard input, either of the two
-Hits are .npy with named fields if FILE ends so, else CSV; - is CSV on standard output.
+Hits are .npy with named fields if FILE ends so, else CSV; - is CSV on standard output. There is a
+row a ray; --kind all has a row a hit, nearest first, none for a miss, and one with t = nan for a
+ray that cannot be cast.
+  ray        u8  number of the ray, from 0 (--kind all)
   t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast
   node       u8  0: a miss
   primitive  u4  the face's number in its mesh
   u v        f4  weights of vertices 1 and 2
   nx ny nz   f4  unit normal in scene coordinates
-  hit        u1  0 miss, 1 hit, 2 a ray that cannot be cast (all that --kind any answers)
+  hit        u1  0 miss, 1 hit, 2 a ray that cannot be cast (all that --kind any answers);
+                 3 hit, and there are more than --max-hits
   work       u4  steps and triangle tests, only if asked for
+  count      u4  hits of the ray (all that --kind count answers); 4294967295: cannot be cast
 
 Examples:
   sightline cast engine --in rays.npy --out hits.npy
   sightline cast engine --in rays.csv --out - --fields t,node
   sightline cast engine --in sun.npy --out shadow.npy --kind any --json
+  sightline cast engine --in rays.npy --out through.npy --kind all --max-hits 1000 --cull back
+  sightline cast engine --in points.npy --out inside.npy --kind count --under 12 --exclude 13 14
   echo 0,0,10,0,0,-1 | sightline cast engine --in - --out -)";
+
+// What rays are not to see.
+void add_filters(CLI::App& verb, CastArguments& arguments) {
+  verb.add_option("--cull", arguments.cull,
+                  "Hits that do not count: on backs or on fronts, by winding (default: none)")
+      ->check(CLI::IsMember(kCullings).description(""))
+      ->type_name("back|front");
+  verb.add_option("--under", arguments.under, "Only this node and those under it are seen")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("NODE");
+  verb.add_option("--exclude", arguments.exclude, "These nodes and those under them are not")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("NODE ...");
+  verb.add_option("--max-hits", arguments.max_hits,
+                  "How many hits of a ray --kind all keeps, the nearest (default 256)")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("N");
+}
 
 }  // namespace
 
@@ -168,10 +218,12 @@ void add_cast_verb(CLI::App& program, Session& session) {
   add_scene_argument(verb, arguments->scene);
   verb.add_option("--in", arguments->in, "Rays to cast")->required()->type_name("FILE");
   verb.add_option("--out", arguments->out, "Where the hits go")->required()->type_name("FILE");
-  verb.add_option("--kind", arguments->kind,
-                  "The nearest hit, or only whether there is one (default closest)")
+  verb.add_option(
+          "--kind", arguments->kind,
+          "The nearest hit, whether there is one, every hit, or how many there are (default "
+          "closest)")
       ->check(CLI::IsMember(kKinds).description(""))
-      ->type_name("closest|any");
+      ->type_name("closest|any|all|count");
   verb.add_option("--fields", arguments->fields,
                   "Columns to write, parted by commas, always in the order below (default: all but "
                   "hit and work)")
@@ -181,6 +233,7 @@ void add_cast_verb(CLI::App& program, Session& session) {
           "Trees to grow: those the rays enter, all first, or none (default: the server's policy)")
       ->check(CLI::IsMember(kBuilds).description(""))
       ->type_name("lazy|full|none");
+  add_filters(verb, *arguments);
   verb.footer(kFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }

@@ -14,7 +14,8 @@
 namespace sightline::client::cli {
 namespace {
 
-constexpr std::array<HitColumnInfo, 10> kColumns{{{"t", "<f8", 8},
+constexpr std::array<HitColumnInfo, 12> kColumns{{{"ray", "<u8", 8},
+                                                  {"t", "<f8", 8},
                                                   {"node", "<u8", 8},
                                                   {"primitive", "<u4", 4},
                                                   {"u", "<f4", 4},
@@ -23,7 +24,8 @@ constexpr std::array<HitColumnInfo, 10> kColumns{{{"t", "<f8", 8},
                                                   {"ny", "<f4", 4},
                                                   {"nz", "<f4", 4},
                                                   {"hit", "|u1", 1},
-                                                  {"work", "<u4", 4}}};
+                                                  {"work", "<u4", 4},
+                                                  {"count", "<u4", 4}}};
 
 std::optional<HitColumn> column_named(std::string_view name) {
   for (std::size_t k = 0; k < kColumns.size(); ++k) {
@@ -34,8 +36,10 @@ std::optional<HitColumn> column_named(std::string_view name) {
 
 // Calls `use` with the value, in the type of the column.
 template <class Use>
-void visit_value(const HitView& hits, std::size_t i, HitColumn column, Use use) {
+void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) {
   switch (column) {
+    case HitColumn::kRay:
+      return use(hits.ray[i]);
     case HitColumn::kT:
       return use(hits.t[i]);
     case HitColumn::kNode:
@@ -56,6 +60,8 @@ void visit_value(const HitView& hits, std::size_t i, HitColumn column, Use use) 
       return use(hits.hit[i]);
     case HitColumn::kWork:
       return use(hits.work[i] & ~kMetUnbuilt);
+    case HitColumn::kCount:
+      return use(hits.count[i]);
   }
 }
 
@@ -68,6 +74,24 @@ const HitColumnInfo& info_of(HitColumn column) {
 std::vector<HitColumn> all_closest_columns() {
   return {HitColumn::kT, HitColumn::kNode, HitColumn::kPrimitive, HitColumn::kU,
           HitColumn::kV, HitColumn::kNx,   HitColumn::kNy,        HitColumn::kNz};
+}
+
+std::vector<HitColumn> standard_columns(QueryKind kind) {
+  if (kind == QueryKind::kAny) return {HitColumn::kHit};
+  if (kind == QueryKind::kCount) return {HitColumn::kCount};
+  std::vector<HitColumn> columns = all_closest_columns();
+  if (kind == QueryKind::kAll) columns.insert(columns.begin(), HitColumn::kRay);
+  return columns;
+}
+
+Status check_columns(const std::vector<HitColumn>& columns, QueryKind kind) {
+  std::vector<HitColumn> known = standard_columns(kind);
+  known.insert(known.end(), {HitColumn::kHit, HitColumn::kWork});
+  for (const HitColumn column : columns) {
+    if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+    return local_error(fmt::format("this kind of cast has no '{}'", info_of(column).name));
+  }
+  return {};
 }
 
 Result<std::vector<HitColumn>> parse_hit_columns(std::string_view names) {
@@ -116,16 +140,21 @@ HitFields fields_for(const std::vector<HitColumn>& columns) {
       case HitColumn::kWork:
         fields.work = true;
         break;
+      case HitColumn::kCount:
+        fields.count = true;
+        break;
+      case HitColumn::kRay:  // by the place of its rows
+        break;
     }
   }
   return fields;
 }
 
-void put_bytes(const HitView& hits, std::size_t i, HitColumn column, char* out) {
+void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out) {
   visit_value(hits, i, column, [&](auto value) { std::memcpy(out, &value, sizeof(value)); });
 }
 
-void put_text(const HitView& hits, std::size_t i, HitColumn column, std::string& out) {
+void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out) {
   // The shortest text that reads back as the same number.
   visit_value(hits, i, column,
               [&](auto value) { fmt::format_to(std::back_inserter(out), "{}", value); });

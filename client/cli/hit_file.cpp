@@ -32,7 +32,7 @@ std::string HitFile::header(std::uint64_t rows) const {
   return names + '\n';
 }
 
-void HitFile::add_npy_rows(const HitView& hits, std::size_t n) {
+void HitFile::add_npy_rows(const RowView& hits, std::size_t n) {
   std::size_t stride = 0;
   for (const HitColumn column : columns_) stride += info_of(column).bytes;
   buffer_.resize(n * stride);
@@ -44,7 +44,7 @@ void HitFile::add_npy_rows(const HitView& hits, std::size_t n) {
   }
 }
 
-void HitFile::add_csv_rows(const HitView& hits, std::size_t n) {
+void HitFile::add_csv_rows(const RowView& hits, std::size_t n) {
   buffer_.clear();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -55,7 +55,7 @@ void HitFile::add_csv_rows(const HitView& hits, std::size_t n) {
   }
 }
 
-Status HitFile::write(const HitView& hits, std::size_t n) {
+Status HitFile::write(const RowView& hits, std::size_t n) {
   if (is_npy_) {
     add_npy_rows(hits, n);
   } else {

@@ -22,7 +22,7 @@ class HitFile {
                               std::optional<std::uint64_t> rows);
 
   /// Adds n rows.
-  Status write(const HitView& hits, std::size_t n);
+  Status write(const RowView& hits, std::size_t n);
 
   /// Without it, no file comes to be.
   Status commit();
@@ -35,8 +35,8 @@ class HitFile {
         promised_(rows),
         is_npy_(is_npy) {}
   std::string header(std::uint64_t rows) const;
-  void add_npy_rows(const HitView& hits, std::size_t n);
-  void add_csv_rows(const HitView& hits, std::size_t n);
+  void add_npy_rows(const RowView& hits, std::size_t n);
+  void add_csv_rows(const RowView& hits, std::size_t n);
 
   Output output_;
   std::vector<HitColumn> columns_;

@@ -1,6 +1,7 @@
 // Rays over a real connection: one message, and streams of many.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -114,6 +115,125 @@ TEST_F(Cast, AnyAnswersWhetherThereIsAHit) {
   const RayColumns<const double> columns{origins, rays.directions};
   ASSERT_TRUE(client_.cast_stream(kScene, columns, {.hit = hit}, {.kind = QueryKind::kAny}));
   EXPECT_EQ(hit, (std::vector<std::uint8_t>{0, 1, 1}));
+}
+
+TEST_F(Cast, CountAnswersHowManyThereAre) {
+  const DownwardRays rays(4, kCopies);
+  std::vector<double> origins = rays.origins, directions = rays.directions;
+  origins[0] = -50;
+  directions[3 + 2] = 0;
+  std::vector<std::uint32_t> count(4);
+  std::vector<std::uint8_t> hit(4);
+  const RayColumns<const double> columns{origins, directions};
+  const HitColumns answers{.hit = hit, .count = count};
+  for (int once = 0; once < 2; ++once) {
+    std::fill(count.begin(), count.end(), 77);
+    const CastOptions options{.kind = QueryKind::kCount};
+    const auto report = once == 1 ? client_.cast(kScene, columns, answers, options)
+                                  : client_.cast_stream(kScene, columns, answers, options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(count, (std::vector<std::uint32_t>{0, kInvalidCount, 2, 2}));
+    EXPECT_EQ(hit, (std::vector<std::uint8_t>{0, 2, 1, 1}));
+    EXPECT_EQ(report->hits, 2U);
+    EXPECT_EQ(report->hits_found, 4U);
+  }
+}
+
+// Two sheets a ray, at t = 4 and 5.
+TEST_F(Cast, AllAnswersEveryHit) {
+  for (const std::size_t n : {std::size_t{0}, std::size_t{3}, 3 * kRaysPerMessage + 5}) {
+    const DownwardRays rays(n, kCopies);
+    const auto all = client_.cast_all(
+        kScene, rays.columns(),
+        {.t = true, .node = true, .primitive = true, .normal = true, .work = true});
+    ASSERT_TRUE(all) << all.error().message;
+    ASSERT_EQ(all->offsets.size(), n + 1);
+    ASSERT_EQ(all->t.size(), 2 * n);
+    ASSERT_EQ(all->normal.size(), 6 * n);
+    EXPECT_TRUE(all->barycentric.empty());
+    EXPECT_EQ(all->work.size(), n);
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_EQ(all->hit[i], 1);
+      ASSERT_EQ(all->offsets[i + 1], 2 * (i + 1));
+      ASSERT_EQ(all->t[2 * i], 4);
+      ASSERT_EQ(all->t[2 * i + 1], 5);
+      ASSERT_EQ(all->primitive[2 * i], 2U);
+      ASSERT_EQ(all->primitive[2 * i + 1], 0U);
+      ASSERT_EQ(all->node[2 * i + 1], 2 + i % kCopies);
+    }
+    EXPECT_EQ(all->report.hits, n);
+    EXPECT_EQ(all->report.hits_found, 2 * n);
+    EXPECT_EQ(all->report.rays_cut_off, 0U);
+  }
+}
+
+TEST_F(Cast, AllMarksWhatWasCutOff) {
+  const DownwardRays rays(5000, kCopies);
+  const std::vector<float> origins(rays.origins.begin(), rays.origins.end());
+  const std::vector<float> directions(rays.directions.begin(), rays.directions.end());
+  const RayColumns<const float> columns{origins, directions};
+  const auto all = client_.cast_all(kScene, columns, {.t = true}, {.max_hits = 1});
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(all->t, std::vector<double>(5000, 4.0));
+  EXPECT_EQ(all->hit, std::vector<std::uint8_t>(5000, kCutOff));
+  EXPECT_EQ(all->report.rays_cut_off, 5000U);
+}
+
+TEST_F(Cast, ListsOfManyRepliesReachASinkInOrder) {
+  const DownwardRays rays(kRaysPerMessage, kCopies);
+  std::uint64_t next = 0;
+  int calls = 0;
+  const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) -> Status {
+    EXPECT_EQ(first, next);
+    EXPECT_EQ(hits.offsets.size(), count + 1);
+    EXPECT_EQ(hits.t.size(), 2 * count);
+    EXPECT_EQ(hits.hit.size(), count);
+    next += count;
+    ++calls;
+    return {};
+  };
+  int messages = 0;
+  const RaySource<double> source = [&](const RayColumns<double>& room) -> Result<std::size_t> {
+    if (++messages > 6) return std::size_t{0};
+    std::copy(rays.origins.begin(), rays.origins.end(), room.origins.begin());
+    std::copy(rays.directions.begin(), rays.directions.end(), room.directions.begin());
+    return room.size();
+  };
+  ASSERT_TRUE(client_.cast_stream(kScene, source, {}, {.t = true}, sink,
+                                  {.kind = QueryKind::kAll, .max_hits = 16384}));
+  EXPECT_EQ(next, 6 * kRaysPerMessage);
+  EXPECT_GE(calls, 6);
+}
+
+TEST_F(Cast, AllDoesNotFitRowsOfRays) {
+  const DownwardRays rays(2, kCopies);
+  std::vector<double> t(2);
+  const CastOptions all{.kind = QueryKind::kAll};
+  EXPECT_EQ(client_.cast(kScene, rays.columns(), {.t = t}, all).error().code,
+            Code::kInvalidArgument);
+  EXPECT_EQ(client_.cast_stream(kScene, rays.columns(), {.t = t}, all).error().code,
+            Code::kInvalidArgument);
+}
+
+TEST_F(Cast, CullingRootsAndExclusionsLeaveHitsOut) {
+  const DownwardRays rays(kCopies, kCopies);
+  const auto counts = [&](CastOptions options) {
+    options.kind = QueryKind::kCount;
+    std::vector<std::uint32_t> count(kCopies);
+    const auto report = client_.cast_stream(kScene, rays.columns(), {.count = count}, options);
+    EXPECT_TRUE(report) << report.error().message;
+    return count;
+  };
+  using Counts = std::vector<std::uint32_t>;
+  EXPECT_EQ(counts({.culling = Culling::kBack}), Counts(kCopies, 2));
+  EXPECT_EQ(counts({.culling = Culling::kFront}), Counts(kCopies, 0));
+  EXPECT_EQ(counts({.root = 1}), Counts(kCopies, 2));
+  EXPECT_EQ(counts({.root = 3}), (Counts{0, 2, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(counts({.exclude = {3, 4}}), (Counts{2, 0, 0, 2, 2, 2, 2}));
+  EXPECT_EQ(counts({.exclude = {1}}), Counts(kCopies, 0));
+  const auto unknown = client_.cast_stream(kScene, rays.columns(), {}, {.root = 99});
+  EXPECT_EQ(unknown.error().code, Code::kNotFound);
+  EXPECT_EQ(unknown.error().reason, "NODE_NOT_FOUND");
 }
 
 TEST_F(Cast, MasksOfNothingSeeNothing) {

@@ -44,7 +44,9 @@ TEST(Columns, ABoundLeftOutIsFilledIn) {
 TEST(Columns, HitsGoToTheirRows) {
   const std::vector<float> two_normals{1, 2, 3, 4, 5, 6};
   std::vector<float> normals(12);
-  copy_hits(HitView{.normal = two_normals}, 1, HitColumns{.normal = normals});
+  HitView answers;
+  answers.normal = two_normals;
+  copy_hits(answers, 1, HitColumns{.normal = normals});
   EXPECT_EQ(normals, (std::vector<float>{0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0}));
 }
 

@@ -1,24 +1,14 @@
 // Real scenes through importer, client, wire and server: every hit equals brute force, lazy or
-// full. Scenes come from the directory that SIGHTLINE_SCENES names; without it the tests are
-// skipped. SIGHTLINE_TEST_DIVISOR (default 10) divides the number of rays; 1 casts them all.
+// full.
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <memory>
-#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
-#include "client/client.h"
-#include "client/importer/assimp_import.h"
-#include "client/scene_upload.h"
-#include "server/server.h"
 #include "tests/bench/load_scene.h"
-#include "tests/bench/ray_kinds.h"
+#include "tests/e2e/served_scene.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 
@@ -88,54 +78,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-// The scene as its file says, placed without any help from the product's scene graph. The server
-// gives ids from 1 upward in the order of the file's nodes.
-std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
-  std::vector<PlacedMesh> placed;
-  std::vector<scenegraph::Affine> world;
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const bench::SourceNode& node = scene.nodes[i];
-    world.push_back(node.parent ? compose(world[*node.parent], node.parent_from_local)
-                                : node.parent_from_local);
-    if (!node.mesh) continue;
-    const bench::SourceMesh& mesh = scene.meshes[*node.mesh];
-    placed.push_back({{mesh.vertices, mesh.faces}, world[i], i + 1});
-  }
-  return placed;
-}
-
-std::size_t divisor() {
-  const char* text = std::getenv("SIGHTLINE_TEST_DIVISOR");
-  const long value = text != nullptr ? std::strtol(text, nullptr, 10) : 0;
-  return value > 0 ? static_cast<std::size_t>(value) : 10;
-}
-
-class OracleTest : public testing::TestWithParam<Case> {
+class OracleTest : public ServedScene, public testing::WithParamInterface<Case> {
  protected:
-  void SetUp() override {
-    const char* directory = std::getenv("SIGHTLINE_SCENES");
-    if (directory == nullptr) GTEST_SKIP() << "SIGHTLINE_SCENES is not set";
-    file_ = std::filesystem::path(directory) / GetParam().file;
-    ASSERT_TRUE(std::filesystem::exists(file_)) << file_;
-
-    spdlog::set_level(spdlog::level::warn);  // sterngarten alone uploads thousands of meshes
-    server::ServerConfig config;
-    config.listen = "127.0.0.1:0";
-    auto started = server::Server::start(config);
-    ASSERT_TRUE(started.ok()) << started.error().message;
-    server_ = std::move(started).value();
-    auto connected = client::Client::connect("127.0.0.1:" + std::to_string(server_->port()));
-    ASSERT_TRUE(connected.ok()) << connected.error().message;
-    client_.emplace(std::move(*connected));
-  }
-
-  void upload() {
-    auto imported = client::import_scene(file_);
-    ASSERT_TRUE(imported.ok()) << imported.error().message;
-    const auto uploaded = client::upload_scene(*client_, kScene, *imported, {});
-    ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
-  }
-
   client::CastReport cast(const std::vector<Ray>& rays, client::BuildMode build, Columns& columns) {
     std::vector<double> origins, directions, tmin, tmax;
     for (const Ray& ray : rays) {
@@ -152,25 +96,11 @@ class OracleTest : public testing::TestWithParam<Case> {
     EXPECT_TRUE(report.ok()) << report.error().message;
     return report.ok() ? *report : client::CastReport{};
   }
-
-  static constexpr const char* kScene = "projects/default/scenes/oracle";
-  std::filesystem::path file_;
-  std::unique_ptr<server::Server> server_;
-  std::optional<client::Client> client_;
 };
 
-std::vector<Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count) {
-  std::vector<Ray> rays;
-  for (const bench::RayKind kind : {bench::RayKind::kOverview, bench::RayKind::kRandom}) {
-    auto some = bench::make_rays(scene, kind, count / 2, 1);
-    EXPECT_TRUE(some.ok());
-    if (some.ok()) rays.insert(rays.end(), some->begin(), some->end());
-  }
-  return rays;
-}
-
 TEST_P(OracleTest, HitsThroughTheServerEqualBruteForceLazyAndFull) {
-  ASSERT_NO_FATAL_FAILURE(upload());
+  ASSERT_NO_FATAL_FAILURE(serve(GetParam().file));
+  if (IsSkipped()) return;
   const auto scene = bench::load_scene(file_.string());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   const std::vector<Ray> rays = mixed_rays(*scene, GetParam().rays / divisor());

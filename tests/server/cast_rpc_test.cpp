@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/codec.h"
 #include "tests/server/live_server.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"

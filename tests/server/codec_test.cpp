@@ -121,50 +121,6 @@ TEST(DecodeRays, ABatchMayBeEmpty) {
   EXPECT_TRUE(rays.empty());
 }
 
-TEST(DecodeQuery, HasDefaults) {
-  const auto query = decode_query({}, scenegraph::Growth::kFull);
-  ASSERT_TRUE(query);
-  EXPECT_EQ(query->kind, scenegraph::QueryKind::kClosest);
-  EXPECT_EQ(query->growth, scenegraph::Growth::kFull);
-  EXPECT_EQ(query->fields,
-            (std::vector{v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE}));
-  EXPECT_FALSE(query->surface);
-}
-
-TEST(DecodeQuery, SurfaceIsComputedOnlyIfAskedFor) {
-  for (const auto field : {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL}) {
-    v1::CastRaysRequest request;
-    request.add_fields(field);
-    EXPECT_TRUE(decode_query(request, scenegraph::Growth::kFull)->surface);
-  }
-}
-
-TEST(DecodeQuery, AnyAnswersHitAndWork) {
-  v1::CastRaysRequest request;
-  request.set_kind(v1::QUERY_KIND_ANY);
-  EXPECT_EQ(decode_query(request, {})->fields, std::vector{v1::HIT_FIELD_HIT});
-  request.add_fields(v1::HIT_FIELD_WORK);
-  EXPECT_EQ(decode_query(request, {})->fields,
-            (std::vector{v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}));
-  request.add_fields(v1::HIT_FIELD_T);
-  EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
-}
-
-TEST(DecodeQuery, RefusesWhatItDoesNotKnow) {
-  v1::CastRaysRequest kind, field, build, twice, unspecified;
-  kind.set_kind(static_cast<v1::QueryKind>(9));
-  field.add_fields(static_cast<v1::HitField>(99));
-  build.set_build(static_cast<v1::BuildMode>(9));
-  twice.add_fields(v1::HIT_FIELD_T);
-  twice.add_fields(v1::HIT_FIELD_T);
-  unspecified.add_fields(v1::HIT_FIELD_UNSPECIFIED);
-  for (const auto& request : {kind, field, build, twice, unspecified}) {
-    const auto query = decode_query(request, scenegraph::Growth::kFirstTouch);
-    ASSERT_FALSE(query);
-    EXPECT_EQ(query.error().code, Code::kInvalidArgument);
-  }
-}
-
 TEST(EncodeHits, WritesEveryColumn) {
   accel::Hit hit{
       .t = 2.5, .node = 7, .primitive = 3, .u = 0.25f, .v = 0.5f, .normal = {0, 0, 1}, .work = 12};
@@ -200,6 +156,48 @@ TEST(EncodeHits, TheLargestReplyStaysBelowAMebibyte) {
     fields.push_back(static_cast<v1::HitField>(f));
   v1::CastRaysResponse reply;
   encode_hits(std::vector<accel::Hit>(kMaxRaysPerRequest), fields, reply);
+  EXPECT_LT(reply.ByteSizeLong() + 1024, std::size_t{1} << 20);
+}
+
+scenegraph::RayTally tally(std::uint32_t count, accel::HitState state, bool cut_off = false) {
+  return {.count = count, .work = 9, .state = state, .cut_off = cut_off};
+}
+
+TEST(EncodeTallies, WritesCounts) {
+  const std::vector rays{tally(3, accel::HitState::kHit), tally(0, accel::HitState::kMiss),
+                         tally(scenegraph::kInvalidCount, accel::HitState::kInvalid)};
+  const std::vector fields{v1::HIT_FIELD_COUNT, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK};
+  v1::CastRaysResponse reply;
+  encode_tallies(rays, {}, fields, reply);
+  EXPECT_EQ(values<std::uint32_t>(reply.columns(0).data()),
+            (std::vector<std::uint32_t>{3, 0, 0xffffffff}));
+  EXPECT_EQ(values<std::uint8_t>(reply.columns(1).data()), (std::vector<std::uint8_t>{1, 0, 2}));
+  EXPECT_EQ(values<std::uint32_t>(reply.columns(2).data()), (std::vector<std::uint32_t>{9, 9, 9}));
+}
+
+TEST(EncodeTallies, WritesLists) {
+  const std::vector rays{tally(2, accel::HitState::kHit, true), tally(0, accel::HitState::kMiss),
+                         tally(1, accel::HitState::kHit)};
+  std::vector<accel::Hit> hits(3);
+  for (std::size_t k = 0; k < 3; ++k) hits[k].t = static_cast<double>(k);
+  const std::vector fields{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_T};
+  v1::CastRaysResponse reply;
+  encode_tallies(rays, hits, fields, reply);
+  EXPECT_EQ(values<std::uint32_t>(reply.columns(0).data()),
+            (std::vector<std::uint32_t>{0, 2, 2, 3}));
+  EXPECT_EQ(values<std::uint8_t>(reply.columns(1).data()), (std::vector<std::uint8_t>{3, 0, 1}));
+  EXPECT_EQ(values<double>(reply.columns(2).data()), (std::vector<double>{0, 1, 2}));
+  encode_tallies({}, {}, fields, reply);
+  EXPECT_EQ(values<std::uint32_t>(reply.columns(0).data()), std::vector<std::uint32_t>{0});
+}
+
+TEST(EncodeTallies, TheLargestListStaysBelowAMebibyte) {
+  const std::vector fields{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT,       v1::HIT_FIELD_T,
+                           v1::HIT_FIELD_NODE,   v1::HIT_FIELD_PRIMITIVE, v1::HIT_FIELD_BARYCENTRIC,
+                           v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK};
+  v1::CastRaysResponse reply;
+  encode_tallies(std::vector<scenegraph::RayTally>(kMaxRaysPerRequest),
+                 std::vector<accel::Hit>(kMaxHitsPerReply), fields, reply);
   EXPECT_LT(reply.ByteSizeLong() + 1024, std::size_t{1} << 20);
 }
 

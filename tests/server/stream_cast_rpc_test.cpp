@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/cast_rpc.h"
+#include "server/codec.h"
 #include "tests/server/live_server.h"
 #include "tests/support/scenes.h"
 

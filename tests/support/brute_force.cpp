@@ -76,6 +76,14 @@ std::uint64_t morton(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   return code;
 }
 
+// Removes what does not exist for the query; where rounding decides on the side, all is possible.
+void cull(accel::Culling culling, std::vector<Candidate>& found) {
+  if (culling == accel::Culling::kNone) return;
+  const int culled = culling == accel::Culling::kBack ? 1 : -1;
+  std::erase_if(found, [&](const Candidate& c) { return c.side == culled; });
+  for (Candidate& c : found) c.borderline = c.borderline || c.side == 0;
+}
+
 bool is_valid(const accel::Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3d{} &&
          !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
@@ -231,7 +239,7 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
   }
 }
 
-Reference BruteForce::trace(const accel::Ray& ray) const {
+Reference BruteForce::trace_all(const accel::Ray& ray, const Filter& filter) const {
   Reference reference;
   reference.invalid = !is_valid(ray);
   if (reference.invalid) return reference;
@@ -240,6 +248,8 @@ Reference BruteForce::trace(const accel::Ray& ray) const {
   auto& found = reference.candidates;
   for (const Instance& instance : instances_) {
     if ((instance.placed.mask & ray.mask) == 0 || instance.chunks.empty()) continue;
+    if (std::binary_search(filter.hidden.begin(), filter.hidden.end(), instance.placed.node))
+      continue;
     const double scale = std::max(instance.magnitude, largest(ray.origin));
     const double pad = kBoxPad * scale;
     if (misses(instance.box, line, pad)) continue;
@@ -248,17 +258,27 @@ Reference BruteForce::trace(const accel::Ray& ray) const {
     }
   }
 
+  cull(filter.culling, found);
   std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.t, a.node, a.primitive) < std::tie(b.t, b.node, b.primitive);
   });
+  return reference;
+}
+
+Reference BruteForce::trace(const accel::Ray& ray, const Filter& filter) const {
+  return nearest_part(trace_all(ray, filter));
+}
+
+Reference nearest_part(Reference all) {
+  auto& found = all.candidates;
   const auto firm = std::find_if(found.begin(), found.end(),
                                  [](const Candidate& c) { return c.accepted && !c.borderline; });
-  if (firm == found.end()) return reference;
+  if (firm == found.end()) return all;
   const double last = firm->t + firm->t_tolerance;
   found.erase(std::remove_if(firm, found.end(),
                              [&](const Candidate& c) { return c.t - c.t_tolerance > last; }),
               found.end());
-  return reference;
+  return all;
 }
 
 std::vector<Reference> BruteForce::trace(std::span<const accel::Ray> rays) const {

@@ -27,6 +27,9 @@ struct PlacedMesh {
 /// Every node of the snapshot that carries a mesh. Transforms are composed root to leaf in double.
 std::vector<PlacedMesh> placed_meshes(const scenegraph::Snapshot& snapshot);
 
+/// Less the candidates that lie farther than the first that is accepted beyond doubt.
+Reference nearest_part(Reference all);
+
 class BruteForce {
  public:
   explicit BruteForce(std::vector<PlacedMesh> meshes, Tolerance tolerance = {});
@@ -34,8 +37,10 @@ class BruteForce {
   explicit BruteForce(std::shared_ptr<const scenegraph::Snapshot> snapshot,
                       Tolerance tolerance = {});
 
-  /// Threads: any.
-  Reference trace(const accel::Ray& ray) const;
+  /// nearest_part of trace_all. Threads: any.
+  Reference trace(const accel::Ray& ray, const Filter& filter = {}) const;
+  /// With every candidate, however far.
+  Reference trace_all(const accel::Ray& ray, const Filter& filter = {}) const;
   /// In parallel in the calling thread's oneTBB arena.
   std::vector<Reference> trace(std::span<const accel::Ray> rays) const;
 

@@ -53,12 +53,14 @@ std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<Q
   const double speed = norm(d);
 
   std::array<Quad, 3> volume, near;
-  double reach = 0;
+  double reach = 0, longest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const QuadVec& q = p[(i + 1) % 3];
     const QuadVec& r = p[(i + 2) % 3];
     volume[i] = dot(d, cross(q, r));
-    near[i] = Quad{tolerance.edge * scale} * Quad{speed} * Quad{norm(r - q)};
+    const double edge = norm(r - q);
+    near[i] = Quad{tolerance.edge * scale} * Quad{speed} * Quad{edge};
+    longest = std::max(longest, edge);
     reach = std::max(reach, norm(p[i]));
   }
   const Sides sides = classify(volume, near);
@@ -75,6 +77,9 @@ std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<Q
   c.normal = {static_cast<double>(normal.x / Quad{area}),
               static_cast<double>(normal.y / Quad{area}),
               static_cast<double>(normal.z / Quad{area})};
+  // Corners that are off by the tolerance turn the normal by as much times an edge.
+  const Quad doubt = Quad{8 * tolerance.edge * scale} * Quad{speed} * Quad{longest};
+  c.side = absolute(facing) <= doubt ? 0 : facing > 0 ? 1 : -1;
   // The triangle's extent along the ray bounds how wrong t can be, however grazing the ray.
   Quad first = dot(p[0], d), last = first;
   for (const QuadVec& corner : p) {

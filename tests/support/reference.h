@@ -1,9 +1,10 @@
-// What the oracle says of one ray: every triangle that may rightly be called its nearest hit.
+// What the oracle says of one ray: every triangle that may rightly be called a hit of it.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "accel/geometry/facing.h"
 #include "accel/geometry/ray.h"
 
 namespace sightline::tests {
@@ -14,6 +15,12 @@ struct Tolerance {
   double edge = 1e-12;
 };
 
+/// What a query leaves out.
+struct Filter {
+  accel::Culling culling = accel::Culling::kNone;
+  std::vector<std::uint64_t> hidden{};  ///< Nodes, ascending.
+};
+
 /// A triangle that the ray meets, or comes so near to that rounding decides.
 struct Candidate {
   double t = 0;            ///< In units of the direction's length.
@@ -22,6 +29,7 @@ struct Candidate {
   std::uint32_t primitive = 0;
   double u = 0, v = 0;    ///< Weights of the face's vertices 1 and 2.
   accel::Vec3d normal;    ///< Geometric, unit, by the winding in scene coordinates.
+  int side = 0;           ///< -1: the ray meets the front, 1: the back, 0: rounding decides.
   bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
   bool borderline =
       false;  ///< Within the edge tolerance of an edge, of tmin or of tmax, or edge-on.
@@ -29,8 +37,8 @@ struct Candidate {
 
 struct Reference {
   bool invalid = false;  ///< NaN, infinite or zero direction, ...: there is no answer.
-  /// By (t, node, primitive). Complete up to the nearest candidate that is accepted beyond doubt,
-  /// and for all that tie with it; what lies farther is left out.
+  /// By (t, node, primitive). From BruteForce::trace, complete up to the nearest candidate that is
+  /// accepted beyond doubt, and for all that tie with it; what lies farther is left out.
   std::vector<Candidate> candidates;
 
   /// The nearest accepted candidate by (t, node, primitive); null for a miss.

@@ -22,6 +22,25 @@ TEST(HitColumns, AllAreTheContracts) {
   EXPECT_EQ(types, "t <f8, node <u8, primitive <u4, u <f4, v <f4, nx <f4, ny <f4, nz <f4, ");
 }
 
+std::string names(const std::vector<HitColumn>& columns) {
+  std::string text;
+  for (const HitColumn column : columns) text += std::string(info_of(column).name) + " ";
+  return text;
+}
+
+TEST(HitColumns, EveryKindHasItsOwn) {
+  EXPECT_EQ(names(standard_columns(QueryKind::kClosest)), "t node primitive u v nx ny nz ");
+  EXPECT_EQ(names(standard_columns(QueryKind::kAny)), "hit ");
+  EXPECT_EQ(names(standard_columns(QueryKind::kCount)), "count ");
+  EXPECT_EQ(names(standard_columns(QueryKind::kAll)), "ray t node primitive u v nx ny nz ");
+  EXPECT_EQ(info_of(HitColumn::kRay).type, "<u8");
+  EXPECT_EQ(info_of(HitColumn::kCount).type, "<u4");
+  EXPECT_TRUE(check_columns({HitColumn::kRay, HitColumn::kWork}, QueryKind::kAll));
+  EXPECT_FALSE(check_columns({HitColumn::kRay}, QueryKind::kClosest));
+  EXPECT_FALSE(check_columns({HitColumn::kT}, QueryKind::kCount));
+  EXPECT_FALSE(check_columns({HitColumn::kCount}, QueryKind::kAny));
+}
+
 TEST(HitColumns, OtherWordsAreErrors) {
   for (const char* text : {"", "t,", "t,t", "T", "normal", " t"})
     EXPECT_FALSE(parse_hit_columns(text)) << text;

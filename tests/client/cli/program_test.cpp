@@ -77,6 +77,14 @@ TEST_F(Program, UsageErrorsAreTwo) {
       {"cast", "s", "--in", "a", "--out", "b", "--fields", "colour"},
       {"cast", "s", "--in", "a", "--out", "b", "--kind", "any", "--fields", "t"},
       {"cast", "s", "--in", "a", "--out", "b", "--build", "some"},
+      {"cast", "s", "--in", "a", "--out", "b", "--kind", "count", "--fields", "t"},
+      {"cast", "s", "--in", "a", "--out", "b", "--fields", "ray"},
+      {"cast", "s", "--in", "a", "--out", "b", "--cull", "both"},
+      {"cast", "s", "--in", "a", "--out", "b", "--under", "door"},
+      {"cast", "s", "--in", "a", "--out", "b", "--under", "0"},
+      {"cast", "s", "--in", "a", "--out", "b", "--exclude", "-1"},
+      {"cast", "s", "--in", "a", "--out", "b", "--max-hits", "3"},
+      {"cast", "s", "--in", "a", "--out", "b", "--kind", "all", "--max-hits", "0"},
       {"cast", "s", "--in", "a"},
       {"--json", "cast", "s", "--in", "a", "--out", "-"},
       {"cast", "s", "--in", "a", "--out", "-", "--json"},
@@ -221,6 +229,44 @@ TEST_F(Program, CastToStandardOutputIsCsvAlone) {
   EXPECT_EQ(outcome.exit, 0);
   EXPECT_EQ(outcome.out, "hit\n1\n0\n2\n");
   EXPECT_NE(outcome.err.find("3 rays, 1 hits, 1 invalid"), std::string::npos);
+}
+
+TEST_F(Program, CastCountsHitsAndListsThem) {
+  import_square();
+  const std::string rays =
+      dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n0,0,0,0,0,0\n0.75,0.25,3,0,0,-1\n");
+  const auto cast = [&](std::vector<const char*> more) {
+    std::vector<const char*> arguments{"cast", "square", "--in", rays.c_str(), "--out", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  EXPECT_EQ(cast({"--kind", "count"}).out, "count\n1\n0\n4294967295\n1\n");
+  EXPECT_EQ(cast({"--kind", "all"}).out,
+            "ray,t,node,primitive,u,v,nx,ny,nz\n"
+            "0,2,2,0,0.5,0.25,0,0,1\n"
+            "2,nan,0,0,0,0,0,0,0\n"
+            "3,3,2,0,0.5,0.25,0,0,1\n");
+  EXPECT_EQ(cast({"--kind", "any", "--cull", "front"}).out, "hit\n0\n0\n2\n0\n");
+  EXPECT_EQ(cast({"--kind", "any", "--cull", "back", "--under", "1"}).out, "hit\n1\n0\n2\n1\n");
+  EXPECT_EQ(cast({"--kind", "any", "--exclude", "2", "1"}).out, "hit\n0\n0\n2\n0\n");
+  const Outcome unknown = cast({"--under", "55"});
+  EXPECT_EQ(unknown.exit, 3);
+  EXPECT_NE(unknown.err.find("root node 55"), std::string::npos);
+  EXPECT_EQ(cast({"--kind", "all", "--max-hits", "16385"}).exit, 1);
+}
+
+TEST_F(Program, ListsAreFilesOfAsManyRowsAsHits) {
+  import_square();
+  const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n");
+  const std::string out = dir_.path("hits.npy");
+  const Outcome outcome = run({"cast", "square", "--in", rays.c_str(), "--out", out.c_str(),
+                               "--kind", "all", "--fields", "ray,t", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["hits_found"], 1);
+  EXPECT_EQ(json::parse(outcome.out)["rays_cut_off"], 0);
+  const std::string file = dir_.read("hits.npy");
+  EXPECT_NE(file.find("[('ray', '<u8'), ('t', '<f8')]"), std::string::npos);
+  EXPECT_NE(file.find("'shape': (1,)"), std::string::npos);
 }
 
 TEST_F(Program, RenderWritesAPngInEveryMode) {

@@ -1,0 +1,43 @@
+// The sign of a determinant: by doubles with a proven bound, then exactly.
+#include "accel/geometry/facing.h"
+
+#include <cmath>
+
+#include "accel/geometry/expansion.h"
+
+namespace sightline::accel {
+namespace {
+
+// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2| in
+// the maximum norm, |d| < 2.
+constexpr double kSignError = 0x1p-46;
+
+double max_norm(const Vec3d& v) {
+  return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+}
+
+int exact_facing(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  Expansion plus, minus;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    const Expansion d(ray.direction[i]);
+    plus.add_product(Expansion::difference(b[j], a[j]), Expansion::difference(c[k], a[k]), d);
+    minus.add_product(Expansion::difference(b[k], a[k]), Expansion::difference(c[j], a[j]), d);
+  }
+  plus.subtract(minus);
+  return plus.sign();
+}
+
+}  // namespace
+
+int facing(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& cf) {
+  const Vec3d a(af), b(bf), c(cf);
+  const Vec3d e1 = b - a, e2 = c - a;
+  const double along = dot(cross(e1, e2), ray.direction);
+  const double bound = kSignError * max_norm(e1) * max_norm(e2);
+  if (along > bound) return 1;
+  if (along < -bound) return -1;
+  return exact_facing(ray, a, b, c);
+}
+
+}  // namespace sightline::accel

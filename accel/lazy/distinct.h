@@ -1,0 +1,70 @@
+// The hits of one ray, each kept once however many cells it was met in, and of those the least few.
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace sightline::accel {
+
+/// Collects values and keeps the `limit` least distinct ones. Its memory, at most twice of what it
+/// keeps, is used again after clear(). Amortised cost of an add: the logarithm of what is kept.
+template <class T>
+class Distinct {
+ public:
+  explicit Distinct(std::size_t limit = std::numeric_limits<std::size_t>::max()) : limit_(limit) {}
+
+  void clear() {
+    values_.clear();
+    compact_at_ = kLeast;
+  }
+
+  /// Returns whether values were sorted out: greatest() may be less than before.
+  bool add(const T& value) {
+    if (!values_.empty() && values_.back() == value) return false;  // by far the most frequent twin
+    values_.push_back(value);
+    if (values_.size() < compact_at_) return false;
+    compact();
+    return true;
+  }
+
+  /// After an add that returned true: what is greater than this will not be kept. Null while there
+  /// is room.
+  const T* greatest() const { return values_.size() == limit_ ? &values_.back() : nullptr; }
+
+  /// What is kept, ascending. Valid until the next add.
+  std::span<const T> sorted() {
+    compact();
+    return values_;
+  }
+
+ private:
+  static constexpr std::size_t kLeast = 32;
+
+  void compact() {
+    std::sort(values_.begin(), values_.end());
+    values_.erase(std::unique(values_.begin(), values_.end()), values_.end());
+    if (values_.size() > limit_) values_.resize(limit_);
+    compact_at_ = std::max(kLeast, 2 * values_.size());
+  }
+
+  std::size_t limit_;
+  std::size_t compact_at_ = kLeast;
+  std::vector<T> values_;
+};
+
+/// A hit as it is listed: less is nearer, ties by node and primitive.
+struct ListedHit {
+  double t = 0;
+  std::uint64_t node = 0;
+  std::uint32_t primitive = 0;
+  std::uint32_t instance = 0;  ///< The caller's, one for each node.
+
+  auto operator<=>(const ListedHit&) const = default;
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,43 @@
+// A real scene, imported and brought to a server in this process.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "client/client.h"
+#include "server/server.h"
+#include "tests/bench/scene_source.h"
+#include "tests/support/brute_force.h"
+
+namespace sightline::tests {
+
+/// Scenes come from the directory that SIGHTLINE_SCENES names; without it tests are skipped.
+class ServedScene : public testing::Test {
+ protected:
+  /// Starts a server and imports the scene of that file; skips or fails the test if it cannot.
+  void serve(const std::string& file);
+
+  static constexpr const char* kScene = "projects/default/scenes/oracle";
+  std::filesystem::path file_;
+  std::unique_ptr<server::Server> server_;
+  std::optional<client::Client> client_;
+};
+
+/// The scene as its file says, placed without any help from the product's scene graph. The server
+/// gives ids from 1 upward in the order of the file's nodes.
+std::vector<PlacedMesh> place(const bench::SceneSource& scene);
+
+/// Half overview, half random.
+std::vector<accel::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count);
+
+/// SIGHTLINE_TEST_DIVISOR (default 10): divides the number of rays; 1 casts them all.
+std::size_t divisor();
+
+}  // namespace sightline::tests
