@@ -1,0 +1,50 @@
+// Rays and triangles on which methods that round lose hits: aimed at edges and vertices, exactly or
+// beside them by little, of all sizes and at all distances.
+#pragma once
+
+#include <cstdint>
+
+#include "tests/fuzz/hard_case.h"
+#include "tests/support/random.h"
+
+namespace sightline::tests {
+
+/// An endless series of cases, the same for the same (seed, stream) on every machine.
+class HardCases {
+ public:
+  HardCases(std::uint64_t seed, std::uint64_t stream) : random_(seed, stream) {}
+
+  /// All vertices are finite, origin and direction too, and the direction is not zero.
+  HardCase next();
+
+ private:
+  bool chance(double share) { return random_.uniform() < share; }
+  int integer(int low, int high);
+  double sign() { return chance(0.5) ? 1 : -1; }
+
+  // What the case is made in: coordinates of about `size_` around `center_`.
+  void choose_place();
+  accel::Vec3f place(const accel::Vec3d& local) const;
+  accel::Vec3d local_point();
+
+  accel::Vec3d choose_direction();
+  void surround_hub(HardCase& hard);
+  void spoil(HardCase& hard);
+  void shuffle_faces(HardCase& hard);
+
+  // The ray: where to, where from.
+  void aim(HardCase& hard);
+  accel::Vec3d point_on_border(const HardCase& hard);
+  accel::Vec3d beside(accel::Vec3d point);
+  double stand_off(const accel::Vec3d& direction);
+  void lie_in_plane(HardCase& hard);
+  void graze(HardCase& hard);
+  void rescale_direction(HardCase& hard);
+
+  Random random_;
+  double size_ = 1;
+  accel::Vec3d center_;
+  bool lattice_ = false;  // vertices at small integers
+};
+
+}  // namespace sightline::tests

@@ -1,0 +1,15 @@
+// Many hard cases in parallel.
+#pragma once
+
+#include <cstdint>
+
+#include "tests/fuzz/check_case.h"
+
+namespace sightline::tests {
+
+/// Checks hard cases until `near` pairs whose ray passes near an edge are among them, rounded up to
+/// whole blocks. The same seed gives the same cases whatever the number of threads: those of the
+/// calling thread's oneTBB arena.
+Tally check_near_edges(std::uint64_t near, std::uint64_t seed, const Asking& asking = {});
+
+}  // namespace sightline::tests
