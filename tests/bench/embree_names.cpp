@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"embree-low", "embree-medium", "embree-high",
                                                  "embree-low-robust", "embree-medium-robust"};
-constexpr std::array<EmbreeSettings, 5> kSettings{{{EmbreeQuality::kLow, false},
-                                                   {EmbreeQuality::kMedium, false},
-                                                   {EmbreeQuality::kHigh, false},
-                                                   {EmbreeQuality::kLow, true},
-                                                   {EmbreeQuality::kMedium, true}}};
+constexpr std::array<EmbreeSettings, 5> kSettings{{{EmbreeQuality::kLow, false, false},
+                                                   {EmbreeQuality::kMedium, false, false},
+                                                   {EmbreeQuality::kHigh, false, false},
+                                                   {EmbreeQuality::kLow, true, false},
+                                                   {EmbreeQuality::kMedium, true, false}}};
 
 }  // namespace
 

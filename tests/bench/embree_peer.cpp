@@ -10,6 +10,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "tests/bench/embree_crossings.h"
 #include "tests/bench/embree_rays.h"
 #include "tests/bench/stopwatch.h"
 
@@ -135,6 +136,9 @@ class Peer final : public EmbreePeer {
   std::string entry() const override { return entry_.name(any_); }
   double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
                std::size_t batch) override;
+  void count(std::span<const accel::Ray> rays, std::span<std::uint32_t> counts) override {
+    count_embree_crossings(scene_.get(), rays, frame_, counts);
+  }
 
  private:
   ScenePtr new_scene() const;
@@ -157,7 +161,10 @@ class Peer final : public EmbreePeer {
 ScenePtr Peer::new_scene() const {
   ScenePtr scene(rtcNewScene(device_.get()));
   rtcSetSceneBuildQuality(scene.get(), build_quality(settings_.quality));
-  rtcSetSceneFlags(scene.get(), settings_.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  int flags = RTC_SCENE_FLAG_NONE;
+  if (settings_.robust) flags |= RTC_SCENE_FLAG_ROBUST;
+  if (settings_.crossings) flags |= RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+  rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
   return scene;
 }
 

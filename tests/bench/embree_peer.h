@@ -21,6 +21,8 @@ struct EmbreeSettings {
   EmbreeQuality quality = EmbreeQuality::kMedium;
   /// RTC_SCENE_FLAG_ROBUST. It silently turns HIGH into MEDIUM, so there is no HIGH with it.
   bool robust = false;
+  /// For count(): slower to trace.
+  bool crossings = false;
 };
 
 /// The command line's names: embree-low, ..., embree-medium-robust.
@@ -68,6 +70,10 @@ class EmbreePeer {
   /// Of a hit only t, node, primitive and state are set; for `any` only the state.
   virtual double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
                        std::size_t batch) = 0;
+
+  /// counts[i] is how many triangles rays[i] meets within its limits, each once. For settings with
+  /// `crossings`; after build().
+  virtual void count(std::span<const accel::Ray> rays, std::span<std::uint32_t> counts) = 0;
 };
 
 }  // namespace sightline::bench

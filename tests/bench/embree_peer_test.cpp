@@ -126,6 +126,25 @@ TEST_F(EmbreePeerTest, LeavesDenormalsAsTheyWere) {
   EXPECT_EQ(_mm_getcsr() & ~kExceptionFlags, before & ~kExceptionFlags);
 }
 
+TEST_F(EmbreePeerTest, CountsEveryTriangleOnce) {
+  const SceneSource scene = family();
+  const Answers ours = answers(scene, RayKind::kRandom, false);
+  std::vector<scenegraph::RayTally> tallies(ours.rays.size());
+  ASSERT_TRUE(scenegraph::count_hits(*ours.snapshot, ours.rays, tallies,
+                                     {.kind = scenegraph::QueryKind::kCount})
+                  .ok());
+  EmbreeSettings settings;
+  settings.crossings = true;
+  auto peer = EmbreePeer::make(scene, settings, 2);
+  ASSERT_TRUE(peer.ok());
+  ASSERT_TRUE((*peer)->build().ok());
+  std::vector<std::uint32_t> counts(ours.rays.size());
+  (*peer)->count(ours.rays, counts);
+  std::size_t equal = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) equal += counts[i] == tallies[i].count;
+  EXPECT_GE(equal * 100, counts.size() * 99);
+}
+
 TEST(Disagreement, CountsWhatCannotBeExcused) {
   const SceneSource scene = family();
   const Answers ours = answers(scene, RayKind::kRandom, false);

@@ -5,20 +5,27 @@
 
 namespace sightline::bench {
 
+void Fingerprint::add_columns(const accel::Hit& hit) {
+  add(static_cast<std::uint64_t>(hit.state), 1);
+  add_bits(hit.t);
+  add(hit.node);
+  add(hit.primitive, 4);
+  add_bits(hit.u);
+  add_bits(hit.v);
+  for (std::size_t a = 0; a < 3; ++a) add_bits(hit.normal[a]);
+}
+
+std::string Fingerprint::text() const { return fmt::format("{:016x}", hash_); }
+
 std::string hit_hash(std::span<const accel::Hit> hits, scenegraph::QueryKind kind) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](std::uint64_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) {
-      hash = (hash ^ (value >> (8 * i) & 0xff)) * 0x100000001b3u;
-    }
-  };
+  Fingerprint print;
   for (const accel::Hit& hit : hits) {
-    add(static_cast<std::uint64_t>(hit.state), 1);
+    print.add(static_cast<std::uint64_t>(hit.state), 1);
     if (kind == scenegraph::QueryKind::kAny) continue;
-    add(hit.node, 8);
-    add(hit.primitive, 4);
+    print.add(hit.node);
+    print.add(hit.primitive, 4);
   }
-  return fmt::format("{:016x}", hash);
+  return print.text();
 }
 
 }  // namespace sightline::bench

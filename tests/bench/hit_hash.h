@@ -1,6 +1,7 @@
 // A fingerprint of answers: equal answers, equal number, on every machine.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,8 +11,30 @@
 
 namespace sightline::bench {
 
-/// 64-bit FNV-1a over (hit, node, primitive) of every ray in order, as 16 hexadecimal digits; for
-/// kAny over hit alone.
+/// 64-bit FNV-1a.
+class Fingerprint {
+ public:
+  /// The low `bytes` bytes of a value.
+  void add(std::uint64_t value, int bytes = 8) {
+    for (int i = 0; i < bytes; ++i) {
+      hash_ = (hash_ ^ (value >> (8 * i) & 0xff)) * 0x100000001b3u;
+    }
+  }
+  /// Every bit counts: NaN is itself, and 0 is not -0.
+  void add_bits(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+  void add_bits(float value) { add(std::bit_cast<std::uint32_t>(value), 4); }
+  /// All columns: state, t, node, primitive, weights, normal; not the work.
+  void add_columns(const accel::Hit& hit);
+
+  std::uint64_t value() const { return hash_; }
+  /// As 16 hexadecimal digits.
+  std::string text() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+/// Over (hit, node, primitive) of every ray in order; for kAny over hit alone.
 std::string hit_hash(std::span<const accel::Hit> hits, scenegraph::QueryKind kind);
 
 }  // namespace sightline::bench

@@ -15,6 +15,7 @@
 #include "accel/build/any_builder.h"
 #include "tests/bench/embree_peer.h"
 #include "tests/bench/generators.h"
+#include "tests/bench/robust_family.h"
 #include "tests/bench/verbs.h"
 
 namespace sightline::bench {
@@ -30,7 +31,7 @@ int hardware_threads() {
 
 void add_common(CLI::App& app, CommonOptions& common) {
   common.threads = hardware_threads();
-  app.add_option("--scene", common.scene, "A scene file, or gen:NAME?key=value&...")->required();
+  app.add_option("--scene", common.scene, "A scene file, or gen:NAME?key=value&...");
   app.add_option("--threads", common.threads, "Threads (default: all)")->check(CLI::Range(1, 1024));
   app.add_option("--repeat", common.repeat, "Times are medians over this many runs")
       ->check(CLI::Range(1, 10000));
@@ -118,11 +119,52 @@ Verb add_verb_curve(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_curve(common, *options); };
 }
 
+Verb add_verb_exactness(CLI::App& app) {
+  auto options = std::make_shared<ExactnessOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "exactness", "What exact hits cost against a plain float test in the same walk");
+  verb.add_option("--rays", options->kinds, std::string(kRayKinds) + "; several by commas")
+      ->delimiter(',');
+  verb.add_option("--count", options->count, "How many rays of each kind")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  verb.add_option("--builder", options->builder, "Default: the product's");
+  return [options](const CommonOptions& common) { return run_exactness(common, *options); };
+}
+
+Verb add_verb_robust(CLI::App& app) {
+  auto options = std::make_shared<RobustOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "robust", "Rays lost, answered twice or wrong: our methods and Embree on closed scenes");
+  std::string families;
+  for (const std::string_view name : robust_family_names()) families += std::string(name) + " ";
+  verb.add_option("--family", options->family, "Of these, all that begin so: " + families);
+  verb.add_option("--level", options->level, "Of the icospheres: 20 * 4^level triangles")
+      ->check(CLI::Range(0, 10));
+  verb.add_option("--count", options->count, "How many rays a family, a quarter of each kind")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  verb.add_option("--builder", options->builders, "By commas; default: ours, but for sah-naive")
+      ->delimiter(',');
+  return [options](const CommonOptions& common) { return run_robust(common, *options); };
+}
+
+Verb add_verb_answers(CLI::App& app) {
+  auto options = std::make_shared<AnswersOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "answers", "A hash of the answers for every way to find them; fails if two differ");
+  verb.add_option("--rays", options->kinds, std::string(kRayKinds) + "; several by commas")
+      ->delimiter(',');
+  verb.add_option("--count", options->count, "How many rays of each kind")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+  verb.add_option("--builder", options->builders, "By commas; default: all of ours")
+      ->delimiter(',');
+  return [options](const CommonOptions& common) { return run_answers(common, *options); };
+}
+
 int run(const CommonOptions& common, const Verb& verb) {
-  // More threads than processors only where asked for.
+  // Room for more threads than processors; they are made only where an arena asks for them.
   const tbb::global_control limit(
       tbb::global_control::max_allowed_parallelism,
-      static_cast<std::size_t>(std::max(common.threads, hardware_threads())));
+      static_cast<std::size_t>(std::max({common.threads, hardware_threads(), kMostAnswerThreads})));
   tbb::task_arena arena(common.threads);
   const auto rows = arena.execute([&] { return verb(common); });
   if (!rows.ok()) {
@@ -141,11 +183,11 @@ int main_checked(int argc, char** argv) {
   app.footer("Generated scenes, with their defaults:\n" + list_generators());
   CommonOptions common;
   add_common(app, common);
-  const std::map<std::string, Verb> verbs{{"rays", add_verb_rays(app)},
-                                          {"build", add_verb_build(app)},
-                                          {"trace", add_verb_trace(app)},
-                                          {"lazy", add_verb_lazy(app)},
-                                          {"curve", add_verb_curve(app)}};
+  const std::map<std::string, Verb> verbs{
+      {"rays", add_verb_rays(app)},     {"build", add_verb_build(app)},
+      {"trace", add_verb_trace(app)},   {"lazy", add_verb_lazy(app)},
+      {"curve", add_verb_curve(app)},   {"exactness", add_verb_exactness(app)},
+      {"robust", add_verb_robust(app)}, {"answers", add_verb_answers(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

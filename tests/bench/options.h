@@ -49,6 +49,25 @@ struct LazyOptions {
   std::size_t batch = 0;  ///< Rays a batch; 0: all in one.
 };
 
+struct ExactnessOptions {
+  std::vector<std::string> kinds{"overview", "diffuse", "random"};
+  std::size_t count = 1'000'000;
+  std::string builder{};
+};
+
+struct RobustOptions {
+  std::string family{};                 ///< Families whose name begins so; empty: all.
+  int level = 7;                        ///< Of the icospheres.
+  std::size_t count = 1'000'000;        ///< A family, a quarter of each kind.
+  std::vector<std::string> builders{};  ///< Empty: all but sah-naive.
+};
+
+struct AnswersOptions {
+  std::vector<std::string> kinds{"random", "aimed"};
+  std::size_t count = 10'000;           ///< Of each kind.
+  std::vector<std::string> builders{};  ///< Empty: all, but for sah-naive on large scenes.
+};
+
 struct CurveOptions {
   char axis = 'x';
   int points = 500;  ///< How finely the curves are drawn.

@@ -16,6 +16,45 @@ std::string cell_text(const Row& row, const std::string& key) {
   return found->dump();
 }
 
+std::vector<std::string> all_keys(const std::vector<Row>& rows) {
+  std::vector<std::string> keys;
+  for (const Row& row : rows) {
+    for (const auto& [key, value] : row.items()) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
+using Lines = std::vector<std::vector<std::string>>;
+
+Lines transposed(const Lines& lines) {
+  Lines result;
+  for (std::size_t i = 0; !lines.empty() && i < lines.front().size(); ++i) {
+    result.emplace_back();
+    for (const auto& line : lines) result.back().push_back(line[i]);
+  }
+  return result;
+}
+
+// The first column to the left, the others to the right.
+std::string aligned(const Lines& lines) {
+  std::vector<std::size_t> widths;
+  for (const auto& line : lines) {
+    widths.resize(line.size());
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      text += i == 0 ? fmt::format("{:<{}}", line[i], widths[i])
+                     : fmt::format("  {:>{}}", line[i], widths[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string to_json_lines(const std::vector<Row>& rows) {
@@ -25,29 +64,13 @@ std::string to_json_lines(const std::vector<Row>& rows) {
 }
 
 std::string to_table(const std::vector<Row>& rows) {
-  std::vector<std::string> keys;
-  for (const Row& row : rows) {
-    for (const auto& [key, value] : row.items()) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    }
-  }
-  std::size_t key_width = 0;
-  for (const std::string& key : keys) key_width = std::max(key_width, key.size());
-  std::vector<std::size_t> widths;
-  for (const Row& row : rows) {
-    std::size_t width = 0;
-    for (const std::string& key : keys) width = std::max(width, cell_text(row, key).size());
-    widths.push_back(width);
-  }
-  std::string text;
+  const std::vector<std::string> keys = all_keys(rows);
+  Lines lines;
   for (const std::string& key : keys) {
-    text += fmt::format("{:<{}}", key, key_width);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      text += fmt::format("  {:>{}}", cell_text(rows[i], key), widths[i]);
-    }
-    text += '\n';
+    lines.push_back({key});
+    for (const Row& row : rows) lines.back().push_back(cell_text(row, key));
   }
-  return text;
+  return aligned(rows.size() > kMostColumns ? transposed(lines) : lines);
 }
 
 double median(std::vector<double> values) {

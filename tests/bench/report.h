@@ -13,7 +13,9 @@ using Row = nlohmann::ordered_json;
 /// One JSON object a line.
 std::string to_json_lines(const std::vector<Row>& rows);
 
-/// A line a key, a column a row, aligned; keys in the order of their first appearance.
+/// Aligned, keys in the order of their first appearance: a line a key and a column a row, or the
+/// other way round if there are more than kMostColumns rows.
+inline constexpr std::size_t kMostColumns = 16;
 std::string to_table(const std::vector<Row>& rows);
 
 /// The middle value, or the mean of the two middle ones. `values` is not empty.

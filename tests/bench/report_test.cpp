@@ -43,6 +43,35 @@ TEST(Report, TablesAreAligned) {
             "hits       -  1234567\n");
 }
 
+TEST(Report, ManyRowsAreALineEach) {
+  std::vector<Row> rows(kMostColumns + 1, Row{{"scene", "y"}, {"count", 12}});
+  rows[0]["scene"] = "bunny";
+  const std::string table = to_table(rows);
+  EXPECT_TRUE(table.starts_with("scene  count\nbunny     12\ny         12\n")) << table;
+}
+
+TEST(Fingerprint, EveryColumnCounts) {
+  const auto print = [](const accel::Hit& hit) {
+    Fingerprint fingerprint;
+    fingerprint.add_columns(hit);
+    return fingerprint.value();
+  };
+  const accel::Hit miss;
+  std::vector<accel::Hit> hits(8);
+  hits[0].t = 1;
+  hits[1].node = 1;
+  hits[2].primitive = 1;
+  hits[3].u = 1;
+  hits[4].v = 1;
+  hits[5].normal = {0, 1, 0};
+  hits[6].state = accel::HitState::kHit;
+  hits[7].u = -0.0f;
+  for (const accel::Hit& hit : hits) EXPECT_NE(print(hit), print(miss));
+  accel::Hit harder;
+  harder.work = 7;
+  EXPECT_EQ(print(harder), print(miss));
+}
+
 TEST(HitHash, CoversWhatTheKindAnswers) {
   std::vector<accel::Hit> hits(3);
   hits[1].state = accel::HitState::kHit;

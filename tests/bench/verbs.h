@@ -29,4 +29,21 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
 /// then the suggested and the true curve.
 Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options);
 
+/// Rays lost, answered twice and answered wrong on closed scenes far from and near the origin, a
+/// row a family, kind of rays, method, builder and policy.
+Result<std::vector<Row>> run_robust(const CommonOptions& common, const RobustOptions& options);
+
+/// A hash of all answer columns of all kinds of query for every way to answer the same rays: every
+/// builder and SIMD target, full and growing trees, numbers of threads, orders and batches. Error:
+/// kDataLoss, naming the ways whose hashes are not those of the first.
+Result<std::vector<Row>> run_answers(const CommonOptions& common, const AnswersOptions& options);
+/// It uses so many, whatever the machine has: the caller's tbb::global_control must allow them.
+inline constexpr int kMostAnswerThreads = 8;
+
+/// Trace times of the exact hit rule and of a plain float test in the same walk over the same full
+/// trees, a row a kind of ray. Times are sums of the least times of short stretches, over which the
+/// methods take turns.
+Result<std::vector<Row>> run_exactness(const CommonOptions& common,
+                                       const ExactnessOptions& options);
+
 }  // namespace sightline::bench

@@ -37,6 +37,7 @@ Result<scenegraph::Affine> parse_rotation(std::string_view text) {
 }  // namespace
 
 Result<SceneSource> make_scene(const CommonOptions& common) {
+  if (common.scene.empty()) return invalid("--scene is required");
   auto scene = load_scene(common.scene);
   if (!scene.ok() || common.rotate.empty()) return scene;
   const auto turn = parse_rotation(common.rotate);
