@@ -31,7 +31,7 @@ class Scene {
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
   /// Errors name the update's place in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
-  /// alias used twice, counts that disagree), kFailedPrecondition (delete of a node with children).
+  /// counts that disagree), kFailedPrecondition (delete of a node with children).
   Result<Applied> apply(const std::vector<Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt);
 

@@ -14,6 +14,9 @@ struct AdmissionLimits {
   std::uint64_t bytes = std::uint64_t{256} << 20;  ///< Bytes that those and other requests hold.
 };
 
+/// Batches that ask for all hits get one part in so many of it.
+inline constexpr std::uint64_t kListingShare = 2;
+
 class Admission {
  public:
   /// A place in the queue; leaving scope gives it back. Must not outlive the Admission.

@@ -44,11 +44,14 @@ Status CastJob::take(const v1::Rays& rays) {
                  "TOO_MANY_HITS"};
   }
   const std::size_t bytes_per_ray = sizeof(accel::Ray) + sizeof(accel::Hit) + kReplyBytesPerRay;
-  auto ticket = services_.admission.admit(
-      rays_.size(),
-      rays.ByteSizeLong() + rays_.size() * bytes_per_ray +
-          (lists ? bytes_of_lister(rays_.size(), query_.max_hits, services_.compute.threads())
-                 : 0));
+  std::size_t bytes = rays.ByteSizeLong() + rays_.size() * bytes_per_ray;
+  if (lists) {
+    bytes += bytes_of_lister(rays_.size(), query_.max_hits, services_.compute.threads());
+    auto listing = services_.listing.admit(rays_.size(), bytes);
+    if (!listing) return listing.error();
+    listing_ticket_ = std::move(*listing);
+  }
+  auto ticket = services_.admission.admit(rays_.size(), bytes);
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
   taken_ = Clock::now();
@@ -59,7 +62,7 @@ Status CastJob::take(const v1::Rays& rays) {
 Status CastJob::run(v1::CastRaysResponse& reply) {
   // Given back before the last reply is written: a client that is slow to read must not hold up
   // the others.
-  Admission::Ticket ticket = std::move(ticket_);
+  Admission::Ticket ticket = std::move(ticket_), listing = std::move(listing_ticket_);
   const auto begun = Clock::now();
   if (Status selected = select(); !selected) return selected;
   const scenegraph::TraceOptions options{.kind = query_.kind,
@@ -80,6 +83,7 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
   reply.mutable_served()->set_revision(snapshot_->revision());
   if (reply.more()) {
     ticket_ = std::move(ticket);
+    listing_ticket_ = std::move(listing);
     reply.clear_stats();
     return {};
   }

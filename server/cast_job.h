@@ -25,6 +25,9 @@ struct CastServices {
   SceneStore& scenes;
   Compute& compute;
   Admission& admission;
+  /// A part of it, for batches that ask for all hits: those keep their places while a client reads,
+  /// and however slow some are, room for other batches is left.
+  Admission& listing;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
 };
 
@@ -72,7 +75,7 @@ class CastJob {
   std::vector<scenegraph::RayTally> tallies_;
   HitLister lister_;
   scenegraph::TraceStats stats_;
-  Admission::Ticket ticket_;
+  Admission::Ticket ticket_, listing_ticket_;
   Clock::time_point taken_;
   Clock::duration queued_{}, traced_{};  // of the batch
   bool begun_ = false;                   // a reply to the batch has been made

@@ -22,7 +22,8 @@ class MeshBlobReader {
   /// Of a blob of `size` bytes in all.
   explicit MeshBlobReader(std::uint64_t size) : size_(size) {}
 
-  /// Takes the next bytes. Memory grows with what has arrived, not with what the header promises.
+  /// Takes the next bytes. Resident memory grows with what has arrived, not with what the header
+  /// promises.
   /// Errors: kInvalidArgument (not a mesh, or its counts disagree with its size, or bytes beyond
   /// its end), kResourceExhausted (too many faces). After an error the reader is of no further use.
   Status append(std::span<const std::byte> bytes);

@@ -91,15 +91,16 @@ struct Server::Parts {
   explicit Parts(const ServerConfig& c)
       : config(c),
         admission(c.admission),
+        listing({c.admission.rays / kListingShare, c.admission.bytes / kListingShare}),
         blobs({.memory_budget = c.memory_budget}),
         compute(c.threads) {}
 
   const ServerConfig config;
-  Admission admission;
+  Admission admission, listing;
   MemorySceneStore scenes;
   BlobStore blobs;
   Compute compute;
-  RayQueryRpc query_rpc{{scenes, compute, admission, config.policy}};
+  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy}};
   SceneRpc scene_rpc{scenes, blobs, compute, admission};
   BlobRpc blob_rpc{blobs, compute, admission};
   InfoRpc info_rpc{describe(config)};

@@ -49,8 +49,8 @@ class AxisCuts {
   bool inside(float x) const { return x > lo_ && x < hi_; }
 
   /// Whether a cut leads anywhere. Inside the cell it must keep something out of one side. At the
-  /// cell's own face it must move boxes that lie in the face, and nothing else, into a flat cell; a
-  /// flat cell is not cut along its axis.
+  /// cell's own face it must move boxes that lie in the face into a flat cell (with them, if lists
+  /// are not clipped, go boxes that reach beyond the face); a flat cell is not cut along its axis.
   bool leads_somewhere(float x, bool planar_left, std::uint32_t left, std::uint32_t right) const {
     if (inside(x)) return left < weight_ || right < weight_;
     if (flat_) return false;

@@ -17,7 +17,7 @@ struct GrowContext {
   const AnyBuilder& builder;
   const MeshView* mesh = nullptr;  ///< What clipping builders clip; null: nothing to clip.
   int max_depth = 0;
-  /// Once true, cells not begun yet are left deferred.
+  /// Once true, large cells not begun yet are left deferred (kForkFrom references or more).
   const std::atomic<bool>* cancelled = nullptr;
 };
 

@@ -31,8 +31,9 @@ struct ScanBuilder {
   /// Sample planes an axis in the second pass, placed along the range of C_L - C_R. Range 0 to
   /// kScanWidth / 2.
   std::uint32_t adaptive_samples = 8;
-  /// Up to this many boxes every bound is a candidate. Range 0 to kMaxExact.
-  std::uint32_t exact_below = 36;
+  /// Up to this many boxes every bound is a candidate: below where that costs more time than two
+  /// sampling passes. The paper has 36 by the same rule. Range 0 to kMaxExact.
+  std::uint32_t exact_below = 96;
   /// See ScanAxes::kHybrid.
   std::uint32_t hybrid_below = 1024;
   SahConstants cost{};
@@ -40,7 +41,7 @@ struct ScanBuilder {
   // Ours, not the paper's; off unless a builder's name says otherwise.
 
   /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two
-  /// are tried as well. Range > 0; infinite: never.
+  /// are tried as well. Range from 1e-6; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
   /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost
   /// is linear, so the minimum always lies at one. Costs two passes.
@@ -48,7 +49,7 @@ struct ScanBuilder {
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
 
-  static constexpr std::uint32_t kMaxExact = 64;  ///< Below kMaxBoundScan.
+  static constexpr std::uint32_t kMaxExact = kMaxBoundScan;
 
   bool operator==(const ScanBuilder&) const = default;
 

@@ -12,7 +12,7 @@
 
 namespace sightline::accel {
 
-/// Most sample planes that one pass takes per axis.
+/// Most planes of one axis, over both passes of sampling; each pass counts half of them.
 inline constexpr std::size_t kScanWidth = 16;
 
 /// Planes of one axis in any order (unused ones: repeat a used one), and what a pass counted.

@@ -37,7 +37,8 @@ class LazyTree {
   /// is finished whole.
   bool expand(AtomicSlot& slot, BuildCounters& counters);
 
-  /// Expands everything until nothing is unbuilt, or `cancelled`. Parallel in the caller's arena.
+  /// Expands everything until nothing is unbuilt but cells for which there was no room, or until
+  /// `cancelled`. Parallel in the caller's arena.
   void expand_all(BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
  private:

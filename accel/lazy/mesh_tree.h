@@ -18,7 +18,7 @@ namespace sightline::accel {
 /// What a walk does at a cell that is not built.
 enum class AtUnbuilt : std::uint8_t {
   kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
-  kSearch,  ///< Test every triangle of its list.
+  kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
   kSkip,    ///< Pass it over.
 };
 

@@ -7,7 +7,8 @@
 namespace sightline::accel {
 
 /// While one lives, nothing retired after it began is freed. Held for one block of rays, never
-/// longer. Nests. Threads: any; entering and leaving are a store each.
+/// longer. Nests. Threads: any; entering is a store, repeated if the epoch moved on meanwhile,
+/// leaving another.
 class EpochPin {
  public:
   EpochPin();

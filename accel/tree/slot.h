@@ -13,11 +13,12 @@ struct DeferredCell;
 
 /// A child slot, 64 bits, always read and written as one atomic word:
 ///
-///     bits 0..2   tag
-///     deferred, expanding:  the other bits are the address of a DeferredCell (8-byte aligned)
-///     leaf:      bits 3..31 count; bits 32..63 the reference if count is 1, else the place of the
-///     first in the id array binary:    bits 3..31 place of the pair of child slots; bits 32..63
-///     the plane's position, a float
+///     tag, bits 0..2        bits 3..31           bits 32..63
+///     deferred, expanding   the address of a DeferredCell (8-byte aligned)
+///     leaf                  count                the reference if count is 1, else the place of
+///                                                the first in the id array
+///     binary x, y, z        place of the pair    the plane's position, a float
+///                           of child slots
 ///
 /// With the plane in its own slot an inner node is nothing but its two child slots: 16 bytes, one
 /// cache line touched.

@@ -80,10 +80,10 @@ inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
 /// Visits, near to far, the cells that the ray enters.
 ///
 /// `visit` supplies:
-///   bool leaf(span<const uint32_t> references)   true: stop the walk
-///   bool unbuilt(AtomicSlot&, const DeferredCell&) what to do at an unbuilt slot; see Unbuilt
-///   below double limit()                               t beyond which nothing matters any more,
-///   widened by the slack
+///   bool leaf(span<const uint32_t> references)          true: stop the walk
+///   Unbuilt unbuilt(AtomicSlot&, const DeferredCell&)   what to do at an unbuilt slot
+///   double limit()                                      t beyond which nothing matters any more,
+///                                                       widened by the slack
 enum class Unbuilt {
   kAgain,  ///< It is built now: look again.
   kDone,   ///< Dealt with: go on with the next cell.

@@ -252,5 +252,19 @@ TEST_F(ShortQueueTest, RefusesWhatIsOverItAndNamesIt) {
   for (int i = 0; i < 10; ++i) cast(cast_request(kScene, rays_downward(100)));
 }
 
+TEST_F(ShortQueueTest, LeavesRoomBesideBatchesThatListHits) {
+  api_.make_scene(kScene, planar_sheet(1));
+  const auto all_of = [&](std::size_t rays) {
+    auto request = cast_request(kScene, rays_downward(rays));
+    request.set_kind(v1::QUERY_KIND_ALL);
+    return request;
+  };
+  const grpc::Status status = fail(all_of(51));
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(reason_of(status), "QUEUE_FULL");
+  EXPECT_NE(status.error_message().find("limit of 50"), std::string::npos);
+  for (int i = 0; i < 3; ++i) cast(all_of(50));
+}
+
 }  // namespace
 }  // namespace sightline::tests

@@ -69,7 +69,7 @@ double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell,
 
 TEST(ScanBuilder, FindsTheOptimumWhenExact) {
   const ScanBuilder builder;
-  for (std::size_t n = 1; n <= 36; ++n) {
+  for (std::size_t n = 1; n <= builder.exact_below; ++n) {
     const std::vector<BoxRef> refs = random_boxes(n, 0.1, n);
     const Aabb cell = bounds(refs);
     BuildCounters counters;
