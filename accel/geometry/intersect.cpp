@@ -117,8 +117,8 @@ Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Ve
   const Barycentric weights = std::fabs(sum) <= kEdgeOn * size * size
                                   ? exact_weights(ray, a, b, c)
                                   : Barycentric{wb / sum, wc / sum};
-  const double u = std::clamp(weights.u, 0.0, 1.0);
-  const double v = std::clamp(weights.v, 0.0, 1.0);
+  const double u = std::clamp(weights.u, 0.0, 1.0) + 0.0;  // no negative zero
+  const double v = std::clamp(weights.v, 0.0, 1.0) + 0.0;
   if (u + v <= 1) return {u, v};
   const double share = u / (u + v);
   return {share, 1 - share};  // two rounded quotients can add up to more than 1

@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "client/cli/coarse_origins.h"
 #include "client/cli/hit_columns.h"
 #include "client/cli/hit_file.h"
 #include "client/cli/hit_rows.h"
@@ -69,12 +71,16 @@ CastOptions options_of(const CastArguments& arguments) {
 struct Outcome {
   CastReport cast;
   double seconds = 0;
+  float float_reach = 0;  // how far out rays begin, where the file has them in float32
 };
 
 Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
                           const std::vector<HitColumn>& columns) {
-  const auto rays = open_rays(arguments.in);
+  auto rays = open_rays(arguments.in);
   if (!rays) return rays.error();
+  float reach = 0;
+  if (auto* const floats = std::get_if<RaySource<float>>(&rays->source))
+    *floats = watch_reach(std::move(*floats), reach);
   const CastOptions options = options_of(arguments);
   const bool lists = options.kind == QueryKind::kAll;
   auto hits = HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
@@ -100,7 +106,7 @@ Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
   if (!report) return report.error();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   if (const Status wrote = hits->commit(); !wrote) return wrote.error();
-  return Outcome{*report, seconds.count()};
+  return Outcome{*report, seconds.count(), reach};
 }
 
 double rays_per_second(const Outcome& outcome) {
@@ -144,6 +150,14 @@ void warn_of_cuts(const CastReport& cast) {
              cast.rays_cut_off);
 }
 
+void warn_of_coarse_origins(const Client& client, const std::string& name, float reach) {
+  if (reach == 0) return;
+  const auto scene = client.get_scene(name);
+  if (!scene || !scene->bounds) return;  // the hits are written, and there is nothing to compare
+  const std::string warning = coarse_origins(reach, *scene->bounds);
+  if (!warning.empty()) fmt::print(stderr, "sightline: {}\n", warning);
+}
+
 ExitCode run(const Session& session, const CastArguments& arguments) {
   const std::vector<HitColumn> columns = columns_of(arguments);
   const bool to_stdout = arguments.out == "-";
@@ -155,6 +169,7 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
   const auto outcome = cast_file(*client, arguments, columns);
   if (!outcome) return fail(outcome.error());
   warn_of_cuts(outcome->cast);
+  warn_of_coarse_origins(*client, arguments.scene, outcome->float_reach);
   if (!session.json) {
     print_summary(to_stdout ? stderr : stdout, *outcome);
     return kOk;
@@ -169,6 +184,7 @@ constexpr const char* kFooter = R"(Rays are ox oy oz dx dy dz, and tmin tmax if 
   .npy   (n, 6) or (n, 8), float32 or float64
   CSV    a line a ray, with or without a line of names first
   -      standard input, either of the two
+Far from the origin float32 is too coarse for the rays of a small scene; a warning says so.
 Hits are .npy with named fields if FILE ends so, else CSV; - is CSV on standard output. There is a
 row a ray; --kind all has a row a hit, nearest first, none for a miss, and one with t = nan for a
 ray that cannot be cast.

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "client/importer/frame.h"
+#include "client/importer/lattice.h"
 #include "client/importer/node_name.h"
 
 namespace sightline::client {
@@ -196,7 +197,9 @@ Result<ImportedScene> import_scene(const std::filesystem::path& file, const Impo
   if (const Status status = check_readable(file); !status) return status.error();
   try {
     auto scene = read(file, progress);
-    if (scene) convert_frame(*scene, options.up_axis, options.meters_per_unit);
+    if (!scene) return scene;
+    convert_frame(*scene, options.up_axis, options.meters_per_unit);
+    rebase(*scene);
     return scene;
   } catch (const std::exception& e) {
     return invalid(fmt::format("{}: {}", file.string(), e.what()));

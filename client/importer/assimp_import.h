@@ -24,7 +24,8 @@ Status check_readable(const std::filesystem::path& file);
 using ImportProgress = std::function<void(double fraction)>;
 
 /// Polygons are cut into triangles and nothing else is done to the file: no vertex is merged, no
-/// face repaired, no transform applied. A face's place in its Assimp mesh is its primitive id. A
+/// face repaired, no transform applied. Vertices that lie far from their origin are brought near it
+/// by `rebase`, which moves no triangle. A face's place in its Assimp mesh is its primitive id. A
 /// node with several meshes keeps its name and gets a child for each, NAME#0, NAME#1, ...; a mesh
 /// of several nodes stays one mesh. Textures are not read. Errors: kInvalidArgument, with Assimp's
 /// own words where it has some: file unreadable or incomplete, a transform that is not finite, an

@@ -1,0 +1,130 @@
+// Taking the offset out and putting it in.
+//
+// Why nothing is rounded: let v be a coordinate on an axis with an offset c. v lies within half an
+// extent of the middle, and c within half a step of it, so |v - c| is at most a step, while |v| is
+// at least kFar steps. So c/2 <= v <= 2c, and the difference of two such numbers is exact in double
+// (Sterbenz). It is a multiple of the last bit of v or of the step, whichever is less; in the first
+// case it has fewer bits than v, in the second it is a step or zero. Either way it is a float.
+#include "client/importer/lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace sightline::client {
+namespace {
+
+using Offset = std::array<double, 3>;
+
+struct Bounds {
+  std::array<double, 3> lo, hi;  // of finite vertices; lo > hi if there is none
+
+  double extent() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
+};
+
+bool is_finite(const Vertex& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+Bounds bounds_of(const std::vector<ImportedMesh>& meshes) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const ImportedMesh& mesh : meshes) {
+    for (const Vertex& v : mesh.vertices) {
+      if (!is_finite(v)) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto x = static_cast<double>(v[k]);
+        bounds.lo[k] = std::min(bounds.lo[k], x);
+        bounds.hi[k] = std::max(bounds.hi[k], x);
+      }
+    }
+  }
+  return bounds;
+}
+
+Offset offset_for(const Bounds& bounds) {
+  Offset offset{};
+  const double extent = bounds.extent();
+  if (!(extent > 0)) return offset;
+  int exponent = 0;
+  std::frexp(extent, &exponent);
+  const double step = std::ldexp(1.0, exponent);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double nearest = std::max(bounds.lo[k], -bounds.hi[k]);  // below 0 if 0 is between
+    if (nearest < kFar * step) continue;
+    const double middle = bounds.lo[k] + (bounds.hi[k] - bounds.lo[k]) / 2;
+    offset[k] = std::round(middle / step) * step;
+  }
+  return offset;
+}
+
+// Nothing where the result needs rounding, here and below.
+std::optional<double> exact_sum(double a, double b) {
+  const double sum = a + b;
+  const double of_b = sum - a;
+  const double lost = (a - (sum - of_b)) + (b - of_b);
+  if (lost == 0) return sum;
+  return std::nullopt;
+}
+
+std::optional<double> exact_product(double a, double b) {
+  const double product = a * b;
+  if (std::fma(a, b, -product) == 0) return product;
+  return std::nullopt;
+}
+
+// `rows` after a translation by the offset.
+std::optional<std::array<double, 12>> moved(std::array<double, 12> rows, const Offset& offset) {
+  for (std::size_t r = 0; r < 3; ++r) {
+    double& translation = rows[4 * r + 3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto part = exact_product(rows[4 * r + k], offset[k]);
+      const auto sum = part ? exact_sum(translation, *part) : std::nullopt;
+      if (!sum) return std::nullopt;
+      translation = *sum;
+    }
+  }
+  return rows;
+}
+
+// The nodes as they are to be, if all of them can be moved.
+std::optional<std::vector<ImportedNode>> moved(std::vector<ImportedNode> nodes,
+                                               const Offset& offset) {
+  for (const ImportedNode& node : nodes) {
+    if (node.parent != kNone && nodes[node.parent].mesh != kNone) return std::nullopt;
+  }
+  for (ImportedNode& node : nodes) {
+    if (node.mesh == kNone) continue;
+    const auto rows = moved(node.parent_from_local, offset);
+    if (!rows) return std::nullopt;
+    node.parent_from_local = *rows;
+  }
+  return nodes;
+}
+
+void subtract(const Offset& offset, Vertex& v) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (offset[k] != 0) v[k] = static_cast<float>(static_cast<double>(v[k]) - offset[k]);
+  }
+}
+
+}  // namespace
+
+std::array<double, 3> rebase(ImportedScene& scene) {
+  const Offset offset = offset_for(bounds_of(scene.meshes));
+  if (offset == Offset{}) return {};
+  auto nodes = moved(scene.nodes, offset);
+  if (!nodes) return {};
+  scene.nodes = *std::move(nodes);
+  for (ImportedMesh& mesh : scene.meshes) {
+    for (Vertex& v : mesh.vertices) {
+      if (is_finite(v)) subtract(offset, v);
+    }
+  }
+  return offset;
+}
+
+}  // namespace sightline::client

@@ -1,0 +1,205 @@
+// Far scenes brought near: what for, when, and that nothing is moved by it.
+#include "client/importer/lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "client/importer/assimp_import.h"
+#include "client/mesh_blob.h"
+#include "tests/client/temp_dir.h"
+#include "tests/support/random.h"
+
+namespace sightline::client {
+namespace {
+
+using Offset = std::array<double, 3>;
+using Rows = std::array<double, 12>;
+
+constexpr Rows kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+constexpr Offset kNowhere{};
+
+ImportedMesh mesh_of(std::vector<Vertex> vertices) {
+  ImportedMesh mesh;
+  mesh.vertices = std::move(vertices);
+  for (std::uint32_t i = 0; i + 2 < mesh.vertices.size(); ++i)
+    mesh.faces.push_back({i, i + 1, i + 2});
+  mesh.triangles = mesh.faces.size();
+  return mesh;
+}
+
+// A node a mesh, without a parent.
+ImportedScene scene_of(std::vector<ImportedMesh> meshes) {
+  ImportedScene scene;
+  scene.meshes = std::move(meshes);
+  for (std::uint32_t i = 0; i < scene.meshes.size(); ++i)
+    scene.nodes.push_back({.name = std::to_string(i), .mesh = i});
+  return scene;
+}
+
+std::vector<Vertex> scattered(const Offset& middle, double extent, std::size_t n,
+                              tests::Random& random) {
+  std::vector<Vertex> vertices(n);
+  for (Vertex& v : vertices) {
+    for (std::size_t k = 0; k < 3; ++k)
+      v[k] = static_cast<float>(middle[k] + random.uniform(-extent / 2, extent / 2));
+  }
+  return vertices;
+}
+
+bool same(const ImportedScene& a, const ImportedScene& b) {
+  if (a.nodes.size() != b.nodes.size() || a.meshes.size() != b.meshes.size()) return false;
+  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+    if (a.nodes[i].parent_from_local != b.nodes[i].parent_from_local) return false;
+  }
+  for (std::size_t i = 0; i < a.meshes.size(); ++i) {
+    if (a.meshes[i].vertices != b.meshes[i].vertices) return false;
+  }
+  return true;
+}
+
+void expect_untouched(const ImportedScene& scene) {
+  ImportedScene after = scene;
+  EXPECT_EQ(rebase(after), kNowhere);
+  EXPECT_TRUE(same(scene, after));
+}
+
+TEST(Lattice, TheOffsetIsAMultipleOfTheExtentAsAPowerOfTwo) {
+  ImportedScene scene = scene_of({mesh_of({{1000, 0, -4000}, {1003, 1, -4000}, {1001, 2, -3998}})});
+  EXPECT_EQ(rebase(scene), (Offset{1000, 0, -4000}));
+  EXPECT_EQ(scene.meshes[0].vertices, (std::vector<Vertex>{{0, 0, 0}, {3, 1, 0}, {1, 2, 2}}));
+  EXPECT_EQ(scene.nodes[0].parent_from_local, (Rows{1, 0, 0, 1000, 0, 1, 0, 0, 0, 0, 1, -4000}));
+}
+
+TEST(Lattice, EveryVertexIsWhereItWasToTheLastBit) {
+  tests::Random random(1);
+  int rebased = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const double extent = std::exp2(random.uniform(-60, 60));
+    Offset middle{};
+    for (double& x : middle)
+      x = extent * std::exp2(random.uniform(-3, 30)) * (random.below(2) ? 1 : -1);
+    const ImportedScene before = scene_of({mesh_of(scattered(middle, extent, 40, random)),
+                                           mesh_of(scattered(middle, extent, 40, random))});
+    ImportedScene after = before;
+    const Offset offset = rebase(after);
+    rebased += offset != kNowhere;
+    for (std::size_t m = 0; m < before.meshes.size(); ++m) {
+      for (std::size_t i = 0; i < before.meshes[m].vertices.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto was = static_cast<double>(before.meshes[m].vertices[i][k]);
+          const auto is = static_cast<double>(after.meshes[m].vertices[i][k]);
+          ASSERT_EQ(was - offset[k], is) << "round " << round;
+          ASSERT_EQ(is + offset[k], was) << "round " << round;
+        }
+      }
+      for (std::size_t k = 0; k < 3; ++k)
+        ASSERT_EQ(after.nodes[m].parent_from_local[4 * k + 3], offset[k]);
+    }
+  }
+  EXPECT_GT(rebased, 1000);
+}
+
+TEST(Lattice, AMeshOfSeveralNodesIsMovedInEachOfThem) {
+  ImportedScene scene = scene_of({mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}})});
+  scene.nodes = {{.name = "root", .parent_from_local = {1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0}},
+                 {.name = "still", .parent = 0, .mesh = 0},
+                 {.name = "turned",
+                  .parent = 0,
+                  .parent_from_local = {0, -2, 0, 7, 2, 0, 0, 8, 0, 0, -2, 9},
+                  .mesh = 0}};
+  EXPECT_EQ(rebase(scene), (Offset{4096, 0, 0}));
+  EXPECT_EQ(scene.nodes[0].parent_from_local[3], 5);
+  EXPECT_EQ(scene.nodes[1].parent_from_local, (Rows{1, 0, 0, 4096, 0, 1, 0, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(scene.nodes[2].parent_from_local, (Rows{0, -2, 0, 7, 2, 0, 0, 8200, 0, 0, -2, 9}));
+}
+
+TEST(Lattice, ATranslationThatTookTheVerticesBackIsGone) {
+  ImportedScene scene = scene_of({mesh_of({{4e6f, 0, 0}, {4e6f + 1, 0, 0}, {4e6f, 1, 0}})});
+  scene.nodes[0].parent_from_local[3] = -4e6;
+  rebase(scene);
+  EXPECT_EQ(scene.nodes[0].parent_from_local, kIdentity);
+}
+
+TEST(Lattice, MeshesThatTouchAndMeshesThatAreEqualStaySo) {
+  const std::vector<Vertex> left{{5000.25f, 0, 0}, {5001.5f, 0, 0}, {5001.5f, 1, 0}};
+  const std::vector<Vertex> right{{5001.5f, 0, 0}, {5002.75f, 0, 0}, {5001.5f, 1, 0}};
+  // A copy of the first, moved: another mesh before, and another after.
+  const std::vector<Vertex> moved{{5002.25f, 0, 0}, {5003.5f, 0, 0}, {5003.5f, 1, 0}};
+  ImportedScene scene = scene_of({mesh_of(left), mesh_of(right), mesh_of(moved), mesh_of(left)});
+  EXPECT_NE(rebase(scene), kNowhere);
+  EXPECT_EQ(scene.meshes[0].vertices[1], scene.meshes[1].vertices[0]);
+  EXPECT_EQ(scene.meshes[0].vertices[2], scene.meshes[1].vertices[2]);
+  const auto digest = [&](std::size_t i) {
+    return MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
+  };
+  EXPECT_EQ(digest(0), digest(3));
+  EXPECT_NE(digest(0), digest(2));
+  for (const ImportedNode& node : scene.nodes)
+    EXPECT_EQ(node.parent_from_local, scene.nodes[0].parent_from_local);
+}
+
+TEST(Lattice, NearScenesStayAsTheyAre) {
+  expect_untouched(scene_of({}));
+  expect_untouched(scene_of({mesh_of({})}));
+  expect_untouched(scene_of({mesh_of({{15, 15, 15}, {15.75f, 15, 15}, {15, 15.5f, 15}})}));
+  // All in one point: there is no extent to measure a distance by.
+  expect_untouched(scene_of({mesh_of({{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f, 1e6f}})}));
+  // Far, but on both sides.
+  expect_untouched(scene_of({mesh_of({{-1e6f, 0, 0}, {1e6f, 1, 0}, {1e6f, 0, 1}})}));
+}
+
+TEST(Lattice, VerticesThatAreNotFiniteDecideNothingAndStay) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  ImportedScene scene =
+      scene_of({mesh_of({{1024, 0, 0}, {1025, 0, 0}, {1024, 1, 0}, {nan, 1, 0}, {1024, -inf, 0}})});
+  EXPECT_EQ(rebase(scene), (Offset{1024, 0, 0}));
+  EXPECT_EQ(scene.meshes[0].vertices[1], (Vertex{1, 0, 0}));
+  EXPECT_TRUE(std::isnan(scene.meshes[0].vertices[3][0]));
+  EXPECT_EQ(scene.meshes[0].vertices[4], (Vertex{1024, -inf, 0}));
+  ImportedScene none = scene_of({mesh_of({{nan, nan, nan}, {inf, inf, inf}})});
+  EXPECT_EQ(rebase(none), kNowhere);
+}
+
+TEST(Lattice, NodesThatCannotBeMovedKeepTheWholeSceneWhereItIs) {
+  const auto far = mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}});
+  ImportedScene scene = scene_of({far, far});
+  scene.nodes[1].parent = 0;  // it would move with the node above it
+  expect_untouched(scene);
+  scene = scene_of({far, far});
+  scene.nodes[1].parent_from_local[3] = 1e-15;  // 4096 and this need more bits than there are
+  expect_untouched(scene);
+  scene.nodes[1].parent_from_local = {1e-300, 0, 0, 0, 0, 1e-300, 0, 0, 0, 0, 1.0 / 3, 0};
+  EXPECT_NE(rebase(scene), kNowhere) << "a power of two times any number is exact";
+  scene = scene_of({mesh_of({{12288, 0, 0}, {12289, 0, 0}, {12288, 1, 0}})});
+  scene.nodes[0].parent_from_local[0] = 1.0 / 3;  // three times this is one bit too long
+  expect_untouched(scene);
+}
+
+TEST(Lattice, AFarFileIsRebasedAfterItsFrameIsConverted) {
+  const tests::TempDir dir;
+  const auto scene = import_scene(dir.write("far.obj", R"(
+v 500000 4000000 10
+v 500001 4000000 10
+v 500000 4000001 10.5
+o first
+f 1 2 3
+o second
+f 3 2 1
+)"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->nodes.size(), 3U);
+  EXPECT_EQ(scene->nodes[0].parent_from_local, kIdentity);
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(scene->nodes[i].parent_from_local,
+              (Rows{1, 0, 0, 500000, 0, 1, 0, 4000000, 0, 0, 1, 0}));
+  }
+  EXPECT_EQ(scene->meshes[0].vertices[2], (Vertex{0, 1, 10.5f}));
+}
+
+}  // namespace
+}  // namespace sightline::client
