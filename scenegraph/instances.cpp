@@ -119,17 +119,18 @@ Instances::Instances(const Snapshot& snapshot) {
     list_[i].box = relative_box(boxes[i], center_);
     bounds.grow(list_[i].box);
   }
-  tree_ = std::make_unique<accel::LazyTree>(
-      bounds, list_.size(), accel::default_builder(), [this](accel::BuildCounters& counters) {
-        counters.touches_prepare += list_.size();
-        accel::BoxList refs(list_.size());
-        for (std::size_t i = 0; i < list_.size(); ++i) {
-          const Instance& instance = list_[i];
-          refs.all()[i] = {instance.box.lo, static_cast<std::uint32_t>(i), instance.box.hi,
-                           price(*instance.mesh)};
-        }
-        return refs;
-      });
+  const auto references = [this](accel::BuildCounters& counters) {
+    counters.touches_prepare += list_.size();
+    accel::BoxList refs(list_.size());
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      const Instance& instance = list_[i];
+      refs.all()[i] = {instance.box.lo, static_cast<std::uint32_t>(i), instance.box.hi,
+                       price(*instance.mesh)};
+    }
+    return refs;
+  };
+  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), accel::default_builder(),
+                                            accel::ReferenceSource{.list = references, .open = {}});
 }
 
 }  // namespace sightline::scenegraph

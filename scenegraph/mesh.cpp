@@ -51,7 +51,8 @@ Error bad_index(const accel::Face& face, std::size_t i, std::size_t vertices) {
 
 Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertices,
                                                std::vector<accel::Face> faces,
-                                               const accel::AnyBuilder& builder) {
+                                               const accel::AnyBuilder& builder,
+                                               accel::References references) {
   if (faces.size() > kMaxFacesPerMesh) {
     return Error{Code::kResourceExhausted,
                  "the mesh has " + std::to_string(faces.size()) + " faces, the limit is " +
@@ -69,7 +70,8 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
   mesh->bounds_ = bounds.box;
   mesh->triangles_ = found.triangles;
   mesh->nonfinite_ = found.triangles - bounds.count;
-  mesh->tree_ = std::make_unique<accel::MeshTree>(mesh->view(), bounds.box, bounds.count, builder);
+  mesh->tree_ = std::make_unique<accel::MeshTree>(mesh->view(), bounds.box, bounds.count, builder,
+                                                  references);
   return std::shared_ptr<const Mesh>(std::move(mesh));
 }
 

@@ -23,10 +23,11 @@ class Mesh {
   /// Errors: kInvalidArgument, naming the face and the index, where an index is not below the
   /// vertex count (and the face is not all kNoVertex); kResourceExhausted over kMaxFacesPerMesh.
   /// Faces with a non-finite vertex are accepted, counted and never hit.
-  /// `builder` is what its tree will be grown by.
+  /// `builder` is what its tree will be grown by, `references` what it begins with.
   static Result<std::shared_ptr<const Mesh>> make(
       std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
-      const accel::AnyBuilder& builder = accel::default_builder());
+      const accel::AnyBuilder& builder = accel::default_builder(),
+      accel::References references = accel::References::kRuns);
 
   accel::MeshView view() const { return {vertices_, faces_}; }
   /// Of the finite triangles, each widened as widen_flat does; empty if there is none.

@@ -9,15 +9,20 @@
 
 namespace sightline::accel {
 
+/// Set in the id of a reference that stands for several and can be opened into them: a run of
+/// triangles, a group of nodes. Leaves hold none of those.
+inline constexpr std::uint32_t kOpenable = std::uint32_t{1} << 31;
+
 /// 32 bytes, read in order by every pass. `bounds` went through widen_flat.
 struct BoxRef {
   Vec3f lo;
-  std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance.
+  std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance. Or see kOpenable.
   Vec3f hi;
   std::uint32_t weight =
       1;  ///< Cost of testing it, in triangle tests. A list's weights sum below 2^32.
 
   Aabb bounds() const { return {lo, hi}; }
+  bool openable() const { return (id & kOpenable) != 0; }
 };
 static_assert(sizeof(BoxRef) == 32);
 

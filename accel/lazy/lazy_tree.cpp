@@ -76,7 +76,7 @@ bool LazyTree::build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildC
     BoxList list;
     if (!cell.listed) {
       tree_.reserve(references_);
-      list = source_(counters);
+      list = source_.list(counters);
     }
     const std::span<const BoxRef> refs =
         cell.listed ? std::as_const(cell.list).all() : std::as_const(list).all();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "accel/build/any_builder.h"
 #include "accel/build/grow.h"
@@ -13,9 +14,14 @@
 
 namespace sightline::accel {
 
-/// All references of a tree, made from its geometry. Called when the root is expanded, by one
-/// thread.
-using ReferenceSource = std::function<BoxList(BuildCounters&)>;
+/// Where a tree's references come from. Threads: both functions, any, several at once.
+struct ReferenceSource {
+  /// The coarsest ones, all together: what the root is expanded from. Always the same.
+  std::function<BoxList(BuildCounters&)> list;
+  /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
+  /// within its own. The same reference always opens into the same ones. Null: none is openable.
+  std::function<void(const BoxRef&, std::vector<BoxRef>&)> open;
+};
 
 /// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
 class LazyTree {

@@ -108,13 +108,15 @@ struct Visit {
 }  // namespace
 
 MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
-                   const AnyBuilder& builder)
+                   const AnyBuilder& builder, [[maybe_unused]] References references)
     : mesh_(mesh),
       lazy_(
           bounds, finite_triangles, builder,
-          [mesh, finite_triangles](BuildCounters& counters) {
-            return make_references(mesh, finite_triangles, counters);
-          },
+          {.list =
+               [mesh, finite_triangles](BuildCounters& counters) {
+                 return make_references(mesh, finite_triangles, counters);
+               },
+           .open = {}},
           &mesh_) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {

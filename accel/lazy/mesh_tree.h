@@ -22,6 +22,12 @@ enum class AtUnbuilt : std::uint8_t {
   kSkip,    ///< Pass it over.
 };
 
+/// What a mesh's tree begins with.
+enum class References : std::uint8_t {
+  kSoup,  ///< Every triangle on its own, as in the paper.
+  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
+};
+
 /// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
 /// ray's direction.
 ///
@@ -54,7 +60,7 @@ class MeshTree {
   /// The view's arrays must outlive the tree. `bounds`: of the finite triangles, widened
   /// (widen_flat).
   MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
-           const AnyBuilder& builder);
+           const AnyBuilder& builder, References references = References::kRuns);
 
   /// Looks for hits and updates the query.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
