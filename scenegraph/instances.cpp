@@ -119,7 +119,7 @@ Instances::Instances(const Snapshot& snapshot) {
     list_[i].box = relative_box(boxes[i], center_);
     bounds.grow(list_[i].box);
   }
-  const auto references = [this](accel::BuildCounters& counters) {
+  const auto references = [this](std::size_t, accel::BuildCounters& counters) {
     counters.touches_prepare += list_.size();
     accel::BoxList refs(list_.size());
     for (std::size_t i = 0; i < list_.size(); ++i) {
@@ -129,8 +129,9 @@ Instances::Instances(const Snapshot& snapshot) {
     }
     return refs;
   };
-  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), accel::default_builder(),
-                                            accel::ReferenceSource{.list = references, .open = {}});
+  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), list_.size(),
+                                            accel::default_builder(),
+                                            accel::ReferenceSource{.list = references});
 }
 
 }  // namespace sightline::scenegraph

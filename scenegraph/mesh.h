@@ -29,11 +29,11 @@ class Mesh {
       const accel::AnyBuilder& builder = accel::default_builder(),
       accel::References references = accel::References::kRuns);
 
-  accel::MeshView view() const { return {vertices_, faces_}; }
+  accel::MeshView view() const { return {arrays_->vertices, arrays_->faces}; }
   /// Of the finite triangles, each widened as widen_flat does; empty if there is none.
   const accel::Aabb& bounds() const { return bounds_; }
   std::uint64_t faces() const {
-    return faces_.size();
+    return arrays_->faces.size();
   }  ///< Numbered slots, lines and points included.
   std::uint64_t triangles() const { return triangles_; }  ///< Slots that hold a triangle.
   std::uint64_t nonfinite() const {
@@ -46,8 +46,11 @@ class Mesh {
 
  private:
   Mesh() = default;
-  std::vector<accel::Vec3f> vertices_;
-  std::vector<accel::Face> faces_;
+  struct Arrays {
+    std::vector<accel::Vec3f> vertices;
+    std::vector<accel::Face> faces;
+  };
+  std::shared_ptr<const Arrays> arrays_;
   accel::Aabb bounds_;
   std::uint64_t triangles_ = 0;
   std::uint64_t nonfinite_ = 0;

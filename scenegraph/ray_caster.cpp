@@ -51,9 +51,15 @@ struct RayCaster::Visit {
   }
 
   accel::Unbuilt unbuilt(accel::AtomicSlot& slot, const accel::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand &&
-        caster.instances_.tree().expand(slot, caster.built_)) {
-      return accel::Unbuilt::kAgain;
+    if (query.at_unbuilt == AtUnbuilt::kExpand) {
+      const accel::Expanded expanded =
+          caster.instances_.tree().expand(slot, query.at_busy, caster.built_);
+      if (expanded == accel::Expanded::kAgain) return accel::Unbuilt::kAgain;
+      if (expanded == accel::Expanded::kBusy) {
+        query.put_aside = true;
+        query.progress = accel::LazyTree::progress(slot);
+        return accel::Unbuilt::kStop;
+      }
     }
     query.met_unbuilt = true;
     if (query.at_unbuilt == AtUnbuilt::kSkip) return accel::Unbuilt::kDone;
@@ -62,10 +68,10 @@ struct RayCaster::Visit {
 
   bool search(const accel::DeferredCell& cell) {
     if (cell.listed) {
-      for (const accel::BoxRef& ref : cell.list.all()) {
-        if (enter(ref.id)) return true;
-      }
-      return false;
+      return cell.list.any_part([&](std::span<const accel::BoxRef> refs) {
+        return std::any_of(refs.begin(), refs.end(),
+                           [&](const accel::BoxRef& ref) { return enter(ref.id); });
+      });
     }
     for (std::uint32_t id = 0; id < caster.instances_.list().size(); ++id) {
       if (enter(id)) return true;

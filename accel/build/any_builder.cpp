@@ -181,6 +181,17 @@ Result<AnyBuilder> make_builder(std::string_view name) {
   return Error{Code::kInvalidArgument, std::move(message), "UNKNOWN_BUILDER"};
 }
 
+bool runs_passes(const AnyBuilder& builder) { return std::holds_alternative<ScanBuilder>(builder); }
+
+bool scans_children(const AnyBuilder& builder, std::size_t references) {
+  const auto* scan = std::get_if<ScanBuilder>(&builder);
+  return scan != nullptr && scan->scans_children(references);
+}
+
+FirstPlanes first_planes(const AnyBuilder& builder, const Aabb& child) {
+  return std::get<ScanBuilder>(builder).first_planes(child);
+}
+
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value) {
   return std::visit([&](auto& b) { return set(b, key, value); }, builder);
 }

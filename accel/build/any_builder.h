@@ -1,6 +1,7 @@
 // The one place where a builder is chosen at run time.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -32,5 +33,16 @@ Result<AnyBuilder> make_builder(std::string_view name);
 /// no such parameter (listing them), not a number (a whole number, on or off), or out of range
 /// (naming the range); the builder stays as it was.
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value);
+
+/// Whether the builder can look at a list through passes alone (CellRefs::run); the others need it
+/// whole and at hand.
+bool runs_passes(const AnyBuilder& builder);
+
+/// Whether the builder wants the lists that come of sifting one of so many boxes counted meanwhile
+/// (sift_and_scan), to be handed to it as CellRefs::first.
+bool scans_children(const AnyBuilder& builder, std::size_t references);
+
+/// For builders that scan children: where the first pass over the list of that cell counts.
+FirstPlanes first_planes(const AnyBuilder& builder, const Aabb& child);
 
 }  // namespace sightline::accel

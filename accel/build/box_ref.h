@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "accel/geometry/aabb.h"
@@ -80,11 +81,22 @@ struct CellPath {
   bool operator==(const CellPath&) const = default;
 };
 
+struct PassResult;  // list_pass.h
+struct FirstScan;   // first_scan.h
+
 /// A cell as a builder is asked about it.
 struct CellRefs {
   std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
   Aabb box;
   CellPath path;
+  std::size_t size = refs.size();  ///< How many members there are.
+  /// Runs a pass over the list (RunPass, list_pass.h) where it is not at hand: `refs` may then be
+  /// empty. For builders that `runs_passes`, and lists longer than kMaxBoundScan. Equal lists get
+  /// equal passes in the same order.
+  const std::function<PassResult(const std::function<PassResult(std::span<const BoxRef>)>&)>* run =
+      nullptr;
+  /// What the first pass over the list would find, where that is known (first_scan.h).
+  const FirstScan* first = nullptr;
 };
 
 }  // namespace sightline::accel

@@ -33,13 +33,13 @@ inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face
 
 /// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from
 /// their original triangle, those that do not reach into the cell after all are left out, the
-/// others keep their order. Returns how many are left.
+/// others keep their order. Openable references stay as they are. Returns how many are left.
 inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list, const Plane& plane,
                                    const Aabb& cell) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   std::size_t kept = 0;
   for (BoxRef ref : list) {
-    if (ref.lo[axis] < plane.position && ref.hi[axis] > plane.position) {
+    if (!ref.openable() && ref.lo[axis] < plane.position && ref.hi[axis] > plane.position) {
       const std::optional<Aabb> box = clip_to_half(mesh, ref.id, cell);
       if (!box) continue;
       ref.lo = box->lo;

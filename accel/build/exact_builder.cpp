@@ -28,7 +28,8 @@ std::optional<Cut> ExactBuilder::decide(const Candidate& best, std::uint32_t wei
 }
 
 std::optional<Cut> ExactBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const auto& [refs, cell, path] = list;
+  const std::span<const BoxRef> refs = list.refs;
+  const Aabb& cell = list.box;
   // No ray meets a cell without area, and no plane in it is better than another.
   if (refs.empty() || !(half_area(cell) > 0)) return std::nullopt;
   std::uint32_t weight = 0;
@@ -36,7 +37,7 @@ std::optional<Cut> ExactBuilder::choose(const CellRefs& list, BuildCounters& cou
   const bool naive = search == ExactSearch::kNaive || refs.size() > Event::kMaxReferences;
   const Candidate best = naive ? search_naively(costs, refs, cell, weight, counters)
                                : search_sorted(costs, refs, cell, weight, counters);
-  return decide(best, weight, refs.size(), path);
+  return decide(best, weight, refs.size(), list.path);
 }
 
 std::optional<Slot> ExactBuilder::grow_subtree(const GrowContext& context,

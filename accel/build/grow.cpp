@@ -25,8 +25,9 @@ class Growth {
     }
   }
 
-  Slot grow(std::span<BoxRef> refs, const Aabb& cell, const CellPath& path, BoxStack& lists,
-            BuildCounters& counters) {
+  /// `first`: what the first pass over the list would find, or null.
+  Slot grow(std::span<BoxRef> refs, const Aabb& cell, const CellPath& path, const FirstScan* first,
+            BoxStack& lists, BuildCounters& counters) {
     if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
@@ -35,9 +36,8 @@ class Growth {
       if (small_ && is_small(refs))
         return grow_small(context_, *small_, refs, cell, path, counters);
     }
-    const std::optional<Cut> cut = path.depth < context_.max_depth
-                                       ? builder_.choose({refs, cell, path}, counters)
-                                       : std::nullopt;
+    const std::optional<Cut> cut =
+        path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
     if (!cut) return leaf(refs, cell, path);
     const Plane& plane = cut->plane;
 
@@ -48,7 +48,8 @@ class Growth {
     const HalvedCell halves = halve(cell, plane.axis, plane.position);
     const BoxStack::Mark mark = lists.mark();
     BoxRef* right = lists.top(refs.size());
-    Sifted n = sift(refs, *cut, refs.data(), right);
+    std::optional<FirstScans> scans;
+    Sifted n = divide(refs, *cut, halves, right, scans);
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
@@ -61,10 +62,12 @@ class Growth {
     AtomicSlot* children = context_.tree.children(slot);
     const CellPath below = path.below(*cut);
     const auto grow_left = [&] {
-      set(children[0], grow(refs.first(n.left), halves.left, below, lists, counters));
+      set(children[0], grow(refs.first(n.left), halves.left, below, scans ? &scans->left : nullptr,
+                            lists, counters));
     };
     const auto grow_right = [&](BoxStack& own, BuildCounters& sum) {
-      set(children[1], grow({right, n.right}, halves.right, below, own, sum));
+      set(children[1],
+          grow({right, n.right}, halves.right, below, scans ? &scans->right : nullptr, own, sum));
     };
     if (std::min(n.left, n.right) >= kForkFrom) {
       BuildCounters right_counters;
@@ -85,6 +88,26 @@ class Growth {
   /// Not published until the slot of the whole subtree is.
   static void set(AtomicSlot& slot, Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
+  }
+
+  std::optional<Cut> choose(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path,
+                            const FirstScan* first, BuildCounters& counters) const {
+    CellRefs list{refs, cell, path};
+    list.first = first;
+    return builder_.choose(list, counters);
+  }
+
+  /// The left list over `refs`, the right one to `right`; counted meanwhile where that is of use.
+  Sifted divide(std::span<BoxRef> refs, const Cut& cut, const HalvedCell& halves, BoxRef* right,
+                std::optional<FirstScans>& scans) const {
+    if constexpr (requires { builder_.scans_children(refs.size()); }) {
+      if (builder_.scans_children(refs.size())) {
+        scans.emplace(FirstScans{
+            builder_.first_planes(halves.left), builder_.first_planes(halves.right), {}, {}});
+        return sift_and_scan(refs, cut.plane, refs.data(), right, *scans);
+      }
+    }
+    return sift(refs, cut, refs.data(), right);
   }
 
   Slot leaf(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path) {
@@ -111,7 +134,7 @@ Slot grow_with(const GrowContext& context, const Builder& builder, std::span<Box
       return *grown;
   }
   BoxStack lists;
-  return Growth(context, builder).grow(refs, cell, path, lists, counters);
+  return Growth(context, builder).grow(refs, cell, path, nullptr, lists, counters);
 }
 
 }  // namespace

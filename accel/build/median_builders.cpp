@@ -66,7 +66,8 @@ int MedianStop::depth_bound(std::size_t references) const {
 
 std::optional<Cut> SpatialMedianBuilder::choose(const CellRefs& list,
                                                 BuildCounters& counters) const {
-  const auto& [refs, cell, path] = list;
+  const std::span<const BoxRef> refs = list.refs;
+  const Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   std::array<float, 3> x;
   for (std::size_t a = 0; a < 3; ++a) x[a] = middle(cell.lo[a], cell.hi[a]);
@@ -76,7 +77,7 @@ std::optional<Cut> SpatialMedianBuilder::choose(const CellRefs& list,
   }
   counters.touches += refs.size();
   for (std::size_t turn = 0; turn < 3; ++turn) {
-    const std::size_t a = (static_cast<std::size_t>(path.depth) + turn) % 3;
+    const std::size_t a = (static_cast<std::size_t>(list.path.depth) + turn) % 3;
     const bool separates = sides[a].left < refs.size() || sides[a].right < refs.size();
     if (separates && is_inside(cell, a, x[a])) return cut_at(a, x[a]);
   }
@@ -85,7 +86,8 @@ std::optional<Cut> SpatialMedianBuilder::choose(const CellRefs& list,
 
 std::optional<Cut> ObjectMedianBuilder::choose(const CellRefs& list,
                                                BuildCounters& counters) const {
-  const auto& [refs, cell, path] = list;
+  const std::span<const BoxRef> refs = list.refs;
+  const Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   for (const std::size_t axis : longest_first(cell)) {
     const float x = median_centre(refs, cell, axis);

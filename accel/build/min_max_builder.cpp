@@ -92,9 +92,10 @@ std::uint32_t MinMaxBuilder::threads_at(int depth) const {
 }
 
 std::optional<Cut> MinMaxBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const auto& [refs, cell, path] = list;
+  const std::span<const BoxRef> refs = list.refs;
+  const Aabb& cell = list.box;
   if (refs.empty()) return std::nullopt;
-  if (const std::uint32_t here = threads_at(path.depth);
+  if (const std::uint32_t here = threads_at(list.path.depth);
       here > 1 && refs.size() >= std::size_t{kDecompositionBins} * here) {
     if (const auto cut = cut_at_median(list, kDecompositionBins * here, counters)) return cut;
   }

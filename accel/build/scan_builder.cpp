@@ -5,9 +5,6 @@
 #include <array>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include "accel/build/bound_scan.h"
 #include "accel/build/out_of_range.h"
 #include "accel/build/scan_samples.h"
@@ -44,64 +41,46 @@ void offer_minima(const Samples& samples, const CutAreas& areas, const SahConsta
 }
 
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
-double offer_sampled(const ScanBuilder& builder, std::span<const BoxRef> refs, const Aabb& cell,
-                     AxisRange range, BestCut& best, BuildCounters& counters) {
+double offer_sampled(const ScanBuilder& builder, const CellRefs& list, AxisRange range,
+                     BestCut& best, BuildCounters& counters) {
   const std::array<Samples, 3> samples =
-      sample_axes(refs, cell, range, builder.uniform_samples, builder.adaptive_samples, counters);
+      sample_axes(list, range, builder.uniform_samples, builder.adaptive_samples, counters);
   for (int axis = range.begin; axis < range.end; ++axis) {
-    offer_minima(samples[index_of(axis)], CutAreas(cell, axis), builder.cost, axis, cell, best);
+    offer_minima(samples[index_of(axis)], CutAreas(list.box, axis), builder.cost, axis, list.box,
+                 best);
   }
   const Samples& any = samples[index_of(range.begin)];
   return any.at[any.size - 1].left;
 }
 
-/// The bounds next to a position, each at or beyond it; infinite where there is none.
-struct Neighbours {
-  float below = -std::numeric_limits<float>::infinity();
-  float above = std::numeric_limits<float>::infinity();
-};
-
-Neighbours nearest_bounds(std::span<const BoxRef> refs, std::size_t axis, float x) {
-  const auto pass = [&](const tbb::blocked_range<std::size_t>& slice, Neighbours n) {
-    for (std::size_t i = slice.begin(); i != slice.end(); ++i) {
-      for (const float bound : {refs[i].lo[axis], refs[i].hi[axis]}) {
-        n.below = bound <= x && bound > n.below ? bound : n.below;
-        n.above = bound >= x && bound < n.above ? bound : n.above;
-      }
-    }
-    return n;
-  };
-  const tbb::blocked_range<std::size_t> all(0, refs.size(), kScanSlice);
-  if (refs.size() < 2 * kScanSlice) return pass(all, {});
-  return tbb::parallel_reduce(
-      all, Neighbours{}, pass, [](const Neighbours& p, const Neighbours& q) {
-        return Neighbours{std::max(p.below, q.below), std::min(p.above, q.above)};
-      });
-}
-
 /// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose
 /// costs are true.
-void snap_to_bound(std::span<const BoxRef> refs, const Aabb& cell, const SahConstants& constants,
-                   BestCut& best, BuildCounters& counters) {
+void snap_to_bound(const CellRefs& list, const SahConstants& constants, BestCut& best,
+                   BuildCounters& counters) {
   const int axis = best.plane.axis;
   const std::size_t a = index_of(axis);
-  const Neighbours n = nearest_bounds(refs, a, best.plane.position);
-  std::array<ScanAxis, 3> axes;
-  ScanAxis& planes = axes[a];
+  const auto pass = [&](const WideAxis& planes) {
+    counters.touches += list.size;
+    return run_pass(list, [axis, planes](std::span<const BoxRef> refs) {
+      PassResult found;
+      scan_wide_axis(refs, axis, planes, found.wide, found.near);
+      return found;
+    });
+  };
+  WideAxis planes;
+  planes.fill(best.plane.position);
+  const PlaneNeighbours near = pass(planes).near;
   std::size_t used = 0;
-  for (const float x : {n.below, n.above}) {
-    if (x > cell.lo[a] && x < cell.hi[a]) planes.position[used++] = x;
+  for (const float x : {near.below[0], near.above[0]}) {
+    if (x > list.box.lo[a] && x < list.box.hi[a]) planes[used++] = x;
   }
   if (used == 0) return;
-  fill_unused(planes, used);
-  count_planes(refs, {axis, axis + 1}, axes);
-  counters.touches += 2 * refs.size();
-  const CutAreas areas(cell, axis);
+  const PlaneCounts<kScanWidth> counts = pass(planes).wide;
+  const CutAreas areas(list.box, axis);
   best = {};
   for (std::size_t i = 0; i < used; ++i) {
-    best.offer({axis, planes.position[i]},
-               cut_cost(constants, areas, static_cast<double>(planes.position[i]), planes.left[i],
-                        planes.right[i]));
+    best.offer({axis, planes[i]}, cut_cost(constants, areas, static_cast<double>(planes[i]),
+                                           counts.left[i], counts.right[i]));
   }
 }
 
@@ -130,23 +109,23 @@ std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
 }
 
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const auto& [refs, cell, path] = list;
-  if (refs.empty()) return std::nullopt;
-  if (const auto rule = bound_rule(refs.size())) return choose_bound(refs, cell, *rule, counters);
+  if (list.size == 0) return std::nullopt;
+  if (const auto rule = bound_rule(list.size))
+    return choose_bound(list.refs, list.box, *rule, counters);
   const bool all_axes =
-      axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && refs.size() <= hybrid_below);
-  const int longest = longest_axis(cell);
+      axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);
+  const int longest = longest_axis(list.box);
   BestCut best;
   double weight = 0;
   const auto offer = [&](AxisRange range) {
-    weight = offer_sampled(*this, refs, cell, range, best, counters);
+    weight = offer_sampled(*this, list, range, best, counters);
   };
   offer(all_axes ? AxisRange{} : AxisRange{longest, longest + 1});
   const bool may_retry = !all_axes && retry_above < std::numeric_limits<double>::infinity();
   if (may_retry && !(best.found && best.cost < retry_above * cost.intersect * weight)) {
     for (const int axis : {(longest + 1) % 3, (longest + 2) % 3}) offer({axis, axis + 1});
   }
-  if (snap && best.found) snap_to_bound(refs, cell, cost, best, counters);
+  if (snap && best.found) snap_to_bound(list, cost, best, counters);
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
   return Cut{best.plane};
 }

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "accel/build/bound_scan.h"
+#include "accel/build/first_scan.h"
 #include "accel/build/sah.h"
 #include "accel/result.h"
 
@@ -62,6 +63,17 @@ struct ScanBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }
+
+  /// Whether lists that come of sifting one of so many boxes are worth counting meanwhile
+  /// (CellRefs::first): few that are not cut by their bounds come of short ones, and clipping
+  /// changes what was counted.
+  bool scans_children(std::size_t references) const {
+    return !clip && references >= 2 * std::size_t{exact_below};
+  }
+  /// Where the first pass over a child's list counts.
+  FirstPlanes first_planes(const Aabb& child) const {
+    return accel::first_planes(child, uniform_samples);
+  }
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const;

@@ -12,48 +12,99 @@ namespace sightline::accel {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// kPlanes planes on each of kAxes axes from `first_axis` on. Counters stay in registers; nothing
-/// is written until the pass ends.
-template <int kAxes, std::size_t kPlanes>
-void scan(std::span<const BoxRef> refs, int first_axis, ScanAxis* HWY_RESTRICT axes) {
-  const hn::CappedTag<float, kPlanes> df;
-  const hn::RebindToUnsigned<decltype(df)> du;
-  constexpr std::size_t kLanes = hn::MaxLanes(df);
-  constexpr std::size_t kParts = kPlanes / kLanes;
-  hn::Vec<decltype(df)> position[kAxes][kParts];
-  hn::Vec<decltype(du)> left[kAxes][kParts], right[kAxes][kParts];
-  for (int a = 0; a < kAxes; ++a) {
+/// The planes of one axis and what is counted there, in registers until the pass ends. The n-th
+/// lane belongs to the n-th plane.
+template <std::size_t kPlanes>
+class Planes {
+ public:
+  using Floats = hn::CappedTag<float, kPlanes>;
+  using Counts = hn::RebindToUnsigned<Floats>;
+
+  HWY_INLINE void load(const std::array<float, kPlanes>& planes,
+                       const PlaneCounts<kPlanes>& counts) {
     for (std::size_t p = 0; p < kParts; ++p) {
-      position[a][p] = hn::LoadU(df, axes[a].position.data() + p * kLanes);
-      left[a][p] = right[a][p] = hn::Zero(du);
+      at_[p] = hn::LoadU(Floats(), planes.data() + p * kLanes);
+      left_[p] = hn::LoadU(Counts(), counts.left.data() + p * kLanes);
+      right_[p] = hn::LoadU(Counts(), counts.right.data() + p * kLanes);
     }
   }
+  HWY_INLINE void load(const PlaneNeighbours& near) {
+    for (std::size_t p = 0; p < kParts; ++p) {
+      below_[p] = hn::LoadU(Floats(), near.below.data() + p * kLanes);
+      above_[p] = hn::LoadU(Floats(), near.above.data() + p * kLanes);
+    }
+  }
+
+  HWY_INLINE void count(float lo, float hi, std::uint32_t weight) {
+    const auto below = hn::Set(Floats(), lo), above = hn::Set(Floats(), hi);
+    const auto more = hn::Set(Counts(), weight);
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto in_left = hn::RebindMask(Counts(), hn::Lt(below, at_[p]));
+      const auto in_right = hn::RebindMask(Counts(), hn::Gt(above, at_[p]));
+      left_[p] = hn::IfThenElse(in_left, hn::Add(left_[p], more), left_[p]);
+      right_[p] = hn::IfThenElse(in_right, hn::Add(right_[p], more), right_[p]);
+    }
+  }
+  HWY_INLINE void come_near(float lo, float hi) {
+    const auto lower = hn::Set(Floats(), lo), upper = hn::Set(Floats(), hi);
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto lo_below = hn::Lt(lower, at_[p]), hi_above = hn::Gt(upper, at_[p]);
+      below_[p] = hn::IfThenElse(lo_below, hn::Max(below_[p], lower), below_[p]);
+      above_[p] = hn::IfThenElse(lo_below, above_[p], hn::Min(above_[p], lower));
+      below_[p] = hn::IfThenElse(hi_above, below_[p], hn::Max(below_[p], upper));
+      above_[p] = hn::IfThenElse(hi_above, hn::Min(above_[p], upper), above_[p]);
+    }
+  }
+
+  HWY_INLINE void store(PlaneCounts<kPlanes>& counts) const {
+    for (std::size_t p = 0; p < kParts; ++p) {
+      hn::StoreU(left_[p], Counts(), counts.left.data() + p * kLanes);
+      hn::StoreU(right_[p], Counts(), counts.right.data() + p * kLanes);
+    }
+  }
+  HWY_INLINE void store(PlaneNeighbours& near) const {
+    for (std::size_t p = 0; p < kParts; ++p) {
+      hn::StoreU(below_[p], Floats(), near.below.data() + p * kLanes);
+      hn::StoreU(above_[p], Floats(), near.above.data() + p * kLanes);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kLanes = hn::MaxLanes(Floats());
+  static constexpr std::size_t kParts = kPlanes / kLanes;
+  hn::Vec<Floats> at_[kParts], below_[kParts], above_[kParts];
+  hn::Vec<Counts> left_[kParts], right_[kParts];
+};
+
+void three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
+                std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
+  Planes<kFirstPlanes> axes[3];
+  for (std::size_t a = 0; a < 3; ++a) axes[a].load(planes[a], counts[a]);
   for (const BoxRef& ref : refs) {
-    const auto weight = hn::Set(du, ref.weight);
-    for (int a = 0; a < kAxes; ++a) {
-      const auto below = hn::Set(df, ref.lo[static_cast<std::size_t>(first_axis + a)]);
-      const auto above = hn::Set(df, ref.hi[static_cast<std::size_t>(first_axis + a)]);
-      for (std::size_t p = 0; p < kParts; ++p) {
-        const auto in_left = hn::RebindMask(du, hn::Lt(below, position[a][p]));
-        const auto in_right = hn::RebindMask(du, hn::Gt(above, position[a][p]));
-        left[a][p] = hn::Add(left[a][p], hn::IfThenElseZero(in_left, weight));
-        right[a][p] = hn::Add(right[a][p], hn::IfThenElseZero(in_right, weight));
-      }
-    }
+    for (std::size_t a = 0; a < 3; ++a) axes[a].count(ref.lo[a], ref.hi[a], ref.weight);
   }
-  for (int a = 0; a < kAxes; ++a) {
-    for (std::size_t p = 0; p < kParts; ++p) {
-      hn::StoreU(left[a][p], du, axes[a].left.data() + p * kLanes);
-      hn::StoreU(right[a][p], du, axes[a].right.data() + p * kLanes);
-    }
-  }
+  for (std::size_t a = 0; a < 3; ++a) axes[a].store(counts[a]);
 }
 
-void three_axes(std::span<const BoxRef> refs, ScanAxis* axes) {
-  scan<3, kScanWidth / 2>(refs, 0, axes);
+void one_axis(std::span<const BoxRef> refs, std::size_t axis, const FirstAxis& planes,
+              PlaneCounts<kFirstPlanes>& counts) {
+  Planes<kFirstPlanes> along;
+  along.load(planes, counts);
+  for (const BoxRef& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
+  along.store(counts);
 }
-void one_axis(std::span<const BoxRef> refs, int axis, ScanAxis* planes) {
-  scan<1, kScanWidth / 2>(refs, axis, planes);
+
+void wide_axis(std::span<const BoxRef> refs, std::size_t axis, const WideAxis& planes,
+               PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
+  Planes<kScanWidth> along;
+  along.load(planes, counts);
+  along.load(near);
+  for (const BoxRef& ref : refs) {
+    along.count(ref.lo[axis], ref.hi[axis], ref.weight);
+    along.come_near(ref.lo[axis], ref.hi[axis]);
+  }
+  along.store(counts);
+  along.store(near);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -65,12 +116,19 @@ namespace sightline::accel {
 
 HWY_EXPORT(three_axes);
 HWY_EXPORT(one_axis);
+HWY_EXPORT(wide_axis);
 
-void scan_three_axes(std::span<const BoxRef> refs, std::array<ScanAxis, 3>& axes) {
-  HWY_DYNAMIC_DISPATCH(three_axes)(refs, axes.data());
+void scan_three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
+                     std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
+  HWY_DYNAMIC_DISPATCH(three_axes)(refs, planes, counts);
 }
-void scan_one_axis(std::span<const BoxRef> refs, int axis, ScanAxis& planes) {
-  HWY_DYNAMIC_DISPATCH(one_axis)(refs, axis, &planes);
+void scan_one_axis(std::span<const BoxRef> refs, int axis, const FirstAxis& planes,
+                   PlaneCounts<kFirstPlanes>& counts) {
+  HWY_DYNAMIC_DISPATCH(one_axis)(refs, static_cast<std::size_t>(axis), planes, counts);
+}
+void scan_wide_axis(std::span<const BoxRef> refs, int axis, const WideAxis& planes,
+                    PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
+  HWY_DYNAMIC_DISPATCH(wide_axis)(refs, static_cast<std::size_t>(axis), planes, counts, near);
 }
 std::string_view simd_target() {
   const std::int64_t best = hwy::SupportedTargets() & HWY_TARGETS;

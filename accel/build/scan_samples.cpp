@@ -3,70 +3,44 @@
 
 #include <algorithm>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 namespace sightline::accel {
 namespace {
 
-void add_counts(ScanAxis& to, const ScanAxis& from) {
-  for (std::size_t i = 0; i < kScanWidth; ++i) {
-    to.left[i] += from.left[i];
-    to.right[i] += from.right[i];
-  }
+using AxisPlanes = std::array<FirstAxis, 3>;
+using AxisCounts = std::array<PlaneCounts<kFirstPlanes>, 3>;
+
+/// One pass at these planes of the axes in range.
+AxisCounts count_planes(const CellRefs& list, AxisRange range, const AxisPlanes& planes,
+                        BuildCounters& counters) {
+  counters.touches += list.size;
+  return run_pass(list,
+                  [range, planes](std::span<const BoxRef> refs) {
+                    PassResult found;
+                    const auto axis = static_cast<std::size_t>(range.begin);
+                    if (range.all()) {
+                      scan_three_axes(refs, planes, found.axes);
+                    } else {
+                      scan_one_axis(refs, range.begin, planes[axis], found.axes[axis]);
+                    }
+                    return found;
+                  })
+      .axes;
 }
 
 }  // namespace
 
-void count_planes(std::span<const BoxRef> refs, AxisRange range, std::array<ScanAxis, 3>& axes) {
-  const auto pass = [&](std::span<const BoxRef> slice, std::array<ScanAxis, 3>& counts) {
-    if (range.all()) {
-      scan_three_axes(slice, counts);
-    } else {
-      scan_one_axis(slice, range.begin, counts[static_cast<std::size_t>(range.begin)]);
-    }
-  };
-  if (refs.size() < 2 * kScanSlice) return pass(refs, axes);
-  const std::array<ScanAxis, 3> zero = axes;
-  axes = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), zero,
-      [&](const tbb::blocked_range<std::size_t>& r, std::array<ScanAxis, 3> sum) {
-        std::array<ScanAxis, 3> counts = zero;
-        pass(refs.subspan(r.begin(), r.size()), counts);
-        for (std::size_t a = 0; a < 3; ++a) add_counts(sum[a], counts[a]);
-        return sum;
-      },
-      [](std::array<ScanAxis, 3> x, const std::array<ScanAxis, 3>& y) {
-        for (std::size_t a = 0; a < 3; ++a) add_counts(x[a], y[a]);
-        return x;
-      });
-}
-
-void fill_unused(ScanAxis& planes, std::size_t used) {
-  std::fill(planes.position.begin() + static_cast<std::ptrdiff_t>(used), planes.position.end(),
-            used == 0 ? 0.0f : planes.position[used - 1]);
-}
-
-void place_uniform(ScanAxis& planes, float lo, float hi, std::uint32_t n) {
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double share = static_cast<double>(i) / (n - 1);
-    planes.position[i] =
-        static_cast<float>(static_cast<double>(lo) * (1 - share) + static_cast<double>(hi) * share);
-  }
-  fill_unused(planes, n);
-}
-
-Samples to_samples(const ScanAxis& planes, std::size_t n) {
+Samples to_samples(const FirstAxis& planes, const PlaneCounts<kFirstPlanes>& counts,
+                   std::size_t n) {
   Samples samples;
   samples.size = n;
   for (std::size_t i = 0; i < n; ++i) {
-    samples.at[i] = {static_cast<double>(planes.position[i]), static_cast<double>(planes.left[i]),
-                     static_cast<double>(planes.right[i])};
+    samples.at[i] = {static_cast<double>(planes[i]), static_cast<double>(counts.left[i]),
+                     static_cast<double>(counts.right[i])};
   }
   return samples;
 }
 
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, ScanAxis& planes) {
+std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, FirstAxis& planes) {
   const auto rise = [](const Sample& s) { return s.left - s.right; };
   const double first = rise(uniform.at[0]);
   const double range = rise(uniform.at[uniform.size - 1]) - first;
@@ -83,12 +57,12 @@ std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, ScanAxis& pl
       const std::size_t teeth = teeth_below(rise(e)) - teeth_below(rise(s));
       for (std::size_t k = 1; k <= teeth; ++k) {
         const double share = static_cast<double>(k) / static_cast<double>(teeth + 1);
-        planes.position[placed++] =
-            static_cast<float>(s.position * (1 - share) + e.position * share);
+        planes[placed++] = static_cast<float>(s.position * (1 - share) + e.position * share);
       }
     }
   }
-  fill_unused(planes, placed);
+  std::fill(planes.begin() + static_cast<std::ptrdiff_t>(placed), planes.end(),
+            placed == 0 ? 0.0f : planes[placed - 1]);
   return placed;
 }
 
@@ -101,29 +75,23 @@ Samples merge(const Samples& a, const Samples& b) {
   return both;
 }
 
-std::array<Samples, 3> sample_axes(std::span<const BoxRef> refs, const Aabb& cell, AxisRange range,
-                                   std::uint32_t uniform, std::uint32_t adaptive,
-                                   BuildCounters& counters) {
-  std::array<ScanAxis, 3> planes;
+std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::uint32_t uniform,
+                                   std::uint32_t adaptive, BuildCounters& counters) {
+  AxisPlanes planes = first_planes(list.box, uniform).at;
+  const bool known = list.first != nullptr && list.first->covers(list.size);
+  AxisCounts counts = known ? list.first->axes : count_planes(list, range, planes, counters);
   std::array<Samples, 3> samples;
   std::array<std::size_t, 3> placed{};
   const auto begin = static_cast<std::size_t>(range.begin),
              end = static_cast<std::size_t>(range.end);
-  for (std::size_t a = begin; a < end; ++a)
-    place_uniform(planes[a], cell.lo[a], cell.hi[a], uniform);
-  count_planes(refs, range, planes);
-  counters.touches += refs.size();
   for (std::size_t a = begin; a < end; ++a) {
-    samples[a] = to_samples(planes[a], uniform);
+    samples[a] = to_samples(planes[a], counts[a], uniform);
     placed[a] = place_adaptive(samples[a], adaptive, planes[a]);
-    planes[a].left.fill(0);
-    planes[a].right.fill(0);
   }
   if (placed[0] + placed[1] + placed[2] == 0) return samples;
-  count_planes(refs, range, planes);
-  counters.touches += refs.size();
+  counts = count_planes(list, range, planes, counters);
   for (std::size_t a = begin; a < end; ++a)
-    samples[a] = merge(samples[a], to_samples(planes[a], placed[a]));
+    samples[a] = merge(samples[a], to_samples(planes[a], counts[a], placed[a]));
   return samples;
 }
 

@@ -1,191 +1,291 @@
-// Expanding deferred cells: claim, build off to the side, publish with one store, retire.
+// Expanding deferred cells: build off to the side, publish with one store, retire.
 #include "accel/lazy/lazy_tree.h"
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <thread>
 #include <vector>
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
-#include "accel/build/clip_straddlers.h"
-#include "accel/build/sift.h"
+#include "accel/build/grow.h"
+#include "accel/lazy/patience.h"
 #include "accel/tree/epoch.h"
 
 namespace sightline::accel {
 namespace {
 
-/// From this size on latecomers join the work, which is parallel inside; below it they search the
-/// list meanwhile.
-constexpr std::size_t kJoinFrom = 16384;
+/// Full builds cut cells above this weight one by one, with all threads, and give the others each
+/// to one thread.
+constexpr std::uint64_t kWholeBelow = 65536;
+
+/// Adds the time of its life.
+class Timed {
+ public:
+  explicit Timed(BuildCounters& counters) : counters_(counters) {}
+  ~Timed() {
+    counters_.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  BuildCounters& counters_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// All slots with something to expand.
 void collect_unbuilt(const KdTree& tree, AtomicSlot& slot, std::vector<AtomicSlot*>& found) {
   const Slot now = load(slot);
-  if (now.is_unbuilt()) found.push_back(&slot);
+  if (now.is_unbuilt() && !now.cell()->given_up.load(std::memory_order_relaxed))
+    found.push_back(&slot);
   if (!now.is_binary()) return;
   AtomicSlot* children = tree.children(now);
   collect_unbuilt(tree, children[0], found);
   collect_unbuilt(tree, children[1], found);
 }
 
+bool is_large(const DeferredCell& cell) {
+  return !cell.listed || cell.list.sliced() != nullptr;
+}
+
+Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool& fresh) {
+  SharedWork* work = cell.expansion.load(std::memory_order_acquire);
+  fresh = false;
+  if (work == nullptr) {
+    auto* mine = new Expansion(source.alive);
+    fresh = cell.expansion.compare_exchange_strong(work, mine, std::memory_order_acq_rel);
+    if (fresh) return *mine;
+    mine->leave();
+  }
+  return static_cast<Expansion&>(*work);
+}
+
 }  // namespace
 
-LazyTree::LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder,
-                   ReferenceSource source, const MeshView* mesh)
-    : tree_(bounds, references),
+LazyTree::LazyTree(const Aabb& bounds, std::size_t coarsest, std::size_t closed,
+                   const AnyBuilder& builder, ReferenceSource source, const MeshView* mesh)
+    : tree_(bounds, coarsest),
       builder_(builder),
       source_(std::move(source)),
-      mesh_(mesh),
-      references_(references),
-      max_depth_(depth_limit(builder, references)) {}
+      closed_(closed),
+      context_{builder_, source_, mesh, depth_limit(builder, closed)} {}
 
-bool LazyTree::expand(AtomicSlot& slot, BuildCounters& counters) {
+Expanded LazyTree::expand(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters) {
+  const Timed timed(counters);
+  return expand_now(slot, at_busy, counters);
+}
+
+Expanded LazyTree::expand_now(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters) {
   const Slot now = load(slot);
-  if (!now.is_unbuilt()) return true;
-  const auto start = std::chrono::steady_clock::now();
-  const bool built = claim_and_build(slot, *now.cell(), Extent::kOneCell, counters, nullptr);
-  counters.seconds +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return built;
-}
-
-bool LazyTree::claim_and_build(AtomicSlot& slot, DeferredCell& cell, Extent extent,
-                               BuildCounters& counters, const std::atomic<bool>* cancelled) {
-  if (cell.given_up.load(std::memory_order_relaxed)) return false;
-  if (cell.size >= kJoinFrom) {
-    tbb::collaborative_call_once(cell.once,
-                                 [&] { build(slot, cell, extent, counters, cancelled); });
-    return !load(slot).is_unbuilt();
-  }
-  std::uint64_t expected = Slot::deferred(&cell).bits();
-  if (!slot.compare_exchange_strong(expected, Slot::expanding(&cell).bits(),
-                                    std::memory_order_acq_rel)) {
-    return !Slot(expected).is_unbuilt();
-  }
-  return build(slot, cell, extent, counters, cancelled);
-}
-
-/// Only the thread that claimed the cell comes here. The cell's own list is never written:
-/// latecomers may be reading it.
-bool LazyTree::build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildCounters& counters,
-                     const std::atomic<bool>* cancelled) {
-  Slot built;
+  if (!now.is_unbuilt()) return Expanded::kAgain;
+  DeferredCell& cell = *now.cell();
+  if (cell.given_up.load(std::memory_order_relaxed)) return Expanded::kSearch;
+  if (now.tag() == Slot::Tag::kExpanding) return meet_claimed(slot, cell, at_busy);
   try {
-    BoxList list;
-    if (!cell.listed) {
-      tree_.reserve(references_);
-      list = source_.list(counters);
-    }
-    const std::span<const BoxRef> refs =
-        cell.listed ? std::as_const(cell.list).all() : std::as_const(list).all();
-    if (extent == Extent::kSubtree || refs.size() <= kFinishBelow) {
-      if (cell.listed) {
-        list = BoxList(refs.size());
-        std::copy(refs.begin(), refs.end(), list.all().begin());
-      }
-      built = finish(std::move(list), cell, counters, cancelled);
-    } else {
-      built = cut_once(refs, cell, counters);
-    }
+    return is_large(cell) ? expand_large(slot, cell, at_busy, counters)
+                          : expand_small(slot, cell, counters);
   } catch (const std::bad_alloc&) {
     cell.given_up.store(true, std::memory_order_relaxed);
-    slot.store(Slot::deferred(&cell).bits(), std::memory_order_release);
-    return false;
+    return Expanded::kSearch;
   }
-  slot.store(built.bits(), std::memory_order_release);
-  tree_.retire_cell(cell);
-  ++counters.cells_expanded;
-  return !built.is_unbuilt();
 }
 
-Slot LazyTree::cut_once(std::span<const BoxRef> refs, const DeferredCell& cell,
-                        BuildCounters& counters) {
-  const CellRefs list{refs, cell.box, cell.path};
-  const std::optional<Cut> cut =
-      cell.path.depth < max_depth_
-          ? std::visit([&](const auto& builder) { return builder.choose(list, counters); },
-                       builder_)
-          : std::nullopt;
-  const auto leaf = [&] {
-    const std::optional<Slot> made = tree_.make_leaf(refs);
-    if (!made) throw std::bad_alloc();
-    return *made;
-  };
-  if (!cut) return leaf();
-  const Plane& plane = cut->plane;
-  BoxList left(refs.size()), right(refs.size());
-  Sifted n = sift(refs, *cut, left.all().data(), right.all().data());
-  counters.touches += refs.size();
-  if (n.left == refs.size() && n.right == refs.size()) return leaf();
-  const HalvedCell halves = halve(cell.box, plane.axis, plane.position);
-  if (mesh_ != nullptr &&
-      std::visit([](const auto& builder) { return builder.clips(); }, builder_)) {
-    n.left = clip_straddlers(*mesh_, left.all().first(n.left), plane, halves.left);
-    n.right = clip_straddlers(*mesh_, right.all().first(n.right), plane, halves.right);
+/// One thread is at it. A short list is searched sooner than that is done; a long one, which a full
+/// build finishes whole, only if that takes long.
+Expanded LazyTree::meet_claimed(AtomicSlot& slot, const DeferredCell& cell, AtBusy at_busy) {
+  if (!is_large(cell)) return Expanded::kSearch;
+  if (at_busy == AtBusy::kLeave) return Expanded::kBusy;
+  for (Patience patience; patience.wait(0);) {
+    if (load(slot) != Slot::expanding(&cell)) return Expanded::kAgain;
   }
-  left.shrink(n.left);
-  right.shrink(n.right);
+  return Expanded::kSearch;
+}
+
+std::uint64_t LazyTree::progress(const AtomicSlot& slot) {
+  const Slot now = load(slot);
+  if (!now.is_unbuilt()) return 0;
+  const SharedWork* work = now.cell()->expansion.load(std::memory_order_acquire);
+  return work == nullptr ? 0 : static_cast<const Expansion*>(work)->progress();
+}
+
+bool LazyTree::claim(AtomicSlot& slot, DeferredCell& cell) {
+  std::uint64_t expected = Slot::deferred(&cell).bits();
+  return slot.compare_exchange_strong(expected, Slot::expanding(&cell).bits(),
+                                      std::memory_order_acq_rel);
+}
+
+void LazyTree::give_back(AtomicSlot& slot, DeferredCell& cell) {
+  cell.given_up.store(true, std::memory_order_relaxed);
+  slot.store(Slot::deferred(&cell).bits(), std::memory_order_release);
+}
+
+/// By the one thread that claimed the cell, or that won.
+void LazyTree::publish(AtomicSlot& slot, DeferredCell& cell, Slot built, BuildCounters& counters) {
+  slot.store(built.bits(), std::memory_order_release);
+  tree_.retire_cell(cell);
+  counters.cells_expanded += built.is_unbuilt() ? 0u : 1u;
+}
+
+/// The cell's own list is never written: latecomers are reading it.
+Expanded LazyTree::expand_small(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters) {
+  if (!claim(slot, cell))
+    return load(slot) == Slot::expanding(&cell) ? Expanded::kSearch : Expanded::kAgain;
+  try {
+    const Slot built = !cell.openable && cell.size <= kFinishBelow
+                           ? finish(cell, counters, nullptr)
+                           : make_slot(divide_short(context_, cell, counters), cell);
+    publish(slot, cell, built, counters);
+    return Expanded::kAgain;
+  } catch (const std::bad_alloc&) {
+    give_back(slot, cell);
+    return Expanded::kSearch;
+  }
+}
+
+Expanded LazyTree::expand_large(AtomicSlot& slot, DeferredCell& cell, AtBusy at_busy,
+                                BuildCounters& counters) {
+  bool fresh = false;
+  Expansion& expansion = expansion_of(cell, source_, fresh);
+  if (fresh) return lead(slot, cell, expansion, counters);
+  for (Patience patience;;) {
+    const bool helped = expansion.help(counters);
+    if (load(slot) != Slot::deferred(&cell)) return Expanded::kAgain;
+    if (helped) continue;
+    if (at_busy == AtBusy::kLeave) return Expanded::kBusy;
+    if (!patience.wait(expansion.progress())) return lead(slot, cell, expansion, counters);
+  }
+}
+
+/// Follows the stages to their end. Several threads may, where the first seemed to be stopped; what
+/// the others made is then thrown away.
+Expanded LazyTree::lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
+                        BuildCounters& counters) {
+  tree_.reserve(closed_);
+  const Slot built = make_slot(
+      divide_long(context_, cell, Replay(expansion, counters), counters), cell);
+  std::uint64_t expected = Slot::deferred(&cell).bits();
+  if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
+    counters += expansion.take_counters();
+    tree_.retire_cell(cell);
+    counters.cells_expanded += built.is_unbuilt() ? 0u : 1u;
+  } else {
+    tree_.discard(built);
+  }
+  return Expanded::kAgain;
+}
+
+Slot LazyTree::defer(Part part, const Aabb& box, const CellPath& path) {
+  auto cell = std::make_unique<DeferredCell>();
+  cell->box = box;
+  cell->path = path;
+  cell->openable = part.openable;
+  cell->size = part.list.size();
+  cell->weight = cell->size;
+  if (part.openable) {
+    cell->weight = 0;
+    part.list.any_part([&](std::span<const BoxRef> refs) {
+      for (const BoxRef& ref : refs) cell->weight += ref.weight;
+      return false;
+    });
+  }
+  cell->first = part.first;
+  cell->list = std::move(part.list);
+  return tree_.defer(std::move(cell));
+}
+
+Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
+  switch (division.kind) {
+    case Division::Kind::kLeaf: {
+      const BoxList whole = cell.list.copy();
+      const std::optional<Slot> leaf = tree_.make_leaf(whole.all());
+      if (!leaf) throw std::bad_alloc();
+      return *leaf;
+    }
+    case Division::Kind::kFiner:
+      return defer(std::move(division.left), cell.box, cell.path);
+    case Division::Kind::kCut:
+      break;
+  }
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
+  const Plane& plane = division.cut.plane;
   const Slot slot = Slot::binary(plane, *pair);
-  const CellPath path = cell.path.below(*cut);
+  const HalvedCell halves = halve(cell.box, plane.axis, plane.position);
+  const CellPath path = cell.path.below(division.cut);
   AtomicSlot* children = tree_.children(slot);
-  children[0].store(tree_.defer(std::move(left), halves.left, path).bits(),
+  children[0].store(defer(std::move(division.left), halves.left, path).bits(),
                     std::memory_order_relaxed);
-  children[1].store(tree_.defer(std::move(right), halves.right, path).bits(),
+  children[1].store(defer(std::move(division.right), halves.right, path).bits(),
                     std::memory_order_relaxed);
   return slot;
 }
 
-Slot LazyTree::finish(BoxList list, const DeferredCell& cell, BuildCounters& counters,
+Slot LazyTree::finish(const DeferredCell& cell, BuildCounters& counters,
                       const std::atomic<bool>* cancelled) {
-  const GrowContext context{tree_, builder_, mesh_, max_depth_, cancelled};
+  BoxList list = cell.list.copy();
+  if (cell.openable) list = open_all(source_, std::move(list), cell.box, counters);
+  const GrowContext context{tree_, builder_, context_.mesh, context_.max_depth, cancelled};
   return grow(context, list.all(), cell.box, cell.path, counters);
-}
-
-void LazyTree::finish_slot(AtomicSlot& slot, BuildCounters& counters,
-                           const std::atomic<bool>* cancelled) {
-  const EpochPin pin;
-  for (Slot now = load(slot); now.is_unbuilt(); now = load(slot)) {
-    DeferredCell& cell = *now.cell();
-    if (cell.given_up.load(std::memory_order_relaxed)) return;
-    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
-    // A small cell that a ray's thread has just claimed is done in microseconds, and that thread
-    // never waits for us.
-    if (!claim_and_build(slot, cell, Extent::kSubtree, counters, cancelled))
-      std::this_thread::yield();
-  }
 }
 
 void LazyTree::expand_all(BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const EpochPin pin;
-  const auto start = std::chrono::steady_clock::now();
-  expand_rounds(counters, cancelled);
-  counters.seconds +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// A round expands all that was unbuilt when it began; rays may have claimed some of it meanwhile.
-void LazyTree::expand_rounds(BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  const Timed timed(counters);
+  // A round completes all that was unbuilt when it began; rays may have claimed some of it.
   for (;;) {
     std::vector<AtomicSlot*> unbuilt;
     collect_unbuilt(tree_, tree_.root(), unbuilt);
-    std::erase_if(unbuilt, [](AtomicSlot* slot) {
-      const Slot now = load(*slot);
-      return now.is_unbuilt() && now.cell()->given_up.load(std::memory_order_relaxed);
-    });
     if (unbuilt.empty() || (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
       return;
     counters += tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, unbuilt.size()), BuildCounters{},
         [&](const tbb::blocked_range<std::size_t>& range, BuildCounters sum) {
           for (std::size_t i = range.begin(); i != range.end(); ++i)
-            finish_slot(*unbuilt[i], sum, cancelled);
+            complete(*unbuilt[i], sum, cancelled);
           return sum;
         },
         [](BuildCounters a, const BuildCounters& b) { return a += b; });
+  }
+}
+
+/// Until the slot is built, and what was cut off in doing so.
+void LazyTree::complete(AtomicSlot& slot, BuildCounters& counters,
+                        const std::atomic<bool>* cancelled) {
+  const EpochPin pin;
+  Patience patience;
+  for (Slot now = load(slot); now.is_unbuilt(); now = load(slot)) {
+    DeferredCell& cell = *now.cell();
+    if (cell.given_up.load(std::memory_order_relaxed)) return;
+    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
+    if (!cell.listed || cell.weight > kWholeBelow) {
+      if (expand_now(slot, AtBusy::kWait, counters) != Expanded::kSearch) continue;
+    } else if (claim(slot, cell)) {
+      return complete_cell(slot, cell, counters, cancelled);
+    }
+    // A ray's thread has just claimed it and is done in no time, or has stopped; then the next
+    // round sees to it.
+    if (!patience.wait(0)) return;
+  }
+  const Slot built = load(slot);
+  if (!built.is_binary()) return;
+  AtomicSlot* children = tree_.children(built);
+  BuildCounters right;
+  tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
+                       [&] { complete(children[1], right, cancelled); });
+  counters += right;
+}
+
+void LazyTree::complete_cell(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters,
+                             const std::atomic<bool>* cancelled) {
+  try {
+    publish(slot, cell, finish(cell, counters, cancelled), counters);
+  } catch (const std::bad_alloc&) {
+    give_back(slot, cell);
   }
 }
 

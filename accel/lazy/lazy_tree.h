@@ -4,68 +4,74 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
-#include <vector>
 
-#include "accel/build/any_builder.h"
-#include "accel/build/grow.h"
-#include "accel/tree/deferred_cell.h"
+#include "accel/lazy/divide.h"
 #include "accel/tree/kd_tree.h"
 
 namespace sightline::accel {
 
-/// Where a tree's references come from. Threads: both functions, any, several at once.
-struct ReferenceSource {
-  /// The coarsest ones, all together: what the root is expanded from. Always the same.
-  std::function<BoxList(BuildCounters&)> list;
-  /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
-  /// within its own. The same reference always opens into the same ones. Null: none is openable.
-  std::function<void(const BoxRef&, std::vector<BoxRef>&)> open;
+/// What came of asking for a cell.
+enum class Expanded : std::uint8_t {
+  kAgain,   ///< There is something new in the slot: look again.
+  kBusy,    ///< A large cell, and others are at it: come back when they have got on.
+  kSearch,  ///< Search the cell's list: others are at it, and it is small, or there is no memory.
+};
+
+/// What to do where others are at a large cell, once there is nothing left to help with.
+enum class AtBusy : std::uint8_t {
+  kLeave,  ///< Return kBusy.
+  kWait,   ///< Sleep until they have got on; if they seem to be stopped, do their work.
 };
 
 /// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
+/// A thread that is stopped in here, wherever it is, does not stop any other.
 class LazyTree {
  public:
-  /// `bounds` holds every reference; `references` is how many the source will make (an upper
-  /// bound). `mesh`: what the references are faces of, for builders that clip; null if they are
-  /// not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t references, const AnyBuilder& builder,
+  /// `bounds` holds every reference; `coarsest` is how many references the source lists, `closed`
+  /// how many they come to when all are opened (both upper bounds). `mesh`: what the closed ones
+  /// are faces of, for builders that clip; null if they are not. Must outlive the tree.
+  LazyTree(const Aabb& bounds, std::size_t coarsest, std::size_t closed, const AnyBuilder& builder,
            ReferenceSource source, const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
   AtomicSlot& root() { return tree_.root(); }
 
-  /// Called by a ray that meets an unbuilt slot. True: the slot is built now (by us, or by the work
-  /// we joined), read it again. False: somebody is at it and it is small, or there is no memory:
-  /// search the cell's list instead.
+  /// Called by a ray that meets an unbuilt slot.
   ///
   /// First touch: one cell is cut into two deferred ones. A cell of at most kFinishBelow references
   /// is finished whole.
-  bool expand(AtomicSlot& slot, BuildCounters& counters);
+  Expanded expand(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
+
+  /// How far the expansion of a busy slot is; grows while there is progress.
+  static std::uint64_t progress(const AtomicSlot& slot);
 
   /// Expands everything until nothing is unbuilt but cells for which there was no room, or until
   /// `cancelled`. Parallel in the caller's arena.
   void expand_all(BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
  private:
-  enum class Extent { kOneCell, kSubtree };
-
-  bool claim_and_build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildCounters& counters,
-                       const std::atomic<bool>* cancelled);
-  bool build(AtomicSlot& slot, DeferredCell& cell, Extent extent, BuildCounters& counters,
-             const std::atomic<bool>* cancelled);
-  Slot cut_once(std::span<const BoxRef> refs, const DeferredCell& cell, BuildCounters& counters);
-  Slot finish(BoxList list, const DeferredCell& cell, BuildCounters& counters,
-              const std::atomic<bool>* cancelled);
-  void expand_rounds(BuildCounters& counters, const std::atomic<bool>* cancelled);
-  void finish_slot(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);
+  Expanded expand_now(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
+  Expanded meet_claimed(AtomicSlot& slot, const DeferredCell& cell, AtBusy at_busy);
+  Expanded expand_small(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters);
+  Expanded expand_large(AtomicSlot& slot, DeferredCell& cell, AtBusy at_busy,
+                        BuildCounters& counters);
+  Expanded lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
+                BuildCounters& counters);
+  Slot make_slot(Division division, const DeferredCell& cell);
+  Slot defer(Part part, const Aabb& box, const CellPath& path);
+  Slot finish(const DeferredCell& cell, BuildCounters& counters, const std::atomic<bool>* cancelled);
+  void complete(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);
+  void complete_cell(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters,
+                     const std::atomic<bool>* cancelled);
+  bool claim(AtomicSlot& slot, DeferredCell& cell);
+  void give_back(AtomicSlot& slot, DeferredCell& cell);
+  void publish(AtomicSlot& slot, DeferredCell& cell, Slot built, BuildCounters& counters);
 
   KdTree tree_;
   AnyBuilder builder_;
   ReferenceSource source_;
-  const MeshView* mesh_;
-  std::size_t references_;
-  int max_depth_;
+  std::size_t closed_;
+  DivideContext context_;
 };
 
 /// A deferred cell this small is finished whole: splitting it further would cost more than it

@@ -1,39 +1,75 @@
 // Triangles under the kd-tree: making references of them, and testing them in its leaves.
 #include "accel/lazy/mesh_tree.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
+#include <algorithm>
 
 namespace sightline::accel {
 namespace {
 
-constexpr std::size_t kFacesPerTask = 16384;
-
-BoxList make_references(const MeshView& mesh, std::uint64_t count, BuildCounters& counters) {
-  const std::size_t faces = mesh.faces.size();
-  counters.touches_prepare += faces;
-  BoxList list(faces);
-  const std::span<BoxRef> refs = list.all();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),
-                    [&](const auto& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        const std::optional<Aabb> box = face_bounds(mesh, i);
-                        refs[i] = box ? BoxRef{box->lo, static_cast<std::uint32_t>(i), box->hi, 1}
-                                      : BoxRef{{}, 0, {}, 0};
-                      }
-                    });
-  if (count < faces) {
-    const auto end =
-        std::remove_if(refs.begin(), refs.end(), [](const BoxRef& r) { return r.weight == 0; });
-    list.shrink(static_cast<std::size_t>(end - refs.begin()));
+/// Boxes of the faces from `begin` to `end` that have any.
+void append_faces(const MeshView& mesh, std::size_t begin, std::size_t end,
+                  std::vector<BoxRef>& out) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (const std::optional<Aabb> box = face_bounds(mesh, i))
+      out.push_back({box->lo, static_cast<std::uint32_t>(i), box->hi, 1});
   }
-  return list;
 }
 
+std::size_t run_end(const MeshView& mesh, std::size_t first_face) {
+  return std::min(first_face + Runs::kRunLength, mesh.faces.size());
+}
+
+/// Runs, opened into runs and faces.
+ReferenceSource source_of_runs(const MeshView& mesh, std::shared_ptr<const Runs> runs,
+                               std::shared_ptr<const void> alive) {
+  ReferenceSource source;
+  source.list = [runs, faces = mesh.faces.size()](std::size_t, BuildCounters& counters) {
+    counters.touches_prepare += faces;
+    return BoxList(runs->coarsest());
+  };
+  source.open = [runs, mesh](const BoxRef& run, std::vector<BoxRef>& out) {
+    if (const std::optional<std::size_t> first = Runs::first_face(run)) {
+      append_faces(mesh, *first, run_end(mesh, *first), out);
+      return;
+    }
+    const std::span<const BoxRef> finer = runs->finer(run);
+    out.insert(out.end(), finer.begin(), finer.end());
+  };
+  source.alive = std::move(alive);
+  return source;
+}
+
+/// Runs are opened by the rule of membership, which builders do not follow that choose the side of
+/// flat boxes.
+bool takes_runs(const AnyBuilder& builder) {
+  return !std::holds_alternative<ExactBuilder>(builder);
+}
+
+constexpr std::size_t kFacesPerSlice = 4096;
+
+/// Every face on its own.
+ReferenceSource source_of_faces(const MeshView& mesh, std::shared_ptr<const void> alive) {
+  ReferenceSource source;
+  source.slices = std::max<std::size_t>(1, (mesh.faces.size() + kFacesPerSlice - 1) / kFacesPerSlice);
+  source.list = [mesh](std::size_t slice, BuildCounters& counters) {
+    const std::size_t begin = slice * kFacesPerSlice,
+                      end = std::min(begin + kFacesPerSlice, mesh.faces.size());
+    counters.touches_prepare += end - begin;
+    std::vector<BoxRef> refs;
+    refs.reserve(end - begin);
+    append_faces(mesh, begin, end, refs);
+    return BoxList(refs);
+  };
+  source.alive = std::move(alive);
+  return source;
+}
+
+}  // namespace
+
 /// What a walk asks at leaves and at cells that are not built.
-struct Visit {
+struct MeshTree::Visit {
   const MeshView& mesh;
+  const Runs& runs;
   LazyTree& lazy;
   MeshQuery& query;
   const TreeRay& ray;
@@ -84,20 +120,38 @@ struct Visit {
   }
 
   Unbuilt unbuilt(AtomicSlot& slot, const DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand && lazy.expand(slot, built)) return Unbuilt::kAgain;
+    if (query.at_unbuilt == AtUnbuilt::kExpand) {
+      const Expanded expanded = lazy.expand(slot, query.at_busy, built);
+      if (expanded == Expanded::kAgain) return Unbuilt::kAgain;
+      if (expanded == Expanded::kBusy) {
+        query.put_aside = true;
+        query.progress = LazyTree::progress(slot);
+        return Unbuilt::kStop;
+      }
+    }
     query.met_unbuilt = true;
     if (query.at_unbuilt == AtUnbuilt::kSkip) return Unbuilt::kDone;
     return search(cell) ? Unbuilt::kStop : Unbuilt::kDone;
   }
 
   bool search(const DeferredCell& cell) {
-    if (cell.listed) {
-      for (const BoxRef& ref : cell.list.all()) {
-        if (may_meet(ray, ref.bounds(), limit()) && test(ref.id)) return true;
-      }
-      return false;
-    }
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    if (cell.listed)
+      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+    return runs.empty() ? search_faces(0, mesh.faces.size()) : search(runs.coarsest());
+  }
+
+  bool search(std::span<const BoxRef> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+      if (ref.weight == 0 || !may_meet(ray, ref.bounds(), limit())) return false;
+      if (!ref.openable()) return test(ref.id);
+      if (const std::optional<std::size_t> first = Runs::first_face(ref))
+        return search_faces(*first, run_end(mesh, *first));
+      return search(runs.finer(ref));
+    });
+  }
+
+  bool search_faces(std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       const std::optional<Aabb> box = face_bounds(mesh, i);
       if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
     }
@@ -105,58 +159,25 @@ struct Visit {
   }
 };
 
-}  // namespace
-
-MeshTree::MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
-                   const AnyBuilder& builder, [[maybe_unused]] References references)
+MeshTree::MeshTree(MeshView mesh, MeshSurvey survey, const AnyBuilder& builder,
+                   std::shared_ptr<const void> alive)
     : mesh_(mesh),
-      lazy_(
-          bounds, finite_triangles, builder,
-          {.list =
-               [mesh, finite_triangles](BuildCounters& counters) {
-                 return make_references(mesh, finite_triangles, counters);
-               },
-           .open = {}},
-          &mesh_) {}
+      runs_(std::make_shared<const Runs>(takes_runs(builder) ? std::move(survey.runs) : Runs())),
+      lazy_(survey.bounds,
+            runs_->empty() ? survey.finite_triangles
+                           : std::min(survey.finite_triangles, runs_->coarsest().size()),
+            survey.finite_triangles, builder,
+            runs_->empty() ? source_of_faces(mesh, std::move(alive))
+                           : source_of_runs(mesh, runs_, std::move(alive)),
+            &mesh_) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray))
     return;
-  Visit visit{mesh_, lazy_, query, ray, walked, built};
+  Visit visit{mesh_, *runs_, lazy_, query, ray, walked, built};
   walk(tree(), ray, lazy_.root(), walked, visit);
-}
-
-std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face) {
-  const Face& f = mesh.faces[face];
-  if (f[0] == kNoVertex) return std::nullopt;
-  Aabb box;
-  for (const std::uint32_t v : f) {
-    const Vec3f& p = mesh.vertices[v];
-    if (!is_finite(p)) return std::nullopt;
-    box.grow(p);
-  }
-  return widen_flat(box);
-}
-
-MeshBounds mesh_bounds(const MeshView& mesh) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.faces.size(), kFacesPerTask), MeshBounds{},
-      [&](const auto& range, MeshBounds sum) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          if (const std::optional<Aabb> box = face_bounds(mesh, i)) {
-            sum.box.grow(*box);
-            ++sum.count;
-          }
-        }
-        return sum;
-      },
-      [](MeshBounds a, const MeshBounds& b) {
-        a.box.grow(b.box);
-        a.count += b.count;
-        return a;
-      });
 }
 
 }  // namespace sightline::accel

@@ -4,13 +4,14 @@
 
 #include <atomic>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "accel/geometry/facing.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
 #include "accel/lazy/distinct.h"
 #include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/mesh_survey.h"
 #include "accel/tree/walk.h"
 
 namespace sightline::accel {
@@ -20,12 +21,6 @@ enum class AtUnbuilt : std::uint8_t {
   kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
   kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
   kSkip,    ///< Pass it over.
-};
-
-/// What a mesh's tree begins with.
-enum class References : std::uint8_t {
-  kSoup,  ///< Every triangle on its own, as in the paper.
-  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
 };
 
 /// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
@@ -39,6 +34,7 @@ struct MeshQuery {
   double tmin = 0, tmax = kInfinity;
   Culling culling = Culling::kNone;  ///< By the winding in the mesh's frame.
   AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
+  AtBusy at_busy = AtBusy::kWait;
   bool any = false;  ///< Stop at the first hit found.
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's; goes with the node.
@@ -48,6 +44,10 @@ struct MeshQuery {
   std::uint32_t best_instance = 0;
   bool found = false;
   bool met_unbuilt = false;  ///< A cell was passed over or searched.
+  /// With AtBusy::kLeave: the walk met a large cell that others are building, and was broken off.
+  /// Ask again, with a fresh query, when `progress` has grown.
+  bool put_aside = false;
+  std::uint64_t progress = 0;
   Distinct<ListedHit>* list = nullptr;
   Distinct<std::uint32_t>* primitives = nullptr;
 
@@ -57,10 +57,10 @@ struct MeshQuery {
 /// Threads: all members, from any thread pinned to an epoch.
 class MeshTree {
  public:
-  /// The view's arrays must outlive the tree. `bounds`: of the finite triangles, widened
-  /// (widen_flat).
-  MeshTree(MeshView mesh, const Aabb& bounds, std::uint64_t finite_triangles,
-           const AnyBuilder& builder, References references = References::kRuns);
+  /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
+  /// it is gone (see ReferenceSource::alive).
+  MeshTree(MeshView mesh, MeshSurvey survey, const AnyBuilder& builder,
+           std::shared_ptr<const void> alive = nullptr);
 
   /// Looks for hits and updates the query.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
@@ -73,20 +73,15 @@ class MeshTree {
   bool untouched() const { return load(tree().root()).is_unbuilt(); }
   const KdTree& tree() const { return lazy_.tree(); }
 
+  /// The tree's own and the runs'.
+  std::uint64_t bytes() const { return tree().bytes() + runs_->bytes(); }
+
  private:
+  struct Visit;
+
   MeshView mesh_;
+  std::shared_ptr<const Runs> runs_;
   LazyTree lazy_;
 };
-
-/// The bounds of a face as the builder sees them, or nothing if it has no triangle or a vertex is
-/// not finite.
-std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face);
-
-/// Of all faces that have bounds; `count` is how many those are. Parallel in the caller's arena.
-struct MeshBounds {
-  Aabb box;
-  std::uint64_t count = 0;
-};
-MeshBounds mesh_bounds(const MeshView& mesh);
 
 }  // namespace sightline::accel

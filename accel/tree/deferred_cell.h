@@ -1,66 +1,55 @@
-// A cell that is not built yet: its box, its list, and the state that lets one thread build it
-// while others go on.
+// A cell that is not built yet: its box, its list, and what several threads build it with.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <new>
-#include <span>
-#include <utility>
 
-// oneTBB 2021 calls it a preview; the interface has not changed since.
-#define TBB_PREVIEW_COLLABORATIVE_CALL_ONCE 1
-#include <tbb/collaborative_call_once.h>
-
-#include "accel/build/box_ref.h"
+#include "accel/build/first_scan.h"
+#include "accel/tree/box_list.h"
 
 namespace sightline::accel {
 
-/// An owned list of references whose unused end can be given back.
-class BoxList {
+/// Work that threads join; freed by whoever leaves it last. See accel/lazy/expansion.h.
+class SharedWork {
  public:
-  BoxList() = default;
-  /// Room for `size` boxes, uninitialised. Throws std::bad_alloc.
-  explicit BoxList(std::size_t size) : data_(allocate(nullptr, size)), size_(size) {}
-
-  std::span<BoxRef> all() { return {data_.get(), size_}; }
-  std::span<const BoxRef> all() const { return {data_.get(), size_}; }
-  std::size_t size() const { return size_; }
-  std::uint64_t bytes() const { return size_ * sizeof(BoxRef); }
-
-  /// Keeps the first `size` boxes.
-  void shrink(std::size_t size) {
-    data_.reset(allocate(data_.release(), size));
-    size_ = size;
+  void join() { users_.fetch_add(1, std::memory_order_relaxed); }
+  void leave() {
+    if (users_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
   }
+
+ protected:
+  SharedWork() = default;
+  virtual ~SharedWork() = default;
 
  private:
-  struct Free {
-    void operator()(BoxRef* p) const { std::free(p); }
-  };
-  static BoxRef* allocate(BoxRef* old, std::size_t size) {
-    void* p = std::realloc(old, (size > 0 ? size : 1) * sizeof(BoxRef));
-    if (p == nullptr) throw std::bad_alloc();
-    return static_cast<BoxRef*>(p);
-  }
-  std::unique_ptr<BoxRef, Free> data_;
-  std::size_t size_ = 0;
+  std::atomic<int> users_{1};
 };
 
-/// Immutable but for `once` and `given_up` until it is retired; readers hold an epoch.
+/// Immutable but for the atomics until it is retired; readers hold an epoch.
 struct alignas(8) DeferredCell {
+  DeferredCell() = default;
+  DeferredCell(const DeferredCell&) = delete;
+  DeferredCell& operator=(const DeferredCell&) = delete;
+  ~DeferredCell() {
+    if (SharedWork* work = expansion.load(std::memory_order_acquire)) work->leave();
+  }
+
   Aabb box;
   CellPath path;
-  /// The root's list is derived from the geometry by whoever expands it; until then `list` is empty
+  /// The root's list is made from the geometry by whoever expands it; until then `list` is empty
   /// and readers search all of the geometry.
   bool listed = true;
-  BoxList list;
-  std::size_t size = 0;  ///< References in the cell, listed or not.
+  /// Some references of the list may be openable.
+  bool openable = false;
+  CellList list;
+  std::size_t size = 0;      ///< References in the cell, listed or not.
+  std::uint64_t weight = 0;  ///< Of them all.
+  FirstScan first;           ///< Of the list, if it was made when the list was written.
   /// Expanding failed for want of memory: the cell stays as it is and is searched.
   std::atomic<bool> given_up{false};
-  /// Large cells are expanded under this flag: latecomers join the work instead of waiting for it.
-  tbb::collaborative_once_flag once;
+  /// Of a large cell that somebody has begun to expand.
+  std::atomic<SharedWork*> expansion{nullptr};
 
   std::uint64_t bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -36,7 +37,9 @@ class KdTree {
   const AtomicSlot& root() const { return root_; }
 
   /// The two child slots of a binary slot, left first.
-  AtomicSlot* children(Slot binary) const { return pairs_.data() + 2 * std::size_t{binary.pair()}; }
+  AtomicSlot* children(Slot binary) const {
+    return pairs_.load(std::memory_order_relaxed) + 2 * std::size_t{binary.pair()};
+  }
 
   /// The references of a leaf slot. `storage` backs the span where the leaf holds its one reference
   /// itself.
@@ -45,11 +48,11 @@ class KdTree {
       storage = slot.leaf_first();
       return {&storage, 1};
     }
-    return {ids_.data() + slot.leaf_first(), slot.leaf_count()};
+    return {ids_.load(std::memory_order_relaxed) + slot.leaf_first(), slot.leaf_count()};
   }
 
-  /// Makes room for a tree over `references` boxes. Called once, before the first node. Throws
-  /// std::bad_alloc.
+  /// Makes room for a tree over `references` boxes, if nobody has. To be called by every thread
+  /// before it makes its first node. Throws std::bad_alloc. Threads: any.
   void reserve(std::size_t references);
 
   /// The place of a fresh pair of slots, or nothing if the reservation is used up. Threads: any.
@@ -58,21 +61,32 @@ class KdTree {
   /// A leaf over these references, or nothing if the reservation is used up. Threads: any.
   std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
 
-  /// A slot to be expanded later; an empty leaf for an empty list. Throws std::bad_alloc. Threads:
-  /// any.
+  /// A slot to be expanded later, whose list is made already; an empty leaf if that is empty.
+  /// Threads: any.
+  Slot defer(std::unique_ptr<DeferredCell> cell);
   Slot defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up = false);
 
   /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
   void retire_cell(DeferredCell& cell);
 
+  /// Frees the deferred cells at and below a slot that was never published.
+  void discard(Slot slot);
+
   /// Nodes, ids and deferred cells with their lists.
   std::uint64_t bytes() const;
 
  private:
+  struct Room {
+    Reservation<AtomicSlot> pairs;
+    Reservation<std::uint32_t> ids;
+  };
+
   Aabb bounds_;
   AtomicSlot root_;
-  Reservation<AtomicSlot> pairs_;
-  Reservation<std::uint32_t> ids_;
+  std::atomic<Room*> room_{nullptr};
+  // The same, nearer to the walk.
+  std::atomic<AtomicSlot*> pairs_{nullptr};
+  std::atomic<std::uint32_t*> ids_{nullptr};
   std::atomic<std::uint64_t> pairs_used_{0};
   std::atomic<std::uint64_t> ids_used_{0};
   std::atomic<std::uint64_t> cell_bytes_{0};

@@ -39,8 +39,8 @@ class Slot {
   constexpr Slot() : bits_(static_cast<std::uint64_t>(Tag::kLeaf)) {}
   explicit constexpr Slot(std::uint64_t bits) : bits_(bits) {}
 
-  static Slot deferred(DeferredCell* cell) { return of(cell, Tag::kDeferred); }
-  static Slot expanding(DeferredCell* cell) { return of(cell, Tag::kExpanding); }
+  static Slot deferred(const DeferredCell* cell) { return of(cell, Tag::kDeferred); }
+  static Slot expanding(const DeferredCell* cell) { return of(cell, Tag::kExpanding); }
   static constexpr Slot empty_leaf() { return Slot(); }
   static constexpr Slot single(std::uint32_t reference) { return leaf(1, reference); }
   static constexpr Slot leaf(std::uint64_t count, std::uint32_t first) {
@@ -72,7 +72,7 @@ class Slot {
   DeferredCell* cell() const { return std::bit_cast<DeferredCell*>(bits_ & ~std::uint64_t{7}); }
 
  private:
-  static Slot of(DeferredCell* cell, Tag tag) {
+  static Slot of(const DeferredCell* cell, Tag tag) {
     const auto address = std::bit_cast<std::uint64_t>(cell);
     assert((address & 7) == 0);
     return Slot(address | static_cast<std::uint64_t>(tag));

@@ -117,11 +117,7 @@ struct MeshVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell& cell) {
-    if (cell.listed) {
-      for (const accel::BoxRef& ref : cell.list.all()) search(ref.id, ref.bounds());
-      return Unbuilt::kDone;
-    }
+  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
       if (const auto box = accel::face_bounds(mesh, id)) search(id, *box);
     }
@@ -159,11 +155,7 @@ struct SceneVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell& cell) {
-    if (cell.listed) {
-      for (const accel::BoxRef& ref : cell.list.all()) enter(ref.id);
-      return Unbuilt::kDone;
-    }
+  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < instances.list().size(); ++id) enter(id);
     return Unbuilt::kDone;
   }

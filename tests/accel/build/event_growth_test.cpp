@@ -19,6 +19,7 @@
 #include "accel/tree/epoch.h"
 #include "accel/tree/measure.h"
 #include "tests/accel/build/boxes.h"
+#include "tests/accel/check_tree.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::accel {
@@ -33,7 +34,7 @@ constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, Ex
 std::vector<std::uint32_t> held(const KdTree& tree, Slot slot) {
   std::vector<std::uint32_t> ids;
   if (slot.is_unbuilt()) {
-    for (const BoxRef& ref : std::as_const(slot.cell()->list).all()) ids.push_back(ref.id);
+    ids = tests::ids_of(slot.cell()->list);
   } else if (slot.leaf_count() > 0) {
     std::uint32_t storage;
     const auto leaf = tree.leaf(slot, storage);
@@ -73,15 +74,17 @@ BoxList references_of(const MeshView& mesh) {
 
 std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
                                     const ExactBuilder& builder) {
-  const MeshBounds bounds = mesh_bounds(mesh.view());
+  const MeshSurvey survey = survey_mesh(mesh.view(), References::kSoup);
   return std::make_unique<LazyTree>(
-      bounds.box, bounds.count, AnyBuilder(builder),
-      [view](BuildCounters&) { return references_of(view); }, &view);
+      survey.bounds, survey.finite_triangles, survey.finite_triangles, AnyBuilder(builder),
+      ReferenceSource{.list = [view](std::size_t, BuildCounters&) { return references_of(view); }},
+      &view);
 }
 
 void touch_all(LazyTree& tree, AtomicSlot& slot) {
   BuildCounters counters;
-  while (load(slot).is_unbuilt() && tree.expand(slot, counters)) {
+  while (load(slot).is_unbuilt() &&
+         tree.expand(slot, AtBusy::kWait, counters) == Expanded::kAgain) {
   }
   if (!load(slot).is_binary()) return;
   AtomicSlot* children = tree.tree().children(load(slot));
@@ -196,12 +199,11 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   std::vector<std::unique_ptr<LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
     trees.push_back(
-        std::make_unique<LazyTree>(bounds_of(refs), refs.size(),
-                                   AnyBuilder(ExactBuilder{.search = search}), [&](BuildCounters&) {
-                                     BoxList list(refs.size());
-                                     std::copy(refs.begin(), refs.end(), list.all().begin());
-                                     return list;
-                                   }));
+        std::make_unique<LazyTree>(bounds_of(refs), refs.size(), refs.size(),
+                                   AnyBuilder(ExactBuilder{.search = search}),
+                                   ReferenceSource{.list = [&](std::size_t, BuildCounters&) {
+                                     return BoxList(refs);
+                                   }}));
     BuildCounters counters;
     trees.back()->expand_all(counters);
   }
@@ -219,7 +221,8 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
   const EpochPin pin;
   // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
   // finished.
-  ASSERT_TRUE(parts->expand(parts->root(), counters));
+  while (load(parts->root()).is_unbuilt())
+    ASSERT_EQ(parts->expand(parts->root(), AtBusy::kWait, counters), Expanded::kAgain);
   const std::atomic<bool> cancelled{true};
   const Slot root = load(parts->root());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -229,10 +232,10 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     scratch.reserve(cell.size);
     const AnyBuilder builder = ExactBuilder{};
     const GrowContext context{scratch, builder, &view, 60, &cancelled};
-    std::vector<BoxRef> list(cell.list.all().begin(), cell.list.all().end());
+    std::vector<BoxRef> list(cell.list.whole().begin(), cell.list.whole().end());
     const Slot again = grow(context, list, cell.box, cell.path, counters);
     ASSERT_TRUE(again.is_unbuilt());
-    const auto before = cell.list.all(), after = std::as_const(again.cell()->list).all();
+    const auto before = cell.list.whole(), after = again.cell()->list.whole();
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
       ASSERT_EQ(before[k].id, after[k].id);

@@ -32,8 +32,7 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const AnyBuilder& builder) {
-  const MeshBounds bounds = mesh_bounds(mesh.view());
-  MeshTree tree(mesh.view(), bounds.box, bounds.count, builder);
+  MeshTree tree(mesh.view(), survey_mesh(mesh.view(), References::kSoup), builder);
   BuildCounters counters;
   tree.expand_all(counters);
   return static_cast<double>(counters.touches);

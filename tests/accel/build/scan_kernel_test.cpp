@@ -27,24 +27,39 @@ std::vector<BoxRef> boxes(std::size_t n, std::uint64_t seed) {
   return refs;
 }
 
-ScanAxis planes(std::uint64_t seed) {
+template <std::size_t kPlanes>
+std::array<float, kPlanes> planes(std::uint64_t seed) {
   tests::Random random(seed);
-  ScanAxis axis;
-  for (float& x : axis.position) x = static_cast<float>(random.below(65)) / 8;
+  std::array<float, kPlanes> axis;
+  for (float& x : axis) x = static_cast<float>(random.below(65)) / 8;
   return axis;
 }
 
-void expect_counts(const std::vector<BoxRef>& refs, std::size_t axis, const ScanAxis& counted,
-                   std::size_t used) {
-  for (std::size_t i = 0; i < used; ++i) {
-    std::uint32_t left = 0, right = 0;
+template <std::size_t kPlanes>
+PlaneCounts<kPlanes> counted(const std::vector<BoxRef>& refs, std::size_t axis,
+                             const std::array<float, kPlanes>& planes) {
+  PlaneCounts<kPlanes> counts;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
     for (const BoxRef& r : refs) {
-      left += r.lo[axis] < counted.position[i] ? r.weight : 0;
-      right += r.hi[axis] > counted.position[i] ? r.weight : 0;
+      counts.left[i] += r.lo[axis] < planes[i] ? r.weight : 0;
+      counts.right[i] += r.hi[axis] > planes[i] ? r.weight : 0;
     }
-    ASSERT_EQ(counted.left[i], left) << "axis " << axis << " plane " << i;
-    ASSERT_EQ(counted.right[i], right) << "axis " << axis << " plane " << i;
   }
+  return counts;
+}
+
+PlaneNeighbours neighbours(const std::vector<BoxRef>& refs, std::size_t axis,
+                           const WideAxis& planes) {
+  PlaneNeighbours near;
+  for (std::size_t i = 0; i < kScanWidth; ++i) {
+    const auto below = [&](float x) { near.below[i] = std::max(near.below[i], x); };
+    const auto above = [&](float x) { near.above[i] = std::min(near.above[i], x); };
+    for (const BoxRef& r : refs) {
+      r.lo[axis] < planes[i] ? below(r.lo[axis]) : above(r.lo[axis]);
+      r.hi[axis] > planes[i] ? above(r.hi[axis]) : below(r.hi[axis]);
+    }
+  }
+  return near;
 }
 
 class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
@@ -56,15 +71,45 @@ class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
 TEST_P(ScanKernel, CountsWeights) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
     const std::vector<BoxRef> refs = boxes(n, n);
-    std::array<ScanAxis, 3> axes{planes(1), planes(2), planes(3)};
-    scan_three_axes(refs, axes);
-    for (std::size_t a = 0; a < 3; ++a) expect_counts(refs, a, axes[a], kScanWidth / 2);
-    for (int a = 0; a < 3; ++a) {
-      ScanAxis one = planes(4);
-      scan_one_axis(refs, a, one);
-      expect_counts(refs, static_cast<std::size_t>(a), one, kScanWidth / 2);
+    const std::array<FirstAxis, 3> at{planes<kFirstPlanes>(1), planes<kFirstPlanes>(2),
+                                      planes<kFirstPlanes>(3)};
+    std::array<PlaneCounts<kFirstPlanes>, 3> counts;
+    scan_three_axes(refs, at, counts);
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_EQ(counts[a], counted(refs, a, at[a])) << n << " on " << a;
+      PlaneCounts<kFirstPlanes> one;
+      scan_one_axis(refs, static_cast<int>(a), at[a], one);
+      EXPECT_EQ(one, counts[a]) << n << " on " << a;
     }
   }
+}
+
+TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
+  for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
+    const std::vector<BoxRef> refs = boxes(n, n);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const WideAxis at = planes<kScanWidth>(a);
+      PlaneCounts<kScanWidth> counts;
+      PlaneNeighbours near;
+      scan_wide_axis(refs, static_cast<int>(a), at, counts, near);
+      EXPECT_EQ(counts, counted(refs, a, at)) << n << " on " << a;
+      EXPECT_EQ(near, neighbours(refs, a, at)) << n << " on " << a;
+    }
+  }
+}
+
+/// Piece after piece, into the same counts.
+TEST_P(ScanKernel, AddsUp) {
+  const std::vector<BoxRef> refs = boxes(100, 3);
+  const std::span<const BoxRef> all(refs);
+  const WideAxis at = planes<kScanWidth>(5);
+  PlaneCounts<kScanWidth> whole, pieces;
+  PlaneNeighbours whole_near, pieces_near;
+  scan_wide_axis(all, 1, at, whole, whole_near);
+  for (const auto& [begin, size] : {std::pair{0u, 1u}, {1u, 0u}, {1u, 60u}, {61u, 39u}})
+    scan_wide_axis(all.subspan(begin, size), 1, at, pieces, pieces_near);
+  EXPECT_EQ(whole, pieces);
+  EXPECT_EQ(whole_near, pieces_near);
 }
 
 std::vector<std::int64_t> targets_here() {

@@ -27,9 +27,9 @@ struct Answer {
   bool operator==(const Answer&) const = default;
 };
 
-std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const AnyBuilder& builder = {}) {
-  const MeshBounds bounds = mesh_bounds(mesh.view());
-  return std::make_unique<MeshTree>(mesh.view(), bounds.box, bounds.count, builder);
+std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const AnyBuilder& builder = {},
+                                    References references = References::kRuns) {
+  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view(), references), builder);
 }
 
 MeshQuery query_of(const Ray& ray) {

@@ -1,0 +1,49 @@
+// A pass over a cell's list as a value: what it looks for, without the list. Whoever holds the list
+// runs it, over pieces, on any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include "accel/build/box_ref.h"
+#include "accel/build/scan_kernel.h"
+
+namespace sightline::accel {
+
+/// What a pass found in some of a list's boxes. Adds up over disjoint pieces of the list, in any
+/// order, to what a pass over the whole finds.
+struct PassResult {
+  std::array<PlaneCounts<kFirstPlanes>, 3> axes;  ///< Of a pass over few planes, on its axes.
+  PlaneCounts<kScanWidth> wide;                   ///< Of a pass over many planes of one axis.
+  PlaneNeighbours near;                           ///< Of the same.
+
+  PassResult& operator+=(const PassResult& o) {
+    for (std::size_t a = 0; a < 3; ++a) axes[a] += o.axes[a];
+    wide += o.wide;
+    near += o.near;
+    return *this;
+  }
+};
+static_assert(std::is_trivially_copyable_v<PassResult>);
+
+/// Passes once over some of a list's boxes. Holds all it needs: it may outlive who made it, run on
+/// any thread, on several at once, and more than once over the same boxes, with equal results.
+using PassKernel = std::function<PassResult(std::span<const BoxRef>)>;
+
+/// Runs a kernel over the whole of one list, and returns the sum.
+using RunPass = std::function<PassResult(const PassKernel&)>;
+
+/// Lists of at least twice this many boxes are passed over in parallel slices of this size.
+inline constexpr std::size_t kScanSlice = 32768;
+
+/// One pass over the list of a cell: through `list.run` where there is one, else over `list.refs`,
+/// long ones in parallel slices in the caller's arena. Sums of integers, greatest and least: the
+/// same however the list is cut.
+PassResult run_pass(const CellRefs& list, const PassKernel& kernel);
+
+}  // namespace sightline::accel

@@ -1,0 +1,62 @@
+// What becomes of a cell that is expanded: a leaf, two cells, or the same cell with a finer list.
+#pragma once
+
+#include <optional>
+
+#include "accel/build/any_builder.h"
+#include "accel/geometry/mesh_view.h"
+#include "accel/lazy/expansion.h"
+#include "accel/lazy/reference_source.h"
+#include "accel/tree/deferred_cell.h"
+
+namespace sightline::accel {
+
+/// What every cell of a tree is expanded by. `mesh`: what the references are faces of, for builders
+/// that clip; null if they are not.
+struct DivideContext {
+  const AnyBuilder& builder;
+  const ReferenceSource& source;
+  const MeshView* mesh;
+  int max_depth;
+};
+
+/// The list of one of the cells that come of a division.
+struct Part {
+  CellList list;
+  FirstScan first;
+  bool openable = false;
+};
+
+struct Division {
+  enum class Kind { kLeaf, kCut, kFiner };
+  Kind kind = Kind::kLeaf;
+  Cut cut;           ///< kCut.
+  Part left, right;  ///< kCut; kFiner: `left` is the whole.
+};
+
+/// Divides a cell with a short list. Throws std::bad_alloc.
+Division divide_short(const DivideContext& context, const DeferredCell& cell,
+                      BuildCounters& counters);
+
+/// The same for a long list, or for one that is not made yet (which gives kFiner): in stages, with
+/// whoever else is at it. Every thread that comes here gets an equal division, its lists shared.
+Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
+                     BuildCounters& counters);
+
+/// Opens what is openable in a list until nothing is, and leaves out what does not reach into the
+/// cell.
+BoxList open_all(const ReferenceSource& source, BoxList list, const Aabb& cell,
+                 BuildCounters& counters);
+
+/// Lists of at least this many references are long.
+inline constexpr std::size_t kLongList = 16384;
+
+/// At so few references a cell that holds openable ones opens them before it is cut: what a plane
+/// costs is known better then, and an entry is no longer small beside the cell.
+inline constexpr std::size_t kOpenBelow = 64;
+
+/// At so many openable references on both sides of a plane, one in kStraddlersToOpen, they are
+/// opened first: their weight counts twice and every cut looks bad.
+inline constexpr std::size_t kStraddlersToOpen = 4;
+
+}  // namespace sightline::accel
