@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "accel/build/bound_scan.h"
+#include "accel/build/guided_scan.h"
 #include "accel/build/out_of_range.h"
 #include "accel/build/scan_samples.h"
 
@@ -103,7 +104,7 @@ std::optional<std::string> ScanBuilder::check() const {
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
   if (references > exact_below) return std::nullopt;
   BoundRule rule{.cost = cost, .retry_above = retry_above};
-  if (axes == ScanAxes::kOne) rule.all_axes_up_to = 0;
+  if (axes == ScanAxes::kOne || axes == ScanAxes::kGuided) rule.all_axes_up_to = 0;
   if (axes == ScanAxes::kHybrid) rule.all_axes_up_to = hybrid_below;
   return rule;
 }
@@ -112,6 +113,9 @@ std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& coun
   if (list.size == 0) return std::nullopt;
   if (const auto rule = bound_rule(list.size))
     return choose_bound(list.refs, list.box, *rule, counters);
+  if (axes == ScanAxes::kGuided) {
+    return choose_guided(list, {.cost = cost, .uniform_samples = uniform_samples}, counters);
+  }
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);
   const int longest = longest_axis(list.box);

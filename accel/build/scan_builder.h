@@ -21,6 +21,7 @@ enum class ScanAxes : std::uint8_t {
   kOne,     ///< The cell's longest axis (paper: "one axis").
   kHybrid,  ///< All axes up to hybrid_below boxes, above that the longest.
   kAll,
+  kGuided,  ///< See choose_guided.
 };
 
 /// A builder is a value: parameters, `check()`, and one decision.

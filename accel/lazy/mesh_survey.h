@@ -4,10 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <optional>
 
 #include "accel/geometry/mesh_view.h"
+#include "accel/lazy/face_boxes.h"
 #include "accel/lazy/runs.h"
 
 namespace sightline::accel {
@@ -23,16 +22,12 @@ struct MeshSurvey {
   std::uint64_t finite_triangles = 0;  ///< With finite vertices: what can be hit.
   /// The first face with an index out of range; it and its like count as triangles, never as
   /// finite.
-  std::size_t first_bad_face = std::numeric_limits<std::size_t>::max();
+  std::size_t first_bad_face = FaceSum::kNone;
   Aabb bounds;  ///< Of the finite triangles, each widened as widen_flat does.
   Runs runs;    ///< Empty for a soup.
 };
 
 /// Parallel in the caller's arena; the result does not depend on it.
 MeshSurvey survey_mesh(const MeshView& mesh, References references);
-
-/// The bounds of a face as the builder sees them, or nothing if it has no triangle or a vertex is
-/// not finite.
-std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face);
 
 }  // namespace sightline::accel

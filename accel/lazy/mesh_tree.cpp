@@ -6,15 +6,6 @@
 namespace sightline::accel {
 namespace {
 
-/// Boxes of the faces from `begin` to `end` that have any.
-void append_faces(const MeshView& mesh, std::size_t begin, std::size_t end,
-                  std::vector<BoxRef>& out) {
-  for (std::size_t i = begin; i < end; ++i) {
-    if (const std::optional<Aabb> box = face_bounds(mesh, i))
-      out.push_back({box->lo, static_cast<std::uint32_t>(i), box->hi, 1});
-  }
-}
-
 std::size_t run_end(const MeshView& mesh, std::size_t first_face) {
   return std::min(first_face + Runs::kRunLength, mesh.faces.size());
 }
@@ -29,7 +20,9 @@ ReferenceSource source_of_runs(const MeshView& mesh, std::shared_ptr<const Runs>
   };
   source.open = [runs, mesh](const BoxRef& run, std::vector<BoxRef>& out) {
     if (const std::optional<std::size_t> first = Runs::first_face(run)) {
-      append_faces(mesh, *first, run_end(mesh, *first), out);
+      const std::size_t before = out.size();
+      out.resize(before + Runs::kRunLength);
+      out.resize(before + face_references(mesh, *first, run_end(mesh, *first), &out[before]));
       return;
     }
     const std::span<const BoxRef> finer = runs->finer(run);
@@ -55,10 +48,9 @@ ReferenceSource source_of_faces(const MeshView& mesh, std::shared_ptr<const void
     const std::size_t begin = slice * kFacesPerSlice,
                       end = std::min(begin + kFacesPerSlice, mesh.faces.size());
     counters.touches_prepare += end - begin;
-    std::vector<BoxRef> refs;
-    refs.reserve(end - begin);
-    append_faces(mesh, begin, end, refs);
-    return BoxList(refs);
+    BoxList refs(end - begin);
+    refs.shrink(face_references(mesh, begin, end, refs.all().data()));
+    return refs;
   };
   source.alive = std::move(alive);
   return source;

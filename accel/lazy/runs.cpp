@@ -38,7 +38,7 @@ std::vector<BoxRef> next_level(std::size_t level, std::span<const BoxRef> finer)
 /// Of this many runs the shape is looked at.
 constexpr std::size_t kSampled = 1024;
 /// Longest mean extent of compact runs, as a share of the mesh's: so many of them a plane cuts.
-constexpr double kCompact = 1.0 / 8;
+constexpr double kCompact = 1.0 / 5;
 
 /// A plane across the longest axis of `bounds` cuts that share of them.
 double mean_share_cut(std::span<const BoxRef> runs, const Aabb& bounds) {
