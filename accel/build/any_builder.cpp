@@ -15,7 +15,9 @@ struct Named {
 /// Above this share of a leaf's cost the longest axis is taken to have no good cut.
 constexpr double kPoorCut = 0.85;
 
-ScanBuilder scan_fast() { return {.axes = ScanAxes::kGuided, .retry_above = kPoorCut}; }
+ScanBuilder scan_fast() {
+  return {.axes = ScanAxes::kGuided, .exact_below = 48, .hybrid_below = 8, .retry_above = kPoorCut};
+}
 
 const std::vector<Named>& all_builders() {
   static const std::vector<Named> kBuilders = {

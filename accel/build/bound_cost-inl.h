@@ -17,11 +17,11 @@ namespace HWY_NAMESPACE {
 /// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x -
 /// lo) and so on.
 struct BoundCosts {
-  BoundCosts(const Aabb& cell, std::size_t axis, double empty_bonus)
+  BoundCosts(const Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : lo(cell.lo[axis]), hi(cell.hi[axis]), bonus(static_cast<float>(empty_bonus)) {
-    const CutAreas areas(cell, static_cast<int>(axis));
-    ends = static_cast<float>(areas.ends() * areas.per_whole());
-    slope = static_cast<float>(areas.slope() * areas.per_whole());
+    const CutAreas areas(cell, static_cast<int>(axis), per_whole);
+    ends = static_cast<float>(areas.ends() * per_whole);
+    slope = static_cast<float>(areas.slope() * per_whole);
   }
 
   /// The children's cost for cuts at x with these weights on their sides. Plain products and sums,

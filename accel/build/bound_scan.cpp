@@ -77,6 +77,7 @@ BoundCut best_on(std::span<const BoxRef> refs, const Aabb& cell, int first_axis,
   Candidates candidates[kAxes];
   collect<kAxes>(refs, cell, first_axis, candidates);
 
+  const double per_whole = per_area(cell);
   BoundCut best;
   std::size_t longest = 0;
   for (const Candidates& c : candidates) {
@@ -109,7 +110,7 @@ BoundCut best_on(std::span<const BoxRef> refs, const Aabb& cell, int first_axis,
       }
     }
     for (int a = 0; a < kAxes; ++a) {
-      const BoundCosts costs(cell, static_cast<std::size_t>(first_axis + a), bonus);
+      const BoundCosts costs(cell, static_cast<std::size_t>(first_axis + a), per_whole, bonus);
       const auto cost = costs.children(df, x[a], hn::ConvertTo(df, hn::BitCast(di, left[a])),
                                        hn::ConvertTo(df, hn::BitCast(di, right[a])));
       const auto better =

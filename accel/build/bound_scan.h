@@ -53,6 +53,7 @@ struct BoundCut {
 template <class BestOf>
 BoundCut best_bound(const BoundRule& rule, const Aabb& cell, std::size_t size, double weight,
                     const BestOf& best_of) {
+  if (!(rule.cost.traverse < rule.cost.intersect * weight)) return {};  // a leaf costs no more
   if (size <= rule.all_axes_up_to) return best_of(AxisRange{});
   const int longest = longest_axis(cell);
   BoundCut best = best_of(AxisRange{longest, longest + 1});

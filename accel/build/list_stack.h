@@ -1,9 +1,13 @@
 // Room for the lists of an eager build: taken in order, given back in reverse, never moved.
 #pragma once
 
+#include <sys/mman.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <vector>
 
@@ -34,9 +38,9 @@ class ListStack {
     }
     if (chunk_ == chunks_.size()) {
       const std::size_t size = n > kChunk ? n : kChunk;
-      chunks_.push_back({std::make_unique_for_overwrite<Raw[]>(size), size});
+      chunks_.push_back({allocate(size), size});
     }
-    return reinterpret_cast<T*>(chunks_[chunk_].items.get()) + used_;
+    return chunks_[chunk_].items.get() + used_;
   }
   void take(std::size_t n) { used_ += n; }
 
@@ -48,15 +52,29 @@ class ListStack {
 
  private:
   static constexpr std::size_t kChunk = 8192;
-  /// T may have member initialisers; a chunk is left as the kernel gives it, so that room reserved
-  /// and not taken costs no memory.
-  struct alignas(T) Raw {
-    std::byte bytes[sizeof(T)];
+  struct Free {
+    void operator()(T* items) const { std::free(items); }
   };
+  /// Left as the kernel gives it, so that room reserved and not taken costs no memory.
+  using Items = std::unique_ptr<T, Free>;
   struct Chunk {
-    std::unique_ptr<Raw[]> items;
+    Items items;
     std::size_t size;
   };
+
+  /// Long lists are read and written from end to end, so large pages are worth asking for.
+  static Items allocate(std::size_t size) {
+    constexpr std::size_t kLargePage = std::size_t{1} << 21;
+    const std::size_t bytes = size * sizeof(T);
+    const bool large = bytes >= 2 * kLargePage;
+    const std::size_t alignment = large ? kLargePage : 64;
+    const std::size_t padded = (bytes + alignment - 1) / alignment * alignment;
+    void* items = std::aligned_alloc(alignment, padded);
+    if (items == nullptr) throw std::bad_alloc();
+    if (large) ::madvise(items, padded, MADV_HUGEPAGE);  // a wish: refused, it is still memory
+    return Items(static_cast<T*>(items));
+  }
+
   std::vector<Chunk> chunks_;
   std::size_t chunk_ = 0;
   std::size_t used_ = 0;

@@ -24,10 +24,21 @@ inline int longest_axis(const Aabb& cell) {
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
+/// 1 / SA(cell), half areas as in CutAreas; 0 for a cell without area.
+inline double per_area(const Aabb& cell) {
+  const double whole = half_area(cell);
+  return whole > 0 ? 1 / whole : 0;
+}
+
 /// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
 class CutAreas {
  public:
-  CutAreas(const Aabb& cell, int axis) {
+  CutAreas(const Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
+    const double whole = ends_ + slope_ * (hi_ - lo_);
+    per_whole_ = whole > 0 ? 1 / whole : 0;
+  }
+  /// Where 1 / SA(cell) is known already.
+  CutAreas(const Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
     const auto a = static_cast<std::size_t>(axis);
     const auto extent = [&](std::size_t i) {
       return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
@@ -37,8 +48,6 @@ class CutAreas {
     hi_ = static_cast<double>(cell.hi[a]);
     ends_ = u * v;
     slope_ = u + v;
-    const double whole = ends_ + slope_ * (hi_ - lo_);
-    per_whole_ = whole > 0 ? 1 / whole : 0;
   }
   double left(double x) const { return ends_ + slope_ * (x - lo_); }
   double right(double x) const { return ends_ + slope_ * (hi_ - x); }

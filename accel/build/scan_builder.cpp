@@ -104,8 +104,8 @@ std::optional<std::string> ScanBuilder::check() const {
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
   if (references > exact_below) return std::nullopt;
   BoundRule rule{.cost = cost, .retry_above = retry_above};
-  if (axes == ScanAxes::kOne || axes == ScanAxes::kGuided) rule.all_axes_up_to = 0;
-  if (axes == ScanAxes::kHybrid) rule.all_axes_up_to = hybrid_below;
+  if (axes == ScanAxes::kOne) rule.all_axes_up_to = 0;
+  if (axes == ScanAxes::kHybrid || axes == ScanAxes::kGuided) rule.all_axes_up_to = hybrid_below;
   return rule;
 }
 

@@ -30,7 +30,7 @@ class SmallGrowth {
   SmallGrowth(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
               BuildCounters& counters)
       : context_(context), rule_(rule), refs_(refs), counters_(counters) {
-    for (std::size_t a = 0; a < 3; ++a) prepare(axes_[a], a);
+    prepare();
   }
 
   Slot grow(Set set, const Aabb& cell, const CellPath& path) {
@@ -68,63 +68,75 @@ class SmallGrowth {
     std::size_t bound = 0;
   };
 
-  void prepare(Axis& axis, std::size_t a) const {
-    const Floats df;
-    const hn::Rebind<Set, Floats> ds;
-    axis.at.fill(std::numeric_limits<float>::quiet_NaN());
+  /// Positions of all axes first: a vector read waits for the single writes before it.
+  void prepare() {
+    for (Axis& axis : axes_) axis.at.fill(std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < refs_.size(); ++i) {
-      axis.at[i] = refs_[i].lo[a];
-      axis.at[kSmallList + i] = refs_[i].hi[a];
+      for (std::size_t a = 0; a < 3; ++a) {
+        axes_[a].at[i] = refs_[i].lo[a];
+        axes_[a].at[kSmallList + i] = refs_[i].hi[a];
+      }
     }
+    for (std::size_t a = 0; a < 3; ++a) find_sides(axes_[a], a);
+  }
+
+  void find_sides(Axis& axis, std::size_t a) const {
+    const Floats df;
+    const hn::RebindToUnsigned<Floats> du;
+    const hn::Rebind<Set, Floats> ds;
     for (std::size_t p = 0; p < kBounds; p += kLanes) {
       const auto x = hn::LoadU(df, axis.at.data() + p);
-      auto below = hn::Zero(ds), above = hn::Zero(ds);
+      auto below = hn::Zero(du), above = hn::Zero(du);
       for (std::size_t i = 0; i < refs_.size(); ++i) {
-        const hn::RebindToUnsigned<Floats> du;
         const auto bit = hn::Set(du, std::uint32_t{1} << i);
-        const auto in = [&](auto mask) {
-          return hn::TruncateTo(ds, hn::IfThenElseZero(hn::RebindMask(du, mask), bit));
-        };
-        below = hn::Or(below, in(hn::Lt(hn::Set(df, refs_[i].lo[a]), x)));
-        above = hn::Or(above, in(hn::Gt(hn::Set(df, refs_[i].hi[a]), x)));
+        const auto is_below = hn::RebindMask(du, hn::Lt(hn::Set(df, refs_[i].lo[a]), x));
+        const auto is_above = hn::RebindMask(du, hn::Gt(hn::Set(df, refs_[i].hi[a]), x));
+        below = hn::IfThenElse(is_below, hn::Or(below, bit), below);
+        above = hn::IfThenElse(is_above, hn::Or(above, bit), above);
       }
-      hn::StoreU(below, ds, axis.below.data() + p);
-      hn::StoreU(above, ds, axis.above.data() + p);
+      hn::StoreU(hn::TruncateTo(ds, below), ds, axis.below.data() + p);
+      hn::StoreU(hn::TruncateTo(ds, above), ds, axis.above.data() + p);
     }
   }
 
   /// What cuts along one axis cost; infinite where there is nothing to cut at.
   struct Costs {
     hn::Vec<Floats> at[kParts];
+    hn::Vec<Floats> least;  ///< Of the parts, lane by lane.
   };
 
   Choice choose(Set set, std::size_t size, const Aabb& cell) {
     Costs costs[3];
+    const Floats df;
     const auto weight = static_cast<double>(size);
+    const double per_whole = per_area(cell);
     Choice best{best_bound(rule_, cell, size, weight, [&](AxisRange range) {
-      BoundCut least;
+      auto least = hn::Set(df, std::numeric_limits<float>::infinity());
       for (int axis = range.begin; axis < range.end; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
-        const float children = weigh(a, set, size, cell, costs[a]);
-        least.offer({.plane = {axis, 0}, .children = children});
+        weigh(axes_[a], set, size, BoundCosts(cell, a, per_whole, rule_.cost.empty_bonus),
+              costs[a]);
+        least = hn::Min(least, costs[a].least);
       }
-      return least;
+      least = hn::MinOfLanes(df, least);
+      int axis = range.begin;
+      while (axis + 1 < range.end &&
+             hn::AllFalse(df, hn::Eq(costs[static_cast<std::size_t>(axis)].least, least)))
+        ++axis;
+      return BoundCut{.plane = {axis, 0}, .children = hn::GetLane(least)};
     })};
     if (!best.found() || !(best.cost(rule_.cost) < rule_.cost.intersect * weight)) return {};
     locate(costs[static_cast<std::size_t>(best.plane.axis)], best);
     return best;
   }
 
-  /// Returns the least of the costs.
-  float weigh(std::size_t a, Set set, std::size_t size, const Aabb& cell, Costs& costs) {
+  void weigh(const Axis& axis, Set set, std::size_t size, const BoundCosts& rule, Costs& costs) {
     const Floats df;
     const hn::Rebind<Set, Floats> ds;
     const hn::RebindToSigned<Floats> di;
-    const Axis& axis = axes_[a];
-    const BoundCosts rule(cell, a, rule_.cost.empty_bonus);
-    const auto lo = hn::Set(df, cell.lo[a]), hi = hn::Set(df, cell.hi[a]);
+    const auto lo = hn::Set(df, rule.lo), hi = hn::Set(df, rule.hi);
     const auto none = hn::Set(df, std::numeric_limits<float>::infinity());
-    auto least = none;
+    costs.least = none;
     std::size_t candidates = 0;
     for (std::size_t p = 0; p < kParts; ++p) {
       const auto weight = [&](const std::array<Set, kBounds>& side) {
@@ -140,10 +152,9 @@ class SmallGrowth {
       candidates += hn::CountTrue(df, inside);
       costs.at[p] = hn::IfThenElse(
           inside, rule.children(df, x, weight(axis.below), weight(axis.above)), none);
-      least = hn::Min(least, costs.at[p]);
+      costs.least = hn::Min(costs.least, costs.at[p]);
     }
     counters_.touches += (candidates + kScanWidth - 1) / kScanWidth * size;
-    return hn::GetLane(hn::MinOfLanes(df, least));
   }
 
   /// Finds the least position of the cuts of that cost, and a bound there.
@@ -156,8 +167,15 @@ class SmallGrowth {
       const auto x = hn::LoadU(df, axis.at.data() + p * kLanes);
       first = hn::IfThenElse(hn::Eq(costs.at[p], wanted), hn::Min(first, x), first);
     }
-    best.plane.position = hn::GetLane(hn::MinOfLanes(df, first));
-    while (axis.at[best.bound] != best.plane.position) ++best.bound;
+    first = hn::MinOfLanes(df, first);
+    best.plane.position = hn::GetLane(first);
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto there =
+          hn::FindFirstTrue(df, hn::Eq(hn::LoadU(df, axis.at.data() + p * kLanes), first));
+      if (there < 0) continue;
+      best.bound = p * kLanes + static_cast<std::size_t>(there);
+      return;
+    }
   }
 
   /// The set as a list, in order.

@@ -100,6 +100,31 @@ bool open_once(const ReferenceSource& source, std::span<const std::span<const Bo
   return openable;
 }
 
+/// Whether a list of this length is cut where a sample of it would be.
+bool takes_samples(const AnyBuilder& builder, std::size_t size) {
+  const auto* scan = std::get_if<ScanBuilder>(&builder);
+  return scan != nullptr && scan->axes == ScanAxes::kGuided && size >= 8 * kSample;
+}
+
+/// About kSample references, one from every stretch of equal length, at a place in it that follows
+/// no order a list might have.
+std::vector<BoxRef> sample_of(const SlicedList& list) {
+  const std::size_t stretch = list.size() / kSample;
+  std::vector<BoxRef> sample;
+  sample.reserve(kSample + 1);
+  std::size_t begin = 0, next = 0;
+  for (const std::span<const BoxRef> part : list.all()) {
+    for (; next < begin + part.size(); ) {
+      sample.push_back(part[next - begin]);
+      const std::uint64_t place = sample.size();
+      const std::uint64_t mixed = (place * 0x9e3779b97f4a7c15u) >> 32;
+      next = place * stretch + mixed % stretch;
+    }
+    begin += part.size();
+  }
+  return sample;
+}
+
 /// The two ways a list is kept, with the same operations on it.
 class ShortList {
  public:
@@ -165,6 +190,9 @@ class LongList {
         counters_(counters) {}
 
   std::optional<Cut> choose() {
+    if (takes_samples(context_.builder, cell_.size)) {
+      if (const std::optional<Cut> cut = choose_by_sample()) return cut;
+    }
     CellRefs refs{
         .refs = {}, .box = cell_.box, .path = cell_.path, .size = cell_.size, .first = &cell_.first};
     if (!runs_passes(context_.builder)) return choose_whole(refs);
@@ -219,6 +247,22 @@ class LongList {
   }
 
  private:
+  std::optional<Cut> choose_by_sample() {
+    const CellRefs refs{.refs = {}, .box = cell_.box, .path = cell_.path, .size = 0};
+    const Stage& stage = replay_.next(
+        1, [refs, list = list_, builder = context_.builder](std::size_t, BuildCounters& counters) {
+          const std::vector<BoxRef> sample = sample_of(*list);
+          counters.touches += sample.size();
+          CellRefs of_sample = refs;
+          of_sample.refs = sample;
+          of_sample.size = sample.size();
+          auto result = std::make_unique<SliceResult>();
+          result->cut = accel::choose(builder, of_sample, counters);
+          return result;
+        });
+    return stage[0].cut;
+  }
+
   /// For builders that want the list in one piece.
   std::optional<Cut> choose_whole(CellRefs refs) {
     const Stage& stage = replay_.next(
@@ -259,7 +303,8 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
                 std::nullopt,
                 *cut,
                 halve(cell.box, cut->plane.axis, cut->plane.position),
-                scans_children(context.builder, cell.size),
+                scans_children(context.builder, cell.size) &&
+                    !takes_samples(context.builder, cell.size / 2),
                 cell.openable};
     if (clips(context)) sieve.clipped = *context.mesh;
     const std::size_t straddling = list.sift(sieve, division);

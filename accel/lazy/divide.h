@@ -51,6 +51,9 @@ BoxList open_all(const ReferenceSource& source, BoxList list, const Aabb& cell,
 /// Lists of at least this many references are long.
 inline constexpr std::size_t kLongList = 16384;
 
+/// How many references are looked at where a long list is cut by a sample.
+inline constexpr std::size_t kSample = 4096;
+
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane
 /// costs is known better then, and an entry is no longer small beside the cell.
 inline constexpr std::size_t kOpenBelow = 64;

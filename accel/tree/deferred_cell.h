@@ -7,6 +7,7 @@
 
 #include "accel/build/first_scan.h"
 #include "accel/tree/box_list.h"
+#include "accel/tree/epoch.h"
 
 namespace sightline::accel {
 
@@ -27,7 +28,7 @@ class SharedWork {
 };
 
 /// Immutable but for the atomics until it is retired; readers hold an epoch.
-struct alignas(8) DeferredCell {
+struct alignas(8) DeferredCell : Retirable {
   DeferredCell() = default;
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
@@ -51,7 +52,7 @@ struct alignas(8) DeferredCell {
   /// Of a large cell that somebody has begun to expand.
   std::atomic<SharedWork*> expansion{nullptr};
 
-  std::uint64_t bytes() const { return sizeof(DeferredCell) + list.bytes(); }
+  std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };
 
 }  // namespace sightline::accel

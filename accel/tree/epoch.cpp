@@ -1,11 +1,9 @@
-// Epochs: one global count, one slot a thread, one list of what waits to be freed.
+// Epochs: one global count, one slot a thread, one list of what waits to be freed; no locks.
 #include "accel/tree/epoch.h"
 
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <mutex>
-#include <vector>
 
 namespace sightline::accel {
 namespace {
@@ -21,20 +19,14 @@ struct alignas(64) Place {
   Place* next = nullptr;
 };
 
-struct Retired {
-  void* object;
-  void (*free)(void*);
-  std::uint64_t bytes;
-  std::uint64_t epoch;
-};
-
 struct Domain {
   std::atomic<std::uint64_t> epoch{1};
   std::atomic<Place*> places{nullptr};
-  std::mutex mutex;  // guards the two below
-  std::vector<Retired> waiting;
-  std::uint64_t bytes_at_last_reclaim = 0;
-  std::atomic<std::uint64_t> bytes{0};
+  std::atomic<Retirable*> waiting{nullptr};
+  std::atomic<std::uint64_t> objects{0}, bytes{0};  // waiting
+  // From so many on somebody looks what can be freed.
+  std::atomic<std::uint64_t> due_objects{kReclaimObjects}, due_bytes{kReclaimBytes};
+  std::atomic_flag reclaiming = ATOMIC_FLAG_INIT;
 };
 
 Domain& domain() {
@@ -66,8 +58,14 @@ ThisThread& this_thread() {
   return t;
 }
 
-/// Takes out of the list what no pin can see any more.
-std::vector<Retired> take_free(Domain& d) {
+void push(Domain& d, Retirable* first, Retirable* last) {
+  last->next = d.waiting.load(std::memory_order_relaxed);
+  while (!d.waiting.compare_exchange_weak(last->next, first, std::memory_order_release)) {
+  }
+}
+
+/// Of the oldest pin.
+std::uint64_t oldest_epoch(Domain& d) {
   // Whoever pins from here on sees the new epoch, and cannot find what was retired before.
   d.epoch.fetch_add(1, std::memory_order_seq_cst);
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
@@ -75,18 +73,41 @@ std::vector<Retired> take_free(Domain& d) {
     const std::uint64_t e = p->epoch.load(std::memory_order_seq_cst);
     if (e != kIdle) oldest = std::min(oldest, e);
   }
-  const auto keep = std::partition(d.waiting.begin(), d.waiting.end(),
-                                   [&](const Retired& r) { return r.epoch >= oldest; });
-  std::vector<Retired> free(keep, d.waiting.end());
-  d.waiting.erase(keep, d.waiting.end());
-  return free;
+  return oldest;
 }
 
-void free_all(Domain& d, const std::vector<Retired>& list) {
-  for (const Retired& r : list) {
-    r.free(r.object);
-    d.bytes.fetch_sub(r.bytes, std::memory_order_relaxed);
+/// Frees what no pin can see any more, and puts back the rest.
+void free_unseen(Domain& d) {
+  Retirable* list = d.waiting.exchange(nullptr, std::memory_order_acquire);
+  const std::uint64_t oldest = oldest_epoch(d);
+  Retirable *kept = nullptr, *last_kept = nullptr;
+  std::uint64_t objects = 0, bytes = 0;
+  while (list != nullptr) {
+    Retirable* const r = list;
+    list = r->next;
+    if (r->epoch < oldest) {
+      d.bytes.fetch_sub(r->bytes, std::memory_order_relaxed);
+      d.objects.fetch_sub(1, std::memory_order_relaxed);
+      r->free(r);
+      continue;
+    }
+    ++objects;
+    bytes += r->bytes;
+    r->next = kept;
+    kept = r;
+    if (last_kept == nullptr) last_kept = r;
   }
+  if (kept != nullptr) push(d, kept, last_kept);
+  d.due_objects.store(objects + kReclaimObjects, std::memory_order_relaxed);
+  d.due_bytes.store(bytes + kReclaimBytes, std::memory_order_relaxed);
+}
+
+/// Nobody waits for somebody else who is at it: a thread that is stopped here only puts off the
+/// freeing.
+void try_to_free(Domain& d) {
+  if (d.reclaiming.test_and_set(std::memory_order_acquire)) return;
+  free_unseen(d);
+  d.reclaiming.clear(std::memory_order_release);
 }
 
 }  // namespace
@@ -111,37 +132,21 @@ EpochPin::~EpochPin() {
   if (--t.depth == 0) t.place->epoch.store(kIdle, std::memory_order_release);
 }
 
-void retire(void* object, void (*free)(void*), std::uint64_t bytes) {
+void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes) {
   Domain& d = domain();
-  d.bytes.fetch_add(bytes, std::memory_order_relaxed);
-  std::vector<Retired> list;
-  {
-    const std::lock_guard lock(d.mutex);
-    d.waiting.push_back({object, free, bytes, d.epoch.load(std::memory_order_seq_cst)});
-    const bool due =
-        d.waiting.size() % kReclaimObjects == 0 ||
-        d.bytes.load(std::memory_order_relaxed) > d.bytes_at_last_reclaim + kReclaimBytes;
-    if (!due) return;
-    list = take_free(d);
-    std::uint64_t left = 0;
-    for (const Retired& r : d.waiting) left += r.bytes;
-    d.bytes_at_last_reclaim = left;
-  }
-  free_all(d, list);
+  object.free = free;
+  object.bytes = bytes;
+  object.epoch = d.epoch.load(std::memory_order_seq_cst);
+  const std::uint64_t objects = d.objects.fetch_add(1, std::memory_order_relaxed) + 1;
+  const std::uint64_t all_bytes = d.bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+  push(d, &object, &object);
+  if (objects >= d.due_objects.load(std::memory_order_relaxed) ||
+      all_bytes >= d.due_bytes.load(std::memory_order_relaxed))
+    try_to_free(d);
 }
 
 std::uint64_t retired_bytes() { return domain().bytes.load(std::memory_order_relaxed); }
 
-void reclaim() {
-  Domain& d = domain();
-  std::vector<Retired> list;
-  {
-    const std::lock_guard lock(d.mutex);
-    list = take_free(d);
-    d.bytes_at_last_reclaim = 0;
-    for (const Retired& r : d.waiting) d.bytes_at_last_reclaim += r.bytes;
-  }
-  free_all(d, list);
-}
+void reclaim() { try_to_free(domain()); }
 
 }  // namespace sightline::accel

@@ -17,9 +17,17 @@ class EpochPin {
   EpochPin& operator=(const EpochPin&) = delete;
 };
 
-/// Frees `object` by `free(object)` once no pin that may have seen it is left. Call after it can no
-/// longer be found.
-void retire(void* object, void (*free)(void*), std::uint64_t bytes);
+/// Base of what can be retired; its members are the epoch's.
+struct Retirable {
+  void (*free)(Retirable*) = nullptr;
+  std::uint64_t bytes = 0;
+  std::uint64_t epoch = 0;
+  Retirable* next = nullptr;
+};
+
+/// Frees `object` by `free(&object)` once no pin that may have seen it is left. Call after it can
+/// no longer be found, once. Allocates nothing and waits for nobody.
+void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes);
 
 /// Retired and not yet freed.
 std::uint64_t retired_bytes();

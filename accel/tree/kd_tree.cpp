@@ -15,7 +15,7 @@ constexpr std::size_t kPairsPerReference = 32;
 constexpr std::size_t kIdsPerReference = 64;
 constexpr std::size_t kSpare = 64;
 
-void delete_cell(void* cell) { delete static_cast<DeferredCell*>(cell); }
+void delete_cell(Retirable* cell) { delete static_cast<DeferredCell*>(cell); }
 
 void delete_cells(const KdTree& tree, Slot slot) {
   if (slot.is_unbuilt()) delete slot.cell();
@@ -35,7 +35,7 @@ KdTree::KdTree(const Aabb& bounds, std::size_t references)
   root->listed = false;
   root->size = references;
   root->weight = references;
-  cell_bytes_ = root->bytes();
+  cell_bytes_ = root->size_in_bytes();
   root_ = Slot::deferred(root.release()).bits();
 }
 
@@ -90,7 +90,7 @@ std::optional<Slot> KdTree::make_leaf(std::span<const BoxRef> refs) {
 
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   if (cell->size == 0) return Slot::empty_leaf();
-  cell_bytes_.fetch_add(cell->bytes(), std::memory_order_relaxed);
+  cell_bytes_.fetch_add(cell->size_in_bytes(), std::memory_order_relaxed);
   return Slot::deferred(cell.release());
 }
 
@@ -106,13 +106,13 @@ Slot KdTree::defer(BoxList list, const Aabb& box, const CellPath& path, bool giv
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
-  cell_bytes_.fetch_sub(cell.bytes(), std::memory_order_relaxed);
-  retire(&cell, delete_cell, cell.bytes());
+  cell_bytes_.fetch_sub(cell.size_in_bytes(), std::memory_order_relaxed);
+  retire(cell, delete_cell, cell.size_in_bytes());
 }
 
 void KdTree::discard(Slot slot) {
   if (slot.is_unbuilt()) {
-    cell_bytes_.fetch_sub(slot.cell()->bytes(), std::memory_order_relaxed);
+    cell_bytes_.fetch_sub(slot.cell()->size_in_bytes(), std::memory_order_relaxed);
     delete slot.cell();
   }
   if (!slot.is_binary()) return;

@@ -25,8 +25,8 @@ BoundCut counted(const std::vector<BoxRef>& refs, const Aabb& cell, AxisRange ra
   for (int axis = range.begin; axis < range.end; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const CutAreas areas(cell, axis);
-    const auto ends = static_cast<float>(areas.ends() * areas.per_whole());
-    const auto slope = static_cast<float>(areas.slope() * areas.per_whole());
+    const auto ends = static_cast<float>(areas.ends() * per_area(cell));
+    const auto slope = static_cast<float>(areas.slope() * per_area(cell));
     std::size_t inside = 0;
     for (const BoxRef& bound : refs) {
       for (const float x : {bound.lo[a], bound.hi[a]}) {

@@ -12,11 +12,11 @@ namespace {
 
 std::atomic<int> freed{0};
 
-struct Thing {
+struct Thing : Retirable {
   std::atomic<std::uint64_t> alive{1};
 };
 
-void free_thing(void* p) {
+void free_thing(Retirable* p) {
   static_cast<Thing*>(p)->alive = 0;
   delete static_cast<Thing*>(p);
   ++freed;
@@ -28,7 +28,7 @@ TEST(Epoch, WaitsForPins) {
   {
     const EpochPin pin;
     const EpochPin nested;
-    retire(new Thing, free_thing, 8);
+    retire(*new Thing, free_thing, 8);
     reclaim();
     EXPECT_EQ(freed, 0);
     EXPECT_GE(retired_bytes(), 8u);
@@ -49,7 +49,7 @@ TEST(Epoch, APinHeldElsewhereCounts) {
     stage.wait(1);
   });
   stage.wait(0);
-  retire(new Thing, free_thing, 8);
+  retire(*new Thing, free_thing, 8);
   reclaim();
   EXPECT_EQ(freed, 0);
   stage = 2;
@@ -79,7 +79,7 @@ TEST(Epoch, ReadersNeverSeeAFreedObject) {
   constexpr int kRounds = 5000;
   for (int i = 0; i < kRounds; ++i) {
     Thing* old = current.exchange(new Thing, std::memory_order_acq_rel);
-    retire(old, free_thing, sizeof(Thing));
+    retire(*old, free_thing, sizeof(Thing));
   }
   stop = true;
   for (std::thread& t : readers) t.join();

@@ -1,0 +1,173 @@
+// Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and without.
+#include "accel/lazy/runs.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+#include "accel/lazy/mesh_survey.h"
+#include "accel/lazy/mesh_tree.h"
+#include "accel/tree/epoch.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+using tests::TestMesh;
+
+/// A wavy sheet whose faces follow each other row by row.
+TestMesh waves(std::uint32_t side) {
+  TestMesh mesh;
+  for (std::uint32_t z = 0; z <= side; ++z) {
+    for (std::uint32_t x = 0; x <= side; ++x) {
+      const double u = x / 16.0, w = z / 16.0;
+      mesh.vertices.push_back(Vec3f(Vec3d{u, 0.3 * std::sin(3 * u) * std::cos(2 * w), w}));
+    }
+  }
+  for (std::uint32_t z = 0; z < side; ++z) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::uint32_t a = z * (side + 1) + x, b = a + side + 1;
+      mesh.faces.push_back({a, a + 1, b});
+      mesh.faces.push_back({b, a + 1, b + 1});
+    }
+  }
+  return mesh;
+}
+
+TestMesh shuffled(TestMesh mesh) {
+  tests::Random random(1);
+  for (std::size_t i = mesh.faces.size(); i > 1; --i)
+    std::swap(mesh.faces[i - 1], mesh.faces[random.below(i)]);
+  return mesh;
+}
+
+/// Counts each face that a run leads to, and checks that boxes hold what they stand for.
+void visit(const MeshView& mesh, const Runs& runs, const BoxRef& run, std::vector<int>& seen) {
+  if (run.weight == 0) return;
+  ASSERT_TRUE(run.openable());
+  const auto holds = [&](const Aabb& box) {
+    Aabb both = run.bounds();
+    both.grow(box);
+    return both == run.bounds();
+  };
+  if (const auto first = Runs::first_face(run)) {
+    std::uint32_t weight = 0;
+    for (std::size_t i = *first; i < std::min(*first + Runs::kRunLength, mesh.faces.size()); ++i) {
+      const auto box = face_bounds(mesh, i);
+      if (!box) continue;
+      ++seen[i];
+      ++weight;
+      ASSERT_TRUE(holds(*box));
+    }
+    ASSERT_EQ(weight, run.weight);
+    return;
+  }
+  std::uint32_t weight = 0;
+  for (const BoxRef& finer : runs.finer(run)) {
+    weight += finer.weight;
+    if (finer.weight > 0) {
+      ASSERT_TRUE(holds(finer.bounds()));
+    }
+    visit(mesh, runs, finer, seen);
+  }
+  ASSERT_EQ(weight, run.weight);
+}
+
+TEST(Runs, LeadToEveryFiniteTriangleOnce) {
+  for (const std::uint32_t side : {30u, 100u, 257u}) {
+    TestMesh mesh = waves(side);
+    for (std::size_t i = 40; i < 75; ++i) mesh.faces[i] = {kNoVertex, kNoVertex, kNoVertex};
+    mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
+    const MeshSurvey survey = survey_mesh(mesh.view(), References::kRuns);
+    ASSERT_FALSE(survey.runs.empty());
+    std::vector<int> seen(mesh.faces.size());
+    for (const BoxRef& run : survey.runs.coarsest()) visit(mesh.view(), survey.runs, run, seen);
+    std::uint64_t finite = 0;
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+      ASSERT_EQ(seen[i], face_bounds(mesh.view(), i) ? 1 : 0) << i;
+      finite += static_cast<std::uint64_t>(seen[i]);
+    }
+    EXPECT_EQ(finite, survey.finite_triangles);
+  }
+}
+
+TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
+  EXPECT_TRUE(survey_mesh(shuffled(waves(100)).view(), References::kRuns).runs.empty());
+  EXPECT_TRUE(survey_mesh(waves(20).view(), References::kRuns).runs.empty()) << "few triangles";
+  EXPECT_TRUE(survey_mesh(waves(100).view(), References::kSoup).runs.empty());
+  EXPECT_TRUE(survey_mesh(TestMesh{}.view(), References::kRuns).runs.empty());
+}
+
+MeshQuery ask(MeshTree& tree, const Ray& ray, BuildCounters& built) {
+  const EpochPin pin;
+  MeshQuery query;
+  query.ray = *make_local_ray(ray.origin, ray.direction);
+  query.tmin = ray.tmin;
+  query.tmax = ray.tmax;
+  query.node = 1;
+  WalkCounters walked;
+  tree.query(query, walked, built);
+  return query;
+}
+
+TEST(Runs, GiveTheSameHitsForLessWork) {
+  const TestMesh mesh = waves(200);  // 80,000 triangles
+  const MeshView view = mesh.view();
+  std::vector<Ray> rays;
+  tests::Random random(3);
+  for (int i = 0; i < 400; ++i) {
+    const double x = random.uniform(3, 3.5), z = random.uniform(7, 7.5);
+    rays.push_back({{x, 2, z}, {0.01, -1, 0.02}});
+  }
+  for (const std::string_view name : builder_names()) {
+    if (name == "sah-naive") continue;
+    const AnyBuilder builder = *make_builder(name);
+    MeshTree runs(view, survey_mesh(view, References::kRuns), builder);
+    MeshTree soup(view, survey_mesh(view, References::kSoup), builder);
+    BuildCounters of_runs, of_soup;
+    for (const Ray& ray : rays) {
+      const MeshQuery a = ask(runs, ray, of_runs), b = ask(soup, ray, of_soup);
+      ASSERT_EQ(a.found, b.found);
+      ASSERT_EQ(a.best_t, b.best_t);
+      ASSERT_EQ(a.best_primitive, b.best_primitive);
+    }
+    if (name == "scan-fast") {
+      EXPECT_LT(of_runs.touches, of_soup.touches / 2);
+    }
+    MeshTree full(view, survey_mesh(view, References::kRuns), builder);
+    BuildCounters counters;
+    full.expand_all(counters);
+    for (const Ray& ray : rays)
+      ASSERT_EQ(ask(full, ray, counters).best_t, ask(soup, ray, counters).best_t) << name;
+  }
+}
+
+TEST(Runs, AreSearchedWhereNothingIsGrown) {
+  const TestMesh mesh = waves(100);
+  MeshTree cold(mesh.view(), survey_mesh(mesh.view(), References::kRuns), default_builder());
+  MeshTree grown(mesh.view(), survey_mesh(mesh.view(), References::kRuns), default_builder());
+  BuildCounters counters;
+  for (const Ray& ray : tests::rays_at(mesh, 60, 4)) {
+    const EpochPin pin;
+    const MeshQuery expected = ask(grown, ray, counters);
+    for (MeshTree* tree : {&cold, &grown}) {
+      MeshQuery query;
+      query.ray = *make_local_ray(ray.origin, ray.direction);
+      query.tmin = ray.tmin;
+      query.tmax = ray.tmax;
+      query.node = 1;
+      query.at_unbuilt = AtUnbuilt::kSearch;
+      WalkCounters walked;
+      tree->query(query, walked, counters);
+      ASSERT_EQ(query.found, expected.found);
+      ASSERT_EQ(query.best_t, expected.best_t);
+      ASSERT_EQ(query.best_primitive, expected.best_primitive);
+    }
+  }
+  EXPECT_TRUE(cold.untouched());
+}
+
+}  // namespace
+}  // namespace sightline::accel
