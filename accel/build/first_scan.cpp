@@ -55,6 +55,16 @@ HWY_INLINE void load(const FirstScans& scans, std::size_t a, Axis& axis) {
   }
 }
 
+HWY_INLINE void count(float lo, float hi, const hn::Vec<Counts>* weight, Axis& axis) {
+  const auto lower = hn::Set(Floats(), lo), upper = hn::Set(Floats(), hi);
+  for (std::size_t p = 0; p < kParts; ++p) {
+    const auto below = hn::RebindMask(Counts(), hn::Lt(lower, axis.at[p]));
+    const auto above = hn::RebindMask(Counts(), hn::Gt(upper, axis.at[p]));
+    axis.left[p] = hn::IfThenElse(below, hn::Add(axis.left[p], weight[p]), axis.left[p]);
+    axis.right[p] = hn::IfThenElse(above, hn::Add(axis.right[p], weight[p]), axis.right[p]);
+  }
+}
+
 HWY_INLINE void add(const hn::Vec<Counts>* counts, std::array<std::uint32_t, kFirstPlanes>& low,
                     std::array<std::uint32_t, kFirstPlanes>& high) {
   alignas(64) std::uint32_t all[kScanWidth];
@@ -63,6 +73,11 @@ HWY_INLINE void add(const hn::Vec<Counts>* counts, std::array<std::uint32_t, kFi
     low[i] += all[i];
     high[i] += all[kFirstPlanes + i];
   }
+}
+
+HWY_INLINE void store(const Axis& axis, std::size_t a, FirstScans& scans) {
+  add(axis.left, scans.left.axes[a].left, scans.right.axes[a].left);
+  add(axis.right, scans.left.axes[a].right, scans.right.axes[a].right);
 }
 
 HWY_INLINE void copy(const hn::Vec<Box>* box, BoxRef* to) {
@@ -74,8 +89,10 @@ Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxR
             FirstScans& scans) {
   const auto cut = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
-  Axis axes[3];
-  for (std::size_t a = 0; a < 3; ++a) load(scans, a, axes[a]);
+  Axis along_x, along_y, along_z;  // by name: they have to stay in registers
+  load(scans, 0, along_x);
+  load(scans, 1, along_y);
+  load(scans, 2, along_z);
   Sifted n;
   for (std::size_t i = 0; i < refs.size(); ++i) {
     const BoxRef& ref = refs[i];
@@ -85,16 +102,9 @@ Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxR
       const auto side = hn::Load(Counts(), kSides.row[in_left | in_right << 1] + p * kLanes);
       weight[p] = hn::And(side, hn::Set(Counts(), ref.weight));
     }
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto lo = hn::Set(Floats(), ref.lo[a]), hi = hn::Set(Floats(), ref.hi[a]);
-      for (std::size_t p = 0; p < kParts; ++p) {
-        Axis& axis = axes[a];
-        const auto below = hn::RebindMask(Counts(), hn::Lt(lo, axis.at[p]));
-        const auto above = hn::RebindMask(Counts(), hn::Gt(hi, axis.at[p]));
-        axis.left[p] = hn::IfThenElse(below, hn::Add(axis.left[p], weight[p]), axis.left[p]);
-        axis.right[p] = hn::IfThenElse(above, hn::Add(axis.right[p], weight[p]), axis.right[p]);
-      }
-    }
+    count(ref.lo.x, ref.hi.x, weight, along_x);
+    count(ref.lo.y, ref.hi.y, weight, along_y);
+    count(ref.lo.z, ref.hi.z, weight, along_z);
     hn::Vec<Box> box[kBoxParts];
     for (std::size_t p = 0; p < kBoxParts; ++p)
       box[p] = hn::LoadU(Box(), reinterpret_cast<const std::uint32_t*>(&ref) + p * kBoxLanes);
@@ -103,10 +113,9 @@ Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxR
     n.left += in_left;
     n.right += in_right;
   }
-  for (std::size_t a = 0; a < 3; ++a) {
-    add(axes[a].left, scans.left.axes[a].left, scans.right.axes[a].left);
-    add(axes[a].right, scans.left.axes[a].right, scans.right.axes[a].right);
-  }
+  store(along_x, 0, scans);
+  store(along_y, 1, scans);
+  store(along_z, 2, scans);
   scans.left.references += n.left;
   scans.right.references += n.right;
   return n;
@@ -121,13 +130,29 @@ namespace sightline::accel {
 
 HWY_EXPORT(sift);
 
+namespace {
+
+/// Where the i-th of n planes stands between the faces: row n, place i.
+using Shares = std::array<std::array<double, kFirstPlanes>, kFirstPlanes + 1>;
+constexpr Shares shares() {
+  Shares all{};
+  for (std::size_t n = 2; n <= kFirstPlanes; ++n) {
+    for (std::size_t i = 0; i < kFirstPlanes; ++i)
+      all[n][i] = static_cast<double>(std::min(i, n - 1)) / static_cast<double>(n - 1);
+  }
+  return all;
+}
+constexpr Shares kShares = shares();
+
+}  // namespace
+
 FirstPlanes first_planes(const Aabb& cell, std::uint32_t n) {
   FirstPlanes planes;
   for (std::size_t a = 0; a < 3; ++a) {
-    for (std::uint32_t i = 0; i < kFirstPlanes; ++i) {
-      const double share = static_cast<double>(std::min(i, n - 1)) / (n - 1);
-      planes.at[a][i] = static_cast<float>(static_cast<double>(cell.lo[a]) * (1 - share) +
-                                           static_cast<double>(cell.hi[a]) * share);
+    const auto lo = static_cast<double>(cell.lo[a]), hi = static_cast<double>(cell.hi[a]);
+    for (std::size_t i = 0; i < kFirstPlanes; ++i) {
+      const double share = kShares[n][i];
+      planes.at[a][i] = static_cast<float>(lo * (1 - share) + hi * share);
     }
   }
   return planes;

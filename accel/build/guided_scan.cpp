@@ -16,15 +16,15 @@ constexpr std::size_t kMostSegments = kFirstPlanes - 1;
 
 /// What cuts along one axis of a cell cost, in weight: tests to expect in the children.
 struct AxisCost {
-  AxisCost(const Aabb& cell, std::size_t axis, double empty_bonus)
-      : areas(cell, static_cast<int>(axis)),
+  AxisCost(const Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
+      : areas(cell, static_cast<int>(axis), per_whole),
         bonus(empty_bonus),
         lo(cell.lo[axis]),
         hi(cell.hi[axis]) {}
 
   double children(double x, double left, double right) const {
     const double sum = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
-    return left == 0 || right == 0 ? sum * bonus : sum;
+    return sum * ((left == 0) | (right == 0) ? bonus : 1.0);
   }
   bool inside(float x) const { return x > lo && x < hi; }
 
@@ -53,8 +53,8 @@ struct Outlook {
 
 double share(double a, double b, double t) { return a + (b - a) * t; }
 
-/// Half way from the least a segment can cost to what it costs if counts rise evenly.
-constexpr double kHope = 0.5;
+/// From the least a segment can cost to what it costs if counts rise evenly; measured.
+constexpr double kHope = 0.75;
 
 Outlook look_at(const AxisCost& cost, const FirstAxis& planes, const PlaneCounts<kFirstPlanes>& n,
                 std::size_t samples, std::size_t axis, Best& best) {
@@ -74,30 +74,30 @@ Outlook look_at(const AxisCost& cost, const FirstAxis& planes, const PlaneCounts
   return outlook;
 }
 
-/// kScanWidth planes over the segments that may cost less than `limit`, in proportion to by how
-/// much; evenly within each. False if there is none.
+/// Planes over the segments that may cost less than `limit`, the same number in each but for
+/// rounding, evenly within; and `known`, which may gain by moving. False if there is no such
+/// segment.
 bool place_where_it_pays(const Outlook& outlook, const FirstAxis& planes, std::size_t samples,
-                         double limit, WideAxis& placed) {
-  std::array<double, kMostSegments> gain{};
-  double sum = 0;
+                         double limit, std::optional<float> known, WideAxis& placed) {
+  std::array<std::size_t, kMostSegments> open;
+  std::size_t count = 0;
   for (std::size_t i = 0; i + 1 < samples; ++i) {
-    gain[i] = planes[i] < planes[i + 1] ? std::max(0.0, limit - outlook.least[i]) : 0.0;
-    sum += gain[i];
+    open[count] = i;
+    count += outlook.least[i] < limit ? 1 : 0;
   }
-  if (!(sum > 0)) return false;
+  const std::size_t width = kScanWidth - (known ? 1 : 0);
   std::size_t n = 0;
-  double reached = 0.5;
-  for (std::size_t i = 0; i + 1 < samples; ++i) {
-    reached += gain[i] / sum * static_cast<double>(kScanWidth);
-    const std::size_t end = std::min(static_cast<std::size_t>(reached), kScanWidth);
-    const double step = 1 / static_cast<double>(end - n + 1);
-    for (double at = step; n < end; at += step)
-      placed[n++] = static_cast<float>(
-          share(static_cast<double>(planes[i]), static_cast<double>(planes[i + 1]), at));
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto begin = static_cast<double>(planes[open[k]]);
+    const auto end = static_cast<double>(planes[open[k] + 1]);
+    const std::size_t here = (k + 1) * width / count - n;
+    for (std::size_t j = 1; j <= here; ++j) {
+      const double at = static_cast<double>(j) / static_cast<double>(here + 1);
+      placed[n++] = static_cast<float>(share(begin, end, at));
+    }
   }
-  if (n == 0) return false;
-  std::fill(placed.begin() + static_cast<std::ptrdiff_t>(n), placed.end(), placed[n - 1]);
-  return true;
+  if (known) placed[width] = *known;
+  return count > 0;
 }
 
 /// Every plane moves as far as its counts hold, toward the side with more on it.
@@ -111,6 +111,22 @@ void offer_moved(const AxisCost& cost, std::size_t axis, const WideAxis& planes,
   }
 }
 
+/// One pass over some axes: a stretch of the list that stays in the cache is read for one axis
+/// after the other.
+PassResult look_closely(std::span<const BoxRef> refs, const std::array<bool, 3>& axes,
+                        const std::array<WideAxis, 3>& planes) {
+  constexpr std::size_t kStretch = 256;
+  PassResult found;
+  for (std::size_t i = 0; i < refs.size(); i += kStretch) {
+    const auto stretch = refs.subspan(i, std::min(kStretch, refs.size() - i));
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (axes[a])
+        scan_wide_axis(stretch, static_cast<int>(a), planes[a], found.many[a], found.near[a]);
+    }
+  }
+  return found;
+}
+
 std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const CellRefs& list, const FirstPlanes& planes,
                                                     BuildCounters& counters) {
   if (list.first != nullptr && list.first->covers(list.size)) return list.first->axes;
@@ -118,10 +134,10 @@ std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const CellRefs& list, const 
   return run_pass(list,
                   [planes](std::span<const BoxRef> refs) {
                     PassResult found;
-                    scan_three_axes(refs, planes.at, found.axes);
+                    scan_three_axes(refs, planes.at, found.few);
                     return found;
                   })
-      .axes;
+      .few;
 }
 
 }  // namespace
@@ -130,30 +146,38 @@ std::optional<Cut> choose_guided(const CellRefs& list, const GuidedRule& rule,
                                  BuildCounters& counters) {
   const FirstPlanes planes = first_planes(list.box, rule.uniform_samples);
   const std::array<PlaneCounts<kFirstPlanes>, 3> counts = first_pass(list, planes, counters);
-  const AxisCost costs[3] = {{list.box, 0, rule.cost.empty_bonus},
-                             {list.box, 1, rule.cost.empty_bonus},
-                             {list.box, 2, rule.cost.empty_bonus}};
   const std::size_t samples = rule.uniform_samples;
-  const double weight = counts[0].left[samples - 1];
+  const double per_whole = per_area(list.box);
+  const auto along = [&](std::size_t a) {
+    return AxisCost(list.box, a, per_whole, rule.cost.empty_bonus);
+  };
   // Children that cost as much make a cut as dear as a leaf.
-  const double of_leaf = weight - rule.cost.traverse / rule.cost.intersect;
+  const double of_leaf = counts[0].left[samples - 1] - rule.cost.traverse / rule.cost.intersect;
   Best best;
   std::array<Outlook, 3> outlooks;
-  std::size_t axis = 0;
+  std::size_t promising = 0;
   for (std::size_t a = 0; a < 3; ++a) {
-    outlooks[a] = look_at(costs[a], planes.at[a], counts[a], samples, a, best);
-    if (outlooks[a].promise < outlooks[axis].promise) axis = a;
+    outlooks[a] = look_at(along(a), planes.at[a], counts[a], samples, a, best);
+    if (outlooks[a].promise < outlooks[promising].promise) promising = a;
   }
-  WideAxis placed;
   const double limit = std::min(best.children, of_leaf);
-  if (place_where_it_pays(outlooks[axis], planes.at[axis], samples, limit, placed)) {
+  const std::size_t begin = rule.refine_all_axes ? 0 : promising;
+  const std::size_t end = rule.refine_all_axes ? 3 : promising + 1;
+  std::array<bool, 3> placed{};
+  std::array<WideAxis, 3> wide;
+  for (std::size_t a = begin; a < end; ++a) {
+    std::optional<float> known;
+    if (best.children < kNever && best.plane.axis == static_cast<int>(a))
+      known = best.plane.position;
+    placed[a] = place_where_it_pays(outlooks[a], planes.at[a], samples, limit, known, wide[a]);
+  }
+  if (placed[0] || placed[1] || placed[2]) {
     counters.touches += list.size;
-    const PassResult found = run_pass(list, [axis, placed](std::span<const BoxRef> refs) {
-      PassResult result;
-      scan_wide_axis(refs, static_cast<int>(axis), placed, result.wide, result.near);
-      return result;
+    const PassResult found = run_pass(list, [placed, wide](std::span<const BoxRef> refs) {
+      return look_closely(refs, placed, wide);
     });
-    offer_moved(costs[axis], axis, placed, found.wide, found.near, best);
+    for (std::size_t a = begin; a < end; ++a)
+      if (placed[a]) offer_moved(along(a), a, wide[a], found.many[a], found.near[a], best);
   }
   if (!(best.children < of_leaf)) return std::nullopt;
   return Cut{best.plane};

@@ -15,8 +15,7 @@ struct GuidedRule {
   SahConstants cost;
   /// Planes an axis in the first pass, the cell's faces included. Range 2 to kFirstPlanes.
   std::uint32_t uniform_samples = 8;
-  /// Axes that the second pass looks at, the most promising first. Range 1 or 3.
-  std::uint32_t refined_axes = 1;
+  bool refine_all_axes = false;  ///< In the second pass; else the most promising.
 };
 
 /// The cheapest of the planes looked at, if it is cheaper than a leaf. Two passes, or one where the

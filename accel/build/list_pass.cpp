@@ -1,4 +1,4 @@
-// Running passes over lists at hand.
+// Running a pass over a long list at hand.
 #include "accel/build/list_pass.h"
 
 #include <tbb/blocked_range.h>
@@ -6,13 +6,11 @@
 
 namespace sightline::accel {
 
-PassResult run_pass(const CellRefs& list, const PassKernel& kernel) {
-  if (list.run != nullptr) return (*list.run)(kernel);
-  if (list.refs.size() < 2 * kScanSlice) return kernel(list.refs);
+PassResult run_in_slices(std::span<const BoxRef> refs, const PassKernel& kernel) {
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, list.refs.size(), kScanSlice), PassResult{},
+      tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), PassResult{},
       [&](const tbb::blocked_range<std::size_t>& slice, PassResult sum) {
-        sum += kernel(list.refs.subspan(slice.begin(), slice.size()));
+        sum += kernel(refs.subspan(slice.begin(), slice.size()));
         return sum;
       },
       [](PassResult a, const PassResult& b) { return a += b; });

@@ -64,19 +64,19 @@ void snap_to_bound(const CellRefs& list, const SahConstants& constants, BestCut&
     counters.touches += list.size;
     return run_pass(list, [axis, planes](std::span<const BoxRef> refs) {
       PassResult found;
-      scan_wide_axis(refs, axis, planes, found.wide, found.near);
+      scan_wide_axis(refs, axis, planes, found.many[0], found.near[0]);
       return found;
     });
   };
   WideAxis planes;
   planes.fill(best.plane.position);
-  const PlaneNeighbours near = pass(planes).near;
+  const PlaneNeighbours near = pass(planes).near[0];
   std::size_t used = 0;
   for (const float x : {near.below[0], near.above[0]}) {
     if (x > list.box.lo[a] && x < list.box.hi[a]) planes[used++] = x;
   }
   if (used == 0) return;
-  const PlaneCounts<kScanWidth> counts = pass(planes).wide;
+  const PlaneCounts<kScanWidth> counts = pass(planes).many[0];
   const CutAreas areas(list.box, axis);
   best = {};
   for (std::size_t i = 0; i < used; ++i) {
@@ -114,7 +114,10 @@ std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& coun
   if (const auto rule = bound_rule(list.size))
     return choose_bound(list.refs, list.box, *rule, counters);
   if (axes == ScanAxes::kGuided) {
-    return choose_guided(list, {.cost = cost, .uniform_samples = uniform_samples}, counters);
+    return choose_guided(
+        list,
+        {.cost = cost, .uniform_samples = uniform_samples, .refine_all_axes = refine_all_axes},
+        counters);
   }
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);

@@ -21,7 +21,7 @@ enum class ScanAxes : std::uint8_t {
   kOne,     ///< The cell's longest axis (paper: "one axis").
   kHybrid,  ///< All axes up to hybrid_below boxes, above that the longest.
   kAll,
-  kGuided,  ///< See choose_guided.
+  kGuided,  ///< All in the first pass, those that it makes promising in the second: choose_guided.
 };
 
 /// A builder is a value: parameters, `check()`, and one decision.
@@ -36,18 +36,22 @@ struct ScanBuilder {
   /// Up to this many boxes every bound is a candidate: below where that costs more time than two
   /// sampling passes. The paper has 36 by the same rule. Range 0 to kMaxExact.
   std::uint32_t exact_below = 96;
-  /// See ScanAxes::kHybrid.
+  /// See ScanAxes::kHybrid. For kGuided: up to this many boxes, where every bound is a candidate,
+  /// all axes are tried.
   std::uint32_t hybrid_below = 1024;
   SahConstants cost{};
 
   // Ours, not the paper's; off unless a builder's name says otherwise.
 
   /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two
-  /// are tried as well. Range from 1e-6; infinite: never.
+  /// are tried as well. For kGuided: where every bound is a candidate. Range from 1e-6; infinite:
+  /// never.
   double retry_above = std::numeric_limits<double>::infinity();
   /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost
   /// is linear, so the minimum always lies at one. Costs two passes.
   bool snap = false;
+  /// ScanAxes::kGuided: the second pass looks at all axes, not at the most promising alone.
+  bool refine_all_axes = false;
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
 
@@ -75,6 +79,9 @@ struct ScanBuilder {
   FirstPlanes first_planes(const Aabb& child) const {
     return accel::first_planes(child, uniform_samples);
   }
+
+  /// Whether long lists may be cut where a sample of them would be.
+  bool takes_samples() const { return axes == ScanAxes::kGuided; }
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const;

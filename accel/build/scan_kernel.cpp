@@ -45,14 +45,16 @@ class Planes {
       right_[p] = hn::IfThenElse(in_right, hn::Add(right_[p], more), right_[p]);
     }
   }
+  /// A box that ends below the plane has its upper bound nearest, one that begins above it the
+  /// lower one.
   HWY_INLINE void come_near(float lo, float hi) {
     const auto lower = hn::Set(Floats(), lo), upper = hn::Set(Floats(), hi);
     for (std::size_t p = 0; p < kParts; ++p) {
-      const auto lo_below = hn::Lt(lower, at_[p]), hi_above = hn::Gt(upper, at_[p]);
-      below_[p] = hn::IfThenElse(lo_below, hn::Max(below_[p], lower), below_[p]);
-      above_[p] = hn::IfThenElse(lo_below, above_[p], hn::Min(above_[p], lower));
-      below_[p] = hn::IfThenElse(hi_above, below_[p], hn::Max(below_[p], upper));
-      above_[p] = hn::IfThenElse(hi_above, hn::Min(above_[p], upper), above_[p]);
+      const auto begins_below = hn::Lt(lower, at_[p]), ends_above = hn::Gt(upper, at_[p]);
+      const auto next_below = hn::IfThenElse(ends_above, lower, upper);
+      const auto next_above = hn::IfThenElse(begins_below, upper, lower);
+      below_[p] = hn::IfThenElse(begins_below, hn::Max(below_[p], next_below), below_[p]);
+      above_[p] = hn::IfThenElse(ends_above, hn::Min(above_[p], next_above), above_[p]);
     }
   }
 
@@ -78,12 +80,18 @@ class Planes {
 
 void three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
                 std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
-  Planes<kFirstPlanes> axes[3];
-  for (std::size_t a = 0; a < 3; ++a) axes[a].load(planes[a], counts[a]);
+  Planes<kFirstPlanes> along_x, along_y, along_z;  // by name: they have to stay in registers
+  along_x.load(planes[0], counts[0]);
+  along_y.load(planes[1], counts[1]);
+  along_z.load(planes[2], counts[2]);
   for (const BoxRef& ref : refs) {
-    for (std::size_t a = 0; a < 3; ++a) axes[a].count(ref.lo[a], ref.hi[a], ref.weight);
+    along_x.count(ref.lo.x, ref.hi.x, ref.weight);
+    along_y.count(ref.lo.y, ref.hi.y, ref.weight);
+    along_z.count(ref.lo.z, ref.hi.z, ref.weight);
   }
-  for (std::size_t a = 0; a < 3; ++a) axes[a].store(counts[a]);
+  along_x.store(counts[0]);
+  along_y.store(counts[1]);
+  along_z.store(counts[2]);
 }
 
 void one_axis(std::span<const BoxRef> refs, std::size_t axis, const FirstAxis& planes,

@@ -18,13 +18,13 @@ AxisCounts count_planes(const CellRefs& list, AxisRange range, const AxisPlanes&
                     PassResult found;
                     const auto axis = static_cast<std::size_t>(range.begin);
                     if (range.all()) {
-                      scan_three_axes(refs, planes, found.axes);
+                      scan_three_axes(refs, planes, found.few);
                     } else {
-                      scan_one_axis(refs, range.begin, planes[axis], found.axes[axis]);
+                      scan_one_axis(refs, range.begin, planes[axis], found.few[axis]);
                     }
                     return found;
                   })
-      .axes;
+      .few;
 }
 
 }  // namespace

@@ -39,9 +39,8 @@ struct Sieve {
 Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> spans,
                  std::size_t size, BuildCounters& counters) {
   Sides sides;
-  sides.left = BoxList(size);
-  sides.right = BoxList(size);
-  const std::span<BoxRef> left = sides.left.all(), right = sides.right.all();
+  const std::span<BoxRef> room = scratch(2 * size);
+  const std::span<BoxRef> left = room.first(size), right = room.subspan(size);
   FirstScans scans;
   if (sieve.scans) {
     scans.left_planes = first_planes(sieve.builder, sieve.halves.left);
@@ -68,8 +67,8 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> sp
     n.left = clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
     n.right = clip_straddlers(*sieve.clipped, right.first(n.right), plane, sieve.halves.right);
   }
-  sides.left.shrink(n.left);
-  sides.right.shrink(n.right);
+  sides.left = BoxList(left.first(n.left));
+  sides.right = BoxList(right.first(n.right));
   sides.left_scan = scans.left;
   sides.right_scan = scans.right;
   return sides;
@@ -100,31 +99,6 @@ bool open_once(const ReferenceSource& source, std::span<const std::span<const Bo
   return openable;
 }
 
-/// Whether a list of this length is cut where a sample of it would be.
-bool takes_samples(const AnyBuilder& builder, std::size_t size) {
-  const auto* scan = std::get_if<ScanBuilder>(&builder);
-  return scan != nullptr && scan->axes == ScanAxes::kGuided && size >= 8 * kSample;
-}
-
-/// About kSample references, one from every stretch of equal length, at a place in it that follows
-/// no order a list might have.
-std::vector<BoxRef> sample_of(const SlicedList& list) {
-  const std::size_t stretch = list.size() / kSample;
-  std::vector<BoxRef> sample;
-  sample.reserve(kSample + 1);
-  std::size_t begin = 0, next = 0;
-  for (const std::span<const BoxRef> part : list.all()) {
-    for (; next < begin + part.size(); ) {
-      sample.push_back(part[next - begin]);
-      const std::uint64_t place = sample.size();
-      const std::uint64_t mixed = (place * 0x9e3779b97f4a7c15u) >> 32;
-      next = place * stretch + mixed % stretch;
-    }
-    begin += part.size();
-  }
-  return sample;
-}
-
 /// The two ways a list is kept, with the same operations on it.
 class ShortList {
  public:
@@ -150,10 +124,7 @@ class ShortList {
     BoxList list;
     const bool openable = open_once(context_.source, {&refs_, 1}, cell_.box, list, counters_);
     if (list.size() < kLongList) return {CellList(std::move(list)), {}, openable};
-    return {CellList(std::make_shared<SlicedList>(std::vector<SlicedList::Piece>{
-                std::make_shared<BoxList>(std::move(list))})),
-            {},
-            openable};
+    return {make_list({std::make_shared<const BoxList>(std::move(list))}), {}, openable};
   }
 
  private:
@@ -173,9 +144,7 @@ Part gather(const Stage& stage, std::shared_ptr<const BoxList> SliceResult::*sid
     part.first += stage[i].*scan;
     if (const auto& piece = stage[i].*side; piece->size() > 0) pieces.push_back(piece);
   }
-  auto list = std::make_shared<const SlicedList>(std::move(pieces));
-  part.list = list->size() < kLongList ? CellList(join(list->all(), list->size()))
-                                       : CellList(std::move(list));
+  part.list = make_list(std::move(pieces));
   return part;
 }
 
@@ -190,9 +159,6 @@ class LongList {
         counters_(counters) {}
 
   std::optional<Cut> choose() {
-    if (takes_samples(context_.builder, cell_.size)) {
-      if (const std::optional<Cut> cut = choose_by_sample()) return cut;
-    }
     CellRefs refs{
         .refs = {}, .box = cell_.box, .path = cell_.path, .size = cell_.size, .first = &cell_.first};
     if (!runs_passes(context_.builder)) return choose_whole(refs);
@@ -247,22 +213,6 @@ class LongList {
   }
 
  private:
-  std::optional<Cut> choose_by_sample() {
-    const CellRefs refs{.refs = {}, .box = cell_.box, .path = cell_.path, .size = 0};
-    const Stage& stage = replay_.next(
-        1, [refs, list = list_, builder = context_.builder](std::size_t, BuildCounters& counters) {
-          const std::vector<BoxRef> sample = sample_of(*list);
-          counters.touches += sample.size();
-          CellRefs of_sample = refs;
-          of_sample.refs = sample;
-          of_sample.size = sample.size();
-          auto result = std::make_unique<SliceResult>();
-          result->cut = accel::choose(builder, of_sample, counters);
-          return result;
-        });
-    return stage[0].cut;
-  }
-
   /// For builders that want the list in one piece.
   std::optional<Cut> choose_whole(CellRefs refs) {
     const Stage& stage = replay_.next(
@@ -303,8 +253,7 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
                 std::nullopt,
                 *cut,
                 halve(cell.box, cut->plane.axis, cut->plane.position),
-                scans_children(context.builder, cell.size) &&
-                    !takes_samples(context.builder, cell.size / 2),
+                scans_children(context.builder, cell.size),
                 cell.openable};
     if (clips(context)) sieve.clipped = *context.mesh;
     const std::size_t straddling = list.sift(sieve, division);
@@ -324,14 +273,17 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
 /// Makes the list of a root.
 Division list_root(const DivideContext& context, Replay& replay) {
   const Stage& stage = replay.next(
-      context.source.slices,
+      (context.source.count + kBoxesPerSlice - 1) / kBoxesPerSlice,
       [source = context.source](std::size_t slice, BuildCounters& counters) {
+        const std::size_t begin = slice * kBoxesPerSlice,
+                          end = std::min(begin + kBoxesPerSlice, source.count);
+        BoxList list(end - begin);
+        list.shrink(source.list(begin, end, list.all().data(), counters));
+        const std::span<const BoxRef> refs = std::as_const(list).all();
         auto result = std::make_unique<SliceResult>();
-        auto list = std::make_shared<const BoxList>(source.list(slice, counters));
-        const std::span<const BoxRef> refs = list->all();
         result->openable = std::any_of(refs.begin(), refs.end(),
                                        [](const BoxRef& ref) { return ref.openable(); });
-        result->left = std::move(list);
+        result->left = std::make_shared<const BoxList>(std::move(list));
         return result;
       });
   Division division;
@@ -342,6 +294,21 @@ Division list_root(const DivideContext& context, Replay& replay) {
 
 }  // namespace
 
+std::span<BoxRef> scratch(std::size_t size) {
+  thread_local BoxList room;
+  if (room.size() < size) {
+    room = {};
+    room = BoxList(size);
+  }
+  return room.all();
+}
+
+CellList make_list(std::vector<SlicedList::Piece> pieces) {
+  auto list = std::make_shared<const SlicedList>(std::move(pieces));
+  if (list->size() < kLongList) return CellList(join(list->all(), list->size()));
+  return CellList(std::move(list));
+}
+
 Division divide_short(const DivideContext& context, const DeferredCell& cell,
                       BuildCounters& counters) {
   return divide(context, cell, ShortList(context, cell, counters));
@@ -349,6 +316,8 @@ Division divide_short(const DivideContext& context, const DeferredCell& cell,
 
 Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
                      BuildCounters& counters) {
+  if (std::optional<Division> division = divide_sampled(context, cell, replay))
+    return std::move(*division);
   if (!cell.listed) return list_root(context, replay);
   return divide(context, cell, LongList(context, cell, replay, counters));
 }

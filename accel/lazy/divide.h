@@ -1,10 +1,12 @@
-// What becomes of a cell that is expanded: a leaf, two cells, or the same cell with a finer list.
+// What becomes of a cell that is expanded: a leaf, two cells, a few cells at once, or the same cell
+// with a finer list.
 #pragma once
 
 #include <optional>
 
 #include "accel/build/any_builder.h"
 #include "accel/geometry/mesh_view.h"
+#include "accel/lazy/cut_tree.h"
 #include "accel/lazy/expansion.h"
 #include "accel/lazy/reference_source.h"
 #include "accel/tree/deferred_cell.h"
@@ -28,10 +30,12 @@ struct Part {
 };
 
 struct Division {
-  enum class Kind { kLeaf, kCut, kFiner };
+  enum class Kind { kLeaf, kCut, kCuts, kFiner };
   Kind kind = Kind::kLeaf;
-  Cut cut;           ///< kCut.
-  Part left, right;  ///< kCut; kFiner: `left` is the whole.
+  Cut cut;                              ///< kCut.
+  Part left, right;                     ///< kCut; kFiner: `left` is the whole.
+  std::shared_ptr<const CutTree> cuts;  ///< kCuts.
+  std::vector<Part> parts;              ///< kCuts: cuts->parts().
 };
 
 /// Divides a cell with a short list. Throws std::bad_alloc.
@@ -43,16 +47,25 @@ Division divide_short(const DivideContext& context, const DeferredCell& cell,
 Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
                      BuildCounters& counters);
 
+/// The same where a sample of the list tells how: for builders that take samples, and at least
+/// kSampleFrom references that cannot be opened. Nothing otherwise, or if the sample does not tell.
+std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
+                                       Replay& replay);
+
 /// Opens what is openable in a list until nothing is, and leaves out what does not reach into the
 /// cell.
 BoxList open_all(const ReferenceSource& source, BoxList list, const Aabb& cell,
                  BuildCounters& counters);
 
+/// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
+/// at the length they come to. Throws std::bad_alloc.
+std::span<BoxRef> scratch(std::size_t size);
+
+/// Pieces as a cell's list: sliced if it is long, else joined.
+CellList make_list(std::vector<SlicedList::Piece> pieces);
+
 /// Lists of at least this many references are long.
 inline constexpr std::size_t kLongList = 16384;
-
-/// How many references are looked at where a long list is cut by a sample.
-inline constexpr std::size_t kSample = 4096;
 
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane
 /// costs is known better then, and an entry is no longer small beside the cell.

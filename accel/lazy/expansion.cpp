@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <new>
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include "accel/lazy/patience.h"
@@ -52,7 +53,10 @@ Stage& Expansion::stage_after(Stage* before, std::size_t slices, Stage::Work wor
 
 void Expansion::call_others(Stage& stage) {
   const auto arena_size = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t calls = std::min(arena_size, stage.slices()) - 1;
+  // oneTBB would make a thread for a task that is enqueued, whatever the limit.
+  const std::size_t allowed =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const std::size_t calls = std::min({arena_size, allowed, stage.slices()}) - 1;
   if (calls == 0) return;
   tbb::task_arena arena{tbb::task_arena::attach{}};
   for (std::size_t i = 0; i < calls; ++i) arena.enqueue(Call(this, &stage));

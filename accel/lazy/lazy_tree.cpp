@@ -67,9 +67,9 @@ Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool&
 
 }  // namespace
 
-LazyTree::LazyTree(const Aabb& bounds, std::size_t coarsest, std::size_t closed,
-                   const AnyBuilder& builder, ReferenceSource source, const MeshView* mesh)
-    : tree_(bounds, coarsest),
+LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
+                   ReferenceSource source, const MeshView* mesh)
+    : tree_(bounds, std::min(closed, source.count)),
       builder_(builder),
       source_(std::move(source)),
       closed_(closed),
@@ -208,6 +208,8 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
     }
     case Division::Kind::kFiner:
       return defer(std::move(division.left), cell.box, cell.path);
+    case Division::Kind::kCuts:
+      return make_slot(division, division.cuts->nodes()[0]);
     case Division::Kind::kCut:
       break;
   }
@@ -222,6 +224,21 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
                     std::memory_order_relaxed);
   children[1].store(defer(std::move(division.right), halves.right, path).bits(),
                     std::memory_order_relaxed);
+  return slot;
+}
+
+Slot LazyTree::make_slot(Division& division, const CutTree::Node& node) {
+  const std::optional<std::uint32_t> pair = tree_.allocate_pair();
+  if (!pair) throw std::bad_alloc();
+  const Slot slot = Slot::binary(node.cut.plane, *pair);
+  const auto below = [&](const CutTree::Child& child) {
+    if (!child.is_part) return make_slot(division, division.cuts->nodes()[child.place]);
+    const CutTree::Part& part = division.cuts->parts()[child.place];
+    return defer(std::move(division.parts[child.place]), part.box, part.path);
+  };
+  AtomicSlot* children = tree_.children(slot);
+  children[0].store(below(node.left).bits(), std::memory_order_relaxed);
+  children[1].store(below(node.right).bits(), std::memory_order_relaxed);
   return slot;
 }
 

@@ -27,10 +27,10 @@ enum class AtBusy : std::uint8_t {
 /// A thread that is stopped in here, wherever it is, does not stop any other.
 class LazyTree {
  public:
-  /// `bounds` holds every reference; `coarsest` is how many references the source lists, `closed`
-  /// how many they come to when all are opened (both upper bounds). `mesh`: what the closed ones
+  /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
+  /// bound. `mesh`: what the closed ones
   /// are faces of, for builders that clip; null if they are not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t coarsest, std::size_t closed, const AnyBuilder& builder,
+  LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
            ReferenceSource source, const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
@@ -58,6 +58,7 @@ class LazyTree {
   Expanded lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
                 BuildCounters& counters);
   Slot make_slot(Division division, const DeferredCell& cell);
+  Slot make_slot(Division& division, const CutTree::Node& node);
   Slot defer(Part part, const Aabb& box, const CellPath& path);
   Slot finish(const DeferredCell& cell, BuildCounters& counters, const std::atomic<bool>* cancelled);
   void complete(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);

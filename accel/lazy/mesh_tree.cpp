@@ -13,10 +13,12 @@ std::size_t run_end(const MeshView& mesh, std::size_t first_face) {
 /// Runs, opened into runs and faces.
 ReferenceSource source_of_runs(const MeshView& mesh, std::shared_ptr<const Runs> runs,
                                std::shared_ptr<const void> alive) {
-  ReferenceSource source;
-  source.list = [runs, faces = mesh.faces.size()](std::size_t, BuildCounters& counters) {
-    counters.touches_prepare += faces;
-    return BoxList(runs->coarsest());
+  ReferenceSource source = source_of(runs->coarsest());
+  source.list = [runs, list = source.list, faces = mesh.faces.size()](
+                    std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) {
+    if (begin == 0) counters.touches_prepare += faces;
+    BuildCounters copied;
+    return list(begin, end, out, copied);
   };
   source.open = [runs, mesh](const BoxRef& run, std::vector<BoxRef>& out) {
     if (const std::optional<std::size_t> first = Runs::first_face(run)) {
@@ -38,19 +40,13 @@ bool takes_runs(const AnyBuilder& builder) {
   return !std::holds_alternative<ExactBuilder>(builder);
 }
 
-constexpr std::size_t kFacesPerSlice = 4096;
-
 /// Every face on its own.
 ReferenceSource source_of_faces(const MeshView& mesh, std::shared_ptr<const void> alive) {
   ReferenceSource source;
-  source.slices = std::max<std::size_t>(1, (mesh.faces.size() + kFacesPerSlice - 1) / kFacesPerSlice);
-  source.list = [mesh](std::size_t slice, BuildCounters& counters) {
-    const std::size_t begin = slice * kFacesPerSlice,
-                      end = std::min(begin + kFacesPerSlice, mesh.faces.size());
+  source.count = mesh.faces.size();
+  source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) {
     counters.touches_prepare += end - begin;
-    BoxList refs(end - begin);
-    refs.shrink(face_references(mesh, begin, end, refs.all().data()));
-    return refs;
+    return face_references(mesh, begin, end, out);
   };
   source.alive = std::move(alive);
   return source;
@@ -155,10 +151,7 @@ MeshTree::MeshTree(MeshView mesh, MeshSurvey survey, const AnyBuilder& builder,
                    std::shared_ptr<const void> alive)
     : mesh_(mesh),
       runs_(std::make_shared<const Runs>(takes_runs(builder) ? std::move(survey.runs) : Runs())),
-      lazy_(survey.bounds,
-            runs_->empty() ? survey.finite_triangles
-                           : std::min(survey.finite_triangles, runs_->coarsest().size()),
-            survey.finite_triangles, builder,
+      lazy_(survey.bounds, survey.finite_triangles, builder,
             runs_->empty() ? source_of_faces(mesh, std::move(alive))
                            : source_of_runs(mesh, runs_, std::move(alive)),
             &mesh_) {}

@@ -10,6 +10,7 @@
 
 #include "accel/build/first_scan.h"
 #include "accel/build/list_pass.h"
+#include "accel/lazy/cut_tree.h"
 #include "accel/tree/box_list.h"
 
 namespace sightline::accel {
@@ -22,6 +23,8 @@ struct SliceResult {
   std::size_t straddling = 0;                     ///< Openable references on both sides.
   bool openable = false;                          ///< There may be openable ones in the lists.
   std::optional<Cut> cut;                         ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const CutTree> cuts;            ///< Choosing by a sample.
+  std::vector<std::shared_ptr<const BoxList>> parts;  ///< Sifting by these cuts.
 };
 
 /// Slices are pure functions of what the stage was made with, so it does not matter how often one

@@ -1,6 +1,8 @@
 // Cutting long lists into slices.
 #include "accel/tree/box_list.h"
 
+#include <cassert>
+
 namespace sightline::accel {
 
 SlicedList::SlicedList(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
@@ -28,6 +30,16 @@ std::span<const std::span<const BoxRef>> SlicedList::slice(std::size_t slice) co
 
 std::size_t SlicedList::slice_size(std::size_t slice) const {
   return slice + 1 < slices() ? kBoxesPerSlice : size_ - (slices() - 1) * kBoxesPerSlice;
+}
+
+const BoxRef& SlicedList::operator[](std::size_t place) const {
+  std::size_t before = place / kBoxesPerSlice * kBoxesPerSlice;
+  for (const std::span<const BoxRef> part : slice(place / kBoxesPerSlice)) {
+    if (place - before < part.size()) return part[place - before];
+    before += part.size();
+  }
+  assert(false);
+  return spans_.back().back();
 }
 
 BoxList join(std::span<const std::span<const BoxRef>> spans, std::size_t size) {

@@ -64,6 +64,8 @@ class SlicedList {
   std::size_t slice_size(std::size_t slice) const;
   std::span<const std::span<const BoxRef>> slice(std::size_t slice) const;
   std::span<const std::span<const BoxRef>> all() const { return spans_; }
+  /// The reference at a place in the list.
+  const BoxRef& operator[](std::size_t place) const;
   std::uint64_t bytes() const { return size_ * sizeof(BoxRef); }
 
  private:

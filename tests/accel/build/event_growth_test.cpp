@@ -62,23 +62,20 @@ std::size_t expect_same(const KdTree& a, const KdTree& b) {
   return cells;
 }
 
-BoxList references_of(const MeshView& mesh) {
-  BoxList list(mesh.faces.size());
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const Aabb box = *face_bounds(mesh, i);
-    list.all()[n++] = {box.lo, static_cast<std::uint32_t>(i), box.hi, 1};
-  }
-  return list;
+ReferenceSource source_of_faces(const MeshView& mesh) {
+  ReferenceSource source;
+  source.count = mesh.faces.size();
+  source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters&) {
+    return face_references(mesh, begin, end, out);
+  };
+  return source;
 }
 
 std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
                                     const ExactBuilder& builder) {
   const MeshSurvey survey = survey_mesh(mesh.view(), References::kSoup);
   return std::make_unique<LazyTree>(
-      survey.bounds, survey.finite_triangles, survey.finite_triangles, AnyBuilder(builder),
-      ReferenceSource{.list = [view](std::size_t, BuildCounters&) { return references_of(view); }},
-      &view);
+      survey.bounds, survey.finite_triangles, AnyBuilder(builder), source_of_faces(view), &view);
 }
 
 void touch_all(LazyTree& tree, AtomicSlot& slot) {
@@ -199,11 +196,8 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   std::vector<std::unique_ptr<LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
     trees.push_back(
-        std::make_unique<LazyTree>(bounds_of(refs), refs.size(), refs.size(),
-                                   AnyBuilder(ExactBuilder{.search = search}),
-                                   ReferenceSource{.list = [&](std::size_t, BuildCounters&) {
-                                     return BoxList(refs);
-                                   }}));
+        std::make_unique<LazyTree>(bounds_of(refs), refs.size(),
+                                   AnyBuilder(ExactBuilder{.search = search}), source_of(refs)));
     BuildCounters counters;
     trees.back()->expand_all(counters);
   }

@@ -116,15 +116,15 @@ struct ManyBoxes {
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.slices = (refs->size() + kBoxesPerSlice - 1) / kBoxesPerSlice;
-    source.list = [refs = refs, at_slice = at_slice](std::size_t slice, BuildCounters&) {
+    source.count = refs->size();
+    source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
+                                                     BoxRef* out, BuildCounters&) {
       at_slice();
-      const std::size_t begin = slice * kBoxesPerSlice;
-      return BoxList(std::span(*refs).subspan(
-          begin, std::min(kBoxesPerSlice, refs->size() - begin)));
+      std::copy(refs->data() + begin, refs->data() + end, out);
+      return end - begin;
     };
     source.alive = refs;
-    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), refs->size(),
+    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(),
                                       default_builder(), source);
   }
 };

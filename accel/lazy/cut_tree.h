@@ -1,0 +1,72 @@
+// A few cuts at once, chosen from a sample of a long list, and dividing the list by them in one go.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/build/any_builder.h"
+#include "accel/tree/box_list.h"
+
+namespace sightline::accel {
+
+/// How many references a sample has, or up to twice as many.
+inline constexpr std::size_t kSample = 4096;
+
+/// Lists of at least this many references are cut by samples, by builders that take them.
+inline constexpr std::size_t kSampleFrom = 8 * kSample;
+
+/// Whether the builder may decide by a sample. The papers' look at everything.
+bool takes_samples(const AnyBuilder& builder);
+
+/// The k-th place of a sample of a list of that length (at least kSample): one from every stretch
+/// of equal length, at a place in it that follows no order a list might have. There are
+/// sample_size() of them, ascending.
+std::size_t sample_size(std::size_t size);
+std::size_t sample_place(std::size_t k, std::size_t size);
+
+/// The topmost cuts of a cell.
+class CutTree {
+ public:
+  static constexpr int kMostLevels = 3;
+
+  /// A cut's side: another cut, or a part of the list.
+  struct Child {
+    bool is_part = true;
+    std::size_t place = 0;  ///< In cuts() or parts().
+  };
+  struct Node {
+    Cut cut;
+    Child left, right;
+  };
+  struct Part {
+    Aabb box;
+    CellPath path;
+  };
+
+  /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
+  CutTree(const AnyBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
+          const CellPath& path, int levels, int max_depth, BuildCounters& counters);
+
+  bool empty() const { return nodes_.empty(); }
+  std::span<const Node> nodes() const { return nodes_; }  ///< The first is the topmost.
+  std::span<const Part> parts() const { return parts_; }
+
+  /// Room that divide() needs behind a list.
+  static std::size_t room(std::size_t size) { return size * kMostLevels; }
+
+  /// Divides some of the cell's references, which are used up. A list for every part.
+  std::vector<std::shared_ptr<const BoxList>> divide(std::span<BoxRef> refs, BoxRef* room,
+                                                     BuildCounters& counters) const;
+
+ private:
+  struct Growth;
+  Child grow(const Growth& growth, std::span<BoxRef> sample, BoxRef* room, const Aabb& box,
+             const CellPath& path, int levels, BuildCounters& counters);
+
+  std::vector<Node> nodes_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace sightline::accel

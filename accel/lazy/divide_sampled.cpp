@@ -1,0 +1,99 @@
+// Dividing a long list, made already or not, by cuts that a sample of it suggests.
+#include <algorithm>
+
+#include "accel/lazy/divide.h"
+
+namespace sightline::accel {
+namespace {
+
+/// A long list as slices and as single references, whoever has it. Owns it.
+class LongSource {
+ public:
+  LongSource(const ReferenceSource& source, const DeferredCell& cell)
+      : source_(source), list_(cell.list.sliced()) {}
+
+  std::size_t size() const { return list_ ? list_->size() : source_.count; }
+  std::size_t slices() const { return (size() + kBoxesPerSlice - 1) / kBoxesPerSlice; }
+
+  /// Writes a slice; returns how many references it has.
+  std::size_t slice(std::size_t slice, BoxRef* out, BuildCounters& counters) const {
+    if (!list_) {
+      const std::size_t begin = slice * kBoxesPerSlice;
+      return source_.list(begin, std::min(begin + kBoxesPerSlice, size()), out, counters);
+    }
+    BoxRef* end = out;
+    for (const std::span<const BoxRef> part : list_->slice(slice))
+      end = std::copy(part.begin(), part.end(), end);
+    return static_cast<std::size_t>(end - out);
+  }
+
+  std::vector<BoxRef> sample(BuildCounters& counters) const {
+    std::vector<BoxRef> sample(sample_size(size()));
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < sample.size(); ++k) {
+      const std::size_t place = sample_place(k, size());
+      if (list_) {
+        sample[n++] = (*list_)[place];
+      } else {
+        n += source_.list(place, place + 1, &sample[n], counters);
+      }
+    }
+    if (list_) counters.touches += n;
+    sample.resize(n);
+    return sample;
+  }
+
+ private:
+  ReferenceSource source_;
+  std::shared_ptr<const SlicedList> list_;
+};
+
+std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const DeferredCell& cell,
+                                           const LongSource& source, Replay& replay) {
+  const Stage& stage = replay.next(
+      1, [source, builder = context.builder, box = cell.box, path = cell.path,
+          depth = context.max_depth](std::size_t, BuildCounters& counters) {
+        auto result = std::make_unique<SliceResult>();
+        result->cuts = std::make_shared<const CutTree>(
+            builder, source.sample(counters), box, path, CutTree::kMostLevels, depth, counters);
+        return result;
+      });
+  return stage[0].cuts;
+}
+
+}  // namespace
+
+std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
+                                       Replay& replay) {
+  const LongSource source(context.source, cell);
+  if (cell.openable || context.source.open || !takes_samples(context.builder) ||
+      source.size() < kSampleFrom)
+    return std::nullopt;
+  const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);
+  if (cuts->empty()) return std::nullopt;
+  const Stage& stage = replay.next(
+      source.slices(), [source, cuts](std::size_t slice, BuildCounters& counters) {
+        const std::span<BoxRef> room =
+            scratch(kBoxesPerSlice + CutTree::room(kBoxesPerSlice));
+        const std::size_t n = source.slice(slice, room.data(), counters);
+        auto result = std::make_unique<SliceResult>();
+        result->parts = cuts->divide(room.first(n), room.data() + n, counters);
+        return result;
+      });
+  Division division;
+  division.kind = Division::Kind::kCuts;
+  division.cuts = cuts;
+  bool separates = !cell.listed;
+  for (std::size_t p = 0; p < cuts->parts().size(); ++p) {
+    std::vector<SlicedList::Piece> pieces;
+    for (std::size_t i = 0; i < stage.slices(); ++i) {
+      if (const auto& piece = stage[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
+    }
+    division.parts.push_back({make_list(std::move(pieces)), {}, false});
+    separates |= division.parts.back().list.size() < cell.size;
+  }
+  if (!separates) return std::nullopt;
+  return division;
+}
+
+}  // namespace sightline::accel
