@@ -24,7 +24,8 @@ struct AxisCost {
 
   double children(double x, double left, double right) const {
     const double sum = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
-    return sum * ((left == 0) | (right == 0) ? bonus : 1.0);
+    const bool one_empty = (left == 0) | (right == 0);  // no branch: seldom, and unforeseen
+    return sum * (one_empty ? bonus : 1.0);
   }
   bool inside(float x) const { return x > lo && x < hi; }
 

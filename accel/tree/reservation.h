@@ -23,6 +23,8 @@ class Reservation {
       void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
       if (p == MAP_FAILED) throw std::bad_alloc();
+      // The front of a large one will be written all over; a refusal costs nothing but time.
+      if (bytes >= kHugeFrom) (void)::madvise(p, kHugeFrom, MADV_HUGEPAGE);
       data_ = static_cast<T*>(p);
     } else {
       data_ = static_cast<T*>(std::malloc(bytes > 0 ? bytes : 1));
@@ -50,6 +52,7 @@ class Reservation {
 
  private:
   static constexpr std::size_t kMapFrom = std::size_t{1} << 18;
+  static constexpr std::size_t kHugeFrom = std::size_t{1} << 26;
   T* data_ = nullptr;
   std::size_t capacity_ = 0;
 };
