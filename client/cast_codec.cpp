@@ -10,20 +10,6 @@
 namespace sightline::client {
 namespace {
 
-v1::QueryKind encode(QueryKind kind) {
-  switch (kind) {
-    case QueryKind::kClosest:
-      return v1::QUERY_KIND_CLOSEST;
-    case QueryKind::kAny:
-      return v1::QUERY_KIND_ANY;
-    case QueryKind::kCount:
-      return v1::QUERY_KIND_COUNT;
-    case QueryKind::kAll:
-      return v1::QUERY_KIND_ALL;
-  }
-  return v1::QUERY_KIND_UNSPECIFIED;
-}
-
 v1::Culling encode(Culling culling) {
   switch (culling) {
     case Culling::kNone:
@@ -100,6 +86,20 @@ bool view_surfaces(const v1::CastRaysResponse& response, HitFields fields, std::
 }
 
 }  // namespace
+
+v1::QueryKind encode(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::kClosest:
+      return v1::QUERY_KIND_CLOSEST;
+    case QueryKind::kAny:
+      return v1::QUERY_KIND_ANY;
+    case QueryKind::kCount:
+      return v1::QUERY_KIND_COUNT;
+    case QueryKind::kAll:
+      return v1::QUERY_KIND_ALL;
+  }
+  return v1::QUERY_KIND_UNSPECIFIED;
+}
 
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,
               v1::CastRaysRequest& request) {

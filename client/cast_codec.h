@@ -13,6 +13,8 @@ namespace sightline::client {
 
 namespace v1 = ::sightline::v1;
 
+v1::QueryKind encode(QueryKind kind);
+
 /// Says in the request what is asked of the rays that follow.
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,
               v1::CastRaysRequest& request);

@@ -130,22 +130,6 @@ Status read_all(Stream& stream, grpc::ClientContext& context, Reader reader) {
   return failed;
 }
 
-// The rays of columns, message by message.
-template <class Scalar>
-RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
-  return [&rays,
-          sent = std::size_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min(room.size(), rays.size() - sent);
-    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
-    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
-    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
-    if (!room.masks.empty()) rows.masks = room.masks.first(n);
-    copy_rays(rays, sent, rows);
-    sent += n;
-    return n;
-  };
-}
-
 }  // namespace
 
 template <class Scalar>

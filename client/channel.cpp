@@ -14,6 +14,7 @@ constexpr const char* kServiceConfig = R"({
   "methodConfig": [{
     "name": [
       {"service": "sightline.v1.RayQueryService", "method": "CastRays"},
+      {"service": "sightline.v1.RayQueryService", "method": "Prefetch"},
       {"service": "sightline.v1.SceneService", "method": "GetScene"},
       {"service": "sightline.v1.SceneService", "method": "ListScenes"},
       {"service": "sightline.v1.SceneService", "method": "BatchGetNodes"},

@@ -163,8 +163,37 @@ Result<Applied> Client::apply_in_batches(const std::string& scene, std::span<con
 }
 
 Status Client::upload_mesh(const MeshBlob& mesh, const std::string& digest,
-                           const UploadProgress& progress) const {
-  return client::upload_mesh(*connection_, mesh, digest, progress);
+                           const UploadProgress& progress, const std::stop_token& stop) const {
+  return client::upload_mesh(*connection_, mesh, digest, progress, stop);
+}
+
+Result<PrefetchReport> Client::prefetch(const std::string& scene, const PrefetchOptions& options,
+                                        const PrefetchProgress& progress) const {
+  return client::prefetch(*connection_, scene, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
+                                             const RayColumns<const double>& rays,
+                                             const PrefetchOptions& options,
+                                             const PrefetchProgress& progress) const {
+  return client::prefetch_rays(*connection_, scene, rays, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
+                                             const RayColumns<const float>& rays,
+                                             const PrefetchOptions& options,
+                                             const PrefetchProgress& progress) const {
+  return client::prefetch_rays(*connection_, scene, rays, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
+                                             const RaySource<double>& source, RayShape shape,
+                                             const PrefetchOptions& options,
+                                             const PrefetchProgress& progress) const {
+  return client::prefetch_rays(*connection_, scene, source, shape, options, progress);
+}
+Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
+                                             const RaySource<float>& source, RayShape shape,
+                                             const PrefetchOptions& options,
+                                             const PrefetchProgress& progress) const {
+  return client::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,

@@ -7,12 +7,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "client/all_hits.h"
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
+#include "client/prefetch.h"
 #include "client/rays.h"
 #include "client/result.h"
 #include "client/scene_info.h"
@@ -71,9 +73,31 @@ class Client {
   /// Which of these meshes the server does not have.
   Result<std::vector<std::string>> missing_meshes(std::span<const std::string> digests) const;
   /// Uploads a mesh under its digest, from where an upload before has stopped; takes a broken
-  /// connection up again.
+  /// connection up again. `stop` cancels it.
   Status upload_mesh(const MeshBlob& mesh, const std::string& digest,
-                     const UploadProgress& progress = {}) const;
+                     const UploadProgress& progress = {}, const std::stop_token& stop = {}) const;
+
+  /// Builds all trees of the scene, or of the nodes that the options name, before rays come.
+  /// Errors: kResourceExhausted (TOO_MANY_PREFETCHES) where the server is at work on as many as it
+  /// takes.
+  Result<PrefetchReport> prefetch(const std::string& scene, const PrefetchOptions& options = {},
+                                  const PrefetchProgress& progress = {}) const;
+  /// Builds what a cast of these rays would, and returns no hits. Any number of rays, a call for
+  /// each kRaysPerMessage of them; the revision reported is that of the last. Errors as above.
+  Result<PrefetchReport> prefetch_rays(const std::string& scene,
+                                       const RayColumns<const double>& rays,
+                                       const PrefetchOptions& options = {},
+                                       const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_rays(const std::string& scene,
+                                       const RayColumns<const float>& rays,
+                                       const PrefetchOptions& options = {},
+                                       const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_rays(const std::string& scene, const RaySource<double>& source,
+                                       RayShape shape, const PrefetchOptions& options = {},
+                                       const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_rays(const std::string& scene, const RaySource<float>& source,
+                                       RayShape shape, const PrefetchOptions& options = {},
+                                       const PrefetchProgress& progress = {}) const;
 
   /// One batch in one message, answered at one revision into `hits`, whose non-empty columns have a
   /// row a ray. For as many rays as the server takes in a request; more go by cast_stream. Errors:

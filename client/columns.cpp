@@ -99,6 +99,21 @@ void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
   if (!room.masks.empty()) copy_rows(rays.masks, first, 1, room.masks);
 }
 
+template <class Scalar>
+RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
+  return [&rays,
+          sent = std::size_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(room.size(), rays.size() - sent);
+    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
+    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
+    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
+    if (!room.masks.empty()) rows.masks = room.masks.first(n);
+    copy_rays(rays, sent, rows);
+    sent += n;
+    return n;
+  };
+}
+
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits) {
   put_rows(answers.t, first, 1, hits.t);
   put_rows(answers.node, first, 1, hits.node);
@@ -114,5 +129,7 @@ template Status check_rows(const RayColumns<const float>&, const HitColumns&);
 template Status check_rows(const RayColumns<const double>&, const HitColumns&);
 template void copy_rays(const RayColumns<const float>&, std::size_t, const RayColumns<float>&);
 template void copy_rays(const RayColumns<const double>&, std::size_t, const RayColumns<double>&);
+template RaySource<float> source_of(const RayColumns<const float>&);
+template RaySource<double> source_of(const RayColumns<const double>&);
 
 }  // namespace sightline::client

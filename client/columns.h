@@ -30,6 +30,10 @@ template <class Scalar>
 void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
                const RayColumns<Scalar>& room);
 
+/// The rays, message by message. They outlive it.
+template <class Scalar>
+RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
+
 /// Puts the answers in their place, from row `first` on.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 

@@ -47,7 +47,10 @@ Result<Applied> apply_in_batches(const Connection& connection, const std::string
                                  std::span<const Update> updates, const ApplyOptions& options);
 
 Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                   const UploadProgress& progress);
+                   const UploadProgress& progress, const std::stop_token& stop);
+
+Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
+                                const PrefetchOptions& options, const PrefetchProgress& progress);
 
 // Scalar is float or double.
 template <class Scalar>
@@ -62,6 +65,17 @@ template <class Scalar>
 Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
                                const RayColumns<const Scalar>& rays, const HitColumns& hits,
                                const CastOptions& options);
+
+template <class Scalar>
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RaySource<Scalar>& source, RayShape shape,
+                                     const PrefetchOptions& options,
+                                     const PrefetchProgress& progress);
+template <class Scalar>
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RayColumns<const Scalar>& rays,
+                                     const PrefetchOptions& options,
+                                     const PrefetchProgress& progress);
 
 template <class Scalar>
 Result<AllHits> cast_all(const Connection& connection, const std::string& scene,

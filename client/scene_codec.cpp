@@ -119,6 +119,7 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_hits_per_ray = info.max_hits_per_ray();
   out.max_hits_per_reply = info.max_hits_per_reply();
   out.max_exclusions = info.max_exclusions();
+  out.max_prefetches = info.max_prefetches();
   return out;
 }
 

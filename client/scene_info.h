@@ -76,6 +76,7 @@ struct ServerInfo {
   std::uint32_t max_hits_per_ray = 0;    ///< Of QueryKind::kAll.
   std::uint32_t max_hits_per_reply = 0;  ///< Of one message: rays times CastOptions::max_hits.
   std::uint32_t max_exclusions = 0;
+  std::uint32_t max_prefetches = 0;  ///< In work at a time.
 };
 
 }  // namespace sightline::client

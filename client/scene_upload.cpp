@@ -40,7 +40,7 @@ Blobs make_blobs(const ImportedScene& scene) {
   return blobs;
 }
 
-Status upload_meshes(const Client& client, const Blobs& blobs,
+Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_token& stop,
                      const SceneUploadProgress& progress) {
   std::unordered_map<std::string, std::size_t> place;
   std::vector<std::string> asked;
@@ -60,7 +60,8 @@ Status upload_meshes(const Client& client, const Blobs& blobs,
     const auto report = [&](std::uint64_t bytes) {
       if (progress) progress(done + bytes, total);
     };
-    if (Status uploaded = client.upload_mesh(blob, digest, report); !uploaded) return uploaded;
+    if (Status uploaded = client.upload_mesh(blob, digest, report, stop); !uploaded)
+      return uploaded;
     done += blob.size();
   }
   return {};
@@ -117,8 +118,12 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
   if (*there && !options.replace) return already_exists(name);
 
   const Blobs blobs = make_blobs(scene);
-  if (const Status sent = upload_meshes(client, blobs, progress); !sent) return sent.error();
+  if (const Status sent = upload_meshes(client, blobs, options.stop, progress); !sent)
+    return sent.error();
   const std::vector<Update> updates = put_nodes(scene, blobs.digest, options.mobility);
+  if (options.stop.stop_requested()) {
+    return Error{Code::kCancelled, fmt::format("cancelled before {} was made", name), {}};
+  }
   if (*there) {
     const Status gone = client.delete_scene(name);
     if (!gone && gone.error().code != Code::kNotFound) return gone.error();

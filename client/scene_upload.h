@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <string>
 
 #include "client/client.h"
@@ -14,6 +15,8 @@ namespace sightline::client {
 struct SceneUploadOptions {
   Mobility mobility = Mobility::kStatic;  ///< Of every node.
   bool replace = false;  ///< Delete a scene of that name first; else it is kAlreadyExists.
+  /// Ends the upload with kCancelled; not any more once the scene is being made, which is short.
+  std::stop_token stop{};
 };
 
 /// Told how many bytes of meshes the server has, of those it lacked, on the calling thread.

@@ -30,9 +30,11 @@ Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
 
 // Sends everything from `offset` on, in one call.
 Status send_from(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                 std::uint64_t offset, const UploadProgress& progress) {
+                 std::uint64_t offset, const UploadProgress& progress,
+                 const std::stop_token& stop) {
   grpc::ClientContext context;
   set_timeout(context, connection.options.timeout);
+  const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   v1::UploadBlobResponse response;
   const auto writer = connection.blobs->UploadBlob(&context, &response);
   v1::UploadBlobRequest chunk;
@@ -62,22 +64,22 @@ bool worth_another_try(const Error& error) {
 // Takes up an earlier upload where it has stopped; a mesh of one chunk is sooner sent than asked
 // about.
 Status upload_once(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                   const UploadProgress& progress) {
-  if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress);
+                   const UploadProgress& progress, const std::stop_token& stop) {
+  if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress, stop);
   const auto status = upload_status(connection, digest);
   if (!status) return status.error();
   if (status->complete()) return {};
   return send_from(connection, mesh, digest, std::min(status->committed_size(), mesh.size()),
-                   progress);
+                   progress, stop);
 }
 
 }  // namespace
 
 Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                   const UploadProgress& progress) {
+                   const UploadProgress& progress, const std::stop_token& stop) {
   auto pause = kFirstPause;
   for (int attempt = 1;; ++attempt, pause *= 2) {
-    Status uploaded = upload_once(connection, mesh, digest, progress);
+    Status uploaded = upload_once(connection, mesh, digest, progress, stop);
     if (uploaded || attempt == kAttempts || !worth_another_try(uploaded.error())) return uploaded;
     std::this_thread::sleep_for(pause);
   }

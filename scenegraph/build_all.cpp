@@ -6,6 +6,21 @@
 #include "scenegraph/trace.h"
 
 namespace sightline::scenegraph {
+namespace {
+
+void announce(BuildProgress& progress, const std::vector<const Mesh*>& meshes) {
+  std::uint64_t triangles = 0;
+  for (const Mesh* mesh : meshes) triangles += mesh->triangles();
+  progress.meshes_total.store(meshes.size(), std::memory_order_relaxed);
+  progress.triangles_total.store(triangles, std::memory_order_relaxed);
+}
+
+void count_done(BuildProgress& progress, const Mesh& mesh) {
+  progress.meshes_done.fetch_add(1, std::memory_order_relaxed);
+  progress.triangles_done.fetch_add(mesh.triangles(), std::memory_order_relaxed);
+}
+
+}  // namespace
 
 TraceStats& TraceStats::operator+=(const TraceStats& o) {
   rays += o.rays;
@@ -23,22 +38,27 @@ TraceStats& TraceStats::operator+=(const TraceStats& o) {
   return *this;
 }
 
-Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled) {
+Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled,
+                             BuildProgress* progress) {
   const Instances& instances = snapshot.instances();
   const std::vector<const Mesh*>& meshes = instances.meshes();
+  if (progress != nullptr) announce(*progress, meshes);
   accel::BuildCounters built = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, meshes.size(), 1), accel::BuildCounters{},
       [&](const tbb::blocked_range<std::size_t>& range, accel::BuildCounters sum) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
           meshes[i]->tree().expand_all(sum, cancelled);
+          if (progress != nullptr && !is_cancelled(cancelled)) count_done(*progress, *meshes[i]);
+        }
         return sum;
       },
       [](accel::BuildCounters a, const accel::BuildCounters& b) { return a += b; });
   instances.tree().expand_all(built, cancelled);
   if (is_cancelled(cancelled))
     return Error{Code::kCancelled, "cancelled while building", "CANCELLED"};
-  for (const Instance& instance : instances.list())
-    instance.entered->store(true, std::memory_order_relaxed);
+  snapshot.nodes().for_each([](NodeId, const std::shared_ptr<const Node>& node) {
+    if (is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
+  });
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
   stats.touches = built.touches;

@@ -141,7 +141,9 @@ Node& Draft::edit(NodeId id) {
 }
 
 std::vector<NodeId>& Draft::siblings(NodeId parent) {
-  return parent == 0 ? roots_ : edit(parent).children;
+  if (parent != 0) return edit(parent).children;
+  if (roots_ == nullptr) roots_ = std::make_shared<std::vector<NodeId>>(base_.roots());
+  return *roots_;
 }
 
 /// The node may hang under this parent: no cycle, and nothing below it deeper than kMaxDepth.
@@ -173,6 +175,16 @@ Affine Draft::world_from_local(const Node& node) const {
                           : compose(world_from_local(*find(node.parent)), node.parent_from_local);
 }
 
+Status Draft::finish() {
+  NodeMap::Edit nodes(hierarchy_.nodes);
+  for (const auto& [id, node] : edited_) nodes.set(id, node);
+  if (roots_ != nullptr) hierarchy_.roots = roots_;
+  SubtreeUpdate update(base_.hierarchy(), hierarchy_);
+  for (const auto& [id, node] : edited_) update.edited(id);
+  update.finish();
+  return check_transforms();
+}
+
 Status Draft::check_transforms() const {
   for (const NodeId id : moved_) {
     const Node& node = *find(id);
@@ -185,6 +197,7 @@ Status Draft::check_below(const Node& node, const Affine& world) const {
   if (node.mesh != nullptr) {
     if (Status s = check_matrix(world, described(node) + ", with those above it,"); !s) return s;
   }
+  if (node.children.empty() || surely_invertible(world, hierarchy_.group(node.id))) return {};
   for (const NodeId child : node.children) {
     // A child that moved too is checked on its own.
     if (moved_.contains(child)) continue;
@@ -195,9 +208,7 @@ Status Draft::check_below(const Node& node, const Affine& world) const {
 }
 
 std::shared_ptr<const Snapshot> Draft::publish(std::uint64_t revision) && {
-  NodeMap nodes = base_.nodes();
-  for (auto& [id, node] : edited_) nodes.set(id, std::move(node));
-  return std::make_shared<const Snapshot>(revision, std::move(nodes), std::move(roots_));
+  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_));
 }
 
 }  // namespace sightline::scenegraph

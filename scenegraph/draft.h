@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <memory_resource>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -16,18 +17,19 @@ namespace sightline::scenegraph {
 class Draft {
  public:
   Draft(const Snapshot& base, NodeId next_id)
-      : base_(base), roots_(base.roots()), next_id_(next_id) {}
+      : base_(base), hierarchy_(base.hierarchy()), next_id_(next_id) {}
 
   Status apply(const Update& update);
 
-  /// Whether every mesh below a node that was put or moved can be reached by rays: its world
-  /// transform is invertible.
-  Status check_transforms() const;
+  /// After the last update. Errors: kInvalidArgument if a mesh below a node that was put or moved
+  /// cannot be reached by rays: its world transform is not invertible.
+  Status finish();
 
   /// Ids of PutNode's nodes, in order.
   const std::vector<NodeId>& put_nodes() const { return put_nodes_; }
   NodeId next_id() const { return next_id_; }
 
+  /// After finish().
   std::shared_ptr<const Snapshot> publish(std::uint64_t revision) &&;
 
  private:
@@ -43,15 +45,19 @@ class Draft {
   Status check_place(NodeId node, NodeId parent) const;
   int height(NodeId node) const;
   Affine world_from_local(const Node& node) const;
+  Status check_transforms() const;
   Status check_below(const Node& node, const Affine& world) const;
 
+  // Of the maps below: given back as a whole, not in a million pieces.
+  std::pmr::monotonic_buffer_resource memory_;
   const Snapshot& base_;
-  std::vector<NodeId> roots_;
+  Hierarchy hierarchy_;                         // of the base, until finish()
+  std::shared_ptr<std::vector<NodeId>> roots_;  // null: as in the base
   NodeId next_id_;
-  std::unordered_map<NodeRef, NodeId> aliases_;
+  std::pmr::unordered_map<NodeRef, NodeId> aliases_{&memory_};
   /// Nodes made or copied by this draft; null: deleted.
-  std::unordered_map<NodeId, std::shared_ptr<Node>> edited_;
-  std::unordered_set<NodeId> moved_;
+  std::pmr::unordered_map<NodeId, std::shared_ptr<Node>> edited_{&memory_};
+  std::pmr::unordered_set<NodeId> moved_{&memory_};
   std::vector<NodeId> put_nodes_;
 };
 

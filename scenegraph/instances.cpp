@@ -1,9 +1,7 @@
-// From the hierarchy to a flat list of instances.
+// Instances by number, opened as they are asked for.
 #include "scenegraph/instances.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <unordered_set>
 
 #include "scenegraph/snapshot.h"
@@ -11,60 +9,18 @@
 namespace sightline::scenegraph {
 namespace {
 
-/// Entering an instance costs a transform and a few steps in its tree, whose depth goes with the
-/// logarithm of its size.
-constexpr std::uint32_t kEnterPrice = 4;
+using accel::BoxRef;
 
-struct Placed {
-  Affine world_from_local;
-  WorldBounds box;
-};
+/// Groups of no use are opened at once until there are so many references.
+constexpr std::size_t kEnoughAtOnce = kFewSiblings;
 
-double magnitude(const WorldBounds& b) {
-  double m = 0;
-  for (std::size_t a = 0; a < 3; ++a)
-    m = std::fmax(m, std::fmax(std::fabs(b.lo[a]), std::fabs(b.hi[a])));
-  return m;
-}
-
-/// The box of the mesh's box, padded for the rounding of the transform and of its inverse.
-WorldBounds world_box(const Affine& world_from_local, const Affine& local_from_world,
-                      const accel::Aabb& box) {
-  WorldBounds bounds;
-  for (int corner = 0; corner < 8; ++corner) {
-    bounds.grow(world_from_local.point({static_cast<double>(corner & 1 ? box.hi.x : box.lo.x),
-                                        static_cast<double>(corner & 2 ? box.hi.y : box.lo.y),
-                                        static_cast<double>(corner & 4 ? box.hi.z : box.lo.z)}));
-  }
-  const double pad = magnitude(bounds) * condition(world_from_local, local_from_world) * 0x1p-48;
-  bounds.lo = bounds.lo - Vec3d{pad, pad, pad};
-  bounds.hi = bounds.hi + Vec3d{pad, pad, pad};
-  return bounds;
-}
-
-/// Outward, through two roundings: the subtraction and the narrowing.
-accel::Aabb relative_box(const WorldBounds& world, const Vec3d& center) {
-  accel::Aabb box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double lo = world.lo[a] - center[a], hi = world.hi[a] - center[a];
-    box.lo[a] = accel::round_down(lo - std::fabs(lo) * 0x1p-50);
-    box.hi[a] = accel::round_up(hi + std::fabs(hi) * 0x1p-50);
-  }
-  return accel::widen_flat(box);
-}
-
-std::uint32_t price(const Mesh& mesh) {
-  return kEnterPrice + static_cast<std::uint32_t>(std::bit_width(mesh.triangles()));
+/// Of nothing, or of what reaches beyond all numbers: the origin.
+Vec3d middle(const DoubleBox& box) {
+  const Vec3d m = (box.lo + box.hi) * 0.5;
+  return is_finite(m) ? m : Vec3d{};
 }
 
 }  // namespace
-
-void WorldBounds::grow(const Vec3d& p) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    lo[a] = std::min(lo[a], p[a]);
-    hi[a] = std::max(hi[a], p[a]);
-  }
-}
 
 Affine world_from_local(const Snapshot& snapshot, const Node& node) {
   std::vector<const Node*> chain;
@@ -76,62 +32,122 @@ Affine world_from_local(const Snapshot& snapshot, const Node& node) {
   return world;
 }
 
-Instances::Instances(const Snapshot& snapshot) {
-  std::vector<WorldBounds> boxes;
-  WorldBounds all;
-  std::unordered_set<const Mesh*> seen;
-  // Depth first with the transform of the way down.
-  struct Visit {
-    NodeId node;
-    Affine world_from_parent;
-  };
-  std::vector<Visit> stack;
-  for (auto root = snapshot.roots().rbegin(); root != snapshot.roots().rend(); ++root)
-    stack.push_back({*root, {}});
-  while (!stack.empty()) {
-    const Visit visit = stack.back();
-    stack.pop_back();
-    const Node& node = *snapshot.find(visit.node);
-    const Affine world = node.parent == 0
-                             ? node.parent_from_local
-                             : compose(visit.world_from_parent, node.parent_from_local);
-    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-      stack.push_back({*child, world});
-    if (node.mesh == nullptr) continue;
-    if (seen.insert(node.mesh.get()).second) meshes_.push_back(node.mesh.get());
-    if (node.mesh->bounds().empty()) continue;
-    const std::optional<Affine> local_from_world = inverse(world);
-    if (!local_from_world) continue;  // refused when the node was put: see Scene::apply
-    boxes.push_back(world_box(world, *local_from_world, node.mesh->bounds()));
-    all.grow(boxes.back().lo);
-    all.grow(boxes.back().hi);
-    list_.push_back({*local_from_world,
-                     mirrors(world),
-                     {},
-                     node.id,
-                     node.mask,
-                     node.mesh.get(),
-                     node.entered.get()});
-  }
-  if (!all.empty()) center_ = (all.lo + all.hi) * 0.5;
+Instances::Instances(const Hierarchy& hierarchy) : Instances(hierarchy, hierarchy.subtree(0)) {}
+
+Instances::Instances(const Hierarchy& hierarchy, const Subtree& all)
+    : hierarchy_(hierarchy),
+      center_(middle(all.box)),
+      weight_shift_(weight_shift(all.price)),
+      instances_(all.instances),
+      groups_(all.groups),
+      runs_(all.runs + max_runs(hierarchy.roots->size() + 1)),
+      scene_(whole_scene(hierarchy, center_)) {}
+
+Instances::~Instances() { delete beginning_.load(std::memory_order_acquire); }
+
+void Instances::begin() const {
+  if (begun()) return;
+  auto made = std::make_unique<Beginning>();
+  append(opened(*scene_), 0, made->coarsest);
   accel::Aabb bounds;
-  for (std::size_t i = 0; i < list_.size(); ++i) {
-    list_[i].box = relative_box(boxes[i], center_);
-    bounds.grow(list_[i].box);
+  for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
+  accel::ReferenceSource source = accel::source_of(made->coarsest);
+  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out) { open(ref, out); };
+  made->tree = std::make_unique<accel::LazyTree>(bounds, size(), accel::default_builder(),
+                                                 std::move(source));
+  const Beginning* none = nullptr;
+  if (beginning_.compare_exchange_strong(none, made.get(), std::memory_order_acq_rel))
+    (void)made.release();
+}
+
+void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
+  const std::uint32_t number = ref.id & ~accel::kOpenable;
+  if ((number & kRun) != 0) {
+    const Run& run = *runs_[number & ~kRun].load(std::memory_order_acquire);
+    out.insert(out.end(), run.begin(), run.end());
+  } else {
+    append(opened(*groups_[number].load(std::memory_order_acquire)), out.size(), out);
   }
-  const auto references = [this](std::size_t, accel::BuildCounters& counters) {
-    counters.touches_prepare += list_.size();
-    accel::BoxList refs(list_.size());
-    for (std::size_t i = 0; i < list_.size(); ++i) {
-      const Instance& instance = list_[i];
-      refs.all()[i] = {instance.box.lo, static_cast<std::uint32_t>(i), instance.box.hi,
-                       price(*instance.mesh)};
+}
+
+/// Whoever finds a group closed opens it, and helps with it if others are at it.
+const Opened& Instances::opened(const Group& group) const {
+  Opened* now = group.opened.load(std::memory_order_acquire);
+  if (now == nullptr) {
+    auto made = std::make_unique<Opened>(children_of(hierarchy_, group).size());
+    if (group.opened.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
+      now = made.release();
+  }
+  if (now->listed.load(std::memory_order_acquire)) return *now;
+  open_group(hierarchy_, group, center_, weight_shift_, *now);
+  enlist(group, *now);
+  if (!now->listed.exchange(true, std::memory_order_acq_rel)) {
+    for (std::size_t i = 0; i < now->slices.size(); ++i) {
+      placed_.fetch_add(now->slices[i].instances.size() + now->slices[i].groups.size(),
+                        std::memory_order_relaxed);
     }
-    return refs;
-  };
-  tree_ = std::make_unique<accel::LazyTree>(bounds, list_.size(), list_.size(),
-                                            accel::default_builder(),
-                                            accel::ReferenceSource{.list = references});
+  }
+  return *now;
+}
+
+/// Done by everyone who comes before it is known to be done: the first may have been stopped.
+void Instances::enlist(const Group& group, const Opened& opened) const {
+  for (std::size_t i = 0; i < opened.slices.size(); ++i) {
+    if (opened.listed.load(std::memory_order_acquire)) return;
+    for (const Instance& instance : opened.slices[i].instances)
+      instances_[instance.index].store(&instance, std::memory_order_release);
+    for (const Group& below : opened.slices[i].groups)
+      groups_[below.number].store(&below, std::memory_order_release);
+  }
+  std::size_t run = group.first_run;
+  for (const Run& members : opened.siblings[0].runs)
+    runs_[run++].store(&members, std::memory_order_release);
+}
+
+/// References that are appended for one that is opened begin at `first`.
+void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxRef>& out) const {
+  const std::vector<BoxRef>& refs = opened.siblings[0].levels.coarsest();
+  for (std::size_t i = 0; i < refs.size(); ++i) {
+    const std::uint32_t number = refs[i].id & ~accel::kOpenable;
+    if (refs[i].openable() && (number & kRun) == 0 && out.size() - first < kEnoughAtOnce) {
+      const Group& group = *groups_[number].load(std::memory_order_acquire);
+      if (group.at_once) {
+        append(this->opened(group), first, out);
+        continue;
+      }
+    }
+    out.push_back(refs[i]);
+  }
+}
+
+void Instances::open_all() const {
+  if (all_open_.load(std::memory_order_acquire)) return;
+  std::vector<const Group*> waiting{scene_.get()};
+  while (!waiting.empty()) {
+    const Group& group = *waiting.back();
+    waiting.pop_back();
+    const Opened& members = opened(group);
+    for (std::size_t i = 0; i < members.slices.size(); ++i) {
+      for (const Group& below : members.slices[i].groups) waiting.push_back(&below);
+    }
+  }
+  all_open_.store(true, std::memory_order_release);
+}
+
+InstanceList Instances::list() const {
+  open_all();
+  return InstanceList(*this);
+}
+
+const std::vector<const Mesh*>& Instances::meshes() const {
+  std::call_once(meshes_once_, [this] {
+    std::unordered_set<const Mesh*> seen;
+    hierarchy_.nodes.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+      const Mesh* mesh = node->mesh.get();
+      if (mesh != nullptr && seen.insert(mesh).second) meshes_.push_back(mesh);
+    });
+  });
+  return meshes_;
 }
 
 }  // namespace sightline::scenegraph

@@ -1,57 +1,136 @@
-// The meshes of a revision where they stand in the world, and the kd-tree over their boxes.
+// The meshes of a revision where they stand in the world, found as rays open the hierarchy, and the
+// kd-tree over their boxes.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <iterator>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "accel/lazy/lazy_tree.h"
-#include "scenegraph/node.h"
+#include "scenegraph/group.h"
+#include "scenegraph/zeroed.h"
 
 namespace sightline::scenegraph {
 
-struct Instance {
-  Affine local_from_world;
-  bool mirrored = false;  ///< The transform turns windings around.
-  accel::Aabb box;        ///< World, less Instances::center(), rounded outward.
-  NodeId node = 0;
-  std::uint32_t mask = accel::kAllMasks;
-  const Mesh* mesh = nullptr;
-  std::atomic<bool>* entered = nullptr;
-};
+class InstanceList;
 
-/// World space in double.
-struct WorldBounds {
-  Vec3d lo{accel::kInfinity, accel::kInfinity, accel::kInfinity};
-  Vec3d hi{-accel::kInfinity, -accel::kInfinity, -accel::kInfinity};
-  bool empty() const { return !(lo.x <= hi.x); }
-  void grow(const Vec3d& p);
-};
-
-class Snapshot;
-
-/// Made once per snapshot and immutable, but for the tree, which grows like any other.
+/// One for each snapshot. What is opened stays; nothing else changes, but for the tree, which grows
+/// like any other. Threads: all members, any; nobody waits for anybody.
 class Instances {
  public:
-  /// Every node of the snapshot that carries a mesh with at least one finite triangle.
-  explicit Instances(const Snapshot& snapshot);
+  /// The hierarchy must outlive this.
+  explicit Instances(const Hierarchy& hierarchy);
+  ~Instances();
+  Instances(const Instances&) = delete;
+  Instances& operator=(const Instances&) = delete;
 
-  const std::vector<Instance>& list() const { return list_; }
+  /// To be called before any other member, by every thread. Opens the roots, if that is not done.
+  void begin() const;
+  bool begun() const { return beginning_.load(std::memory_order_acquire) != nullptr; }
+
+  /// How many there are, opened or not.
+  std::size_t size() const { return instances_.size(); }
+  /// A reference that some list or leaf of the tree holds, or all after open_all().
+  const Instance& operator[](std::size_t index) const {
+    return *instances_[index].load(std::memory_order_acquire);
+  }
+
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
   const Vec3d& center() const { return center_; }
-  /// References are places in list(). Growing it is not a change of the snapshot.
-  accel::LazyTree& tree() const { return *tree_; }
-  /// The distinct meshes.
-  const std::vector<const Mesh*>& meshes() const { return meshes_; }
+  /// Its leaves hold places of instances. Growing it is not a change of the snapshot.
+  accel::LazyTree& tree() const { return *beginning().tree; }
+
+  /// References that stand for all instances: the coarsest, openable or not.
+  const std::vector<accel::BoxRef>& coarsest() const { return beginning().coarsest; }
+  /// Appends what an openable reference stands for; the same every time, whoever asked before.
+  /// Throws std::bad_alloc.
+  void open(const accel::BoxRef& ref, std::vector<accel::BoxRef>& out) const;
+  /// Opens everything. In the order of a walk down from the roots, nodes before their children.
+  InstanceList list() const;
+
+  /// Groups and instances that have been placed so far.
+  std::uint64_t placed() const { return placed_.load(std::memory_order_relaxed); }
+
+  /// The distinct meshes of the snapshot, in the order of the first nodes that carry them. Made by
+  /// whoever asks first.
+  const std::vector<const Mesh*>& meshes() const;
 
  private:
-  std::vector<Instance> list_;
-  std::vector<const Mesh*> meshes_;
+  template <class T>
+  using Directory = Zeroed<std::atomic<const T*>>;
+  using Run = std::span<const accel::BoxRef>;
+
+  /// What is known once the roots are opened.
+  struct Beginning {
+    std::vector<accel::BoxRef> coarsest;
+    std::unique_ptr<accel::LazyTree> tree;
+  };
+
+  Instances(const Hierarchy& hierarchy, const Subtree& all);
+  const Beginning& beginning() const { return *beginning_.load(std::memory_order_acquire); }
+  const Opened& opened(const Group& group) const;
+  void enlist(const Group& group, const Opened& opened) const;
+  void append(const Opened& opened, std::size_t first, std::vector<accel::BoxRef>& out) const;
+  void open_all() const;
+
+  const Hierarchy& hierarchy_;
   Vec3d center_;
-  mutable std::unique_ptr<accel::LazyTree> tree_;
+  unsigned weight_shift_;
+  Directory<Instance> instances_;
+  Directory<Group> groups_;
+  Directory<Run> runs_;
+  std::unique_ptr<Group> scene_;
+  mutable std::atomic<const Beginning*> beginning_{nullptr};
+  mutable std::atomic<std::uint64_t> placed_{0};
+  mutable std::atomic<bool> all_open_{false};
+  mutable std::once_flag meshes_once_;
+  mutable std::vector<const Mesh*> meshes_;
 };
+
+/// All instances, opened. A view.
+class InstanceList {
+ public:
+  explicit InstanceList(const Instances& instances) : instances_(&instances) {}
+
+  class Iterator {
+   public:
+    using difference_type = std::ptrdiff_t;
+    using value_type = Instance;
+
+    Iterator() = default;
+    Iterator(const Instances& instances, std::size_t at) : instances_(&instances), at_(at) {}
+    const Instance& operator*() const { return (*instances_)[at_]; }
+    Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) {
+      const Iterator before = *this;
+      ++at_;
+      return before;
+    }
+    bool operator==(const Iterator& o) const { return at_ == o.at_; }
+
+   private:
+    const Instances* instances_ = nullptr;
+    std::size_t at_ = 0;
+  };
+
+  Iterator begin() const { return {*instances_, 0}; }
+  Iterator end() const { return {*instances_, size()}; }
+  std::size_t size() const { return instances_->size(); }
+  bool empty() const { return size() == 0; }
+  const Instance& operator[](std::size_t i) const { return (*instances_)[i]; }
+
+ private:
+  const Instances* instances_;
+};
+
+class Snapshot;
 
 /// World transform of a node: its ancestors' transforms applied from the root down, in double.
 Affine world_from_local(const Snapshot& snapshot, const Node& node);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,6 +14,19 @@ namespace sightline::scenegraph {
 /// Threads: copies are independent; one object is not for concurrent change.
 template <class T>
 class PersistentMap {
+  static constexpr unsigned kBits = 5;
+  static constexpr std::size_t kFan = std::size_t{1} << kBits;
+  using Block = std::shared_ptr<void>;
+  // `stamp` says which edit made the block: no other changes it.
+  struct Inner {
+    std::uint64_t stamp = 0;
+    std::array<Block, kFan> child;
+  };
+  struct Leaf {
+    std::uint64_t stamp = 0;
+    std::array<T, kFan> value{};
+  };
+
  public:
   /// The value at key, or null.
   const T* find(std::uint64_t key) const {
@@ -27,14 +41,49 @@ class PersistentMap {
   }
 
   /// Sets or, with T{}, removes.
-  void set(std::uint64_t key, T value) {
-    const bool before = find(key) != nullptr;
-    const bool after = !(value == T{});
-    while (root_ == nullptr || (key >> kBits * (height_ + 1)) != 0) raise();
-    root_ = with(root_, height_, key, std::move(value));
-    size_ += (after ? 1u : 0u);
-    size_ -= (before ? 1u : 0u);
-  }
+  void set(std::uint64_t key, T value) { Edit(*this).set(key, std::move(value)); }
+
+  /// Many changes, which copy each block once. The map may be read meanwhile but not copied.
+  class Edit {
+   public:
+    explicit Edit(PersistentMap& map) : map_(map) {}
+    Edit(const Edit&) = delete;
+    Edit& operator=(const Edit&) = delete;
+
+    void set(std::uint64_t key, T value) {
+      const bool before = map_.find(key) != nullptr;
+      const bool after = !(value == T{});
+      while (map_.root_ == nullptr || (key >> kBits * (map_.height_ + 1)) != 0) map_.raise(stamp_);
+      change(map_.root_, map_.height_, key, std::move(value));
+      map_.size_ += (after ? 1u : 0u);
+      map_.size_ -= (before ? 1u : 0u);
+    }
+
+   private:
+    /// The block for changing: itself if this edit has made it, else a copy in its place.
+    template <class Kind>
+    Kind& own(Block& block) const {
+      auto* kind = static_cast<Kind*>(block.get());
+      if (kind == nullptr || kind->stamp != stamp_) {
+        auto copy = kind == nullptr ? std::make_shared<Kind>() : std::make_shared<Kind>(*kind);
+        kind = copy.get();
+        kind->stamp = stamp_;
+        block = std::move(copy);
+      }
+      return *kind;
+    }
+
+    void change(Block& block, unsigned height, std::uint64_t key, T&& value) const {
+      if (height == 0) {
+        own<Leaf>(block).value[digit(key, 0)] = std::move(value);
+      } else {
+        change(own<Inner>(block).child[digit(key, height)], height - 1, key, std::move(value));
+      }
+    }
+
+    PersistentMap& map_;
+    const std::uint64_t stamp_ = next_stamp();
+  };
 
   std::size_t size() const { return size_; }
 
@@ -45,45 +94,29 @@ class PersistentMap {
   }
 
  private:
-  static constexpr unsigned kBits = 5;
-  static constexpr std::size_t kFan = std::size_t{1} << kBits;
-  using Block = std::shared_ptr<const void>;
-  struct Inner {
-    std::array<Block, kFan> child;
-  };
-  struct Leaf {
-    std::array<T, kFan> value{};
-  };
+  static std::uint64_t next_stamp() {
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+  }
 
   static std::size_t digit(std::uint64_t key, unsigned height) {
     return (key >> kBits * height) & (kFan - 1);
   }
 
   /// One level more above the root.
-  void raise() {
+  void raise(std::uint64_t stamp) {
     if (root_ == nullptr) {
-      root_ = std::make_shared<const Leaf>();
+      auto leaf = std::make_shared<Leaf>();
+      leaf->stamp = stamp;
+      root_ = std::move(leaf);
       height_ = 0;
       return;
     }
     auto inner = std::make_shared<Inner>();
+    inner->stamp = stamp;
     inner->child[0] = std::move(root_);
     root_ = std::move(inner);
     ++height_;
-  }
-
-  static Block with(const Block& block, unsigned height, std::uint64_t key, T value) {
-    if (height == 0) {
-      auto copy = block ? std::make_shared<Leaf>(*static_cast<const Leaf*>(block.get()))
-                        : std::make_shared<Leaf>();
-      copy->value[digit(key, 0)] = std::move(value);
-      return copy;
-    }
-    auto copy = block ? std::make_shared<Inner>(*static_cast<const Inner*>(block.get()))
-                      : std::make_shared<Inner>();
-    Block& child = copy->child[digit(key, height)];
-    child = with(child, height - 1, key, std::move(value));
-    return copy;
   }
 
   template <class Visit>

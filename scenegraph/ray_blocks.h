@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <deque>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/lazy/patience.h"
 #include "accel/tree/epoch.h"
 #include "scenegraph/ray_caster.h"
 #include "scenegraph/trace.h"
@@ -23,6 +25,33 @@ struct RayBlock {
   std::size_t first = 0, end = 0;
 };
 
+/// Answers the rays of a block: answer(ray, AtBusy) returns false if the ray is to be put aside.
+/// Those come again when all others are answered; then they wait, without spinning, for the threads
+/// whose work they need, and do it themselves in the end.
+template <class Answer>
+void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
+  std::deque<std::size_t> aside;
+  for (std::size_t ray = block.first; ray < block.end; ++ray) {
+    if (!answer(ray, accel::AtBusy::kLeave)) aside.push_back(ray);
+  }
+  accel::AtBusy at_busy = accel::AtBusy::kLeave;
+  accel::Patience patience;
+  for (std::size_t in_vain = 0; !aside.empty();) {
+    const std::size_t ray = aside.front();
+    aside.pop_front();
+    if (answer(ray, at_busy)) {
+      in_vain = 0;
+      patience = {};
+      continue;
+    }
+    aside.push_back(ray);
+    constexpr std::size_t kTries = 8;
+    if (++in_vain < std::min(kTries, aside.size())) continue;
+    in_vain = 0;
+    if (!patience.wait(caster.progress())) at_busy = accel::AtBusy::kWait;
+  }
+}
+
 /// Cuts rays into blocks and has each answered: answer(caster, block), in parallel, in any order.
 /// Errors: kCancelled.
 template <class Answer>
@@ -31,7 +60,7 @@ Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
                                     const Answer& answer) {
   TraceStats total;
   if (options.growth == Growth::kFull) {
-    const Result<TraceStats> built = build_all(snapshot, options.cancelled);
+    const Result<TraceStats> built = build_all(snapshot, options.cancelled, options.progress);
     if (!built) return built.error();
     total += *built;
   }

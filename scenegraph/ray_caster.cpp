@@ -12,6 +12,7 @@ namespace sightline::scenegraph {
 namespace {
 
 using accel::AtUnbuilt;
+using accel::BoxRef;
 using accel::Hit;
 using accel::HitState;
 using accel::MeshQuery;
@@ -37,11 +38,11 @@ struct RayCaster::Visit {
   RayCaster& caster;
   const Ray& ray;
   const accel::LocalRay& centered;
-  double slack;
+  const accel::TreeRay& scene_ray;
   MeshQuery& query;
   RecentlyEntered recent;
 
-  double limit() const { return query.best_t / centered.unit + slack; }
+  double limit() const { return query.best_t / centered.unit + scene_ray.slack; }
 
   bool leaf(std::span<const std::uint32_t> ids) {
     for (const std::uint32_t id : ids) {
@@ -67,14 +68,29 @@ struct RayCaster::Visit {
   }
 
   bool search(const accel::DeferredCell& cell) {
-    if (cell.listed) {
-      return cell.list.any_part([&](std::span<const accel::BoxRef> refs) {
-        return std::any_of(refs.begin(), refs.end(),
-                           [&](const accel::BoxRef& ref) { return enter(ref.id); });
-      });
-    }
-    for (std::uint32_t id = 0; id < caster.instances_.list().size(); ++id) {
-      if (enter(id)) return true;
+    if (cell.listed)
+      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+    return search(caster.instances_.coarsest());
+  }
+
+  bool search(std::span<const BoxRef> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+      return ref.openable() ? search_below(ref) : enter(ref.id);
+    });
+  }
+
+  /// Through what the ray may meet of the hierarchy.
+  bool search_below(const BoxRef& ref) {
+    std::vector<BoxRef>& waiting = caster.waiting_;
+    waiting.assign(1, ref);
+    while (!waiting.empty()) {
+      const BoxRef next = waiting.back();
+      waiting.pop_back();
+      if (!next.openable()) {
+        if (enter(next.id)) return true;
+      } else if (accel::may_meet(scene_ray, next.bounds(), limit())) {
+        caster.instances_.open(next, waiting);
+      }
     }
     return false;
   }
@@ -82,7 +98,7 @@ struct RayCaster::Visit {
   /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
   /// here.
   bool enter(std::uint32_t id) {
-    const Instance& instance = caster.instances_.list()[id];
+    const Instance& instance = caster.instances_[id];
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
     if (caster.options_.selection != nullptr && !caster.options_.selection->selects(id))
       return false;
@@ -93,7 +109,7 @@ struct RayCaster::Visit {
       return false;
     if (query.collects() && !caster.entered_.add(id)) return false;
     caster.enter_instance(ray, id, query);
-    return query.any && query.found;
+    return query.put_aside || (query.any && query.found);
   }
 };
 
@@ -103,30 +119,37 @@ RayCaster::RayCaster(const Instances& instances, const TraceOptions& options)
       at_unbuilt_(at_unbuilt(options.growth)),
       list_(std::size_t{options.max_hits} + 1) {}
 
-Hit RayCaster::cast(const Ray& ray) {
+std::optional<Hit> RayCaster::cast(const Ray& ray, accel::AtBusy at_busy) {
   MeshQuery query;
+  query.at_busy = at_busy;
   query.any = options_.kind == QueryKind::kAny;
   Hit hit;
-  if (!search(ray, query)) {
+  const Search searched = search(ray, query);
+  if (searched == Search::kPutAside) return std::nullopt;
+  if (searched == Search::kInvalid) {
     hit.t = std::numeric_limits<double>::quiet_NaN();
     hit.state = HitState::kInvalid;
     return hit;
   }
   if (query.found) {
-    hit = make_hit(instances_.list()[query.best_instance], ray, query.best_t, query.best_primitive,
+    hit = make_hit(instances_[query.best_instance], ray, query.best_t, query.best_primitive,
                    options_.surface && !query.any);
   }
   hit.work = work_of(query);
   return hit;
 }
 
-RayTally RayCaster::count(const Ray& ray) {
+std::optional<RayTally> RayCaster::count(const Ray& ray, accel::AtBusy at_busy) {
   MeshQuery query;
+  query.at_busy = at_busy;
   query.primitives = &primitives_;
   counted_ = 0;
-  if (!search(ray, query)) return {.count = kInvalidCount, .state = HitState::kInvalid};
+  const Search searched = search(ray, query);
+  if (searched == Search::kPutAside) return std::nullopt;
+  if (searched == Search::kInvalid)
+    return RayTally{.count = kInvalidCount, .state = HitState::kInvalid};
   stats_.hits_found += counted_;
-  return {.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
+  return RayTally{.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
           .work = work_of(query),
           .state = query.found ? HitState::kHit : HitState::kMiss};
 }
@@ -137,7 +160,7 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
   MeshQuery query;
   query.list = &list_;
   list_.clear();
-  if (!search(ray, query)) return {.state = HitState::kInvalid};
+  if (search(ray, query) == Search::kInvalid) return {.state = HitState::kInvalid};
   std::span<const accel::ListedHit> found = list_.sorted();
   RayTally tally{.work = work_of(query),
                  .state = query.found ? HitState::kHit : HitState::kMiss,
@@ -147,16 +170,14 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
     ++stats_.cut_off;
   }
   for (const accel::ListedHit& hit : found) {
-    hits.push_back(
-        make_hit(instances_.list()[hit.instance], ray, hit.t, hit.primitive, options_.surface));
+    hits.push_back(make_hit(instances_[hit.instance], ray, hit.t, hit.primitive, options_.surface));
   }
   tally.count = static_cast<std::uint32_t>(found.size());
   stats_.hits_found += found.size();
   return tally;
 }
 
-/// False for an invalid ray.
-bool RayCaster::search(const Ray& ray, MeshQuery& query) {
+RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   ++stats_.rays;
   entered_.clear();
   work_before_ = walked_.steps + walked_.tests;
@@ -164,21 +185,26 @@ bool RayCaster::search(const Ray& ray, MeshQuery& query) {
       accel::make_local_ray(ray.origin - instances_.center(), ray.direction);
   if (!centered || std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
-    return false;
+    return Search::kInvalid;
   }
   query.tmin = ray.tmin;
   query.tmax = ray.tmax;
   query.at_unbuilt = at_unbuilt_;
   accel::TreeRay scene_ray;
   accel::LazyTree& tree = instances_.tree();
-  if (!instances_.list().empty() &&
+  if (instances_.size() > 0 &&
       accel::enter(*centered, tree.tree().bounds(), ray.tmin / centered->unit,
                    ray.tmax / centered->unit, scene_ray)) {
-    Visit visit{*this, ray, *centered, scene_ray.slack, query, {}};
+    Visit visit{*this, ray, *centered, scene_ray, query, {}};
     accel::walk(tree.tree(), scene_ray, tree.root(), walked_, visit);
   }
+  if (query.put_aside) {
+    --stats_.rays;  // it comes again
+    progress_ = query.progress;
+    return Search::kPutAside;
+  }
   if (query.found) ++stats_.hits;
-  return true;
+  return Search::kDone;
 }
 
 std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
@@ -188,7 +214,7 @@ std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
 }
 
 void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& query) {
-  const Instance& instance = instances_.list()[index];
+  const Instance& instance = instances_[index];
   const std::optional<accel::LocalRay> local =
       accel::make_local_ray(instance.local_from_world.point(ray.origin),
                             instance.local_from_world.direction(ray.direction));

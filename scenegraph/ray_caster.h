@@ -16,10 +16,13 @@ class RayCaster {
  public:
   RayCaster(const Instances& instances, const TraceOptions& options);
 
-  /// The nearest hit or, for kAny, whether there is one.
-  accel::Hit cast(const accel::Ray& ray);
-  /// How many hits there are.
-  RayTally count(const accel::Ray& ray);
+  /// The nearest hit or, for kAny, whether there is one. With AtBusy::kLeave nothing, if the ray met
+  /// a large cell that other threads are building: ask again when `progress` has grown.
+  std::optional<accel::Hit> cast(const accel::Ray& ray, accel::AtBusy at_busy);
+  /// How many hits there are; or nothing, likewise.
+  std::optional<RayTally> count(const accel::Ray& ray, accel::AtBusy at_busy);
+  /// Of the cell that the last ray was put aside for.
+  std::uint64_t progress() const { return progress_; }
   /// Adds the nearest max_hits hits to `hits`, in order.
   RayTally list(const accel::Ray& ray, std::vector<accel::Hit>& hits);
 
@@ -28,7 +31,9 @@ class RayCaster {
  private:
   struct Visit;
 
-  bool search(const accel::Ray& ray, accel::MeshQuery& query);
+  enum class Search { kDone, kInvalid, kPutAside };
+
+  Search search(const accel::Ray& ray, accel::MeshQuery& query);
   std::uint32_t work_of(const accel::MeshQuery& query) const;
   void enter_instance(const accel::Ray& ray, std::uint32_t index, accel::MeshQuery& query);
 
@@ -38,8 +43,10 @@ class RayCaster {
   accel::Distinct<accel::ListedHit> list_;
   accel::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
-  std::uint64_t counted_ = 0;  // hits of the ray in the instances that it has left
+  std::vector<accel::BoxRef> waiting_;  // while a list is searched: references not looked at yet
+  std::uint64_t counted_ = 0;           // hits of the ray in the instances that it has left
   std::uint64_t work_before_ = 0;
+  std::uint64_t progress_ = 0;
   TraceStats stats_;
   accel::WalkCounters walked_;
   accel::BuildCounters built_;

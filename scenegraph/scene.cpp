@@ -9,7 +9,7 @@
 
 namespace sightline::scenegraph {
 
-Scene::Scene() : current_(std::make_shared<Snapshot>(0, NodeMap{}, std::vector<NodeId>{})) {}
+Scene::Scene() : current_(std::make_shared<Snapshot>(0, Hierarchy{})) {}
 
 std::shared_ptr<const Snapshot> Scene::snapshot() const {
   const std::lock_guard lock(current_mutex_);
@@ -34,7 +34,7 @@ Result<Applied> Scene::apply(const std::vector<Update>& updates,
       return error;
     }
   }
-  if (Status status = draft.check_transforms(); !status) return status.error();
+  if (Status status = draft.finish(); !status) return status.error();
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
   next_id_ = draft.next_id();

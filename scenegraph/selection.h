@@ -10,6 +10,7 @@
 
 #include "accel/result.h"
 #include "scenegraph/snapshot.h"
+#include "scenegraph/zeroed.h"
 
 namespace sightline::scenegraph {
 
@@ -23,7 +24,7 @@ class Selection {
   static Result<Selection> make(std::shared_ptr<const Snapshot> snapshot, NodeId root,
                                 std::span<const NodeId> excluded);
 
-  /// `index`: a place in the snapshot's Instances::list().
+  /// `index`: an instance's place, which has been opened.
   bool selects(std::size_t index) const {
     const State state = states_[index].load(std::memory_order_relaxed);
     return state == State::kUnknown ? decide(index) : state == State::kIn;
@@ -39,7 +40,7 @@ class Selection {
   std::shared_ptr<const Snapshot> snapshot_;
   NodeId root_;
   std::vector<NodeId> excluded_;  // ascending
-  std::unique_ptr<std::atomic<State>[]> states_;
+  Zeroed<std::atomic<State>> states_;
 };
 
 }  // namespace sightline::scenegraph

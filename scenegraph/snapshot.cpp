@@ -22,34 +22,37 @@ void grow_by_triangles(WorldBounds& bounds, const Mesh& mesh, const Affine& worl
 }
 
 void grow_by_box(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
-  const accel::Aabb& b = mesh.bounds();
-  if (b.empty()) return;
-  for (int corner = 0; corner < 8; ++corner) {
-    bounds.grow(world.point({static_cast<double>(corner & 1 ? b.hi.x : b.lo.x),
-                             static_cast<double>(corner & 2 ? b.hi.y : b.lo.y),
-                             static_cast<double>(corner & 4 ? b.hi.z : b.lo.z)}));
-  }
+  if (mesh.bounds().empty()) return;
+  const DoubleBox box = mapped(world, DoubleBox(mesh.bounds()));
+  bounds.grow(box.lo);
+  bounds.grow(box.hi);
 }
 
 }  // namespace
 
-const Node* Snapshot::find(NodeId id) const {
-  const std::shared_ptr<const Node>* node = nodes_.find(id);
-  return node == nullptr ? nullptr : node->get();
+Snapshot::~Snapshot() { delete instances_.load(std::memory_order_acquire); }
+
+/// Nothing is waited for that a single thread does.
+const Instances& Snapshot::instances() const {
+  const Instances* now = instances_.load(std::memory_order_acquire);
+  if (now == nullptr) {
+    auto made = std::make_unique<const Instances>(hierarchy_);
+    if (instances_.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
+      now = made.release();
+  }
+  now->begin();
+  return *now;
 }
 
-const Instances& Snapshot::instances() const {
-  std::call_once(instances_once_, [this] { instances_ = std::make_unique<Instances>(*this); });
-  return *instances_;
+const Instances* Snapshot::instances_so_far() const {
+  const Instances* now = instances_.load(std::memory_order_acquire);
+  return now != nullptr && now->begun() ? now : nullptr;
 }
 
 const WorldBounds& Snapshot::bounds() const {
   std::call_once(bounds_once_, [this] {
-    std::uint64_t triangles = 0;
-    nodes_.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
-      if (node->mesh != nullptr) triangles += node->mesh->triangles();
-    });
-    nodes_.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const std::uint64_t triangles = hierarchy_.subtree(0).triangles;
+    nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
       if (node->mesh == nullptr) return;
       const Affine world = world_from_local(*this, *node);
       if (triangles <= kExactBoundsTriangles) {
@@ -66,13 +69,13 @@ SceneSummary summarize(const Snapshot& snapshot) {
   SceneSummary s;
   s.revision = snapshot.revision();
   s.nodes = snapshot.node_count();
+  const Subtree all = snapshot.hierarchy().subtree(0);
+  s.instances = all.mesh_nodes;
+  s.triangles_instanced = all.triangles;
   std::unordered_set<const Mesh*> seen;
   snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
     const Mesh* mesh = node->mesh.get();
-    if (mesh == nullptr) return;
-    ++s.instances;
-    s.triangles_instanced += mesh->triangles();
-    if (!seen.insert(mesh).second) return;
+    if (mesh == nullptr || !seen.insert(mesh).second) return;
     ++s.meshes;
     s.triangles_unique += mesh->triangles();
     s.triangles_nonfinite += mesh->nonfinite();
@@ -86,12 +89,14 @@ SceneSummary summarize(const Snapshot& snapshot) {
 
 BuildSummary summarize_build(const Snapshot& snapshot) {
   BuildSummary s;
+  const Subtree all = snapshot.hierarchy().subtree(0);
+  s.instances_total = all.mesh_nodes;
+  s.dynamic_instances = all.dynamic;
+  s.static_instances = all.mesh_nodes - all.dynamic;
   std::unordered_set<const Mesh*> seen;
   snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
     const Mesh* mesh = node->mesh.get();
     if (mesh == nullptr) return;
-    ++s.instances_total;
-    ++(node->mobility == Mobility::kStatic ? s.static_instances : s.dynamic_instances);
     if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
     if (!seen.insert(mesh).second) return;
     const accel::EpochPin pin;
@@ -105,7 +110,8 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.bytes_trees += mesh->tree().tree().bytes();
   });
   const accel::EpochPin pin;
-  s.bytes_trees += snapshot.instances().tree().tree().bytes();
+  if (const Instances* instances = snapshot.instances_so_far())
+    s.bytes_trees += instances->tree().tree().bytes();
   return s;
 }
 

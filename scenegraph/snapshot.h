@@ -2,34 +2,41 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <vector>
 
 #include "scenegraph/instances.h"
 #include "scenegraph/node.h"
-#include "scenegraph/persistent_map.h"
+#include "scenegraph/subtree_update.h"
 
 namespace sightline::scenegraph {
 
-using NodeMap = PersistentMap<std::shared_ptr<const Node>>;
+/// In world space.
+using WorldBounds = DoubleBox;
 
 class Snapshot {
  public:
-  Snapshot(std::uint64_t revision, NodeMap nodes, std::vector<NodeId> roots)
-      : revision_(revision), nodes_(std::move(nodes)), roots_(std::move(roots)) {}
+  Snapshot(std::uint64_t revision, Hierarchy hierarchy)
+      : revision_(revision), hierarchy_(std::move(hierarchy)) {}
+  ~Snapshot();
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
 
   std::uint64_t revision() const { return revision_; }
-  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t node_count() const { return hierarchy_.nodes.size(); }
   /// Null if there is no such node in this revision.
-  const Node* find(NodeId id) const;
-  const NodeMap& nodes() const { return nodes_; }
-  const std::vector<NodeId>& roots() const { return roots_; }
+  const Node* find(NodeId id) const { return hierarchy_.find(id); }
+  const NodeMap& nodes() const { return hierarchy_.nodes; }
+  const std::vector<NodeId>& roots() const { return *hierarchy_.roots; }
+  const Hierarchy& hierarchy() const { return hierarchy_; }
 
   /// The nodes that carry a mesh, in world space, and the kd-tree over them. Made by whoever asks
-  /// first.
+  /// first; nobody waits for that.
   const Instances& instances() const;
+  /// The same, or null if nobody has asked.
+  const Instances* instances_so_far() const;
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
   /// scenes. Made by whoever asks first.
@@ -37,10 +44,9 @@ class Snapshot {
 
  private:
   std::uint64_t revision_ = 0;
-  NodeMap nodes_;
-  std::vector<NodeId> roots_;
-  mutable std::once_flag instances_once_, bounds_once_;
-  mutable std::unique_ptr<Instances> instances_;
+  Hierarchy hierarchy_;
+  mutable std::atomic<const Instances*> instances_{nullptr};
+  mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
 };
 

@@ -26,7 +26,11 @@ Result<TraceStats> trace(const Snapshot& snapshot, std::span<const accel::Ray> r
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
   const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    for (std::size_t i = block.first; i < block.end; ++i) hits[i] = caster.cast(rays[i]);
+    answer_block(caster, block, [&](std::size_t i, accel::AtBusy at_busy) {
+      const std::optional<accel::Hit> hit = caster.cast(rays[i], at_busy);
+      if (hit) hits[i] = *hit;
+      return hit.has_value();
+    });
   };
   return answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }
@@ -35,7 +39,11 @@ Result<TraceStats> count_hits(const Snapshot& snapshot, std::span<const accel::R
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    for (std::size_t i = block.first; i < block.end; ++i) tallies[i] = caster.count(rays[i]);
+    answer_block(caster, block, [&](std::size_t i, accel::AtBusy at_busy) {
+      const std::optional<RayTally> tally = caster.count(rays[i], at_busy);
+      if (tally) tallies[i] = *tally;
+      return tally.has_value();
+    });
   };
   return answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }

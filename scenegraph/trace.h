@@ -8,6 +8,7 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
+#include "scenegraph/build_progress.h"
 #include "scenegraph/snapshot.h"
 #include "scenegraph/trace_options.h"
 
@@ -68,8 +69,9 @@ Result<TraceStats> list_hits(const Snapshot& snapshot, std::span<const accel::Ra
                              std::span<RayTally> tallies, std::vector<accel::Hit>& hits,
                              const TraceOptions& options);
 
-/// Builds every tree of the snapshot to its end ("expand everything"). Errors: kCancelled.
-Result<TraceStats> build_all(const Snapshot& snapshot,
-                             const std::atomic<bool>* cancelled = nullptr);
+/// Builds every tree of the snapshot to its end ("expand everything"). `progress` is told mesh by
+/// mesh and must be fresh. Errors: kCancelled.
+Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled = nullptr,
+                             BuildProgress* progress = nullptr);
 
 }  // namespace sightline::scenegraph

@@ -11,6 +11,7 @@
 namespace sightline::scenegraph {
 
 class Selection;
+struct BuildProgress;
 
 /// All kinds see the same hits, so that any == (count > 0) == (closest is a hit) == (all is not
 /// empty), whatever limits, masks, culling and selection are set.
@@ -46,6 +47,8 @@ struct TraceOptions {
   std::size_t hits_at_once = std::numeric_limits<std::size_t>::max();
   /// Checked before every block; once true, no further block is begun.
   const std::atomic<bool>* cancelled = nullptr;
+  /// Of Growth::kFull: told how far the building has come. Must outlive the batch.
+  BuildProgress* progress = nullptr;
 };
 
 }  // namespace sightline::scenegraph

@@ -2,6 +2,7 @@
 #include "server/cast_rpc.h"
 
 #include "server/guarded.h"
+#include "server/prefetch_rpc.h"
 #include "server/rpc_log.h"
 #include "server/rpc_status.h"
 #include "server/stream_cast_rpc.h"
@@ -45,7 +46,8 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-RayQueryRpc::RayQueryRpc(const CastServices& services) : services_(services) {
+RayQueryRpc::RayQueryRpc(const CastServices& services, std::size_t max_prefetches)
+    : services_(services), prefetches_(max_prefetches) {
   SetMessageAllocatorFor_CastRays(&messages_);
 }
 
@@ -60,6 +62,11 @@ grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext*,
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
 RayQueryRpc::StreamCastRays(grpc::CallbackServerContext*) {
   return start_cast_stream(services_, open_streams_, kMaxCastStreams);
+}
+
+grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
+    grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
+  return start_prefetch(services_, prefetches_, *request);
 }
 
 }  // namespace sightline::server

@@ -56,7 +56,8 @@ void add_flags(CLI::App& app, CommandLine& line) {
   app.add_option("--port-file", config.port_file, "File to write the bound port to, once ready");
   app.add_option("--data-dir", config.data_dir,
                  "Directory of the server's files; created if missing");
-  app.add_option("--threads", config.threads, "Threads that trace and build")
+  app.add_option("--threads", config.threads,
+                 "Threads that trace and build; as many again prefetch, where that is asked for")
       ->check(CLI::Range(1, ServerConfig::kMaxThreads))
       ->capture_default_str();
   add_choice(app, "--policy", kPolicies, config.policy, "first-touch",
@@ -71,6 +72,10 @@ void add_flags(CLI::App& app, CommandLine& line) {
       ->capture_default_str();
   app.add_option("--max-bytes-queued", config.admission.bytes, "Bytes of requests in work at most")
       ->check(count)
+      ->capture_default_str();
+  app.add_option("--max-prefetches", config.max_prefetches,
+                 "Prefetches in work at most; more are refused")
+      ->check(CLI::Range(0, ServerConfig::kMaxPrefetches))
       ->capture_default_str();
   add_choice(app, "--log-level", kLogLevels, line.log_level, "info", "Least level that is logged");
   app.set_version_flag("--version", "sightlined " SIGHTLINE_VERSION, "Print the version and exit");

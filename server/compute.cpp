@@ -1,4 +1,4 @@
-// The threads that work: the server's own oneTBB arena.
+// The threads that work: the server's own oneTBB arenas.
 #include "server/compute.h"
 
 namespace sightline::server {
@@ -6,8 +6,9 @@ namespace sightline::server {
 Compute::Compute(int threads)
     : threads_(threads),
       parallelism_(oneapi::tbb::global_control::max_allowed_parallelism,
-                   static_cast<std::size_t>(threads) + 1),
-      arena_(threads, 0) {}
+                   2 * static_cast<std::size_t>(threads) + 1),
+      arena_(threads, 0),
+      apart_(threads, 0) {}
 
 Compute::~Compute() {
   std::unique_lock lock(mutex_);

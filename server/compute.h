@@ -1,4 +1,4 @@
-// The threads that work: the server's own oneTBB arena. RPC threads only hand tasks to it.
+// The threads that work: the server's own oneTBB arenas. RPC threads only hand tasks to them.
 #pragma once
 
 #include <oneapi/tbb/global_control.h>
@@ -14,7 +14,8 @@ namespace sightline::server {
 
 class Compute {
  public:
-  /// `threads` workers (>= 1). No slot is kept for callers, so a thread that enqueues never works.
+  /// `threads` workers (>= 1), and as many apart. No slot is kept for callers, so a thread that
+  /// enqueues never works.
   explicit Compute(int threads);
   /// Waits for every task.
   ~Compute();
@@ -23,8 +24,23 @@ class Compute {
   /// stay in the arena. Threads: any.
   template <class Work>
   void enqueue(Work work) {
+    enqueue_in(arena_, std::move(work));
+  }
+
+  /// The same, on the workers that are apart: for work that takes long and that no answer waits
+  /// for. It takes no worker from enqueue(), only a share of the processors while both are busy.
+  template <class Work>
+  void enqueue_apart(Work work) {
+    enqueue_in(apart_, std::move(work));
+  }
+
+  int threads() const { return threads_; }
+
+ private:
+  template <class Work>
+  void enqueue_in(oneapi::tbb::task_arena& arena, Work work) {
     begin();
-    arena_.enqueue([this, task = new Work(std::move(work))] {
+    arena.enqueue([this, task = new Work(std::move(work))] {
       std::unique_ptr<Work> owned(task);
       (*owned)();
       owned.reset();  // what the task holds may point into what is destroyed after this arena
@@ -32,16 +48,13 @@ class Compute {
     });
   }
 
-  int threads() const { return threads_; }
-
- private:
   void begin();
   void end();
 
   const int threads_;
   // oneTBB keeps one of its threads for the main program, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_;
+  oneapi::tbb::task_arena arena_, apart_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;

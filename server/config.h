@@ -16,14 +16,16 @@ struct ServerConfig {
   bool insecure = false;                   ///< Allow an address that other machines can reach.
   std::filesystem::path port_file;  ///< Gets the bound port once the server is ready. Empty: none.
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
-  int threads = default_threads();  ///< Workers that trace and build, 1 to kMaxThreads.
+  int threads = default_threads();  ///< Workers that answer, 1 to kMaxThreads; as many prefetch.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of mesh data.
   AdmissionLimits admission;
+  int max_prefetches = 4;  ///< In work at a time, 0 to kMaxPrefetches.
   std::chrono::milliseconds drain =
       std::chrono::seconds(5);  ///< What open calls get to end by themselves.
 
   static constexpr int kMaxThreads = 1024;
+  static constexpr int kMaxPrefetches = 64;
   static int default_threads();
   /// Half of the memory that this process may use.
   static std::uint64_t default_memory_budget();

@@ -37,9 +37,9 @@ constexpr std::size_t kGrpcMemory =
 v1::GetServerInfoResponse describe(const ServerConfig& config) {
   v1::GetServerInfoResponse info;
   info.set_version(SIGHTLINE_VERSION);
-  for (const char* feature :
-       {"closest", "any", "count", "all", "culling", "selection", "stream", "build.lazy",
-        "build.full", "build.none", "build.built-only", "policy.first-touch", "policy.full"}) {
+  for (const char* feature : {"closest", "any", "count", "all", "culling", "selection", "stream",
+                              "prefetch", "build.lazy", "build.full", "build.none",
+                              "build.built-only", "policy.first-touch", "policy.full"}) {
     info.add_features(feature);
   }
   info.set_max_message_bytes(kMaxMessageBytes);
@@ -52,6 +52,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   info.set_max_hits_per_ray(kMaxMaxHits);
   info.set_max_hits_per_reply(kMaxHitsPerReply);
   info.set_max_exclusions(kMaxExclusions);
+  info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
   info.set_simd_target(std::string(accel::simd_target()));
@@ -100,7 +101,8 @@ struct Server::Parts {
   MemorySceneStore scenes;
   BlobStore blobs;
   Compute compute;
-  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy}};
+  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy},
+                        static_cast<std::size_t>(config.max_prefetches)};
   SceneRpc scene_rpc{scenes, blobs, compute, admission};
   BlobRpc blob_rpc{blobs, compute, admission};
   InfoRpc info_rpc{describe(config)};
@@ -154,6 +156,7 @@ void Server::drain() {
   std::call_once(parts_->drained, [this] {
     spdlog::info("event=draining deadline_ms={}", parts_->config.drain.count());
     parts_->grpc->GetHealthCheckService()->SetServingStatus(false);
+    parts_->query_rpc.stop_prefetching();
     parts_->grpc->Shutdown(std::chrono::system_clock::now() + parts_->config.drain);
     spdlog::info("event=stopped");
   });

@@ -1,13 +1,19 @@
 // Growing a few cuts over a sample, and sifting by them while a slice is in the cache.
 #include "accel/lazy/cut_tree.h"
 
+#include <algorithm>
+
 #include "accel/build/sift.h"
 
 namespace sightline::accel {
 namespace {
 
+/// A sample is a share of the list, but no more than that is of use.
+constexpr std::size_t kStretch = 8;
+constexpr std::size_t kMostSample = 4096;
+
 /// From fewer a cut's cost is not known well enough.
-constexpr std::size_t kLeastSample = 1024;
+constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
 
@@ -23,12 +29,14 @@ bool takes_samples(const AnyBuilder& builder) {
       builder);
 }
 
-std::size_t sample_size(std::size_t size) { return size / (size / kSample); }
-
-std::size_t sample_place(std::size_t k, std::size_t size) {
-  const std::size_t stretch = size / kSample;
-  const std::size_t mixed = (k + 1) * std::size_t{0x9e3779b97f4a7c15u} >> 32;
-  return k * stretch + mixed % stretch;
+std::vector<std::size_t> sample_places(std::size_t size) {
+  const std::size_t stretch = std::max(kStretch, size / kMostSample);
+  std::vector<std::size_t> places(size / stretch);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const std::size_t mixed = (k + 1) * std::size_t{0x9e3779b97f4a7c15u} >> 32;
+    places[k] = k * stretch + mixed % stretch;
+  }
+  return places;
 }
 
 struct CutTree::Growth {

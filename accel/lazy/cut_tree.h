@@ -11,20 +11,15 @@
 
 namespace sightline::accel {
 
-/// How many references a sample has, or up to twice as many.
-inline constexpr std::size_t kSample = 4096;
-
 /// Lists of at least this many references are cut by samples, by builders that take them.
-inline constexpr std::size_t kSampleFrom = 8 * kSample;
+inline constexpr std::size_t kSampleFrom = 8192;
 
 /// Whether the builder may decide by a sample. The papers' look at everything.
 bool takes_samples(const AnyBuilder& builder);
 
-/// The k-th place of a sample of a list of that length (at least kSample): one from every stretch
-/// of equal length, at a place in it that follows no order a list might have. There are
-/// sample_size() of them, ascending.
-std::size_t sample_size(std::size_t size);
-std::size_t sample_place(std::size_t k, std::size_t size);
+/// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
+/// at a place in it that follows no order a list might have. Ascending.
+std::vector<std::size_t> sample_places(std::size_t size);
 
 /// The topmost cuts of a cell.
 class CutTree {

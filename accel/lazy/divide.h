@@ -65,11 +65,11 @@ std::span<BoxRef> scratch(std::size_t size);
 CellList make_list(std::vector<SlicedList::Piece> pieces);
 
 /// Lists of at least this many references are long.
-inline constexpr std::size_t kLongList = 16384;
+inline constexpr std::size_t kLongList = 8192;
 
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane
 /// costs is known better then, and an entry is no longer small beside the cell.
-inline constexpr std::size_t kOpenBelow = 64;
+inline constexpr std::size_t kOpenBelow = 16;
 
 /// At so many openable references on both sides of a plane, one in kStraddlersToOpen, they are
 /// opened first: their weight counts twice and every cut looks bad.

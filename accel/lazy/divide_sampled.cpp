@@ -28,10 +28,10 @@ class LongSource {
   }
 
   std::vector<BoxRef> sample(BuildCounters& counters) const {
-    std::vector<BoxRef> sample(sample_size(size()));
+    const std::vector<std::size_t> places = sample_places(size());
+    std::vector<BoxRef> sample(places.size());
     std::size_t n = 0;
-    for (std::size_t k = 0; k < sample.size(); ++k) {
-      const std::size_t place = sample_place(k, size());
+    for (const std::size_t place : places) {
       if (list_) {
         sample[n++] = (*list_)[place];
       } else {

@@ -199,7 +199,7 @@ void FaceSum::add(const FaceSum& o) {
   triangles += o.triangles;
   finite += o.finite;
   first_bad = std::min(first_bad, o.first_bad);
-  box.grow(o.box);
+  if (o.finite > 0) box.grow(o.box);
 }
 
 FaceSum sum_faces(const MeshView& mesh, std::size_t begin, std::size_t end) {

@@ -6,14 +6,18 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "client/cli/amounts.h"
+#include "client/cli/building.h"
 #include "client/cli/coarse_origins.h"
 #include "client/cli/hit_columns.h"
 #include "client/cli/hit_file.h"
 #include "client/cli/hit_rows.h"
+#include "client/cli/interrupt.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/ray_file.h"
 #include "client/cli/verbs.h"
@@ -57,8 +61,8 @@ std::vector<HitColumn> columns_of(const CastArguments& arguments) {
   return *std::move(columns);
 }
 
-CastOptions options_of(const CastArguments& arguments) {
-  CastOptions options;
+CastOptions options_of(const CastArguments& arguments, const std::stop_token& stop) {
+  CastOptions options{.stop = stop};
   options.kind = kKinds.at(arguments.kind);
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
@@ -74,18 +78,32 @@ struct Outcome {
   float float_reach = 0;  // how far out rays begin, where the file has them in float32
 };
 
+// What was built before the cast belongs to what it has cost.
+void add(const PrefetchReport& built, CastReport& cast) {
+  cast.cells_expanded += built.cells_expanded;
+  cast.build_us += built.build_us;
+  cast.trace_us += built.elapsed_us;
+}
+
 Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
-                          const std::vector<HitColumn>& columns) {
-  auto rays = open_rays(arguments.in);
+                          const std::vector<HitColumn>& columns, const std::stop_token& stop) {
+  auto rays = open_rays(arguments.in, stop);
   if (!rays) return rays.error();
   float reach = 0;
   if (auto* const floats = std::get_if<RaySource<float>>(&rays->source))
     *floats = watch_reach(std::move(*floats), reach);
-  const CastOptions options = options_of(arguments);
+  const CastOptions options = options_of(arguments, stop);
   const bool lists = options.kind == QueryKind::kAll;
   auto hits = HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
   if (!hits) return hits.error();
 
+  const auto start = std::chrono::steady_clock::now();
+  PrefetchReport built;
+  if (options.build == BuildMode::kFull) {
+    const auto all = build_all(client, arguments.scene, stop);
+    if (!all) return all.error();
+    built = *all;
+  }
   ProgressBar bar("casting");
   const HitFields fields = fields_for(columns);
   HitRows rows;
@@ -97,13 +115,13 @@ Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
     const RowView listed = rows.make(first, answers);
     return hits->write(listed, rows.size());
   };
-  const auto start = std::chrono::steady_clock::now();
-  const auto report = std::visit(
+  auto report = std::visit(
       [&](const auto& source) {
         return client.cast_stream(arguments.scene, source, rays->shape, fields, sink, options);
       },
       rays->source);
   if (!report) return report.error();
+  add(built, *report);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   if (const Status wrote = hits->commit(); !wrote) return wrote.error();
   return Outcome{*report, seconds.count(), reach};
@@ -135,13 +153,17 @@ Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
   return json;
 }
 
-void print_summary(std::FILE* to, const Outcome& outcome) {
+void print_summary(std::FILE* to, const Outcome& outcome, const std::optional<SceneStats>& stats) {
   const CastReport& cast = outcome.cast;
   fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
-             cast.rays, cast.hits, cast.invalid, cast.revision, outcome.seconds,
-             rays_per_second(outcome));
-  fmt::print(to, "{} cells expanded\n", cast.cells_expanded);
-  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", cast.hits_found);
+             grouped(cast.rays), grouped(cast.hits), grouped(cast.invalid), cast.revision,
+             outcome.seconds, rays_per_second(outcome));
+  fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", grouped(cast.cells_expanded),
+             static_cast<double>(cast.build_us) / 1000);
+  if (stats)
+    fmt::print(to, "; {} triangles built", part_of(stats->triangles_built, stats->triangles_total));
+  fmt::print(to, "\n");
+  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", grouped(cast.hits_found));
 }
 
 void warn_of_cuts(const CastReport& cast) {
@@ -166,15 +188,18 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
   }
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto outcome = cast_file(*client, arguments, columns);
+  const Interrupt interrupt;
+  const auto outcome = cast_file(*client, arguments, columns, interrupt.token());
+  if (!outcome && interrupt.happened()) return say_interrupted();
   if (!outcome) return fail(outcome.error());
   warn_of_cuts(outcome->cast);
   warn_of_coarse_origins(*client, arguments.scene, outcome->float_reach);
+  const auto stats = client->scene_stats(arguments.scene);
   if (!session.json) {
-    print_summary(to_stdout ? stderr : stdout, *outcome);
+    print_summary(to_stdout ? stderr : stdout, *outcome,
+                  stats ? std::optional(*stats) : std::nullopt);
     return kOk;
   }
-  const auto stats = client->scene_stats(arguments.scene);
   if (!stats) return fail(stats.error());
   print_json(json_of(*outcome, kKinds.at(arguments.kind), *stats));
   return kOk;
@@ -203,6 +228,7 @@ Examples:
   sightline cast engine --in rays.npy --out hits.npy
   sightline cast engine --in rays.csv --out - --fields t,node
   sightline cast engine --in sun.npy --out shadow.npy --kind any --json
+  sightline cast engine --in rays.npy --out hits.npy --build full
   sightline cast engine --in rays.npy --out through.npy --kind all --max-hits 1000 --cull back
   sightline cast engine --in points.npy --out inside.npy --kind count --under 12 --exclude 13 14
   echo 0,0,10,0,0,-1 | sightline cast engine --in - --out -)";

@@ -37,6 +37,11 @@ ExitCode fail(const Error& error) {
   return exit_code(error.code);
 }
 
+ExitCode say_interrupted() {
+  fmt::print(stderr, "sightline: interrupted\n");
+  return kInterrupted;
+}
+
 Error local_error(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
 }  // namespace sightline::client::cli

@@ -14,12 +14,16 @@ enum ExitCode : int {
   kUnavailable = 5,  ///< Or out of time.
   kAuth = 6,
   kResourceLimit = 7,
+  kInterrupted = 130,  ///< By Ctrl-C.
 };
 
 ExitCode exit_code(Code code);
 
 /// Says on stderr what went wrong, and returns the exit code for it.
 ExitCode fail(const Error& error);
+
+/// Says so, and returns kInterrupted.
+ExitCode say_interrupted();
 
 /// An error of this machine's files, as kInvalidArgument.
 Error local_error(std::string message);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "client/cli/interrupt.h"
 #include "client/cli/progress_bar.h"
 #include "client/importer/assimp_import.h"
 #include "client/scene_upload.h"
@@ -58,9 +59,9 @@ Result<ImportedScene> read_file(const ImportArguments& arguments) {
 }
 
 Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
-                       const ImportedScene& scene) {
+                       const ImportedScene& scene, const std::stop_token& stop) {
   ProgressBar bar("uploading");
-  const SceneUploadOptions options{kMobilities.at(arguments.mobility), arguments.replace};
+  const SceneUploadOptions options{kMobilities.at(arguments.mobility), arguments.replace, stop};
   return upload_scene(client, arguments.scene, scene, options,
                       [&](std::uint64_t done, std::uint64_t total) {
                         bar.update(static_cast<double>(done) / static_cast<double>(total));
@@ -128,7 +129,9 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   if (const Status free = check_free(*client, arguments); !free) return fail(free.error());
   const auto imported = read_file(arguments);
   if (!imported) return fail(imported.error());
-  const auto scene = send(*client, arguments, *imported);
+  const Interrupt interrupt;  // from here on, or the scene might be left half made
+  const auto scene = send(*client, arguments, *imported, interrupt.token());
+  if (!scene && interrupt.happened()) return say_interrupted();
   if (!scene) return fail(scene.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   report(session, *scene, count(*imported), seconds.count());

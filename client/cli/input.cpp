@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -25,11 +26,11 @@ Error system_error(const std::string& name) {
 
 }  // namespace
 
-Result<Input> Input::open(const std::string& path) {
-  if (path == "-") return Input("standard input", STDIN_FILENO);
+Result<Input> Input::open(const std::string& path, std::stop_token stop) {
+  if (path == "-") return Input("standard input", STDIN_FILENO, std::move(stop));
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return system_error(path);
-  Input input(path, file);
+  Input input(path, file, std::move(stop));
   struct stat status {};
   if (::fstat(file, &status) == 0 && S_ISDIR(status.st_mode)) {
     return local_error(fmt::format("{}: is a directory", path));
@@ -40,6 +41,7 @@ Result<Input> Input::open(const std::string& path) {
 Input::Input(Input&& other) noexcept
     : name_(std::move(other.name_)),
       file_(std::exchange(other.file_, -1)),
+      stop_(std::move(other.stop_)),
       ended_(other.ended_),
       buffer_(std::move(other.buffer_)),
       taken_(other.taken_),
@@ -48,6 +50,7 @@ Input::Input(Input&& other) noexcept
 Input& Input::operator=(Input&& other) noexcept {
   std::swap(name_, other.name_);
   std::swap(file_, other.file_);
+  std::swap(stop_, other.stop_);
   std::swap(ended_, other.ended_);
   std::swap(buffer_, other.buffer_);
   std::swap(taken_, other.taken_);
@@ -60,9 +63,22 @@ Input::~Input() {
   if (file_ > STDIN_FILENO) ::close(file_);
 }
 
+// Whoever writes to a pipe may be silent for ever. What read() has to say of the file is left to
+// it.
+Status Input::wait_for_bytes() const {
+  constexpr int kMilliseconds = 100;
+  while (stop_.stop_possible()) {
+    if (stop_.stop_requested()) return Error{Code::kCancelled, name_ + ": interrupted", {}};
+    pollfd file{file_, POLLIN, 0};
+    if (::poll(&file, 1, kMilliseconds) > 0) break;
+  }
+  return {};
+}
+
 // Returns false at the end of input.
 Result<bool> Input::read_more() {
   if (ended_) return false;
+  if (const Status ready = wait_for_bytes(); !ready) return ready.error();
   buffer_.erase(0, std::exchange(taken_, 0));
   const std::size_t had = buffer_.size();
   buffer_.resize(had + std::max(kReadBytes, had));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -14,8 +15,8 @@ namespace sightline::client::cli {
 class Input {
  public:
   /// "-": standard input. Errors: kInvalidArgument, with the path and the system's words, here and
-  /// below.
-  static Result<Input> open(const std::string& path);
+  /// below; kCancelled, below, if a stop is requested while bytes are waited for.
+  static Result<Input> open(const std::string& path, std::stop_token stop = {});
 
   Input(Input&&) noexcept;
   Input& operator=(Input&&) noexcept;
@@ -35,11 +36,14 @@ class Input {
   Result<std::span<const std::byte>> whole();
 
  private:
-  Input(std::string name, int file) : name_(std::move(name)), file_(file) {}
+  Input(std::string name, int file, std::stop_token stop)
+      : name_(std::move(name)), file_(file), stop_(std::move(stop)) {}
+  Status wait_for_bytes() const;
   Result<bool> read_more();
 
   std::string name_;
   int file_ = -1;
+  std::stop_token stop_;
   bool ended_ = false;
   std::string buffer_;  // read, not yet taken from `taken_` on
   std::size_t taken_ = 0;

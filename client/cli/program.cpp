@@ -16,11 +16,12 @@ namespace {
 constexpr const char* kFooter = R"(Flags of the program may stand before the verb or after it.
 
 Exit codes: 0 ok, 1 failed, 2 usage, 3 scene or node not known to the server, 4 conflict, 5 unavailable or out of time,
-6 not allowed, 7 over a limit.
+6 not allowed, 7 over a limit, 130 interrupted.
 
 Examples:
   sightline scene import engine 2CylinderEngine.glb
   sightline cast engine --in rays.npy --out hits.npy
+  sightline prefetch engine --rays rays.npy
   sightline render engine --out engine.png
   sightline stats engine --json)";
 
@@ -52,6 +53,7 @@ int parse_and_run(int argc, const char* const* argv) {
   add_global_flags(program, session);
   add_scene_verbs(program, session);
   add_cast_verb(program, session);
+  add_prefetch_verb(program, session);
   add_render_verb(program, session);
   add_stats_verb(program, session);
   try {

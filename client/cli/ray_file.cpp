@@ -118,8 +118,8 @@ Result<RayFile> open_csv(Input input) {
 
 }  // namespace
 
-Result<RayFile> open_rays(const std::string& path) {
-  auto input = Input::open(path);
+Result<RayFile> open_rays(const std::string& path, std::stop_token stop) {
+  auto input = Input::open(path, std::move(stop));
   if (!input) return input.error();
   const auto start = input->peek(kNpyMagic.size());
   if (!start) return start.error();

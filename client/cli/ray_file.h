@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <variant>
 
@@ -20,7 +21,8 @@ struct RayFile {
 
 /// .npy of shape (n, 6) or (n, 8), float32 or float64, in either order; or CSV. Which, its first
 /// bytes tell.
-/// "-" is standard input. Errors: kInvalidArgument, naming the file and what is wrong with it.
-Result<RayFile> open_rays(const std::string& path);
+/// "-" is standard input. Errors: kInvalidArgument, naming the file and what is wrong with it;
+/// kCancelled, here and from the source, if a stop is requested while the file keeps silent.
+Result<RayFile> open_rays(const std::string& path, std::stop_token stop = {});
 
 }  // namespace sightline::client::cli

@@ -44,8 +44,8 @@ void print_table(const SceneInfo& scene) {
   fmt::print("\n  bytes      {} geometry\n", scene.bytes_geometry);
   if (scene.bounds) {
     const auto& b = *scene.bounds;
-    fmt::print("  bounds     {:g} {:g} {:g} to {:g} {:g} {:g}\n", b[0], b[1], b[2], b[3], b[4],
-               b[5]);
+    fmt::print("  bounds     {:.12g} {:.12g} {:.12g} to {:.12g} {:.12g} {:.12g}\n", b[0], b[1],
+               b[2], b[3], b[4], b[5]);
   }
   fmt::print("  up         {}\n", name_of(scene.up_axis));
   if (scene.meters_per_unit > 0) {

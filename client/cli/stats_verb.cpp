@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "client/cli/amounts.h"
 #include "client/cli/verbs.h"
 
 namespace sightline::client::cli {
@@ -33,15 +34,14 @@ Json json_of(const std::string& scene, const SceneStats& stats) {
 
 void print_table(const std::string& scene, const SceneStats& stats) {
   fmt::print("{} at revision {}\n", scene, stats.revision);
-  fmt::print("  instances  {} of {} entered ({:.1f} %)\n", stats.instances_entered,
-             stats.instances_total, 100 * share(stats.instances_entered, stats.instances_total));
-  fmt::print("  triangles  {} of {} built ({:.1f} %)\n", stats.triangles_built,
-             stats.triangles_total, 100 * share(stats.triangles_built, stats.triangles_total));
-  fmt::print("  trees      {} begun, {} cells expanded, {} deferred\n", stats.trees_built,
-             stats.cells_expanded, stats.cells_deferred);
-  fmt::print("  bytes      {} geometry, {} trees\n", stats.bytes_geometry, stats.bytes_trees);
-  fmt::print("  mobility   {} static, {} dynamic\n", stats.static_instances,
-             stats.dynamic_instances);
+  fmt::print("  triangles  {} built\n", part_of(stats.triangles_built, stats.triangles_total));
+  fmt::print("  instances  {} entered\n", part_of(stats.instances_entered, stats.instances_total));
+  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n", grouped(stats.trees_built),
+             grouped(stats.cells_expanded), grouped(stats.cells_deferred));
+  fmt::print("  memory     {} of geometry, {} of trees\n", bytes_text(stats.bytes_geometry),
+             bytes_text(stats.bytes_trees));
+  fmt::print("  mobility   {} static, {} dynamic\n", grouped(stats.static_instances),
+             grouped(stats.dynamic_instances));
 }
 
 ExitCode run(const Session& session, const std::string& scene) {
@@ -64,6 +64,9 @@ void add_stats_verb(CLI::App& program, Session& session) {
   const auto scene = std::make_shared<std::string>();
   add_scene_argument(verb, *scene);
   verb.footer(
+      "Built are triangles in finished leaves; a deferred cell is one that no ray has needed to "
+      "split "
+      "yet.\n\n"
       "Examples:\n"
       "  sightline stats engine\n"
       "  sightline stats engine --json | jq .triangles_built");

@@ -10,6 +10,7 @@ namespace sightline::client::cli {
 
 void add_scene_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
+void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);
 void add_stats_verb(CLI::App& program, Session& session);
 

@@ -10,4 +10,8 @@ Result<std::unique_ptr<EmbreePeer>> EmbreePeer::make(const SceneSource&, EmbreeS
                "NO_EMBREE"};
 }
 
+Result<std::unique_ptr<EmbreePeer>> EmbreePeer::make_lazy(const SceneSource& scene, int threads) {
+  return make(scene, {}, threads);
+}
+
 }  // namespace sightline::bench

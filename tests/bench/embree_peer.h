@@ -30,6 +30,9 @@ std::span<const std::string_view> embree_names();
 /// Nothing if it is none of them.
 std::optional<EmbreeSettings> parse_embree(std::string_view name);
 
+/// A mode of `lazy` alone: see EmbreePeer::make_lazy.
+inline constexpr std::string_view kEmbreeLazy = "embree-lazy";
+
 /// Whether this program was built with Embree 3. If not, EmbreePeer::make fails.
 bool embree_found();
 
@@ -37,6 +40,14 @@ struct EmbreeBuilt {
   double commit_seconds = 0;  ///< rtcCommitScene alone, of every scene there is.
   double total_seconds = 0;   ///< With making scenes and geometries out of the arrays.
   std::uint64_t bytes_final = 0, bytes_peak = 0;  ///< As Embree tells; the arrays left out.
+};
+
+/// How much there is by now.
+struct EmbreeGrown {
+  std::uint64_t objects = 0;    ///< Of a lazy peer: those rays came upon. Else all.
+  std::uint64_t triangles = 0;  ///< In trees, instances counted once.
+  std::uint64_t bytes = 0;      ///< As Embree tells; the arrays left out.
+  double seconds_in_trace = 0;  ///< Spent building while tracing, summed over threads.
 };
 
 /// One device and one scene at a time.
@@ -55,6 +66,12 @@ class EmbreePeer {
   /// Errors: kFailedPrecondition where embree_found() is false; kInternal: what Embree says.
   static Result<std::unique_ptr<EmbreePeer>> make(const SceneSource& scene, EmbreeSettings settings,
                                                   int threads);
+  /// Embree's own laziness, as its manual shows it: a user geometry for every node with a mesh, of
+  /// which a build makes the bounds alone; the first ray that comes upon it builds a scene over the
+  /// mesh (other threads join), and rays are traced in that. Of LOW and MEDIUM, within objects and
+  /// over them, choose_entry keeps what is done first with the rays. Rays enter one by one. No
+  /// count().
+  static Result<std::unique_ptr<EmbreePeer>> make_lazy(const SceneSource& scene, int threads);
   virtual ~EmbreePeer() = default;
 
   /// Drops the scene and builds it anew. Errors: kInternal: what Embree says.
@@ -70,6 +87,8 @@ class EmbreePeer {
   /// Of a hit only t, node, primitive and state are set; for `any` only the state.
   virtual double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
                        std::size_t batch) = 0;
+
+  virtual EmbreeGrown grown() const = 0;
 
   /// counts[i] is how many triangles rays[i] meets within its limits, each once. For settings with
   /// `crossings`; after build().

@@ -2,10 +2,13 @@
 #include "tests/bench/embree_peer.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 #include <xmmintrin.h>
 
 #include "scenegraph/trace.h"
 #include "tests/bench/disagreement.h"
+#include "tests/bench/generators.h"
 #include "tests/bench/load_scene.h"
 #include "tests/bench/ray_kinds.h"
 
@@ -98,6 +101,50 @@ TEST_F(EmbreePeerTest, BatchesAndRebuildingChangeNoAnswer) {
     EXPECT_EQ(whole[i].state, cut[i].state);
     EXPECT_EQ(whole[i].node, cut[i].node);
     EXPECT_EQ(whole[i].primitive, cut[i].primitive);
+  }
+}
+
+TEST_F(EmbreePeerTest, LazyObjectsAnswerAlikeAndGrow) {
+  const SceneSource scene = family();
+  for (const RayKind kind : {RayKind::kCloseup, RayKind::kRandom}) {
+    for (const bool any : {false, true}) {
+      const Answers ours = answers(scene, kind, any);
+      auto peer = EmbreePeer::make_lazy(scene, 2);
+      ASSERT_TRUE(peer.ok()) << peer.error().message;
+      (*peer)->choose_entry(ours.rays, any);
+      ASSERT_TRUE((*peer)->build().ok());
+      EXPECT_EQ((*peer)->grown().objects, 0u);
+      EXPECT_EQ((*peer)->grown().triangles, 0u);
+      const std::uint64_t bytes = (*peer)->grown().bytes;
+      std::vector<accel::Hit> theirs(ours.rays.size());
+      (*peer)->trace(ours.rays, any, theirs, 100);
+      const EmbreeGrown grown = (*peer)->grown();
+      EXPECT_GE(grown.objects, 1u);
+      EXPECT_LE(grown.objects, 2u);  // meshes: three nodes share one
+      EXPECT_EQ(grown.triangles, grown.objects * 1280);
+      EXPECT_GT(grown.bytes, bytes);
+      EXPECT_GT(grown.seconds_in_trace, 0);
+      const Disagreement d = explain(ours.snapshot, ours.rays, ours.hits, theirs, any);
+      EXPECT_EQ(d.unexplained, 0u);
+      EXPECT_LT(d.differences, 20u);
+    }
+  }
+}
+
+TEST_F(EmbreePeerTest, LazyObjectsComeUponByManyThreadsAtOnce) {
+  const SceneSource scene = make_village(64);
+  const Answers ours = answers(scene, RayKind::kOverview, false);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
+  auto peer = EmbreePeer::make_lazy(scene, 8);
+  ASSERT_TRUE(peer.ok());
+  tbb::task_arena arena(8);
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    std::vector<accel::Hit> theirs(ours.rays.size());
+    arena.execute([&] {
+      ASSERT_TRUE((*peer)->build().ok());
+      (*peer)->trace(ours.rays, false, theirs, 0);
+    });
+    EXPECT_EQ(explain(ours.snapshot, ours.rays, ours.hits, theirs, false).unexplained, 0u);
   }
 }
 

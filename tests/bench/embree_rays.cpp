@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tests/bench/stopwatch.h"
+
 namespace sightline::bench {
 namespace {
 
@@ -135,6 +137,34 @@ EmbreeRays::Answer EmbreeRays::answer(std::size_t ray) const {
   answer.instance = RTCHitN_instID(h, lanes, lane, 0);
   answer.hit = answer.geometry != RTC_INVALID_GEOMETRY_ID;
   return answer;
+}
+
+double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,
+                    std::span<accel::Hit> hits, std::size_t batch) {
+  if (rays.empty()) return 0;
+  if (batch == 0) batch = rays.size();
+  EmbreeRays buffer(target.entry, any);
+  double seconds = 0;
+  for (std::size_t first = 0; first < rays.size(); first += batch) {
+    const std::size_t count = std::min(batch, rays.size() - first);
+    buffer.fill(rays.subspan(first, count), target.frame);
+    const Stopwatch clock;
+    buffer.trace(target.scene, 0, count);
+    seconds += clock.seconds();
+    for (std::size_t i = 0; i < count; ++i) {
+      const EmbreeRays::Answer answer = buffer.answer(i);
+      accel::Hit& hit = hits[first + i];
+      hit = {};
+      if (!answer.hit) continue;
+      hit.state = accel::HitState::kHit;
+      if (any) continue;
+      hit.t = static_cast<double>(answer.t);
+      hit.primitive = answer.primitive;
+      hit.node = target.nodes[answer.instance == RTC_INVALID_GEOMETRY_ID ? answer.geometry
+                                                                         : answer.instance];
+    }
+  }
+  return seconds;
 }
 
 }  // namespace sightline::bench

@@ -71,4 +71,16 @@ class EmbreeRays {
   std::vector<float, tbb::cache_aligned_allocator<float>> words_;
 };
 
+/// Rays of the world to a scene of Embree's, and its geometries' numbers back to our nodes.
+struct EmbreeTarget {
+  RTCScene scene;
+  EmbreeEntry entry;
+  const scenegraph::Affine& frame;
+  std::span<const std::uint64_t> nodes;  ///< By the number of an instance, or of a geometry.
+};
+
+/// As EmbreePeer::trace.
+double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,
+                    std::span<accel::Hit> hits, std::size_t batch);
+
 }  // namespace sightline::bench

@@ -1,7 +1,8 @@
-// City, stadium, herd, box: scenes of many parts.
+// City, village, stadium, herd, box: scenes of many parts.
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -20,7 +21,6 @@ using tests::Random;
 namespace {
 
 constexpr std::uint64_t kBoxesPerObject = 50;
-constexpr std::uint64_t kObjectsPerDistrict = 16;
 
 SourceMesh to_source(tests::TestMesh mesh) {
   return {std::move(mesh.vertices), std::move(mesh.faces)};
@@ -38,6 +38,76 @@ SourceMesh make_block(std::uint64_t boxes, Random& random) {
     block.append(tests::box(Vec3f(Vec3d{x, 0, z}), Vec3f(Vec3d{x + wide, high, z + deep})));
   }
   return to_source(std::move(block));
+}
+
+// Walls, a ceiling and a floor, and a roof of four sides on top.
+SourceMesh make_house(Random& random) {
+  const double wide = random.uniform(6, 12), deep = random.uniform(6, 12);
+  const double high = random.uniform(3, 8);
+  SourceMesh house = to_source(tests::box({0, 0, 0}, Vec3f(Vec3d{wide, high, deep})));
+  const auto first = static_cast<std::uint32_t>(house.vertices.size());
+  for (const Vec3d& p : {Vec3d{0, high, 0}, Vec3d{0, high, deep}, Vec3d{wide, high, deep},
+                         Vec3d{wide, high, 0}, Vec3d{wide / 2, high + wide / 4, deep / 2}}) {
+    house.vertices.push_back(Vec3f(p));
+  }
+  for (std::uint32_t side = 0; side < 4; ++side) {
+    house.faces.push_back({first + side, first + (side + 1) % 4, first + 4});
+  }
+  return house;
+}
+
+struct Spacing {
+  double x, z;
+};
+
+constexpr std::uint64_t kPerGroup = 16;  // four by four
+constexpr std::array<std::string_view, 7> kGroupNames{"district", "borough",   "county", "province",
+                                                      "country",  "continent", "planet"};
+
+// Groups of sixteen groups of sixteen ... of `objects` places. Object k stands where the digits of
+// k to the base of sixteen say, whatever `objects` is: a smaller world is a corner of a larger one.
+class Nest {
+ public:
+  Nest(SceneSource& scene, std::uint64_t objects, Spacing between, Spacing street)
+      : scene_(scene), objects_(objects), between_(between), street_(street) {}
+
+  template <class AddObject>
+  void fill(std::size_t parent, std::size_t level, std::uint64_t first,
+            const AddObject& add_object) {
+    std::uint64_t size = 1;  // objects of a child
+    Spacing apart = between_;
+    for (std::size_t l = 0; l < level; ++l) {
+      size *= kPerGroup;
+      apart = {4 * apart.x + street_.x, 4 * apart.z + street_.z};
+    }
+    for (std::uint64_t k = 0; k < kPerGroup && first + k * size < objects_; ++k) {
+      const Affine place = translation(static_cast<double>(k % 4) * apart.x, 0,
+                                       static_cast<double>(k / 4) * apart.z);
+      if (level == 0) {
+        add_object(parent, first + k, place);
+        continue;
+      }
+      const std::string name =
+          fmt::format("{} {}", kGroupNames[level - 1], (first + k * size) / size);
+      fill(scene_.add_node(parent, name, place), level - 1, first + k * size, add_object);
+    }
+  }
+
+ private:
+  SceneSource& scene_;
+  std::uint64_t objects_;
+  Spacing between_, street_;
+};
+
+// A root over as few levels of groups as will do, but one at least. `between` neighbours of a
+// group, and a street around each group.
+template <class AddObject>
+void nest(SceneSource& scene, std::string name, std::uint64_t objects, Spacing between,
+          Spacing street, const AddObject& add_object) {
+  std::size_t level = 1;
+  for (std::uint64_t room = kPerGroup * kPerGroup; room < objects; room *= kPerGroup) ++level;
+  const std::size_t root = scene.add_node(std::nullopt, std::move(name));
+  Nest(scene, objects, between, street).fill(root, level, 0, add_object);
 }
 
 // Steps that rise outward around the pitch, each a tread and a riser.
@@ -68,23 +138,24 @@ SourceMesh make_stand(std::uint32_t tiers, std::uint32_t segments) {
 SceneSource make_city(std::uint64_t boxes, std::uint64_t seed) {
   Random random(seed);
   SceneSource scene;
-  const std::size_t city = scene.add_node(std::nullopt, "city");
   const std::uint64_t objects = (boxes + kBoxesPerObject - 1) / kBoxesPerObject;
-  const std::uint64_t districts = (objects + kObjectsPerDistrict - 1) / kObjectsPerDistrict;
-  const auto side =
-      static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(districts))));
-  for (std::uint64_t d = 0, object = 0; d < districts; ++d) {
-    const double x = static_cast<double>(d % side) * 420, z = static_cast<double>(d / side) * 400;
-    const std::size_t district =
-        scene.add_node(city, fmt::format("district {}", d), translation(x, 0, z));
-    for (std::uint64_t k = 0; k < kObjectsPerDistrict && object < objects; ++k, ++object) {
-      const std::uint64_t left = boxes - object * kBoxesPerObject;
-      const std::size_t mesh = scene.add_mesh(make_block(std::min(left, kBoxesPerObject), random));
-      scene.add_node(
-          district, fmt::format("object {}", object),
-          translation(static_cast<double>(k % 4) * 95, 0, static_cast<double>(k / 4) * 85), mesh);
-    }
-  }
+  const auto add_object = [&](std::size_t district, std::uint64_t object, const Affine& place) {
+    const std::uint64_t left = boxes - object * kBoxesPerObject;
+    const std::size_t mesh = scene.add_mesh(make_block(std::min(left, kBoxesPerObject), random));
+    scene.add_node(district, fmt::format("object {}", object), place, mesh);
+  };
+  nest(scene, "city", objects, {95, 85}, {40, 60}, add_object);
+  return scene;
+}
+
+SceneSource make_village(std::uint64_t houses, std::uint64_t seed) {
+  Random random(seed);
+  SceneSource scene;
+  const auto add_house = [&](std::size_t block, std::uint64_t house, const Affine& place) {
+    const std::size_t mesh = scene.add_mesh(make_house(random));
+    scene.add_node(block, fmt::format("house {}", house), place, mesh);
+  };
+  nest(scene, "village", houses, {14, 14}, {8, 8}, add_house);
   return scene;
 }
 
@@ -124,6 +195,16 @@ SceneSource make_herd(const SceneSource& animal, std::uint64_t copies, std::uint
       twin.parent = node.parent ? first_node + *node.parent : root;
       if (node.mesh) twin.mesh = first_mesh + *node.mesh;
       scene.nodes.push_back(std::move(twin));
+    }
+  }
+  return scene;
+}
+
+SceneSource make_shuffled(SceneSource scene, std::uint64_t seed) {
+  Random random(seed);
+  for (SourceMesh& mesh : scene.meshes) {
+    for (std::size_t i = mesh.faces.size(); i > 1; --i) {
+      std::swap(mesh.faces[i - 1], mesh.faces[random.below(i)]);
     }
   }
   return scene;

@@ -64,6 +64,12 @@ const std::vector<Generator>& all_generators() {
          const std::uint64_t asked = boxes > 0 ? boxes : (triangles + 11) / 12;
          return make_city(asked > 0 ? asked : kDefaultBoxes, kGeneratorSeed);
        }},
+      {"village",
+       {triangles_key(100'000)},
+       false,
+       [](const Values& v, const SceneLoader&) -> Made {
+         return make_village((v.count("triangles") + kTrianglesPerHouse - 1) / kTrianglesPerHouse);
+       }},
       {"herd",
        {{"copies", 10, 1, 100'000}},
        true,
@@ -76,6 +82,14 @@ const std::vector<Generator>& all_generators() {
                                       animal->unique_triangles(), kMostTriangles));
          }
          return make_herd(*animal, copies, kGeneratorSeed);
+       }},
+      {"shuffled",
+       {{"seed", kGeneratorSeed, 0, 1e15}},
+       true,
+       [](const Values& v, const SceneLoader& load) -> Made {
+         auto scene = load(v.mesh);
+         if (!scene.ok()) return scene.error();
+         return make_shuffled(std::move(scene).value(), v.count("seed"));
        }},
       {"box",
        {},

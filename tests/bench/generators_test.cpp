@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "tests/bench/scene_geometry.h"
@@ -48,10 +50,17 @@ bool same(const SceneSource& a, const SceneSource& b) {
   return true;
 }
 
-const char* const kSpecs[] = {
-    "terrain?triangles=1001", "city?boxes=120",         "stadium",
-    "slivers?triangles=50",   "icosphere?level=2",      "grid?triangles=99",
-    "wall?triangles=99",      "box?mesh=gen:icosphere", "herd?copies=3&mesh=gen:icosphere?level=1"};
+const char* const kSpecs[] = {"terrain?triangles=1001",
+                              "city?boxes=120",
+                              "stadium",
+                              "slivers?triangles=50",
+                              "icosphere?level=2",
+                              "grid?triangles=99",
+                              "wall?triangles=99",
+                              "box?mesh=gen:icosphere",
+                              "herd?copies=3&mesh=gen:icosphere?level=1",
+                              "village?triangles=5000",
+                              "shuffled?mesh=gen:city?boxes=60"};
 
 TEST(Generators, AreDeterministicAndValidScenes) {
   for (const char* spec : kSpecs) {
@@ -75,6 +84,9 @@ TEST(Generators, GiveTheTrianglesAskedFor) {
   EXPECT_EQ(make("icosphere?level=3").unique_triangles(), 1280u);
   EXPECT_EQ(make("city?boxes=120").unique_triangles(), 1440u);
   EXPECT_EQ(make("city?triangles=1201").unique_triangles(), 1212u);
+  EXPECT_EQ(make("village?triangles=4096").unique_triangles(), 4096u);
+  EXPECT_EQ(make("village?triangles=4097").unique_triangles(), 4112u);
+  EXPECT_EQ(make("shuffled?mesh=gen:icosphere?level=1").unique_triangles(), 80u);
   EXPECT_EQ(make("herd?copies=5&mesh=gen:icosphere?level=1").unique_triangles(), 400u);
   EXPECT_EQ(make("box?mesh=gen:icosphere?level=1").unique_triangles(), 92u);
 }
@@ -106,6 +118,72 @@ TEST(Generators, CityIsAHierarchyOfFiftyBoxObjects) {
   EXPECT_FALSE(city.nodes[0].parent.has_value());
   EXPECT_EQ(city.nodes[1].parent, 0u);
   EXPECT_EQ(city.nodes[2].parent, 1u);
+}
+
+// How many groups lie between a node and the root.
+std::size_t depth(const SceneSource& scene, std::size_t node) {
+  std::size_t depth = 0;
+  for (auto parent = scene.nodes[node].parent; parent; parent = scene.nodes[*parent].parent)
+    ++depth;
+  return depth;
+}
+
+TEST(Generators, HierarchiesNestBySixteen) {
+  for (const SceneSource& scene : {make_village(16 * 16 * 16 + 1), make_city(50 * 257, 1)}) {
+    std::map<std::size_t, int> children;
+    for (const SourceNode& node : scene.nodes) {
+      if (node.parent) ++children[*node.parent];
+    }
+    for (const auto& [node, count] : children) {
+      EXPECT_LE(count, 16);
+      EXPECT_FALSE(scene.nodes[node].mesh.has_value());
+    }
+    const std::size_t leaf_depth = depth(scene, scene.nodes.size() - 1);
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+      if (scene.nodes[n].mesh) {
+        EXPECT_EQ(depth(scene, n), leaf_depth);
+      } else {
+        EXPECT_GT(children[n], 0);
+      }
+    }
+  }
+}
+
+TEST(Generators, ASmallWorldIsACornerOfALargerOne) {
+  const auto corners = [](const SceneSource& scene) {
+    const SceneGeometry geometry(scene);
+    std::vector<Vec3d> first;
+    for (std::uint64_t n = 0; n < 16 * 300; ++n) first.push_back(geometry.triangle(n)[0]);
+    return first;
+  };
+  EXPECT_EQ(corners(make_village(300)), corners(make_village(5000)));
+  EXPECT_EQ(corners(make_city(50 * 300, 1)), corners(make_city(50 * 700, 1)));
+}
+
+TEST(Generators, NeighboursOfAWorldDoNotOverlap) {
+  const SceneSource village = make_village(4096 + 300);
+  std::vector<scenegraph::Affine> placed;
+  std::set<std::pair<int, int>> taken;
+  for (const SourceNode& node : village.nodes) {
+    placed.push_back(node.parent ? compose(placed[*node.parent], node.parent_from_local)
+                                 : node.parent_from_local);
+    if (!node.mesh) continue;
+    const Vec3d at = placed.back().point({0, 0, 0});
+    EXPECT_TRUE(taken.emplace(static_cast<int>(at.x) / 14, static_cast<int>(at.z) / 14).second);
+  }
+}
+
+TEST(Generators, ShufflingKeepsTheFacesInAnotherOrder) {
+  const SceneSource plain = make_icosphere(3, 0);
+  SceneSource shuffled = make("shuffled?mesh=gen:icosphere?level=3&seed=5");
+  EXPECT_NE(plain.meshes[0].faces, shuffled.meshes[0].faces);
+  EXPECT_NE(make("shuffled?mesh=gen:icosphere?level=3&seed=6").meshes[0].faces,
+            shuffled.meshes[0].faces);
+  EXPECT_EQ(plain.meshes[0].vertices, shuffled.meshes[0].vertices);
+  std::sort(shuffled.meshes[0].faces.begin(), shuffled.meshes[0].faces.end());
+  std::vector<accel::Face> faces = plain.meshes[0].faces;
+  std::sort(faces.begin(), faces.end());
+  EXPECT_EQ(faces, shuffled.meshes[0].faces);
 }
 
 TEST(Generators, HerdCopiesMeshes) {

@@ -105,7 +105,38 @@ Verb add_verb_lazy(CLI::App& app) {
       ->delimiter(',');
   verb.add_option("--builder", options->builder, "Default: the product's");
   verb.add_option("--batch", options->batch, "Rays a batch (default: all in one)");
+  verb.add_option("--hierarchy", options->hierarchy, "What mesh trees begin with: soup|runs");
   return [options](const CommonOptions& common) { return run_lazy(common, *options); };
+}
+
+Verb add_verb_law(CLI::App& app) {
+  auto options = std::make_shared<LawOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "law", "What growing trees costs over n triangles of which rays see m, and the law of it");
+  verb.add_flag("--nodes", options->nodes, "Over hierarchies: one view of ever larger worlds");
+  const CLI::Range powers(4, 26);
+  verb.add_option("--min-n", options->min_n, "Fewest triangles, as a power of two")->check(powers);
+  verb.add_option("--max-n", options->max_n, "Most triangles, as a power of two")->check(powers);
+  verb.add_option("--least-share", options->least_share, "Windows see from 2^-this on")
+      ->check(CLI::Range(0, 20));
+  verb.add_option("--windows", options->windows, "Of each share")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1000}));
+  verb.add_option("--hierarchy", options->hierarchies, "soup|runs; both by a comma")
+      ->delimiter(',');
+  verb.add_option("--builder", options->builder, "Default: the product's");
+  return [options](const CommonOptions& common) {
+    return options->nodes ? run_law_nodes(common, *options) : run_law(common, *options);
+  };
+}
+
+Verb add_verb_kernel(CLI::App& app) {
+  auto options = std::make_shared<KernelOptions>();
+  CLI::App& verb =
+      *app.add_subcommand("kernel", "Boxes a second of the inner loops of building, one thread");
+  verb.add_option("--boxes", options->boxes, "Lengths of lists, by commas")
+      ->delimiter(',')
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}));
+  return [options](const CommonOptions& common) { return run_kernel(common, *options); };
 }
 
 Verb add_verb_curve(CLI::App& app) {
@@ -186,6 +217,7 @@ int main_checked(int argc, char** argv) {
   const std::map<std::string, Verb> verbs{
       {"rays", add_verb_rays(app)},     {"build", add_verb_build(app)},
       {"trace", add_verb_trace(app)},   {"lazy", add_verb_lazy(app)},
+      {"law", add_verb_law(app)},       {"kernel", add_verb_kernel(app)},
       {"curve", add_verb_curve(app)},   {"exactness", add_verb_exactness(app)},
       {"robust", add_verb_robust(app)}, {"answers", add_verb_answers(app)}};
   try {

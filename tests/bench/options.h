@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,7 +47,22 @@ struct LazyOptions {
   RayOptions rays{};
   std::vector<std::string> modes{"lazy", "full"};
   std::string builder{};
-  std::size_t batch = 0;  ///< Rays a batch; 0: all in one.
+  std::string hierarchy{"runs"};  ///< What mesh trees begin with: soup, runs.
+  std::size_t batch = 0;          ///< Rays a batch; 0: all in one.
+};
+
+struct LawOptions {
+  bool nodes = false;  ///< The law of hierarchies: touches over nodes.
+  /// Powers of two of the triangles; nothing: what the law is stated for.
+  std::optional<int> min_n{}, max_n{};
+  int least_share = 10;                    ///< Windows see 2^-least_share of the scene, up to all.
+  std::size_t windows = 16;                ///< Of each share; medians are reported.
+  std::vector<std::string> hierarchies{};  ///< soup, runs; empty: both, or runs with `nodes`.
+  std::string builder{};
+};
+
+struct KernelOptions {
+  std::vector<std::size_t> boxes{32'768, 4'194'304};  ///< A list each: within L2, and beyond L3.
 };
 
 struct ExactnessOptions {

@@ -66,11 +66,13 @@ void rotate(SceneSource& scene, const Affine& turn) {
 }
 
 Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
-                                                             const accel::AnyBuilder& builder) {
+                                                             const accel::AnyBuilder& builder,
+                                                             accel::References references) {
   std::vector<std::shared_ptr<const scenegraph::Mesh>> meshes;
   meshes.reserve(scene.meshes.size());
   for (SourceMesh& mesh : scene.meshes) {
-    auto made = scenegraph::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces), builder);
+    auto made = scenegraph::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces), builder,
+                                       references);
     if (!made.ok()) return made.error();
     meshes.push_back(std::move(made).value());
   }

@@ -9,6 +9,7 @@
 
 #include "accel/build/any_builder.h"
 #include "accel/geometry/mesh_view.h"
+#include "accel/lazy/mesh_tree.h"
 #include "accel/result.h"
 #include "scenegraph/affine.h"
 #include "scenegraph/snapshot.h"
@@ -49,7 +50,8 @@ void rotate(SceneSource& scene, const scenegraph::Affine& turn);
 inline scenegraph::NodeId node_id(std::size_t place) { return place + 1; }
 
 /// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
-Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
-                                                             const accel::AnyBuilder& builder);
+Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(
+    SceneSource scene, const accel::AnyBuilder& builder,
+    accel::References references = accel::References::kRuns);
 
 }  // namespace sightline::bench

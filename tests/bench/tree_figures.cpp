@@ -2,8 +2,6 @@
 #include "tests/bench/tree_figures.h"
 
 #include <algorithm>
-#include <unordered_map>
-#include <vector>
 
 #include "accel/tree/epoch.h"
 
@@ -98,13 +96,10 @@ void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
   row["bytes_final"] = metrics.bytes;
 }
 
-std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
-                                std::span<const accel::Ray> rays,
-                                std::span<const accel::Hit> hits) {
+void SeenTriangles::add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits) {
   const accel::EpochPin pin;
-  std::unordered_map<const scenegraph::Mesh*, std::vector<bool>> seen;
-  for (const scenegraph::Instance& instance : snapshot.instances().list()) {
-    std::vector<bool>& marks = seen[instance.mesh];
+  for (const scenegraph::Instance& instance : snapshot_.instances().list()) {
+    std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     LeafMarker marker(instance.mesh->tree().tree(), marks);
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -115,11 +110,22 @@ std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
                   std::min(rays[i].tmax, hits[i].t));
     }
   }
+}
+
+std::uint64_t SeenTriangles::count() const {
   std::uint64_t count = 0;
-  for (const auto& [mesh, marks] : seen) {
+  for (const auto& [mesh, marks] : seen_) {
     count += static_cast<std::uint64_t>(std::count(marks.begin(), marks.end(), true));
   }
   return count;
+}
+
+std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
+                                std::span<const accel::Ray> rays,
+                                std::span<const accel::Hit> hits) {
+  SeenTriangles seen(snapshot);
+  seen.add(rays, hits);
+  return seen.count();
 }
 
 }  // namespace sightline::bench

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_map>
+#include <vector>
 
 #include "accel/geometry/ray.h"
 #include "accel/tree/measure.h"
@@ -18,8 +20,21 @@ accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot);
 /// Adds the contract's keys from `nodes` to `bytes_final`.
 void set_metrics(Row& row, const accel::TreeMetrics& metrics);
 
-/// Distinct triangles in the leaves that the rays enter up to their hits, in mesh trees that are
-/// fully built. hits[i] is the closest hit of rays[i].
+/// Distinct triangles in the leaves that rays enter up to their hits; what is not built holds none.
+class SeenTriangles {
+ public:
+  /// The snapshot must outlive it. Its trees may grow between calls.
+  explicit SeenTriangles(const scenegraph::Snapshot& snapshot) : snapshot_(snapshot) {}
+  /// hits[i] is the closest hit of rays[i].
+  void add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+  std::uint64_t count() const;
+
+ private:
+  const scenegraph::Snapshot& snapshot_;
+  std::unordered_map<const scenegraph::Mesh*, std::vector<bool>> seen_;  // by face
+};
+
+/// Those of one batch.
 std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
                                 std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
 

@@ -19,7 +19,7 @@ struct Mode {
   scenegraph::TraceStats stats;
   scenegraph::BuildSummary summary;
   std::string hash;
-  std::uint64_t embree_bytes = 0;
+  EmbreeGrown embree_grown;
   Disagreement disagreement;
 };
 
@@ -27,6 +27,7 @@ struct Task {
   const SceneSource& scene;
   const std::vector<accel::Ray>& rays;
   accel::AnyBuilder builder;
+  accel::References references;
   std::size_t batch;
   int threads;
 };
@@ -57,7 +58,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   scenegraph::TraceStats stats;
 
   const Stopwatch clock;
-  auto snapshot = assemble(std::move(arrays), task.builder);
+  auto snapshot = assemble(std::move(arrays), task.builder, task.references);
   if (!snapshot.ok()) return snapshot.error();
   if (mode.growth == scenegraph::Growth::kFull) {
     auto built = scenegraph::build_all(**snapshot);
@@ -88,10 +89,12 @@ Status run_embree(const Task& task, Mode& mode) {
   if (!built.ok()) return built.error();
   std::vector<accel::Hit> hits(task.rays.size());
   const double trace = mode.embree->trace(task.rays, false, hits, task.batch);
-  mode.seconds.push_back(built->total_seconds + trace);
-  mode.build_ms.push_back(built->total_seconds * 1e3);
-  mode.trace_ms.push_back(trace * 1e3);
-  mode.embree_bytes = built->bytes_final;
+  mode.embree_grown = mode.embree->grown();
+  const double seconds = built->total_seconds + trace;
+  const double build = built->total_seconds + mode.embree_grown.seconds_in_trace / task.threads;
+  mode.seconds.push_back(seconds);
+  mode.build_ms.push_back(build * 1e3);
+  mode.trace_ms.push_back((seconds - build) * 1e3);
   return {};
 }
 
@@ -102,15 +105,16 @@ Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names,
     Mode mode;
     mode.name = name;
     const auto embree = parse_embree(name);
-    if (embree) {
+    if (embree || name == kEmbreeLazy) {
       if (embree_is_missing(name)) continue;
-      auto peer = EmbreePeer::make(scene, *embree, threads);
+      auto peer = embree ? EmbreePeer::make(scene, *embree, threads)
+                         : EmbreePeer::make_lazy(scene, threads);
       if (!peer.ok()) return peer.error();
       mode.embree = std::move(peer).value();
     } else if (name == "full") {
       mode.growth = scenegraph::Growth::kFull;
     } else if (name != "lazy") {
-      std::string known = "lazy full";
+      std::string known = "lazy full " + std::string(kEmbreeLazy);
       for (const std::string_view peer : embree_names()) known += " " + std::string(peer);
       return Error{Code::kInvalidArgument, "no mode \"" + name + "\"; there are: " + known, "MODE"};
     }
@@ -149,13 +153,15 @@ Row make_row(const CommonOptions& common, const LazyOptions& options, const Task
   set_times(row, "trace_ms", mode.trace_ms);
   row["hits"] = mode.stats.hits;
   row["triangles_total"] = total;
-  row["triangles_touched"] = mode.embree ? total : mode.summary.triangles_built;
+  row["triangles_touched"] =
+      mode.embree ? mode.embree_grown.triangles : mode.summary.triangles_built;
   row["visible_fraction"] =
       total > 0 ? static_cast<double>(visible) / static_cast<double>(total) : 0.0;
-  row["bytes_final"] = mode.embree ? mode.embree_bytes : mode.summary.bytes_trees;
+  row["bytes_final"] = mode.embree ? mode.embree_grown.bytes : mode.summary.bytes_trees;
   row["hit_hash"] = mode.hash;
   if (mode.embree) {
     row["entry"] = mode.embree->entry();
+    row["objects_built"] = mode.embree_grown.objects;
     row["differences"] = mode.disagreement.differences;
     row["differences_checked"] = mode.disagreement.checked;
     row["unexplained"] = mode.disagreement.unexplained;
@@ -171,6 +177,20 @@ Row make_row(const CommonOptions& common, const LazyOptions& options, const Task
   return row;
 }
 
+// Medians of the quotients within repeats: what else the machine does falls on both sides.
+void set_ratios(Row& row, const Mode& mode, const std::vector<Mode>& others) {
+  for (const Mode& other : others) {
+    if (&other == &mode) continue;
+    std::vector<double> quotients;
+    for (std::size_t i = 0; i < mode.seconds.size(); ++i) {
+      quotients.push_back(mode.seconds[i] / other.seconds[i]);
+    }
+    std::string key = "over_" + other.name;
+    std::replace(key.begin(), key.end(), '-', '_');
+    row[key] = median(quotients);
+  }
+}
+
 }  // namespace
 
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options) {
@@ -179,6 +199,8 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   }
   const auto builder = configured_builder(options.builder, common);
   if (!builder.ok()) return builder.error();
+  const auto references = parse_hierarchy(options.hierarchy);
+  if (!references.ok()) return references.error();
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   auto modes = parse_modes(options.modes, *scene, common.threads);
@@ -189,7 +211,7 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   if (!check.ok()) return check.error();
   const std::size_t batch =
       options.batch > 0 ? options.batch : std::max<std::size_t>(rays->size(), 1);
-  const Task task{*scene, *rays, *builder, batch, common.threads};
+  const Task task{*scene, *rays, *builder, *references, batch, common.threads};
 
   // One full run that is not counted: warms the process and shows what a full tree's rays see.
   Mode unmeasured;
@@ -218,7 +240,10 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
     }
   }
   std::vector<Row> rows;
-  for (const Mode& mode : *modes) rows.push_back(make_row(common, options, task, mode, visible));
+  for (const Mode& mode : *modes) {
+    rows.push_back(make_row(common, options, task, mode, visible));
+    if (mode.name == "lazy") set_ratios(rows.back(), mode, *modes);
+  }
   return rows;
 }
 

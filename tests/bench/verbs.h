@@ -25,6 +25,16 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
 /// From vertex and index arrays to hits, a row a mode; modes take turns within each repeat.
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options);
 
+/// Touches of trees that windows of rays grow on gen:terrain, over triangles and triangles seen,
+/// and the law fitted to them; of one scene (--scene) instead: runs held against the soup.
+Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& options);
+
+/// Touches and the time to the first hit of one view of ever larger hierarchies.
+Result<std::vector<Row>> run_law_nodes(const CommonOptions& common, const LawOptions& options);
+
+/// Boxes a second of each inner loop of scan building, on one thread, a row a loop and list.
+Result<std::vector<Row>> run_kernel(const CommonOptions& common, const KernelOptions& options);
+
 /// The cost of cutting the scene's box along one axis: rows of what = uniform and adaptive samples,
 /// then the suggested and the true curve.
 Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options);

@@ -147,6 +147,43 @@ TEST(VerbLazy, EmbreeIsAMode) {
   EXPECT_EQ(rows->back()["triangles_touched"] == 2000, embree_found());
 }
 
+TEST(VerbLazy, RatiosAndEmbreesOwnLaziness) {
+  const auto rows = run_lazy(
+      common("gen:city?boxes=1000"),
+      {.rays = some("closeup", 300), .modes = {"lazy", "full", "embree-low", "embree-lazy"}});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), embree_found() ? 4u : 2u);
+  EXPECT_GT(rows->front()["over_full"], 0);
+  EXPECT_FALSE((*rows)[1].contains("over_lazy"));
+  if (!embree_found()) return;
+  expect_keys(rows->front(), {"over_embree_low", "over_embree_lazy"});
+  const Row& row = rows->back();
+  EXPECT_EQ(row["mode"], "embree-lazy");
+  EXPECT_EQ(row["unexplained"], 0);
+  EXPECT_GT(row["triangles_touched"], 0);
+  EXPECT_LT(row["triangles_touched"], row["triangles_total"]);
+  EXPECT_LT(row["objects_built"], 20);
+}
+
+TEST(VerbLazy, HierarchiesAnswerAlike) {
+  LazyOptions options{.rays = some("closeup", 300), .modes = {"lazy"}};
+  const auto runs = run_lazy(common("gen:terrain?triangles=20000"), options);
+  options.hierarchy = "soup";
+  const auto soup = run_lazy(common("gen:terrain?triangles=20000"), options);
+  ASSERT_TRUE(runs.ok() && soup.ok());
+  EXPECT_EQ(runs->front()["hit_hash"], soup->front()["hit_hash"]);
+  EXPECT_LE(runs->front()["touches"], soup->front()["touches"]);
+  options.hierarchy = "pile";
+  EXPECT_EQ(run_lazy(common("gen:stadium"), options).error().code, Code::kInvalidArgument);
+}
+
+TEST(VerbKernel, PassesAreHeldAgainstCounting) {
+  const auto rows = run_kernel(common(""), {.boxes = {1, 1000}});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  EXPECT_EQ(rows->size(), 10u);
+  for (const Row& row : *rows) EXPECT_GT(row["mboxes_per_s"], 0);
+}
+
 TEST(VerbLazy, ModesAgreeAndLazyTouchesLess) {
   const auto rows = run_lazy(common("gen:terrain?triangles=20000"), {.rays = some("closeup", 300)});
   ASSERT_TRUE(rows.ok()) << rows.error().message;

@@ -57,6 +57,12 @@ std::string_view policy_name(scenegraph::Growth growth) {
   return growth == scenegraph::Growth::kFull ? "full" : "first-touch";
 }
 
+Result<accel::References> parse_hierarchy(const std::string& name) {
+  if (name == "soup") return accel::References::kSoup;
+  if (name == "runs") return accel::References::kRuns;
+  return invalid(fmt::format("no hierarchy \"{}\"; there are: soup runs", name));
+}
+
 Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, const RayOptions& rays,
                                           std::uint64_t seed) {
   const auto kind = parse_ray_kind(rays.kind);

@@ -22,6 +22,9 @@ Result<SceneSource> make_scene(const CommonOptions& common);
 Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback);
 std::string_view policy_name(scenegraph::Growth growth);
 
+/// "soup" or "runs".
+Result<accel::References> parse_hierarchy(const std::string& name);
+
 Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, const RayOptions& rays,
                                           std::uint64_t seed);
 

@@ -1,6 +1,7 @@
 // A server and a client, and scenes whose hits are plain.
 #include "tests/client/live_client.h"
 
+#include <grpc/grpc.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -10,6 +11,10 @@ namespace sightline::tests {
 namespace {
 
 std::unique_ptr<server::Server> start() {
+  // Held for good: when the last user goes, the library waits for its client's poller, for up to
+  // ten seconds.
+  static const bool library_held = (grpc_init(), true);
+  static_cast<void>(library_held);
   spdlog::set_level(spdlog::level::err);
   server::ServerConfig config;
   config.listen = "127.0.0.1:0";

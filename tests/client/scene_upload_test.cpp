@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <stop_token>
 #include <string>
 
 #include "tests/client/live_client.h"
@@ -86,6 +87,23 @@ TEST_F(SceneUpload, AHalfMadeSceneIsDeletedAgain) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kInvalidArgument);
   EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
+}
+
+TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  ImportedScene other = tests::row_of_sheets(3);
+  other.meshes[0] = tests::sheets(9);
+  for (const char* name : {kScene, "projects/default/scenes/new"}) {
+    std::stop_source stop;
+    const auto stopped =
+        upload_scene(client_, name, other, {.replace = true, .stop = stop.get_token()},
+                     [&](std::uint64_t, std::uint64_t) { stop.request_stop(); });
+    ASSERT_FALSE(stopped) << "the mesh is on its way, or has just arrived";
+    EXPECT_EQ(stopped.error().code, Code::kCancelled);
+    other.meshes[0] = tests::sheets(11);  // for the server may have the other by now
+  }
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
+  EXPECT_EQ(client_.get_scene("projects/default/scenes/new").error().code, Code::kNotFound);
 }
 
 TEST_F(SceneUpload, AnEmptySceneIsAScene) {

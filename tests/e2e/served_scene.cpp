@@ -1,6 +1,7 @@
 // Importer, client, wire and server around a real scene.
 #include "tests/e2e/served_scene.h"
 
+#include <grpc/grpc.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
@@ -17,6 +18,10 @@ void ServedScene::serve(const std::string& file) {
   file_ = std::filesystem::path(directory) / file;
   ASSERT_TRUE(std::filesystem::exists(file_)) << file_;
 
+  // Held for good: when the last user goes, the library waits for its client's poller, for up to
+  // ten seconds.
+  static const bool library_held = (grpc_init(), true);
+  static_cast<void>(library_held);
   spdlog::set_level(spdlog::level::warn);  // sterngarten alone uploads thousands of meshes
   server::ServerConfig config;
   config.listen = "127.0.0.1:0";

@@ -43,6 +43,27 @@ TEST(PersistentMap, BehavesLikeAMap) {
   EXPECT_EQ(map.find(~std::uint64_t{0}), nullptr);
 }
 
+TEST(PersistentMap, AnEditChangesNoCopyMadeBeforeIt) {
+  Map a;
+  for (std::uint64_t k = 1; k <= 5000; ++k) a.set(k, std::make_shared<int>(1));
+  const Map b = a;
+  {
+    Map::Edit edit(a);
+    for (std::uint64_t k = 1; k <= 5000; ++k) edit.set(k, std::make_shared<int>(2));
+    edit.set(7, nullptr);
+    EXPECT_EQ(a.find(7), nullptr);
+    edit.set(1 << 20, std::make_shared<int>(3));
+  }
+  const Map c = a;
+  a.set(9, std::make_shared<int>(4));
+  EXPECT_EQ(b.size(), 5000u);
+  EXPECT_EQ(c.size(), 5000u);
+  for (std::uint64_t k = 1; k <= 5000; ++k) ASSERT_EQ(**b.find(k), 1);
+  for (std::uint64_t k = 8; k <= 5000; ++k) ASSERT_EQ(**c.find(k), 2);
+  EXPECT_EQ(**c.find(1 << 20), 3);
+  EXPECT_EQ(**a.find(9), 4);
+}
+
 TEST(PersistentMap, CopiesDoNotSeeLaterChanges) {
   Map a;
   for (std::uint64_t k = 1; k <= 100; ++k) a.set(k, std::make_shared<int>(1));

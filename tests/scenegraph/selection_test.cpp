@@ -33,10 +33,11 @@ std::vector<NodeId> selected(NodeId root, const std::vector<NodeId>& excluded) {
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
   std::vector<NodeId> nodes;
-  for (std::size_t i = 0; i < snapshot->instances().list().size(); ++i) {
+  const InstanceList list = snapshot->instances().list();
+  for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
     EXPECT_EQ(selection->selects(i), first) << "remembered";
-    if (first) nodes.push_back(snapshot->instances().list()[i].node);
+    if (first) nodes.push_back(list[i].node);
   }
   return nodes;
 }

@@ -25,10 +25,12 @@ TEST(CommandLine, HasTheDocumentedDefaults) {
 }
 
 TEST(CommandLine, TakesEveryFlag) {
-  const auto line =
-      parse({"--listen", "127.0.0.1:0", "--port-file", "p", "--data-dir", "d", "--threads", "3",
-             "--policy", "full", "--memory-budget", "1000000", "--max-rays-queued", "5",
-             "--max-bytes-queued", "6", "--log-level", "warn", "--insecure"});
+  const auto line = parse({"--listen",          "127.0.0.1:0", "--port-file",        "p",
+                           "--data-dir",        "d",           "--threads",          "3",
+                           "--policy",          "full",        "--memory-budget",    "1000000",
+                           "--max-rays-queued", "5",           "--max-bytes-queued", "6",
+                           "--max-prefetches",  "0",           "--log-level",        "warn",
+                           "--insecure"});
   ASSERT_TRUE(std::holds_alternative<CommandLine>(line));
   const ServerConfig& config = std::get<CommandLine>(line).config;
   EXPECT_EQ(config.listen, "127.0.0.1:0");
@@ -39,16 +41,25 @@ TEST(CommandLine, TakesEveryFlag) {
   EXPECT_EQ(config.memory_budget, 1'000'000u);
   EXPECT_EQ(config.admission.rays, 5u);
   EXPECT_EQ(config.admission.bytes, 6u);
+  EXPECT_EQ(config.max_prefetches, 0);
   EXPECT_EQ(std::get<CommandLine>(line).log_level, spdlog::level::warn);
   EXPECT_TRUE(config.insecure);
 }
 
 TEST(CommandLine, AnyMistakeIsAUsageError) {
-  const std::vector<std::vector<const char*>> mistakes{
-      {"--policy", "demand"},   {"--policy", "2"},         {"--threads", "0"},
-      {"--threads", "x"},       {"--listen", "host"},      {"--listen", "h:9999999"},
-      {"--memory-budget", "0"}, {"--memory-budget", "-1"}, {"--nonsense"},
-      {"positional"},           {"--log-level", "loud"},   {"--policy"}};
+  const std::vector<std::vector<const char*>> mistakes{{"--policy", "demand"},
+                                                       {"--policy", "2"},
+                                                       {"--threads", "0"},
+                                                       {"--threads", "x"},
+                                                       {"--listen", "host"},
+                                                       {"--listen", "h:9999999"},
+                                                       {"--memory-budget", "0"},
+                                                       {"--memory-budget", "-1"},
+                                                       {"--nonsense"},
+                                                       {"positional"},
+                                                       {"--log-level", "loud"},
+                                                       {"--policy"},
+                                                       {"--max-prefetches", "65"}};
   for (const auto& flags : mistakes) {
     const auto line = parse(flags);
     ASSERT_TRUE(std::holds_alternative<int>(line)) << flags[0];

@@ -29,6 +29,17 @@ TEST(Compute, NeverWorksOnTheCallersThread) {
   }
 }
 
+TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
+  std::atomic<bool> others_done{false};
+  Compute compute(1);
+  for (int i = 0; i < 3; ++i) {
+    compute.enqueue_apart([&] {
+      while (!others_done) std::this_thread::yield();
+    });
+  }
+  compute.enqueue([&] { others_done = true; });
+}
+
 TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
   std::weak_ptr<int> watch;
   {

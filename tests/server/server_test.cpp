@@ -96,6 +96,7 @@ TEST_F(ServerTest, TellsItsLimits) {
   EXPECT_EQ(info.max_blob_chunk_bytes(), std::uint64_t{1} << 20);
   EXPECT_GT(info.max_triangles_per_mesh(), 0u);
   EXPECT_GT(info.max_rays_queued(), 0u);
+  EXPECT_EQ(info.max_prefetches(), 4u);
   EXPECT_FALSE(info.simd_target().empty());
 }
 
@@ -164,6 +165,28 @@ TEST(Server, CancelsWhatIsStillOpenWhenDrainingEnds) {
   (*server)->drain();
   EXPECT_FALSE(stream->Read(&reply));
   EXPECT_FALSE(stream->Finish().ok());
+}
+
+TEST(Server, DrainingEndsAPrefetchAtOnce) {
+  server::ServerConfig config = test_config();
+  config.drain = std::chrono::hours(1);
+  const auto server = server::Server::start(config);
+  ASSERT_TRUE(server);
+  Api api(connect((*server)->port()));
+  api.make_scene(kScene, planar_sheet(1000));
+  v1::PrefetchRequest request;
+  request.set_scene(kScene);
+  grpc::ClientContext context;
+  const auto reader = api.rays->Prefetch(&context, request);
+  v1::PrefetchResponse report;
+  ASSERT_TRUE(reader->Read(&report));  // it is at work, or has just done
+  const bool was_done = report.done();
+  (*server)->drain();
+  while (reader->Read(&report)) {
+  }
+  const grpc::Status status = reader->Finish();
+  EXPECT_TRUE(was_done || report.done() || reason_of(status) == "STOPPING")
+      << status.error_message();
 }
 
 TEST(Server, RefusesAPortInUse) {

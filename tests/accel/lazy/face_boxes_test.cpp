@@ -93,6 +93,18 @@ TEST_P(EveryTarget, BadIndicesAreNeverFollowed) {
   EXPECT_EQ(sum_faces({{}, faces}, 0, 1).first_bad, 0u);
 }
 
+TEST(FaceSum, OfNothingAddsNothing) {
+  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
+  const std::vector<Face> faces{{0, 1, 2}, {kNoVertex, kNoVertex, kNoVertex}};
+  FaceSum sum = sum_faces({vertices, faces}, 0, 1);
+  const Aabb box = sum.box;
+  sum.add(sum_faces({vertices, faces}, 1, 2));
+  EXPECT_EQ(sum.box, box);
+  FaceSum nothing = sum_faces({vertices, faces}, 1, 2);
+  nothing.add(sum_faces({vertices, faces}, 1, 2));
+  EXPECT_TRUE(nothing.box.empty());
+}
+
 INSTANTIATE_TEST_SUITE_P(FaceBoxes, EveryTarget,
                          ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) {

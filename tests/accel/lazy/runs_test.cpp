@@ -76,7 +76,7 @@ void visit(const MeshView& mesh, const Runs& runs, const BoxRef& run, std::vecto
 }
 
 TEST(Runs, LeadToEveryFiniteTriangleOnce) {
-  for (const std::uint32_t side : {30u, 100u, 257u}) {
+  for (const std::uint32_t side : {64u, 100u, 257u}) {
     TestMesh mesh = waves(side);
     for (std::size_t i = 40; i < 75; ++i) mesh.faces[i] = {kNoVertex, kNoVertex, kNoVertex};
     mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();

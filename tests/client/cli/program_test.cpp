@@ -88,6 +88,12 @@ TEST_F(Program, UsageErrorsAreTwo) {
       {"cast", "s", "--in", "a"},
       {"--json", "cast", "s", "--in", "a", "--out", "-"},
       {"cast", "s", "--in", "a", "--out", "-", "--json"},
+      {"prefetch"},
+      {"prefetch", "s", "--under", "0"},
+      {"prefetch", "s", "--exclude", "door"},
+      {"prefetch", "s", "--kind", "any"},
+      {"prefetch", "s", "--rays", "a", "--kind", "best"},
+      {"prefetch", "s", "--rays", "a", "--under", "1", "2"},
       {"render", "s", "--out", "p.png", "--size", "10"},
       {"render", "s", "--out", "p.png", "--eye", "1,2"},
       {"render", "s", "--out", "p.png", "--mode", "x-ray"},
@@ -110,6 +116,7 @@ TEST_F(Program, HelpHasExamplesForEveryVerb) {
                                                     {"scene", "show", "--help"},
                                                     {"scene", "rm", "--help"},
                                                     {"cast", "--help"},
+                                                    {"prefetch", "--help"},
                                                     {"render", "--help"},
                                                     {"stats", "--help"}};
   for (const auto& arguments : verbs) {
@@ -128,6 +135,8 @@ TEST_F(Program, AnUnknownSceneIsThree) {
   EXPECT_EQ(run({"scene", "show", "none"}).exit, 3);
   EXPECT_EQ(run({"scene", "rm", "none"}).exit, 3);
   EXPECT_EQ(run({"stats", "none"}).exit, 3);
+  EXPECT_EQ(run({"prefetch", "none"}).exit, 3);
+  EXPECT_EQ(run({"prefetch", "none", "--rays", rays.c_str()}).exit, 3);
   EXPECT_EQ(run({"cast", "none", "--in", rays.c_str(), "--out", out.c_str()}).exit, 3);
   EXPECT_EQ(run({"render", "none", "--out", out.c_str()}).exit, 3);
   EXPECT_EQ(dir_.names(), "rays.csv");
@@ -151,6 +160,7 @@ TEST_F(Program, LocalFilesThatCannotBeReadAreOne) {
   EXPECT_EQ(run({"scene", "import", "new", none.c_str()}).exit, 1);
   EXPECT_EQ(run({"scene", "import", "new", bad.c_str()}).exit, 1);
   EXPECT_EQ(run({"cast", "square", "--in", none.c_str(), "--out", out.c_str()}).exit, 1);
+  EXPECT_EQ(run({"prefetch", "square", "--rays", none.c_str()}).exit, 1);
   const Outcome malformed = run({"cast", "square", "--in", bad.c_str(), "--out", out.c_str()});
   EXPECT_EQ(malformed.exit, 1);
   EXPECT_NE(malformed.err.find("bad.csv:2: dz is 'down'"), std::string::npos) << malformed.err;
@@ -267,6 +277,46 @@ TEST_F(Program, ListsAreFilesOfAsManyRowsAsHits) {
   const std::string file = dir_.read("hits.npy");
   EXPECT_NE(file.find("[('ray', '<u8'), ('t', '<f8')]"), std::string::npos);
   EXPECT_NE(file.find("'shape': (1,)"), std::string::npos);
+}
+
+TEST_F(Program, PrefetchTellsWhatItHasBuilt) {
+  import_square();
+  const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n");
+  const Outcome none = run({"prefetch", "square", "--exclude", "2", "--json"});
+  ASSERT_EQ(none.exit, 0) << none.err;
+  EXPECT_EQ(json::parse(none.out)["meshes_total"], 0);
+  EXPECT_EQ(json::parse(none.out)["triangles_built"], 0);
+  const Outcome touched = run({"prefetch", "square", "--rays", rays.c_str(), "--json"});
+  ASSERT_EQ(touched.exit, 0) << touched.err;
+  EXPECT_EQ(json::parse(touched.out)["rays"], 2);
+  const Outcome all = run({"prefetch", "square", "--under", "1", "2", "--json"});
+  ASSERT_EQ(all.exit, 0) << all.err;
+  expect_keys(all.out, {"scene", "revision", "complete", "meshes_done", "meshes_total", "rays",
+                        "cells_expanded", "trees_built", "triangles_built", "triangles_total",
+                        "bytes_trees", "build_ms", "seconds"});
+  EXPECT_EQ(json::parse(all.out)["complete"], true);
+  EXPECT_EQ(json::parse(all.out)["triangles_built"], 2);
+  const std::string out = dir_.path("hits.csv");
+  const Outcome cast =
+      run({"cast", "square", "--in", rays.c_str(), "--out", out.c_str(), "--json"});
+  EXPECT_EQ(json::parse(cast.out)["cells_expanded"], 0);
+  EXPECT_NE(run({"prefetch", "square"}).out.find("2 of 2 (100 %) of the scene built"),
+            std::string::npos);
+  EXPECT_EQ(run({"prefetch", "square", "--under", "55"}).exit, 3);
+}
+
+TEST_F(Program, CastInFullCountsWhatItBuiltFirst) {
+  import_square();
+  const std::string rays = dir_.write("rays.csv", "9,9,9,0,0,1\n");
+  const std::string out = dir_.path("hits.csv");
+  const Outcome outcome = run(
+      {"cast", "square", "--in", rays.c_str(), "--out", out.c_str(), "--build", "full", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  const json document = json::parse(outcome.out);
+  EXPECT_GT(document["cells_expanded"], 0);
+  EXPECT_GT(document["build_ms"], 0);
+  EXPECT_GE(document["trace_ms"], document["build_ms"].get<double>() / 2) << "on two threads";
+  EXPECT_EQ(document["triangles_built"], 2);
 }
 
 TEST_F(Program, RenderWritesAPngInEveryMode) {

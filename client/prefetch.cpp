@@ -1,0 +1,111 @@
+// One call that answers with its progress; for rays one for each message of them.
+#include <fmt/format.h>
+
+#include "client/cast_codec.h"
+#include "client/channel.h"
+#include "client/columns.h"
+#include "client/connection.h"
+#include "client/rpc_error.h"
+
+namespace sightline::client {
+namespace {
+
+v1::PrefetchRequest describe(const std::string& scene, const PrefetchOptions& options) {
+  v1::PrefetchRequest request;
+  request.set_scene(scene);
+  request.mutable_roots()->Assign(options.roots.begin(), options.roots.end());
+  request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
+  request.set_kind(encode(options.kind));
+  return request;
+}
+
+// What the calls before have come to, and this one beside them.
+PrefetchReport sum(const PrefetchReport& before, const v1::PrefetchResponse& response) {
+  PrefetchReport report;
+  report.revision = response.served().revision();
+  report.meshes_done = response.meshes_done();
+  report.meshes_total = response.meshes_total();
+  report.triangles_done = response.triangles_done();
+  report.triangles_total = response.triangles_total();
+  report.rays_done = before.rays_done + response.rays_done();
+  report.cells_expanded = before.cells_expanded + response.cells_expanded();
+  report.bytes_trees = response.bytes_trees();
+  report.build_us = before.build_us + response.build_us();
+  report.elapsed_us = before.elapsed_us + response.elapsed_us();
+  return report;
+}
+
+Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequest& request,
+                            const PrefetchReport& before, const std::stop_token& stop,
+                            const PrefetchProgress& progress) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.options.timeout);
+  const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
+  const auto reader = connection.queries->Prefetch(&context, request);
+  PrefetchReport report = before;
+  bool done = false;
+  v1::PrefetchResponse response;
+  while (reader->Read(&response)) {
+    report = sum(before, response);
+    done = response.done();
+    if (progress) progress(report);
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return rpc_error(status);
+  if (!done) {
+    return Error{Code::kInternal, "the server ended a prefetch without its last report", {}};
+  }
+  return report;
+}
+
+}  // namespace
+
+Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
+                                const PrefetchOptions& options, const PrefetchProgress& progress) {
+  return call(connection, describe(scene, options), {}, options.stop, progress);
+}
+
+template <class Scalar>
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RaySource<Scalar>& source, RayShape shape,
+                                     const PrefetchOptions& options,
+                                     const PrefetchProgress& progress) {
+  v1::PrefetchRequest request = describe(scene, options);
+  PrefetchReport report;
+  for (bool first = true;; first = false) {
+    v1::Rays& rays = *request.mutable_rays();
+    const auto count = source(make_room<Scalar>(kRaysPerMessage, shape, rays));
+    if (!count) return count.error();
+    // Without any ray one call is made: an unknown scene is an error all the same.
+    if (*count == 0 && !first) return report;
+    trim<Scalar>(*count, shape, rays);
+    const auto grown = call(connection, request, report, options.stop, progress);
+    if (!grown || *count == 0) return grown;
+    report = *grown;
+  }
+}
+
+template <class Scalar>
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RayColumns<const Scalar>& rays,
+                                     const PrefetchOptions& options,
+                                     const PrefetchProgress& progress) {
+  if (const Status checked = check_rows(rays, HitColumns{}); !checked) return checked.error();
+  return prefetch_rays<Scalar>(connection, scene, source_of(rays), shape_of(rays), options,
+                               progress);
+}
+
+template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+                                              const RaySource<float>&, RayShape,
+                                              const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+                                              const RaySource<double>&, RayShape,
+                                              const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+                                              const RayColumns<const float>&,
+                                              const PrefetchOptions&, const PrefetchProgress&);
+template Result<PrefetchReport> prefetch_rays(const Connection&, const std::string&,
+                                              const RayColumns<const double>&,
+                                              const PrefetchOptions&, const PrefetchProgress&);
+
+}  // namespace sightline::client

@@ -1,0 +1,202 @@
+// Opening a group: its own mesh and its children, placed in the world.
+#include "scenegraph/group.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "scenegraph/placed_box.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::BoxRef;
+
+/// A group that takes up more of its parent's surface does not tell where its instances are.
+constexpr double kNearlyAll = 0.75;
+
+std::uint32_t weight(std::uint64_t price, unsigned shift) {
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(price >> shift, 1));
+}
+
+/// So many are placed by one thread at a time.
+constexpr std::size_t kChildrenPerSlice = 1024;
+
+/// A child with instances at or below it.
+struct Member {
+  const Node* node = nullptr;
+  const Subtree* group = nullptr;  // null: an instance and nothing else
+};
+
+std::vector<Member> members_of(const Hierarchy& hierarchy, std::span<const NodeId> children) {
+  std::vector<Member> members;
+  members.reserve(children.size());
+  for (const NodeId id : children) {
+    const Node& node = *hierarchy.find(id);
+    const Subtree* below = node.children.empty() ? nullptr : &hierarchy.group(id);
+    const bool opens = below != nullptr && is_group(node, *below);
+    if (opens || is_instance(node)) members.push_back({&node, opens ? below : nullptr});
+  }
+  return members;
+}
+
+/// What the member takes of the numbers that are left.
+void take(const Member& member, Opened::Numbers& next) {
+  if (member.group == nullptr) {
+    ++next.instances;
+    return;
+  }
+  next.instances += member.group->instances;
+  next.groups += 1 + member.group->groups;
+  next.runs += member.group->runs + max_runs(member.node->children.size() + 1);
+}
+
+/// Places some of a group's children and numbers what it meets.
+class Placing {
+ public:
+  Placing(const Group& group, const Vec3d& center, unsigned shift, const Opened::Numbers& first)
+      : group_(group), center_(center), shift_(shift), next_(first) {}
+
+  std::unique_ptr<const OpenedSlice> place(const std::vector<Member>& members, bool own) {
+    const auto groups = static_cast<std::size_t>(std::count_if(
+        members.begin(), members.end(), [](const Member& m) { return m.group != nullptr; }));
+    placed_->groups = std::vector<Group>(groups);
+    placed_->instances.reserve(members.size() - groups + 1);
+    placed_->refs.reserve(members.size() + 1);
+    if (own) {
+      place_instance(*group_.node, group_.world_from_local);
+      ++next_.instances;
+    }
+    for (const Member& member : members) {
+      place(member);
+      take(member, next_);
+    }
+    return std::move(placed_);
+  }
+
+ private:
+  void place(const Member& member) {
+    const Node& node = *member.node;
+    const Affine world = node.parent == 0
+                             ? node.parent_from_local
+                             : compose(group_.world_from_local, node.parent_from_local);
+    if (member.group == nullptr) {
+      place_instance(node, world);
+    } else {
+      place_group(node, world, *member.group);
+    }
+  }
+
+  void place_instance(const Node& node, const Affine& world) {
+    Instance& instance = placed_->instances.emplace_back();
+    instance.index = static_cast<std::uint32_t>(next_.instances);
+    instance.node = node.id;
+    instance.mesh = node.mesh.get();
+    instance.entered = node.entered.get();
+    const std::optional<Affine> local_from_world = inverse(world);
+    if (!local_from_world) {  // refused when the node was put: see Scene::apply
+      instance.mask = 0;
+      instance.box = group_.box;
+      return;
+    }
+    instance.local_from_world = *local_from_world;
+    instance.mirrored = mirrors(world);
+    instance.mask = node.mask;
+    instance.box =
+        confined(instance_box(world, *local_from_world, node.mesh->bounds(), center_), group_.box);
+    placed_->refs.push_back(
+        {instance.box.lo, instance.index, instance.box.hi, weight(price(*node.mesh), shift_)});
+  }
+
+  void place_group(const Node& node, const Affine& world, const Subtree& subtree) {
+    Group& group = placed_->groups[groups_++];
+    group.node = &node;
+    group.world_from_local = world;
+    group.box = confined(group_box(world, subtree, center_), group_.box);
+    group.number = static_cast<std::uint32_t>(next_.groups);
+    group.first_group = group.number + 1;
+    group.first_instance = static_cast<std::uint32_t>(next_.instances);
+    group.first_run = static_cast<std::uint32_t>(next_.runs);
+    group.at_once = half_area(group.box) > kNearlyAll * half_area(group_.box);
+    placed_->refs.push_back({group.box.lo, accel::kOpenable | group.number, group.box.hi,
+                             weight(subtree.price, shift_)});
+  }
+
+  const Group& group_;
+  const Vec3d center_;
+  const unsigned shift_;
+  Opened::Numbers next_;
+  std::size_t groups_ = 0;
+  std::unique_ptr<OpenedSlice> placed_ = std::make_unique<OpenedSlice>();
+};
+
+std::span<const NodeId> slice_of(const std::vector<NodeId>& children, std::size_t slice) {
+  const std::size_t begin = slice * kChildrenPerSlice;
+  return std::span(children).subspan(begin, std::min(kChildrenPerSlice, children.size() - begin));
+}
+
+std::unique_ptr<const Opened::Siblings> take_together(const Group& group, const Opened& opened) {
+  std::vector<BoxRef> refs;
+  refs.reserve(opened.slices.size() == 1 ? opened.slices[0].refs.size()
+                                         : opened.slices.size() * kChildrenPerSlice);
+  for (std::size_t slice = 0; slice < opened.slices.size(); ++slice) {
+    const std::vector<BoxRef>& more = opened.slices[slice].refs;
+    refs.insert(refs.end(), more.begin(), more.end());
+  }
+  auto siblings = std::make_unique<Opened::Siblings>();
+  siblings->levels = make_runs(std::move(refs), group.box, group.first_run);
+  siblings->runs = siblings->levels.members();
+  return siblings;
+}
+
+}  // namespace
+
+Group::~Group() { delete opened.load(std::memory_order_relaxed); }
+
+std::unique_ptr<Group> whole_scene(const Hierarchy& hierarchy, const Vec3d& center) {
+  auto scene = std::make_unique<Group>();
+  const Subtree all = hierarchy.subtree(0);
+  if (all.instances > 0) scene->box = group_box(scene->world_from_local, all, center);
+  return scene;
+}
+
+unsigned weight_shift(std::uint64_t total_price) {
+  // A half for prices, and a half for those that are rounded up to one.
+  const auto bits = static_cast<unsigned>(std::bit_width(total_price));
+  return bits > 31 ? bits - 31 : 0;
+}
+
+Opened::Opened(std::size_t children)
+    : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
+      slices(numbers.size() + 1) {}
+
+const std::vector<NodeId>& children_of(const Hierarchy& hierarchy, const Group& group) {
+  return group.node == nullptr ? *hierarchy.roots : group.node->children;
+}
+
+void open_group(const Hierarchy& hierarchy, const Group& group, const Vec3d& center, unsigned shift,
+                Opened& opened) {
+  const std::vector<NodeId>& children = children_of(hierarchy, group);
+  const bool own = group.node != nullptr && is_instance(*group.node);
+  // A few children are placed sooner than waited for.
+  const bool wait = opened.slices.size() > 1;
+  opened.numbers.complete(wait, [&](std::size_t slice) {
+    auto taken = std::make_unique<Opened::Numbers>();
+    for (const Member& member : members_of(hierarchy, slice_of(children, slice)))
+      take(member, *taken);
+    return taken;
+  });
+  opened.slices.complete(wait, [&](std::size_t slice) {
+    Opened::Numbers first{group.first_instance + (own && slice > 0 ? 1u : 0u), group.first_group,
+                          group.first_run + max_runs(children.size() + 1)};
+    for (std::size_t before = 0; before < slice; ++before) {
+      first.instances += opened.numbers[before].instances;
+      first.groups += opened.numbers[before].groups;
+      first.runs += opened.numbers[before].runs;
+    }
+    return Placing(group, center, shift, first)
+        .place(members_of(hierarchy, slice_of(children, slice)), own && slice == 0);
+  });
+  opened.siblings.complete(wait, [&](std::size_t) { return take_together(group, opened); });
+}
+
+}  // namespace sightline::scenegraph

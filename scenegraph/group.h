@@ -1,0 +1,90 @@
+// The hierarchy as the scene's tree sees it: groups that are opened into groups and instances.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/aabb.h"
+#include "scenegraph/shared_slices.h"
+#include "scenegraph/sibling_runs.h"
+#include "scenegraph/subtree_update.h"
+
+namespace sightline::scenegraph {
+
+/// A node that carries a mesh with a finite triangle, where it stands in the world.
+struct Instance {
+  Affine local_from_world;
+  bool mirrored = false;  ///< The transform turns windings around.
+  accel::Aabb box;        ///< World, less Instances::center(), rounded outward.
+  NodeId node = 0;
+  std::uint32_t mask = accel::kAllMasks;
+  std::uint32_t index = 0;  ///< Its place in Instances.
+  const Mesh* mesh = nullptr;
+  std::atomic<bool>* entered = nullptr;
+};
+
+struct Opened;
+
+/// A node with instances below it. Immutable, but for being opened, once.
+struct Group {
+  Group() = default;
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+  ~Group();
+
+  const Node* node = nullptr;  ///< Null: the whole scene.
+  Affine world_from_local;
+  accel::Aabb box;           ///< As of Instance; holds the boxes of all that is below.
+  std::uint32_t number = 0;  ///< Among the groups.
+  /// From here on what is below is numbered, in the order of a walk, node before children. The
+  /// numbers do not depend on what was opened, nor when.
+  std::uint32_t first_instance = 0, first_group = 0, first_run = 0;
+  /// Nearly as large as what it was opened from, or all of that: of no use as a reference.
+  bool at_once = false;
+  mutable std::atomic<Opened*> opened{nullptr};
+};
+
+/// What some of a group's children are opened into.
+struct OpenedSlice {
+  std::vector<Instance> instances;
+  std::vector<Group> groups;
+  std::vector<accel::BoxRef> refs;
+};
+
+/// What a group is opened into, made by whoever needs it first and those who come meanwhile.
+struct Opened {
+  explicit Opened(std::size_t children);
+
+  /// How many numbers a slice of children takes.
+  struct Numbers {
+    std::uint64_t instances = 0, groups = 0, runs = 0;
+  };
+  struct Siblings {
+    SiblingRuns levels;
+    std::vector<std::span<const accel::BoxRef>> runs;  ///< By number, from Group::first_run.
+  };
+
+  SharedSlices<Numbers> numbers;
+  SharedSlices<OpenedSlice> slices;
+  SharedSlices<Siblings> siblings{1};
+  std::atomic<bool> listed{false};  ///< All above can be found by number.
+};
+
+/// The scene as one group.
+std::unique_ptr<Group> whole_scene(const Hierarchy& hierarchy, const Vec3d& center);
+
+/// How weights are made from prices: shifted right by this, so that they sum below 2^32.
+unsigned weight_shift(std::uint64_t total_price);
+
+/// The group's children; of the scene, the roots.
+const std::vector<NodeId>& children_of(const Hierarchy& hierarchy, const Group& group);
+
+/// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
+/// std::bad_alloc.
+void open_group(const Hierarchy& hierarchy, const Group& group, const Vec3d& center, unsigned shift,
+                Opened& opened);
+
+}  // namespace sightline::scenegraph
