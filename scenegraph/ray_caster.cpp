@@ -102,11 +102,7 @@ struct RayCaster::Visit {
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
     if (caster.options_.selection != nullptr && !caster.options_.selection->selects(id))
       return false;
-    accel::TreeRay in_box;
-    const double tmax = std::min(query.tmax, query.best_t);
-    if (!accel::enter(centered, instance.box, query.tmin / centered.unit, tmax / centered.unit,
-                      in_box))
-      return false;
+    if (!accel::may_meet(scene_ray, instance.box, limit())) return false;
     if (query.collects() && !caster.entered_.add(id)) return false;
     caster.enter_instance(ray, id, query);
     return query.put_aside || (query.any && query.found);
@@ -180,6 +176,7 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
 RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   ++stats_.rays;
   entered_.clear();
+  frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
   const std::optional<accel::LocalRay> centered =
       accel::make_local_ray(ray.origin - instances_.center(), ray.direction);
@@ -215,15 +212,17 @@ std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
 
 void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& query) {
   const Instance& instance = instances_[index];
-  const std::optional<accel::LocalRay> local =
-      accel::make_local_ray(instance.local_from_world.point(ray.origin),
-                            instance.local_from_world.direction(ray.direction));
-  if (!local) return;
+  // Most instances of a scene share a few frames.
+  if (frame_ == nullptr || *frame_ != instance.local_from_world) {
+    frame_ = &instance.local_from_world;
+    in_frame_ = accel::make_local_ray(frame_->point(ray.origin), frame_->direction(ray.direction));
+  }
+  if (!in_frame_) return;
   ++stats_.instances_entered;
   if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
     instance.entered->store(true, std::memory_order_relaxed);
   }
-  query.ray = *local;
+  query.ray = *in_frame_;
   query.node = instance.node;
   query.instance = index;
   query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;

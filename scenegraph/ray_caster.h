@@ -44,6 +44,8 @@ class RayCaster {
   accel::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
   std::vector<accel::BoxRef> waiting_;  // while a list is searched: references not looked at yet
+  const Affine* frame_ = nullptr;  // of the instance that the ray entered last
+  std::optional<accel::LocalRay> in_frame_;
   std::uint64_t counted_ = 0;           // hits of the ray in the instances that it has left
   std::uint64_t work_before_ = 0;
   std::uint64_t progress_ = 0;

@@ -69,7 +69,7 @@ inline constexpr std::size_t kLongList = 8192;
 
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane
 /// costs is known better then, and an entry is no longer small beside the cell.
-inline constexpr std::size_t kOpenBelow = 16;
+inline constexpr std::size_t kOpenBelow = 2;
 
 /// At so many openable references on both sides of a plane, one in kStraddlersToOpen, they are
 /// opened first: their weight counts twice and every cut looks bad.
