@@ -81,7 +81,7 @@ struct ScanBuilder {
   }
 
   /// Whether long lists may be cut where a sample of them would be.
-  bool takes_samples() const { return axes == ScanAxes::kGuided; }
+  bool takes_samples() const { return axes == ScanAxes::kGuided && !clip; }
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const;
