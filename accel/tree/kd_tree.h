@@ -87,9 +87,10 @@ class KdTree {
   // The same, nearer to the walk.
   std::atomic<AtomicSlot*> pairs_{nullptr};
   std::atomic<std::uint32_t*> ids_{nullptr};
-  std::atomic<std::uint64_t> pairs_used_{0};
-  std::atomic<std::uint64_t> ids_used_{0};
-  std::atomic<std::uint64_t> cell_bytes_{0};
+  // Written by every growing thread: not on the lines that walks read, nor on each other's.
+  alignas(64) std::atomic<std::uint64_t> pairs_used_{0};
+  alignas(64) std::atomic<std::uint64_t> ids_used_{0};
+  alignas(64) std::atomic<std::uint64_t> cell_bytes_{0};
 };
 
 }  // namespace sightline::accel
