@@ -146,8 +146,8 @@ std::optional<RayTally> RayCaster::count(const Ray& ray, accel::AtBusy at_busy) 
     return RayTally{.count = kInvalidCount, .state = HitState::kInvalid};
   stats_.hits_found += counted_;
   return RayTally{.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
-          .work = work_of(query),
-          .state = query.found ? HitState::kHit : HitState::kMiss};
+                  .work = work_of(query),
+                  .state = query.found ? HitState::kHit : HitState::kMiss};
 }
 
 /// One more than may be kept is looked for: whether there is one is then known exactly, and does

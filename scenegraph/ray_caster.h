@@ -16,8 +16,8 @@ class RayCaster {
  public:
   RayCaster(const Instances& instances, const TraceOptions& options);
 
-  /// The nearest hit or, for kAny, whether there is one. With AtBusy::kLeave nothing, if the ray met
-  /// a large cell that other threads are building: ask again when `progress` has grown.
+  /// The nearest hit or, for kAny, whether there is one. With AtBusy::kLeave nothing, if the ray
+  /// met a large cell that other threads are building: ask again when `progress` has grown.
   std::optional<accel::Hit> cast(const accel::Ray& ray, accel::AtBusy at_busy);
   /// How many hits there are; or nothing, likewise.
   std::optional<RayTally> count(const accel::Ray& ray, accel::AtBusy at_busy);
@@ -44,9 +44,9 @@ class RayCaster {
   accel::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
   std::vector<accel::BoxRef> waiting_;  // while a list is searched: references not looked at yet
-  const Affine* frame_ = nullptr;  // of the instance that the ray entered last
+  const Affine* frame_ = nullptr;       // of the instance that the ray entered last
   std::optional<accel::LocalRay> in_frame_;
-  std::uint64_t counted_ = 0;           // hits of the ray in the instances that it has left
+  std::uint64_t counted_ = 0;  // hits of the ray in the instances that it has left
   std::uint64_t work_before_ = 0;
   std::uint64_t progress_ = 0;
   TraceStats stats_;

@@ -17,7 +17,8 @@ namespace sightline::scenegraph {
 using NodeRef = std::int64_t;
 
 /// Creates a node (`node` is a fresh negative alias) or replaces all that is said of an existing
-/// one (`node` is its id, or an alias of the same batch), its place in the hierarchy included. Its children stay.
+/// one (`node` is its id, or an alias of the same batch), its place in the hierarchy included. Its
+/// children stay.
 struct PutNode {
   NodeRef node = 0;
   NodeRef parent = 0;  ///< 0: a root.

@@ -20,7 +20,7 @@ inline Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* lef
   const float x = plane.position;
   BoxRef *end_of_left = left, *end_of_right = right;
   for (const BoxRef& ref : refs) {
-    const bool in_left = ref.lo[axis] < x, in_right = ref.hi[axis] > x;
+    const bool in_left = ref.lo[axis]<x, in_right = ref.hi[axis]> x;
     const BoxRef copy = ref;  // `ref` may lie where `left` is written
     *end_of_right = copy;
     *end_of_left = copy;

@@ -8,8 +8,8 @@
 namespace sightline::accel {
 
 /// Holds every point of the triangle that lies in the closed cell, and hardly more: never
-/// too small, by rounding and widen_flat a few floats too large. Nothing if they do not meet. The result went through
-/// widen_flat. Vertices must be finite.
+/// too small, by rounding and widen_flat a few floats too large. Nothing if they do not meet. The
+/// result went through widen_flat. Vertices must be finite.
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell);
 

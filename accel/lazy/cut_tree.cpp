@@ -48,8 +48,8 @@ CutTree::CutTree(const AnyBuilder& builder, std::vector<BoxRef> sample, const Aa
                  const CellPath& path, int levels, int max_depth, BuildCounters& counters) {
   const std::size_t size = sample.size();
   sample.resize(size + room(size));
-  grow({builder, max_depth}, std::span(sample).first(size), sample.data() + size, box, path,
-       levels, counters);
+  grow({builder, max_depth}, std::span(sample).first(size), sample.data() + size, box, path, levels,
+       counters);
 }
 
 CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, BoxRef* room,
@@ -70,10 +70,10 @@ CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, Box
   const CellPath below = path.below(*cut);
   const std::size_t place = nodes_.size();
   nodes_.push_back({*cut, {}, {}});
-  const Child left = grow(growth, sample.first(n.left), room + n.right, halves.left, below,
-                          levels - 1, counters);
-  const Child right = grow(growth, {room, n.right}, room + n.right, halves.right, below,
-                           levels - 1, counters);
+  const Child left =
+      grow(growth, sample.first(n.left), room + n.right, halves.left, below, levels - 1, counters);
+  const Child right =
+      grow(growth, {room, n.right}, room + n.right, halves.right, below, levels - 1, counters);
   nodes_[place].left = left;
   nodes_[place].right = right;
   return {false, place};

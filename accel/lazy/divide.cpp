@@ -50,9 +50,8 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> sp
   for (const std::span<const BoxRef> part : spans) {
     BoxRef* const to_left = left.data() + n.left;
     BoxRef* const to_right = right.data() + n.right;
-    const Sifted more = sieve.scans
-                            ? sift_and_scan(part, sieve.cut.plane, to_left, to_right, scans)
-                            : sift(part, sieve.cut, to_left, to_right);
+    const Sifted more = sieve.scans ? sift_and_scan(part, sieve.cut.plane, to_left, to_right, scans)
+                                    : sift(part, sieve.cut, to_left, to_right);
     n.left += more.left;
     n.right += more.right;
   }
@@ -106,10 +105,7 @@ class ShortList {
       : context_(context), cell_(cell), refs_(cell.list.whole()), counters_(counters) {}
 
   std::optional<Cut> choose() {
-    const CellRefs list{.refs = refs_,
-                        .box = cell_.box,
-                        .path = cell_.path,
-                        .first = &cell_.first};
+    const CellRefs list{.refs = refs_, .box = cell_.box, .path = cell_.path, .first = &cell_.first};
     return accel::choose(context_.builder, list, counters_);
   }
 
@@ -159,12 +155,15 @@ class LongList {
         counters_(counters) {}
 
   std::optional<Cut> choose() {
-    CellRefs refs{
-        .refs = {}, .box = cell_.box, .path = cell_.path, .size = cell_.size, .first = &cell_.first};
+    CellRefs refs{.refs = {},
+                  .box = cell_.box,
+                  .path = cell_.path,
+                  .size = cell_.size,
+                  .first = &cell_.first};
     if (!runs_passes(context_.builder)) return choose_whole(refs);
     const RunPass run = [this](const PassKernel& kernel) {
-      const Stage& stage = replay_.next(
-          list_->slices(), [list = list_, kernel](std::size_t slice, BuildCounters&) {
+      const Stage& stage =
+          replay_.next(list_->slices(), [list = list_, kernel](std::size_t slice, BuildCounters&) {
             auto result = std::make_unique<SliceResult>();
             for (const std::span<const BoxRef> part : list->slice(slice))
               result->sums += kernel(part);
@@ -181,8 +180,7 @@ class LongList {
   std::size_t sift(const Sieve& sieve, Division& out) {
     const Stage& stage = replay_.next(
         list_->slices(), [list = list_, sieve](std::size_t slice, BuildCounters& counters) {
-          Sides sides =
-              sift_spans(sieve, list->slice(slice), list->slice_size(slice), counters);
+          Sides sides = sift_spans(sieve, list->slice(slice), list->slice_size(slice), counters);
           auto result = std::make_unique<SliceResult>();
           result->left = std::make_shared<const BoxList>(std::move(sides.left));
           result->right = std::make_shared<const BoxList>(std::move(sides.right));
@@ -200,9 +198,9 @@ class LongList {
   }
 
   Part open() {
-    const Stage& stage = replay_.next(
-        list_->slices(), [list = list_, source = context_.source, box = cell_.box](
-                             std::size_t slice, BuildCounters& counters) {
+    const Stage& stage =
+        replay_.next(list_->slices(), [list = list_, source = context_.source, box = cell_.box](
+                                          std::size_t slice, BuildCounters& counters) {
           auto result = std::make_unique<SliceResult>();
           BoxList finer;
           result->openable = open_once(source, list->slice(slice), box, finer, counters);
@@ -246,8 +244,7 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
     return std::move(division);
   };
   if (cell.openable && cell.size <= kOpenBelow) return finer();
-  const std::optional<Cut> cut =
-      cell.path.depth < context.max_depth ? list.choose() : std::nullopt;
+  const std::optional<Cut> cut = cell.path.depth < context.max_depth ? list.choose() : std::nullopt;
   if (cut) {
     Sieve sieve{context.builder,
                 std::nullopt,
@@ -272,20 +269,20 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
 
 /// Makes the list of a root.
 Division list_root(const DivideContext& context, Replay& replay) {
-  const Stage& stage = replay.next(
-      (context.source.count + kBoxesPerSlice - 1) / kBoxesPerSlice,
-      [source = context.source](std::size_t slice, BuildCounters& counters) {
-        const std::size_t begin = slice * kBoxesPerSlice,
-                          end = std::min(begin + kBoxesPerSlice, source.count);
-        BoxList list(end - begin);
-        list.shrink(source.list(begin, end, list.all().data(), counters));
-        const std::span<const BoxRef> refs = std::as_const(list).all();
-        auto result = std::make_unique<SliceResult>();
-        result->openable = std::any_of(refs.begin(), refs.end(),
-                                       [](const BoxRef& ref) { return ref.openable(); });
-        result->left = std::make_shared<const BoxList>(std::move(list));
-        return result;
-      });
+  const Stage& stage =
+      replay.next((context.source.count + kBoxesPerSlice - 1) / kBoxesPerSlice,
+                  [source = context.source](std::size_t slice, BuildCounters& counters) {
+                    const std::size_t begin = slice * kBoxesPerSlice,
+                                      end = std::min(begin + kBoxesPerSlice, source.count);
+                    BoxList list(end - begin);
+                    list.shrink(source.list(begin, end, list.all().data(), counters));
+                    const std::span<const BoxRef> refs = std::as_const(list).all();
+                    auto result = std::make_unique<SliceResult>();
+                    result->openable = std::any_of(
+                        refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.openable(); });
+                    result->left = std::make_shared<const BoxList>(std::move(list));
+                    return result;
+                  });
   Division division;
   division.kind = Division::Kind::kFiner;
   division.left = gather(stage, &SliceResult::left, &SliceResult::left_scan);

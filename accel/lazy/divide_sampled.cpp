@@ -50,12 +50,12 @@ class LongSource {
 
 std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const DeferredCell& cell,
                                            const LongSource& source, Replay& replay) {
-  const Stage& stage = replay.next(
-      1, [source, builder = context.builder, box = cell.box, path = cell.path,
-          depth = context.max_depth](std::size_t, BuildCounters& counters) {
+  const Stage& stage =
+      replay.next(1, [source, builder = context.builder, box = cell.box, path = cell.path,
+                      depth = context.max_depth](std::size_t, BuildCounters& counters) {
         auto result = std::make_unique<SliceResult>();
-        result->cuts = std::make_shared<const CutTree>(
-            builder, source.sample(counters), box, path, CutTree::kMostLevels, depth, counters);
+        result->cuts = std::make_shared<const CutTree>(builder, source.sample(counters), box, path,
+                                                       CutTree::kMostLevels, depth, counters);
         return result;
       });
   return stage[0].cuts;
@@ -71,10 +71,9 @@ std::optional<Division> divide_sampled(const DivideContext& context, const Defer
     return std::nullopt;
   const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);
   if (cuts->empty()) return std::nullopt;
-  const Stage& stage = replay.next(
-      source.slices(), [source, cuts](std::size_t slice, BuildCounters& counters) {
-        const std::span<BoxRef> room =
-            scratch(kBoxesPerSlice + CutTree::room(kBoxesPerSlice));
+  const Stage& stage =
+      replay.next(source.slices(), [source, cuts](std::size_t slice, BuildCounters& counters) {
+        const std::span<BoxRef> room = scratch(kBoxesPerSlice + CutTree::room(kBoxesPerSlice));
         const std::size_t n = source.slice(slice, room.data(), counters);
         auto result = std::make_unique<SliceResult>();
         result->parts = cuts->divide(room.first(n), room.data() + n, counters);

@@ -80,8 +80,7 @@ class Faces {
     const auto one = hn::Set(du, 1);
     const auto below_zero = hn::RebindMask(du, hn::Lt(x, hn::Zero(d)));
     const auto next = hn::IfThenElse(below_zero, hn::Sub(bits, one), hn::Add(bits, one));
-    return hn::Max(hn::BitCast(d, next),
-                   hn::Add(x, hn::Set(d, std::numeric_limits<float>::min())));
+    return hn::Max(hn::BitCast(d, next), hn::Add(x, hn::Set(d, std::numeric_limits<float>::min())));
   }
 
   HWY_INLINE Four vertex(std::uint32_t i) const {
@@ -211,8 +210,7 @@ FaceSum sum_faces(const MeshView& mesh, std::size_t begin, std::size_t end) {
   return sum_one_by_one(mesh, begin, end);
 }
 
-std::size_t face_references(const MeshView& mesh, std::size_t begin, std::size_t end,
-                            BoxRef* out) {
+std::size_t face_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out) {
   return HWY_DYNAMIC_DISPATCH(references)(mesh, begin, end, out);
 }
 

@@ -19,10 +19,10 @@ std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face);
 struct FaceSum {
   static constexpr std::size_t kNone = ~std::size_t{0};
 
-  std::uint64_t triangles = 0;  ///< Faces that hold one.
-  std::uint64_t finite = 0;     ///< With good indices and finite vertices.
+  std::uint64_t triangles = 0;    ///< Faces that hold one.
+  std::uint64_t finite = 0;       ///< With good indices and finite vertices.
   std::size_t first_bad = kNone;  ///< The first face with an index out of range.
-  Aabb box;                     ///< Of the finite ones' face_bounds.
+  Aabb box;                       ///< Of the finite ones' face_bounds.
 
   void add(const FaceSum& o);
 };
@@ -32,7 +32,6 @@ FaceSum sum_faces(const MeshView& mesh, std::size_t begin, std::size_t end);
 
 /// Writes a reference of weight one for every face from `begin` to `end` that has bounds; there is
 /// room for all. Returns how many. Their indices are good.
-std::size_t face_references(const MeshView& mesh, std::size_t begin, std::size_t end,
-                            BoxRef* out);
+std::size_t face_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out);
 
 }  // namespace sightline::accel

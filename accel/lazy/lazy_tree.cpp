@@ -49,9 +49,7 @@ void collect_unbuilt(const KdTree& tree, AtomicSlot& slot, std::vector<AtomicSlo
   collect_unbuilt(tree, children[1], found);
 }
 
-bool is_large(const DeferredCell& cell) {
-  return !cell.listed || cell.list.sliced() != nullptr;
-}
+bool is_large(const DeferredCell& cell) { return !cell.listed || cell.list.sliced() != nullptr; }
 
 Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool& fresh) {
   SharedWork* work = cell.expansion.load(std::memory_order_acquire);
@@ -166,8 +164,8 @@ Expanded LazyTree::expand_large(AtomicSlot& slot, DeferredCell& cell, AtBusy at_
 Expanded LazyTree::lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
                         BuildCounters& counters) {
   tree_.reserve(closed_);
-  const Slot built = make_slot(
-      divide_long(context_, cell, Replay(expansion, counters), counters), cell);
+  const Slot built =
+      make_slot(divide_long(context_, cell, Replay(expansion, counters), counters), cell);
   std::uint64_t expected = Slot::deferred(&cell).bits();
   if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
     counters += expansion.take_counters();

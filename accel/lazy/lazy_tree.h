@@ -28,8 +28,8 @@ enum class AtBusy : std::uint8_t {
 class LazyTree {
  public:
   /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
-  /// bound. `mesh`: what the closed ones
-  /// are faces of, for builders that clip; null if they are not. Must outlive the tree.
+  /// bound. `mesh`: what the closed ones are faces of, for builders that clip; null if they are
+  /// not. Must outlive the tree.
   LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
            ReferenceSource source, const MeshView* mesh = nullptr);
 
@@ -38,8 +38,8 @@ class LazyTree {
 
   /// Called by a ray that meets an unbuilt slot.
   ///
-  /// First touch: one cell is cut into two deferred ones. A cell of at most kFinishBelow references
-  /// is finished whole.
+  /// First touch: one cell is divided (Division), and what comes of it is deferred. A cell of at
+  /// most kFinishBelow closed references is finished whole.
   Expanded expand(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
 
   /// How far the expansion of a busy slot is; grows while there is progress.
@@ -60,7 +60,8 @@ class LazyTree {
   Slot make_slot(Division division, const DeferredCell& cell);
   Slot make_slot(Division& division, const CutTree::Node& node);
   Slot defer(Part part, const Aabb& box, const CellPath& path);
-  Slot finish(const DeferredCell& cell, BuildCounters& counters, const std::atomic<bool>* cancelled);
+  Slot finish(const DeferredCell& cell, BuildCounters& counters,
+              const std::atomic<bool>* cancelled);
   void complete(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);
   void complete_cell(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters,
                      const std::atomic<bool>* cancelled);

@@ -17,13 +17,13 @@ namespace sightline::accel {
 
 /// What comes of one slice. Each kind of pass fills its part.
 struct SliceResult {
-  PassResult sums;                                ///< Scanning.
-  std::shared_ptr<const BoxList> left, right;     ///< Sifting; opening and listing fill `left`.
-  FirstScan left_scan, right_scan;                ///< Of the children's lists.
-  std::size_t straddling = 0;                     ///< Openable references on both sides.
-  bool openable = false;                          ///< There may be openable ones in the lists.
-  std::optional<Cut> cut;                         ///< Choosing, where a builder takes no slices.
-  std::shared_ptr<const CutTree> cuts;            ///< Choosing by a sample.
+  PassResult sums;                             ///< Scanning.
+  std::shared_ptr<const BoxList> left, right;  ///< Sifting; opening and listing fill `left`.
+  FirstScan left_scan, right_scan;             ///< Of the children's lists.
+  std::size_t straddling = 0;                  ///< Openable references on both sides.
+  bool openable = false;                       ///< There may be openable ones in the lists.
+  std::optional<Cut> cut;                      ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const CutTree> cuts;         ///< Choosing by a sample.
   std::vector<std::shared_ptr<const BoxList>> parts;  ///< Sifting by these cuts.
 };
 

@@ -51,8 +51,8 @@ void KdTree::reserve(std::size_t references) {
       std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
   Room* room = room_.load(std::memory_order_acquire);
   if (room == nullptr) {
-    auto fresh = std::make_unique<Room>(Reservation<AtomicSlot>(2 * pairs),
-                                        Reservation<std::uint32_t>(ids));
+    auto fresh =
+        std::make_unique<Room>(Reservation<AtomicSlot>(2 * pairs), Reservation<std::uint32_t>(ids));
     if (room_.compare_exchange_strong(room, fresh.get(), std::memory_order_acq_rel))
       room = fresh.release();
   }

@@ -74,8 +74,8 @@ ReferenceSource source_of_faces(const MeshView& mesh) {
 std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
                                     const ExactBuilder& builder) {
   const MeshSurvey survey = survey_mesh(mesh.view(), References::kSoup);
-  return std::make_unique<LazyTree>(
-      survey.bounds, survey.finite_triangles, AnyBuilder(builder), source_of_faces(view), &view);
+  return std::make_unique<LazyTree>(survey.bounds, survey.finite_triangles, AnyBuilder(builder),
+                                    source_of_faces(view), &view);
 }
 
 void touch_all(LazyTree& tree, AtomicSlot& slot) {
@@ -195,9 +195,8 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   const std::vector<BoxRef> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
-    trees.push_back(
-        std::make_unique<LazyTree>(bounds_of(refs), refs.size(),
-                                   AnyBuilder(ExactBuilder{.search = search}), source_of(refs)));
+    trees.push_back(std::make_unique<LazyTree>(
+        bounds_of(refs), refs.size(), AnyBuilder(ExactBuilder{.search = search}), source_of(refs)));
     BuildCounters counters;
     trees.back()->expand_all(counters);
   }

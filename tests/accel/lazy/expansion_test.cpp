@@ -111,8 +111,7 @@ struct ManyBoxes {
   std::function<void()> at_slice = [] {};
 
   explicit ManyBoxes(std::size_t count)
-      : refs(std::make_shared<const std::vector<BoxRef>>(tests::random_boxes(count, 0.002, 5))) {
-  }
+      : refs(std::make_shared<const std::vector<BoxRef>>(tests::random_boxes(count, 0.002, 5))) {}
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
@@ -124,8 +123,8 @@ struct ManyBoxes {
       return end - begin;
     };
     source.alive = refs;
-    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(),
-                                      default_builder(), source);
+    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), default_builder(),
+                                      source);
   }
 };
 
@@ -166,7 +165,9 @@ TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   for (const BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
   const EpochPin pin;
   EXPECT_EQ(load(together->root()).position(), load(alone->root()).position());
-  const auto cells = [](const LazyTree& t) { return measure_growth(t.tree(), 400'000).cells_built; };
+  const auto cells = [](const LazyTree& t) {
+    return measure_growth(t.tree(), 400'000).cells_built;
+  };
   EXPECT_EQ(cells(*together), cells(*alone));
 }
 

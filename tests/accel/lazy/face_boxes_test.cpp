@@ -18,9 +18,22 @@ namespace {
 /// Coordinates that are equal, next to each other, denormal, huge, signed zeros, or not finite.
 std::vector<Vec3f> odd_vertices(std::size_t count, bool finite) {
   constexpr float kTiny = std::numeric_limits<float>::min();
-  const float values[] = {0.0f, -0.0f, 1.0f, std::nextafter(1.0f, 2.0f), std::nextafter(1.0f, 0.0f),
-                          -1.0f, kTiny, -kTiny, kTiny / 2, -kTiny / 4, 2 * kTiny,
-                          std::numeric_limits<float>::denorm_min(), 1e30f, -3e38f, 3e38f, 0.3f,
+  const float values[] = {0.0f,
+                          -0.0f,
+                          1.0f,
+                          std::nextafter(1.0f, 2.0f),
+                          std::nextafter(1.0f, 0.0f),
+                          -1.0f,
+                          kTiny,
+                          -kTiny,
+                          kTiny / 2,
+                          -kTiny / 4,
+                          2 * kTiny,
+                          std::numeric_limits<float>::denorm_min(),
+                          1e30f,
+                          -3e38f,
+                          3e38f,
+                          0.3f,
                           std::numeric_limits<float>::infinity(),
                           -std::numeric_limits<float>::infinity(),
                           std::numeric_limits<float>::quiet_NaN()};

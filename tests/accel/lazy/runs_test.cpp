@@ -1,4 +1,5 @@
-// Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and without.
+// Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and
+// without.
 #include "accel/lazy/runs.h"
 
 #include <gtest/gtest.h>
