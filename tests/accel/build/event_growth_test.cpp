@@ -225,12 +225,12 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     scratch.reserve(cell.size);
     const AnyBuilder builder = ExactBuilder{};
     const GrowContext context{scratch, builder, &view, 60, &cancelled};
-    const BoxList whole = cell.list.copy();
-    std::vector<BoxRef> list(whole.all().begin(), whole.all().end());
+    const BoxList listed = cell.list.copy();
+    std::vector<BoxRef> list(listed.all().begin(), listed.all().end());
     const Slot again = grow(context, list, cell.box, cell.path, counters);
     ASSERT_TRUE(again.is_unbuilt());
     const BoxList deferred = again.cell()->list.copy();
-    const auto before = whole.all(), after = deferred.all();
+    const auto before = listed.all(), after = deferred.all();
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
       ASSERT_EQ(before[k].id, after[k].id);
