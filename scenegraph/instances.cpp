@@ -52,7 +52,9 @@ void Instances::begin() const {
   accel::Aabb bounds;
   for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::ReferenceSource source = accel::source_of(made->coarsest);
-  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out) { open(ref, out); };
+  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out, accel::BuildCounters&) {
+    open(ref, out);
+  };
   made->tree = std::make_unique<accel::LazyTree>(bounds, size(), accel::default_builder(),
                                                  std::move(source));
   const Beginning* none = nullptr;

@@ -28,7 +28,7 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
   }
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), std::move(faces));
   const accel::MeshView view{arrays->vertices, arrays->faces};
-  accel::MeshSurvey survey = accel::survey_mesh(view, references);
+  const accel::MeshSurvey survey = accel::survey_mesh(view);
   if (const std::size_t bad = survey.first_bad_face; bad < view.faces.size())
     return bad_index(view.faces[bad], bad, view.vertices.size());
 
@@ -37,7 +37,7 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
   mesh->bounds_ = survey.bounds;
   mesh->triangles_ = survey.triangles;
   mesh->nonfinite_ = survey.triangles - survey.finite_triangles;
-  mesh->tree_ = std::make_unique<accel::MeshTree>(view, std::move(survey), builder, arrays);
+  mesh->tree_ = std::make_unique<accel::MeshTree>(view, survey, builder, references, arrays);
   return std::shared_ptr<const Mesh>(std::move(mesh));
 }
 

@@ -30,7 +30,7 @@ class Mesh {
       accel::References references = accel::References::kRuns);
 
   accel::MeshView view() const { return {arrays_->vertices, arrays_->faces}; }
-  /// Of the finite triangles, each widened as widen_flat does; empty if there is none.
+  /// Holds the finite triangles, closely; of positive extent, empty if there is none.
   const accel::Aabb& bounds() const { return bounds_; }
   std::uint64_t faces() const {
     return arrays_->faces.size();

@@ -89,6 +89,15 @@ inline Aabb widen_flat(Aabb b) {
   return b;
 }
 
+/// Holds every box that lies in `b`, widened by widen_flat.
+inline Aabb padded(Aabb b) {
+  if (b.empty()) return b;
+  const Aabb lo = widen_flat({b.lo, b.lo}), hi = widen_flat({b.hi, b.hi});
+  b.grow(lo);
+  b.grow(hi);
+  return b;
+}
+
 /// Whether a reference with these bounds belongs to a cell. A pure function of the two boxes.
 inline bool is_member(const Aabb& bounds, const Aabb& cell) {
   return bounds.lo.x < cell.hi.x && bounds.hi.x > cell.lo.x && bounds.lo.y < cell.hi.y &&

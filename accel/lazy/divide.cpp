@@ -85,7 +85,7 @@ bool open_once(const ReferenceSource& source, std::span<const std::span<const Bo
         finer.push_back(ref);
         continue;
       }
-      source.open(ref, finer);
+      source.open(ref, finer, counters);
       counters.touches += finer.size() - before;
       const auto kept = std::remove_if(
           finer.begin() + static_cast<std::ptrdiff_t>(before), finer.end(),
@@ -268,21 +268,20 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
 }
 
 /// Makes the list of a root.
-Division list_root(const DivideContext& context, Replay& replay) {
-  const Stage& stage =
-      replay.next((context.source.count + kBoxesPerSlice - 1) / kBoxesPerSlice,
-                  [source = context.source](std::size_t slice, BuildCounters& counters) {
-                    const std::size_t begin = slice * kBoxesPerSlice,
-                                      end = std::min(begin + kBoxesPerSlice, source.count);
-                    BoxList list(end - begin);
-                    list.shrink(source.list(begin, end, list.all().data(), counters));
-                    const std::span<const BoxRef> refs = std::as_const(list).all();
-                    auto result = std::make_unique<SliceResult>();
-                    result->openable = std::any_of(
-                        refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.openable(); });
-                    result->left = std::make_shared<const BoxList>(std::move(list));
-                    return result;
-                  });
+Division list_root(const DivideContext& context, Replay& replay, BuildCounters& counters) {
+  const ReferenceSource::Coarsest coarsest = context.source.coarsest(counters);
+  const Stage& stage = replay.next(
+      (coarsest.places + kBoxesPerSlice - 1) / kBoxesPerSlice,
+      [source = context.source, coarsest](std::size_t slice, BuildCounters& slice_counters) {
+        const std::size_t begin = slice * kBoxesPerSlice,
+                          end = std::min(begin + kBoxesPerSlice, coarsest.places);
+        BoxList list(end - begin);
+        list.shrink(source.list(begin, end, list.all().data(), slice_counters));
+        auto result = std::make_unique<SliceResult>();
+        result->openable = coarsest.openable;
+        result->left = std::make_shared<const BoxList>(std::move(list));
+        return result;
+      });
   Division division;
   division.kind = Division::Kind::kFiner;
   division.left = gather(stage, &SliceResult::left, &SliceResult::left_scan);
@@ -313,9 +312,9 @@ Division divide_short(const DivideContext& context, const DeferredCell& cell,
 
 Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
                      BuildCounters& counters) {
-  if (std::optional<Division> division = divide_sampled(context, cell, replay))
+  if (std::optional<Division> division = divide_sampled(context, cell, replay, counters))
     return std::move(*division);
-  if (!cell.listed) return list_root(context, replay);
+  if (!cell.listed) return list_root(context, replay, counters);
   return divide(context, cell, LongList(context, cell, replay, counters));
 }
 

@@ -50,7 +50,7 @@ Division divide_long(const DivideContext& context, const DeferredCell& cell, Rep
 /// The same where a sample of the list tells how: for builders that take samples, and at least
 /// kSampleFrom references that cannot be opened. Nothing otherwise, or if the sample does not tell.
 std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
-                                       Replay& replay);
+                                       Replay& replay, BuildCounters& counters);
 
 /// Opens what is openable in a list until nothing is, and leaves out what does not reach into the
 /// cell.

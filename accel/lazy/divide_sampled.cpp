@@ -9,10 +9,20 @@ namespace {
 /// A long list as slices and as single references, whoever has it. Owns it.
 class LongSource {
  public:
-  LongSource(const ReferenceSource& source, const DeferredCell& cell)
-      : source_(source), list_(cell.list.sliced()) {}
+  LongSource(const ReferenceSource& source, const DeferredCell& cell, BuildCounters& counters)
+      : source_(source), list_(cell.list.sliced()) {
+    if (list_) {
+      size_ = list_->size();
+      openable_ = cell.openable;
+    } else {
+      const ReferenceSource::Coarsest coarsest = source.coarsest(counters);
+      size_ = coarsest.places;
+      openable_ = coarsest.openable;
+    }
+  }
 
-  std::size_t size() const { return list_ ? list_->size() : source_.count; }
+  std::size_t size() const { return size_; }
+  bool openable() const { return openable_; }
   std::size_t slices() const { return (size() + kBoxesPerSlice - 1) / kBoxesPerSlice; }
 
   /// Writes a slice; returns how many references it has.
@@ -46,6 +56,8 @@ class LongSource {
  private:
   ReferenceSource source_;
   std::shared_ptr<const SlicedList> list_;
+  std::size_t size_ = 0;
+  bool openable_ = false;
 };
 
 std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const DeferredCell& cell,
@@ -64,19 +76,18 @@ std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const D
 }  // namespace
 
 std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
-                                       Replay& replay) {
-  const LongSource source(context.source, cell);
-  if (cell.openable || context.source.open || !takes_samples(context.builder) ||
-      source.size() < kSampleFrom)
-    return std::nullopt;
+                                       Replay& replay, BuildCounters& counters) {
+  if (!takes_samples(context.builder)) return std::nullopt;
+  const LongSource source(context.source, cell, counters);
+  if (source.openable() || source.size() < kSampleFrom) return std::nullopt;
   const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);
   if (cuts->empty()) return std::nullopt;
   const Stage& stage =
-      replay.next(source.slices(), [source, cuts](std::size_t slice, BuildCounters& counters) {
+      replay.next(source.slices(), [source, cuts](std::size_t slice, BuildCounters& of_slice) {
         const std::span<BoxRef> room = scratch(kBoxesPerSlice + CutTree::room(kBoxesPerSlice));
-        const std::size_t n = source.slice(slice, room.data(), counters);
+        const std::size_t n = source.slice(slice, room.data(), of_slice);
         auto result = std::make_unique<SliceResult>();
-        result->parts = cuts->divide(room.first(n), room.data() + n, counters);
+        result->parts = cuts->divide(room.first(n), room.data() + n, of_slice);
         return result;
       });
   Division division;

@@ -67,7 +67,7 @@ Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool&
 
 LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
                    ReferenceSource source, const MeshView* mesh)
-    : tree_(bounds, std::min(closed, source.count)),
+    : tree_(bounds, closed),
       builder_(builder),
       source_(std::move(source)),
       closed_(closed),

@@ -1,21 +1,15 @@
-// One pass over a mesh's arrays: are the indices good, where do its triangles lie, and do those lie
-// together that follow each other.
+// What has to be known of a mesh's arrays before any ray comes: are the indices good, what can be
+// hit, and where does it lie.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
+#include "accel/geometry/aabb.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/lazy/face_boxes.h"
-#include "accel/lazy/runs.h"
 
 namespace sightline::accel {
-
-/// What a mesh's tree begins with.
-enum class References : std::uint8_t {
-  kSoup,  ///< Every triangle on its own, as in the paper.
-  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
-};
 
 struct MeshSurvey {
   std::uint64_t triangles = 0;         ///< Faces that hold one.
@@ -23,11 +17,14 @@ struct MeshSurvey {
   /// The first face with an index out of range; it and its like count as triangles, never as
   /// finite.
   std::size_t first_bad_face = FaceSum::kNone;
-  Aabb bounds;  ///< Of the finite triangles, each widened as widen_flat does.
-  Runs runs;    ///< Empty for a soup.
+  /// Holds the finite triangles; vertices that none of them has may make it larger, but not by
+  /// much. Of positive extent; empty if there is none.
+  Aabb bounds;
 };
 
-/// Parallel in the caller's arena; the result does not depend on it.
-MeshSurvey survey_mesh(const MeshView& mesh, References references);
+/// Streams through the arrays once, and looks at single faces only where something is odd: an index
+/// out of range, a vertex that is not finite, vertices far from the faces. Parallel in the caller's
+/// arena; the result does not depend on it.
+MeshSurvey survey_mesh(const MeshView& mesh);
 
 }  // namespace sightline::accel

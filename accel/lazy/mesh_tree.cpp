@@ -3,36 +3,11 @@
 
 #include <algorithm>
 
+#include "accel/lazy/face_boxes.h"
+#include "accel/lazy/runs.h"
+
 namespace sightline::accel {
 namespace {
-
-std::size_t run_end(const MeshView& mesh, std::size_t first_face) {
-  return std::min(first_face + Runs::kRunLength, mesh.faces.size());
-}
-
-/// Runs, opened into runs and faces.
-ReferenceSource source_of_runs(const MeshView& mesh, std::shared_ptr<const Runs> runs,
-                               std::shared_ptr<const void> alive) {
-  ReferenceSource source = source_of(runs->coarsest());
-  source.list = [runs, list = source.list, faces = mesh.faces.size()](
-                    std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) {
-    if (begin == 0) counters.touches_prepare += faces;
-    BuildCounters copied;
-    return list(begin, end, out, copied);
-  };
-  source.open = [runs, mesh](const BoxRef& run, std::vector<BoxRef>& out) {
-    if (const std::optional<std::size_t> first = Runs::first_face(run)) {
-      const std::size_t before = out.size();
-      out.resize(before + Runs::kRunLength);
-      out.resize(before + face_references(mesh, *first, run_end(mesh, *first), &out[before]));
-      return;
-    }
-    const std::span<const BoxRef> finer = runs->finer(run);
-    out.insert(out.end(), finer.begin(), finer.end());
-  };
-  source.alive = std::move(alive);
-  return source;
-}
 
 /// Runs are opened by the rule of membership, which builders do not follow that choose the side of
 /// flat boxes.
@@ -40,16 +15,50 @@ bool takes_runs(const AnyBuilder& builder) {
   return !std::holds_alternative<ExactBuilder>(builder);
 }
 
-/// Every face on its own.
-ReferenceSource source_of_faces(const MeshView& mesh, std::shared_ptr<const void> alive) {
-  ReferenceSource source;
-  source.count = mesh.faces.size();
-  source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) {
+/// A mesh's faces, or runs of them: decided by whoever asks first.
+class Faces {
+ public:
+  Faces(const MeshView& mesh, const Aabb& bounds, bool may_run)
+      : mesh_(mesh), bounds_(bounds), kind_(may_run ? Kind::kUnknown : Kind::kFaces) {}
+
+  ReferenceSource::Coarsest coarsest(BuildCounters& counters) const {
+    Kind kind = kind_.load(std::memory_order_relaxed);
+    if (kind == Kind::kUnknown) {
+      kind = are_runs_compact(mesh_, bounds_, counters) ? Kind::kRuns : Kind::kFaces;
+      kind_.store(kind, std::memory_order_relaxed);
+    }
+    const bool runs = kind == Kind::kRuns;
+    return {.places = runs ? count_runs(mesh_) : mesh_.faces.size(), .openable = runs};
+  }
+
+  std::size_t list(std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) const {
+    if (coarsest(counters).openable) return run_references(mesh_, begin, end, out, counters);
     counters.touches_prepare += end - begin;
-    return face_references(mesh, begin, end, out);
-  };
-  source.alive = std::move(alive);
-  return source;
+    return face_references(mesh_, begin, end, out);
+  }
+
+  void open(const BoxRef& run, std::vector<BoxRef>& out, BuildCounters& counters) const {
+    open_run(mesh_, run, out, counters);
+  }
+
+ private:
+  enum class Kind : std::uint8_t { kUnknown, kFaces, kRuns };
+
+  MeshView mesh_;
+  Aabb bounds_;
+  mutable std::atomic<Kind> kind_;
+};
+
+ReferenceSource source_of_faces(const MeshView& mesh, const Aabb& bounds, bool may_run,
+                                std::shared_ptr<const void> alive) {
+  const auto faces = std::make_shared<const Faces>(mesh, bounds, may_run);
+  return {
+      .coarsest = [faces](BuildCounters& counters) { return faces->coarsest(counters); },
+      .list = [faces](std::size_t begin, std::size_t end, BoxRef* out,
+                      BuildCounters& counters) { return faces->list(begin, end, out, counters); },
+      .open = [faces](const BoxRef& run, std::vector<BoxRef>& out,
+                      BuildCounters& counters) { faces->open(run, out, counters); },
+      .alive = std::move(alive)};
 }
 
 }  // namespace
@@ -57,7 +66,6 @@ ReferenceSource source_of_faces(const MeshView& mesh, std::shared_ptr<const void
 /// What a walk asks at leaves and at cells that are not built.
 struct MeshTree::Visit {
   const MeshView& mesh;
-  const Runs& runs;
   LazyTree& lazy;
   MeshQuery& query;
   const TreeRay& ray;
@@ -125,21 +133,19 @@ struct MeshTree::Visit {
   bool search(const DeferredCell& cell) {
     if (cell.listed)
       return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
-    return runs.empty() ? search_faces(0, mesh.faces.size()) : search(runs.coarsest());
+    return search_faces({0, mesh.faces.size()});
   }
 
   bool search(std::span<const BoxRef> refs) {
     return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
-      if (ref.weight == 0 || !may_meet(ray, ref.bounds(), limit())) return false;
+      if (!may_meet(ray, ref.bounds(), limit())) return false;
       if (!ref.openable()) return test(ref.id);
-      if (const std::optional<std::size_t> first = Runs::first_face(ref))
-        return search_faces(*first, run_end(mesh, *first));
-      return search(runs.finer(ref));
+      return search_faces(faces_of_run(mesh, ref));
     });
   }
 
-  bool search_faces(std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
+  bool search_faces(FaceRange faces) {
+    for (std::size_t i = faces.begin; i < faces.end; ++i) {
       const std::optional<Aabb> box = face_bounds(mesh, i);
       if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
     }
@@ -147,21 +153,21 @@ struct MeshTree::Visit {
   }
 };
 
-MeshTree::MeshTree(MeshView mesh, MeshSurvey survey, const AnyBuilder& builder,
-                   std::shared_ptr<const void> alive)
+MeshTree::MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
+                   References references, std::shared_ptr<const void> alive)
     : mesh_(mesh),
-      runs_(std::make_shared<const Runs>(takes_runs(builder) ? std::move(survey.runs) : Runs())),
-      lazy_(survey.bounds, survey.finite_triangles, builder,
-            runs_->empty() ? source_of_faces(mesh, std::move(alive))
-                           : source_of_runs(mesh, runs_, std::move(alive)),
-            &mesh_) {}
+      lazy_(
+          padded(survey.bounds), survey.finite_triangles, builder,
+          source_of_faces(mesh, survey.bounds,
+                          references == References::kRuns && takes_runs(builder), std::move(alive)),
+          &mesh_) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray))
     return;
-  Visit visit{mesh_, *runs_, lazy_, query, ray, walked, built};
+  Visit visit{mesh_, lazy_, query, ray, walked, built};
   walk(tree(), ray, lazy_.root(), walked, visit);
 }
 

@@ -16,6 +16,12 @@
 
 namespace sightline::accel {
 
+/// What a mesh's tree begins with.
+enum class References : std::uint8_t {
+  kSoup,  ///< Every triangle on its own, as in the paper.
+  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
+};
+
 /// What a walk does at a cell that is not built.
 enum class AtUnbuilt : std::uint8_t {
   kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
@@ -58,9 +64,9 @@ struct MeshQuery {
 class MeshTree {
  public:
   /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
-  /// it is gone (see ReferenceSource::alive).
-  MeshTree(MeshView mesh, MeshSurvey survey, const AnyBuilder& builder,
-           std::shared_ptr<const void> alive = nullptr);
+  /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
+  MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
+           References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
   /// Looks for hits and updates the query.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
@@ -73,14 +79,10 @@ class MeshTree {
   bool untouched() const { return load(tree().root()).is_unbuilt(); }
   const KdTree& tree() const { return lazy_.tree(); }
 
-  /// The tree's own and the runs'.
-  std::uint64_t bytes() const { return tree().bytes() + runs_->bytes(); }
-
  private:
   struct Visit;
 
   MeshView mesh_;
-  std::shared_ptr<const Runs> runs_;
   LazyTree lazy_;
 };
 

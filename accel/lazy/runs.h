@@ -1,45 +1,39 @@
-// Runs of consecutive triangles: the references that a mesh's tree begins with where the order of
-// its faces is compact. Ours; Hunt, Mark, Fussell 2007 begin with a given hierarchy likewise.
+// Runs of consecutive faces: the references that a mesh's tree begins with where the order of its
+// faces is compact. Ours; Hunt, Mark, Fussell 2007 begin with a given hierarchy likewise.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "accel/build/box_ref.h"
+#include "accel/geometry/mesh_view.h"
 
 namespace sightline::accel {
 
-/// Boxes of every kRunLength faces, of every kRunLength of those, and so on. Weights count
-/// triangles; where a run has none, its reference weighs nothing and is never seen.
-class Runs {
- public:
-  static constexpr std::size_t kRunLength = 16;
-  /// A coarsest level of no more than this is coarse enough.
-  static constexpr std::size_t kFewRuns = 256;
+/// Faces of a run, and of the shorter ones that it is opened into; those are opened into faces.
+inline constexpr std::size_t kRunLength = 16, kShortRunLength = 4;
 
-  Runs() = default;
-  /// `first[i]`: box and weight of the faces from kRunLength * i on; ids are given here. `bounds`:
-  /// of them all. Keeps the levels that are compact: none, some or all.
-  Runs(std::vector<BoxRef> first, const Aabb& bounds);
+/// Whether runs lie together well enough to begin with, and are not too few. Looks at some of the
+/// faces. `bounds`: of the mesh.
+bool are_runs_compact(const MeshView& mesh, const Aabb& bounds, BuildCounters& counters);
 
-  bool empty() const { return levels_.empty(); }
+/// Of kRunLength, the last one shorter.
+inline std::size_t count_runs(const MeshView& mesh) {
+  return (mesh.faces.size() + kRunLength - 1) / kRunLength;
+}
 
-  /// Of the coarsest level, those without a triangle among them.
-  std::span<const BoxRef> coarsest() const { return levels_.back(); }
+/// Writes a reference for every run from `begin` to `end` that has a triangle to be hit; there is
+/// room for all. Returns how many. A reference's weight counts triangles.
+std::size_t run_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out,
+                           BuildCounters& counters);
 
-  /// What a run of runs stands for, those without a triangle among them.
-  std::span<const BoxRef> finer(const BoxRef& run) const;
+/// Appends what a run stands for: shorter runs, or faces.
+void open_run(const MeshView& mesh, const BoxRef& run, std::vector<BoxRef>& out,
+              BuildCounters& counters);
 
-  /// The first face of a run of faces; nothing for a run of runs.
-  static std::optional<std::size_t> first_face(const BoxRef& run);
-
-  std::uint64_t bytes() const;
-
- private:
-  std::vector<std::vector<BoxRef>> levels_;  // levels_[0]: runs of faces
+struct FaceRange {
+  std::size_t begin = 0, end = 0;
 };
+FaceRange faces_of_run(const MeshView& mesh, const BoxRef& run);
 
 }  // namespace sightline::accel

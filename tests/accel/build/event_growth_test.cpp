@@ -64,7 +64,9 @@ std::size_t expect_same(const KdTree& a, const KdTree& b) {
 
 ReferenceSource source_of_faces(const MeshView& mesh) {
   ReferenceSource source;
-  source.count = mesh.faces.size();
+  source.coarsest = [mesh](BuildCounters&) {
+    return ReferenceSource::Coarsest{.places = mesh.faces.size()};
+  };
   source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters&) {
     return face_references(mesh, begin, end, out);
   };
@@ -73,9 +75,9 @@ ReferenceSource source_of_faces(const MeshView& mesh) {
 
 std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
                                     const ExactBuilder& builder) {
-  const MeshSurvey survey = survey_mesh(mesh.view(), References::kSoup);
-  return std::make_unique<LazyTree>(survey.bounds, survey.finite_triangles, AnyBuilder(builder),
-                                    source_of_faces(view), &view);
+  const MeshSurvey survey = survey_mesh(mesh.view());
+  return std::make_unique<LazyTree>(padded(survey.bounds), survey.finite_triangles,
+                                    AnyBuilder(builder), source_of_faces(view), &view);
 }
 
 void touch_all(LazyTree& tree, AtomicSlot& slot) {

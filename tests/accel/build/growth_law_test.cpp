@@ -32,7 +32,7 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const AnyBuilder& builder) {
-  MeshTree tree(mesh.view(), survey_mesh(mesh.view(), References::kSoup), builder);
+  MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, References::kSoup);
   BuildCounters counters;
   tree.expand_all(counters);
   return static_cast<double>(counters.touches);

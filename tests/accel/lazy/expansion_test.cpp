@@ -115,7 +115,9 @@ struct ManyBoxes {
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.count = refs->size();
+    source.coarsest = [places = refs->size()](BuildCounters&) {
+      return ReferenceSource::Coarsest{.places = places};
+    };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
                                                      BoxRef* out, BuildCounters&) {
       at_slice();

@@ -29,7 +29,7 @@ struct Answer {
 
 std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const AnyBuilder& builder = {},
                                     References references = References::kRuns) {
-  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view(), references), builder);
+  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
 }
 
 MeshQuery query_of(const Ray& ray) {
@@ -250,7 +250,8 @@ TEST(MeshTree, GrowsOnlyWhereRaysLook) {
     tree->query(query, walked, first);
   }
   EXPECT_GT(first.cells_expanded, 0u);
-  EXPECT_EQ(first.touches_prepare, mesh.faces.size());
+  EXPECT_GE(first.touches_prepare, mesh.faces.size());
+  EXPECT_LT(first.touches_prepare, 2 * mesh.faces.size());
   const GrowthMetrics growth = measure_growth(tree->tree(), mesh.faces.size());
   EXPECT_GT(growth.references_built, 0u);
   EXPECT_LT(growth.references_built, mesh.faces.size() / 5);

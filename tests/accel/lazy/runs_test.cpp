@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <vector>
 
+#include "accel/lazy/face_boxes.h"
 #include "accel/lazy/mesh_survey.h"
 #include "accel/lazy/mesh_tree.h"
 #include "accel/tree/epoch.h"
@@ -45,60 +45,62 @@ TestMesh shuffled(TestMesh mesh) {
 }
 
 /// Counts each face that a run leads to, and checks that boxes hold what they stand for.
-void visit(const MeshView& mesh, const Runs& runs, const BoxRef& run, std::vector<int>& seen) {
-  if (run.weight == 0) return;
-  ASSERT_TRUE(run.openable());
-  const auto holds = [&](const Aabb& box) {
-    Aabb both = run.bounds();
-    both.grow(box);
-    return both == run.bounds();
-  };
-  if (const auto first = Runs::first_face(run)) {
-    std::uint32_t weight = 0;
-    for (std::size_t i = *first; i < std::min(*first + Runs::kRunLength, mesh.faces.size()); ++i) {
-      const auto box = face_bounds(mesh, i);
-      if (!box) continue;
-      ++seen[i];
-      ++weight;
-      ASSERT_TRUE(holds(*box));
-    }
-    ASSERT_EQ(weight, run.weight);
-    return;
-  }
+void visit(const MeshView& mesh, const BoxRef& run, std::vector<int>& seen) {
+  std::vector<BoxRef> finer;
+  BuildCounters counters;
+  open_run(mesh, run, finer, counters);
+  const FaceRange faces = faces_of_run(mesh, run);
+  ASSERT_EQ(counters.touches_prepare, faces.end - faces.begin);
   std::uint32_t weight = 0;
-  for (const BoxRef& finer : runs.finer(run)) {
-    weight += finer.weight;
-    if (finer.weight > 0) {
-      ASSERT_TRUE(holds(finer.bounds()));
+  for (const BoxRef& ref : finer) {
+    Aabb both = run.bounds();
+    both.grow(ref.bounds());
+    ASSERT_EQ(both, run.bounds());
+    ASSERT_GT(ref.weight, 0u);
+    weight += ref.weight;
+    if (ref.openable()) {
+      visit(mesh, ref, seen);
+      continue;
     }
-    visit(mesh, runs, finer, seen);
+    ASSERT_TRUE(ref.id >= faces.begin && ref.id < faces.end);
+    ASSERT_EQ(ref.bounds(), *face_bounds(mesh, ref.id));
+    ++seen[ref.id];
   }
   ASSERT_EQ(weight, run.weight);
 }
 
 TEST(Runs, LeadToEveryFiniteTriangleOnce) {
-  for (const std::uint32_t side : {64u, 100u, 257u}) {
+  for (const std::uint32_t side : {3u, 64u, 100u, 257u}) {
     TestMesh mesh = waves(side);
-    for (std::size_t i = 40; i < 75; ++i) mesh.faces[i] = {kNoVertex, kNoVertex, kNoVertex};
-    mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
-    const MeshSurvey survey = survey_mesh(mesh.view(), References::kRuns);
-    ASSERT_FALSE(survey.runs.empty());
-    std::vector<int> seen(mesh.faces.size());
-    for (const BoxRef& run : survey.runs.coarsest()) visit(mesh.view(), survey.runs, run, seen);
-    std::uint64_t finite = 0;
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-      ASSERT_EQ(seen[i], face_bounds(mesh.view(), i) ? 1 : 0) << i;
-      finite += static_cast<std::uint64_t>(seen[i]);
+    if (side > 10) {
+      for (std::size_t i = 40; i < 75; ++i) mesh.faces[i] = {kNoVertex, kNoVertex, kNoVertex};
+      mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
     }
-    EXPECT_EQ(finite, survey.finite_triangles);
+    const MeshView view = mesh.view();
+    std::vector<BoxRef> runs(count_runs(view));
+    BuildCounters counters;
+    runs.resize(run_references(view, 0, runs.size(), runs.data(), counters));
+    EXPECT_EQ(counters.touches_prepare, view.faces.size());
+    std::vector<int> seen(view.faces.size());
+    for (const BoxRef& run : runs) {
+      ASSERT_TRUE(run.openable());
+      visit(view, run, seen);
+    }
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i)
+      ASSERT_EQ(seen[i], face_bounds(view, i) ? 1 : 0) << i;
   }
 }
 
+bool compact(const TestMesh& mesh) {
+  BuildCounters counters;
+  return are_runs_compact(mesh.view(), survey_mesh(mesh.view()).bounds, counters);
+}
+
 TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
-  EXPECT_TRUE(survey_mesh(shuffled(waves(100)).view(), References::kRuns).runs.empty());
-  EXPECT_TRUE(survey_mesh(waves(20).view(), References::kRuns).runs.empty()) << "few triangles";
-  EXPECT_TRUE(survey_mesh(waves(100).view(), References::kSoup).runs.empty());
-  EXPECT_TRUE(survey_mesh(TestMesh{}.view(), References::kRuns).runs.empty());
+  EXPECT_TRUE(compact(waves(100)));
+  EXPECT_FALSE(compact(shuffled(waves(100))));
+  EXPECT_FALSE(compact(waves(20))) << "few triangles";
+  EXPECT_FALSE(compact(TestMesh{}));
 }
 
 MeshQuery ask(MeshTree& tree, const Ray& ray, BuildCounters& built) {
@@ -125,8 +127,9 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   for (const std::string_view name : builder_names()) {
     if (name == "sah-naive") continue;
     const AnyBuilder builder = *make_builder(name);
-    MeshTree runs(view, survey_mesh(view, References::kRuns), builder);
-    MeshTree soup(view, survey_mesh(view, References::kSoup), builder);
+    const MeshSurvey survey = survey_mesh(view);
+    MeshTree runs(view, survey, builder, References::kRuns);
+    MeshTree soup(view, survey, builder, References::kSoup);
     BuildCounters of_runs, of_soup;
     for (const Ray& ray : rays) {
       const MeshQuery a = ask(runs, ray, of_runs), b = ask(soup, ray, of_soup);
@@ -137,7 +140,7 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
     if (name == "scan-fast") {
       EXPECT_LT(of_runs.touches, of_soup.touches / 2);
     }
-    MeshTree full(view, survey_mesh(view, References::kRuns), builder);
+    MeshTree full(view, survey, builder, References::kRuns);
     BuildCounters counters;
     full.expand_all(counters);
     for (const Ray& ray : rays)
@@ -147,8 +150,8 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
 
 TEST(Runs, AreSearchedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
-  MeshTree cold(mesh.view(), survey_mesh(mesh.view(), References::kRuns), default_builder());
-  MeshTree grown(mesh.view(), survey_mesh(mesh.view(), References::kRuns), default_builder());
+  MeshTree cold(mesh.view(), survey_mesh(mesh.view()), default_builder());
+  MeshTree grown(mesh.view(), survey_mesh(mesh.view()), default_builder());
   BuildCounters counters;
   for (const Ray& ray : tests::rays_at(mesh, 60, 4)) {
     const EpochPin pin;

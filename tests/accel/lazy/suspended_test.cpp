@@ -58,8 +58,8 @@ std::vector<double> ask_all(MeshTree& tree, const std::vector<Ray>& rays) {
 
 std::unique_ptr<MeshTree> make_tree(const std::shared_ptr<const TestMesh>& mesh,
                                     References references) {
-  return std::make_unique<MeshTree>(mesh->view(), survey_mesh(mesh->view(), references),
-                                    default_builder(), mesh);
+  return std::make_unique<MeshTree>(mesh->view(), survey_mesh(mesh->view()), default_builder(),
+                                    references, mesh);
 }
 
 /// Returns whether a thread was stopped.
