@@ -115,24 +115,24 @@ RayCaster::RayCaster(const Instances& instances, const TraceOptions& options)
       at_unbuilt_(at_unbuilt(options.growth)),
       list_(std::size_t{options.max_hits} + 1) {}
 
-std::optional<Hit> RayCaster::cast(const Ray& ray, accel::AtBusy at_busy) {
+bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
   MeshQuery query;
   query.at_busy = at_busy;
   query.any = options_.kind == QueryKind::kAny;
-  Hit hit;
   const Search searched = search(ray, query);
-  if (searched == Search::kPutAside) return std::nullopt;
+  if (searched == Search::kPutAside) return false;
+  hit = Hit();
   if (searched == Search::kInvalid) {
     hit.t = std::numeric_limits<double>::quiet_NaN();
     hit.state = HitState::kInvalid;
-    return hit;
+    return true;
   }
   if (query.found) {
-    hit = make_hit(instances_[query.best_instance], ray, query.best_t, query.best_primitive,
-                   options_.surface && !query.any);
+    set_hit(instances_[query.best_instance], ray, query.best_t, query.best_primitive,
+            options_.surface && !query.any, hit);
   }
   hit.work = work_of(query);
-  return hit;
+  return true;
 }
 
 std::optional<RayTally> RayCaster::count(const Ray& ray, accel::AtBusy at_busy) {
@@ -166,7 +166,8 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
     ++stats_.cut_off;
   }
   for (const accel::ListedHit& hit : found) {
-    hits.push_back(make_hit(instances_[hit.instance], ray, hit.t, hit.primitive, options_.surface));
+    set_hit(instances_[hit.instance], ray, hit.t, hit.primitive, options_.surface,
+            hits.emplace_back());
   }
   tally.count = static_cast<std::uint32_t>(found.size());
   stats_.hits_found += found.size();
@@ -178,9 +179,9 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   entered_.clear();
   frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
-  const std::optional<accel::LocalRay> centered =
-      accel::make_local_ray(ray.origin - instances_.center(), ray.direction);
-  if (!centered || std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
+  accel::LocalRay centered;
+  if (!accel::set_local_ray(ray.origin - instances_.center(), ray.direction, centered) ||
+      std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
     return Search::kInvalid;
   }
@@ -190,9 +191,9 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   accel::TreeRay scene_ray;
   accel::LazyTree& tree = instances_.tree();
   if (instances_.size() > 0 &&
-      accel::enter(*centered, tree.tree().bounds(), ray.tmin / centered->unit,
-                   ray.tmax / centered->unit, scene_ray)) {
-    Visit visit{*this, ray, *centered, scene_ray, query, {}};
+      accel::enter(centered, tree.tree().bounds(), ray.tmin / centered.unit,
+                   ray.tmax / centered.unit, scene_ray)) {
+    Visit visit{*this, ray, centered, scene_ray, query, {}};
     accel::walk(tree.tree(), scene_ray, tree.root(), walked_, visit);
   }
   if (query.put_aside) {
@@ -215,14 +216,14 @@ void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& q
   // Most instances of a scene share a few frames.
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
-    in_frame_ = accel::make_local_ray(frame_->point(ray.origin), frame_->direction(ray.direction));
+    in_frame_ = accel::set_local_ray(frame_->point(ray.origin), frame_->direction(ray.direction),
+                                     query.ray);
   }
   if (!in_frame_) return;
   ++stats_.instances_entered;
   if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
     instance.entered->store(true, std::memory_order_relaxed);
   }
-  query.ray = *in_frame_;
   query.node = instance.node;
   query.instance = index;
   query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;

@@ -16,9 +16,9 @@ class RayCaster {
  public:
   RayCaster(const Instances& instances, const TraceOptions& options);
 
-  /// The nearest hit or, for kAny, whether there is one. With AtBusy::kLeave nothing, if the ray
+  /// Sets the nearest hit or, for kAny, whether there is one. With AtBusy::kLeave false, if the ray
   /// met a large cell that other threads are building: ask again when `progress` has grown.
-  std::optional<accel::Hit> cast(const accel::Ray& ray, accel::AtBusy at_busy);
+  bool cast(const accel::Ray& ray, accel::AtBusy at_busy, accel::Hit& hit);
   /// How many hits there are; or nothing, likewise.
   std::optional<RayTally> count(const accel::Ray& ray, accel::AtBusy at_busy);
   /// Of the cell that the last ray was put aside for.
@@ -45,8 +45,8 @@ class RayCaster {
   EnteredOnce entered_;
   std::vector<accel::BoxRef> waiting_;  // while a list is searched: references not looked at yet
   const Affine* frame_ = nullptr;       // of the instance that the ray entered last
-  std::optional<accel::LocalRay> in_frame_;
-  std::uint64_t counted_ = 0;  // hits of the ray in the instances that it has left
+  bool in_frame_ = false;               // the query's ray stands there; else it has no place there
+  std::uint64_t counted_ = 0;           // hits of the ray in the instances that it has left
   std::uint64_t work_before_ = 0;
   std::uint64_t progress_ = 0;
   TraceStats stats_;

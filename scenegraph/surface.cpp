@@ -8,14 +8,13 @@
 
 namespace sightline::scenegraph {
 
-accel::Hit make_hit(const Instance& instance, const accel::Ray& ray, double t,
-                    std::uint32_t primitive, bool surface) {
-  accel::Hit hit;
+void set_hit(const Instance& instance, const accel::Ray& ray, double t, std::uint32_t primitive,
+             bool surface, accel::Hit& hit) {
   hit.state = accel::HitState::kHit;
   hit.t = t;
   hit.node = instance.node;
   hit.primitive = primitive;
-  if (!surface) return hit;
+  if (!surface) return;
   const accel::MeshView mesh = instance.mesh->view();
   const accel::Face& f = mesh.faces[primitive];
   const accel::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
@@ -31,7 +30,6 @@ accel::Hit make_hit(const Instance& instance, const accel::Ray& ray, double t,
       instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
   const double size = instance.mirrored ? -length(normal) : length(normal);
   if (size != 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
-  return hit;
 }
 
 }  // namespace sightline::scenegraph

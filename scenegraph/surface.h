@@ -6,9 +6,9 @@
 
 namespace sightline::scenegraph {
 
-/// The hit of this ray at t on a triangle of the instance: a pure function of these. Barycentrics
-/// and the normal are left out unless `surface`.
-accel::Hit make_hit(const Instance& instance, const accel::Ray& ray, double t,
-                    std::uint32_t primitive, bool surface);
+/// Fills in the hit, a fresh one, of this ray at t on a triangle of the instance: a pure function
+/// of these. Barycentrics and the normal are left out unless `surface`.
+void set_hit(const Instance& instance, const accel::Ray& ray, double t, std::uint32_t primitive,
+             bool surface, accel::Hit& hit);
 
 }  // namespace sightline::scenegraph

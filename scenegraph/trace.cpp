@@ -27,9 +27,7 @@ Result<TraceStats> trace(const Snapshot& snapshot, std::span<const accel::Ray> r
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
   const auto answer = [&](RayCaster& caster, const RayBlock& block) {
     answer_block(caster, block, [&](std::size_t i, accel::AtBusy at_busy) {
-      const std::optional<accel::Hit> hit = caster.cast(rays[i], at_busy);
-      if (hit) hits[i] = *hit;
-      return hit.has_value();
+      return caster.cast(rays[i], at_busy, hits[i]);
     });
   };
   return answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);

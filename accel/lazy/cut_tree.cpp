@@ -9,7 +9,7 @@ namespace sightline::accel {
 namespace {
 
 /// A sample is a share of the list, but no more than that is of use.
-constexpr std::size_t kStretch = 8;
+constexpr std::size_t kStretch = 16;
 constexpr std::size_t kMostSample = 4096;
 
 /// From fewer a cut's cost is not known well enough.

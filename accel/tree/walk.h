@@ -26,7 +26,7 @@ struct WalkCounters {
 /// to kHitError of the distance, and `slack` is above both for any t inside the tree's bounds.
 /// Intervals are only ever widened by it.
 struct TreeRay {
-  LocalRay ray;
+  const LocalRay* local = nullptr;     ///< Must outlive this.
   Vec3d inverse;                       ///< 1 / direction; infinite where the direction is zero.
   std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
   double slack = 0;
@@ -35,7 +35,7 @@ struct TreeRay {
 
 /// False if the ray cannot meet the bounds between tmin and tmax (local units).
 inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double tmax, TreeRay& out) {
-  out.ray = ray;
+  out.local = &ray;
   double distance = 0;
   double t_in = -std::numeric_limits<double>::infinity(),
          t_out = std::numeric_limits<double>::infinity();
@@ -66,8 +66,8 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
 inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
   double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {
-    const double lo = (static_cast<double>(box.lo[a]) - ray.ray.origin[a]) * ray.inverse[a];
-    const double hi = (static_cast<double>(box.hi[a]) - ray.ray.origin[a]) * ray.inverse[a];
+    const double lo = (static_cast<double>(box.lo[a]) - ray.local->origin[a]) * ray.inverse[a];
+    const double hi = (static_cast<double>(box.hi[a]) - ray.local->origin[a]) * ray.inverse[a];
     const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack,
                  far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
     // A ray along the face has NaN here, which changes nothing.
@@ -107,7 +107,7 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
       ++counters.steps;
       const auto axis = static_cast<std::size_t>(slot.axis());
       const double t =
-          (static_cast<double>(slot.position()) - ray.ray.origin[axis]) * ray.inverse[axis];
+          (static_cast<double>(slot.position()) - ray.local->origin[axis]) * ray.inverse[axis];
       AtomicSlot* children = tree.children(slot);
       const std::size_t first = ray.first[axis];
       // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its

@@ -102,14 +102,14 @@ struct MeshVisit {
   WalkCounters& walked;
   Answer& answer;
 
-  double limit() const { return answer.tmax() / ray.ray.unit + ray.slack; }
+  double limit() const { return answer.tmax() / ray.local->unit + ray.slack; }
 
   void test(std::uint32_t id) {
     ++walked.tests;
     const accel::Face& f = mesh.faces[id];
     const std::optional<double> local =
         triangle(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
-    if (local) answer.offer(*local * ray.ray.unit, node, id);
+    if (local) answer.offer(*local * ray.local->unit, node, id);
   }
 
   bool leaf(std::span<const std::uint32_t> ids) {
@@ -180,7 +180,7 @@ struct SceneVisit {
       return;
     }
     const MeshView mesh = instance.mesh->view();
-    const Test test(in_mesh.ray);
+    const Test test(*in_mesh.local);
     MeshVisit<Test, Answer> visit{mesh, in_mesh, test, instance.node, walked, answer};
     walk_from_root(tree, in_mesh, walked, visit);
   }
