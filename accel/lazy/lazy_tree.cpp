@@ -134,7 +134,7 @@ Expanded LazyTree::expand_small(AtomicSlot& slot, DeferredCell& cell, BuildCount
   if (!claim(slot, cell))
     return load(slot) == Slot::expanding(&cell) ? Expanded::kSearch : Expanded::kAgain;
   try {
-    const Slot built = !cell.openable && cell.size <= kFinishBelow
+    const Slot built = cell.weight <= kFinishBelow
                            ? finish(cell, counters, nullptr)
                            : make_slot(divide_short(context_, cell, counters), cell);
     publish(slot, cell, built, counters);

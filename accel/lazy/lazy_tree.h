@@ -78,6 +78,6 @@ class LazyTree {
 
 /// A deferred cell this small is finished whole: splitting it further would cost more than it
 /// defers.
-inline constexpr std::size_t kFinishBelow = 32;
+inline constexpr std::size_t kFinishBelow = 64;
 
 }  // namespace sightline::accel

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <span>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "accel/build/box_ref.h"
+#include "accel/tree/cell_memory.h"
 
 namespace sightline::accel {
 
@@ -41,10 +41,10 @@ class BoxList {
 
  private:
   struct Free {
-    void operator()(BoxRef* p) const { std::free(p); }
+    void operator()(BoxRef* p) const { free_cell_memory(p); }
   };
   static BoxRef* allocate(BoxRef* old, std::size_t size) {
-    void* p = std::realloc(old, (size > 0 ? size : 1) * sizeof(BoxRef));
+    void* p = reallocate_cell_memory(old, (size > 0 ? size : 1) * sizeof(BoxRef));
     if (p == nullptr) throw std::bad_alloc();
     return static_cast<BoxRef*>(p);
   }

@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 
 #include "accel/build/first_scan.h"
 #include "accel/tree/box_list.h"
+#include "accel/tree/cell_memory.h"
 #include "accel/tree/epoch.h"
 
 namespace sightline::accel {
@@ -35,6 +37,13 @@ struct alignas(8) DeferredCell : Retirable {
   ~DeferredCell() {
     if (SharedWork* work = expansion.load(std::memory_order_acquire)) work->leave();
   }
+
+  static void* operator new(std::size_t bytes) {
+    void* const memory = reallocate_cell_memory(nullptr, bytes);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+  }
+  static void operator delete(void* memory) { free_cell_memory(memory); }
 
   Aabb box;
   CellPath path;

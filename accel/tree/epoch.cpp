@@ -9,7 +9,7 @@ namespace sightline::accel {
 namespace {
 
 constexpr std::uint64_t kIdle = 0;
-constexpr std::size_t kReclaimObjects = 256;
+constexpr std::uint64_t kReclaimObjects = 256;
 constexpr std::uint64_t kReclaimBytes = std::uint64_t{1} << 20;
 
 /// A thread's place; places are never freed, only handed on.
@@ -98,8 +98,9 @@ void free_unseen(Domain& d) {
     if (last_kept == nullptr) last_kept = r;
   }
   if (kept != nullptr) push(d, kept, last_kept);
-  d.due_objects.store(objects + kReclaimObjects, std::memory_order_relaxed);
-  d.due_bytes.store(bytes + kReclaimBytes, std::memory_order_relaxed);
+  // Not before as much again waits as could not be freed: each is looked at a few times only.
+  d.due_objects.store(objects + std::max(objects, kReclaimObjects), std::memory_order_relaxed);
+  d.due_bytes.store(bytes + std::max(bytes, kReclaimBytes), std::memory_order_relaxed);
 }
 
 /// Nobody waits for somebody else who is at it: a thread that is stopped here only puts off the
