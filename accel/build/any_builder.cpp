@@ -199,6 +199,11 @@ Result<AnyBuilder> make_builder(std::string_view name) {
   return Error{Code::kInvalidArgument, std::move(message), "UNKNOWN_BUILDER"};
 }
 
+std::optional<Cut> choose_cut(const AnyBuilder& builder, const CellRefs& cell,
+                              BuildCounters& counters) {
+  return std::visit([&](const auto& b) { return b.choose(cell, counters); }, builder);
+}
+
 bool runs_passes(const AnyBuilder& builder) { return std::holds_alternative<ScanBuilder>(builder); }
 
 bool scans_children(const AnyBuilder& builder, std::size_t references) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -33,6 +34,10 @@ Result<AnyBuilder> make_builder(std::string_view name);
 /// no such parameter (listing them), not a number (a whole number, on or off), or out of range
 /// (naming the range); the builder stays as it was.
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value);
+
+/// Where the builder cuts a cell; nothing for a leaf.
+std::optional<Cut> choose_cut(const AnyBuilder& builder, const CellRefs& cell,
+                              BuildCounters& counters);
 
 /// Whether the builder can look at a list through passes alone (CellRefs::run); the others need it
 /// whole and at hand.

@@ -57,8 +57,7 @@ CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, Box
                              BuildCounters& counters) {
   std::optional<Cut> cut;
   if (levels > 0 && sample.size() >= kLeastSample && path.depth < growth.max_depth) {
-    const CellRefs cell{sample, box, path};
-    cut = std::visit([&](const auto& b) { return b.choose(cell, counters); }, growth.builder);
+    cut = choose_cut(growth.builder, {sample, box, path}, counters);
   }
   if (!cut) {
     parts_.push_back({box, path});

@@ -52,18 +52,6 @@ Division divide_long(const DivideContext& context, const DeferredCell& cell, Rep
 std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
                                        Replay& replay, BuildCounters& counters);
 
-/// Opens what is openable in a list until nothing is, and leaves out what does not reach into the
-/// cell.
-BoxList open_all(const ReferenceSource& source, BoxList list, const Aabb& cell,
-                 BuildCounters& counters);
-
-/// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
-/// at the length they come to. Throws std::bad_alloc.
-std::span<BoxRef> scratch(std::size_t size);
-
-/// Pieces as a cell's list: sliced if it is long, else joined.
-CellList make_list(std::vector<SlicedList::Piece> pieces);
-
 /// Lists of at least this many references are long.
 inline constexpr std::size_t kLongList = 8192;
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "accel/lazy/divide.h"
+#include "accel/lazy/long_list.h"
 
 namespace sightline::accel {
 namespace {

@@ -12,6 +12,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/build/grow.h"
+#include "accel/lazy/opening.h"
 #include "accel/lazy/patience.h"
 #include "accel/tree/epoch.h"
 

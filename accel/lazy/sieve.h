@@ -1,0 +1,39 @@
+// Sifting a cell's list into its halves, now or later, all of it or a slice.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "accel/build/any_builder.h"
+#include "accel/build/first_scan.h"
+#include "accel/geometry/mesh_view.h"
+#include "accel/tree/box_list.h"
+
+namespace sightline::accel {
+
+/// What sifting needs to know of a cell; owns it, so that it may be done late.
+struct Sieve {
+  AnyBuilder builder;
+  std::optional<MeshView> clipped;  ///< What straddlers are clipped against.
+  Cut cut;
+  HalvedCell halves;
+  bool scans;     ///< The children's lists are scanned meanwhile.
+  bool openable;  ///< Straddlers that can be opened are to be counted.
+};
+
+struct Sides {
+  BoxList left, right;
+  FirstScan left_scan, right_scan;
+  std::size_t straddling = 0;  ///< Openable ones.
+};
+
+/// `size`: of all spans together. Throws std::bad_alloc.
+Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> spans,
+                 std::size_t size, BuildCounters& counters);
+
+/// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
+/// at the length they come to. Throws std::bad_alloc.
+std::span<BoxRef> scratch(std::size_t size);
+
+}  // namespace sightline::accel
