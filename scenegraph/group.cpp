@@ -2,7 +2,9 @@
 #include "scenegraph/group.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <functional>
 
 #include "scenegraph/placed_box.h"
 
@@ -27,14 +29,46 @@ struct Member {
   const Subtree* group = nullptr;  // null: an instance and nothing else
 };
 
+/// So many children are looked up together.
+constexpr std::size_t kTogether = 32;
+
+/// Begins to bring it into the cache.
+template <class T>
+void call_for(const T* object) {
+  constexpr std::size_t kCacheLine = 64;
+  for (std::size_t at = 0; at < sizeof(T); at += kCacheLine)
+    __builtin_prefetch(reinterpret_cast<const char*>(object) + at);
+}
+
+/// Nodes of a large scene are far apart in memory, and what is needed of each is in many places.
+/// All children are taken one step before any is taken the next, so that they are waited for
+/// together.
+void add_members(const Hierarchy& hierarchy, std::span<const NodeId> children,
+                 std::vector<Member>& members) {
+  std::array<const std::shared_ptr<const Node>*, kTogether> nodes;
+  std::array<const std::shared_ptr<const Subtree>*, kTogether> subtrees;
+  const std::size_t count = children.size();
+  hierarchy.nodes.find_all(children, std::span(nodes).first(count));
+  for (std::size_t i = 0; i < count; ++i) call_for(nodes[i]->get());
+  hierarchy.subtrees.find_all(children, std::span(subtrees).first(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (subtrees[i] != nullptr) call_for(subtrees[i]->get());
+    if (const Mesh* mesh = (*nodes[i])->mesh.get()) call_for(mesh);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Node& node = **nodes[i];
+    const bool opens = subtrees[i] != nullptr && is_group(node, **subtrees[i]);
+    if (opens || is_instance(node))
+      members.push_back({&node, opens ? subtrees[i]->get() : nullptr});
+  }
+}
+
 std::vector<Member> members_of(const Hierarchy& hierarchy, std::span<const NodeId> children) {
   std::vector<Member> members;
   members.reserve(children.size());
-  for (const NodeId id : children) {
-    const Node& node = *hierarchy.find(id);
-    const Subtree* below = node.children.empty() ? nullptr : &hierarchy.group(id);
-    const bool opens = below != nullptr && is_group(node, *below);
-    if (opens || is_instance(node)) members.push_back({&node, opens ? below : nullptr});
+  for (std::size_t first = 0; first < children.size(); first += kTogether) {
+    add_members(hierarchy, children.subspan(first, std::min(kTogether, children.size() - first)),
+                members);
   }
   return members;
 }
@@ -59,9 +93,11 @@ class Placing {
   std::unique_ptr<const OpenedSlice> place(const std::vector<Member>& members, bool own) {
     const auto groups = static_cast<std::size_t>(std::count_if(
         members.begin(), members.end(), [](const Member& m) { return m.group != nullptr; }));
+    placed_->first_group = static_cast<std::uint32_t>(next_.groups);
+    placed_->first_run = static_cast<std::uint32_t>(next_.runs);
     placed_->groups = std::vector<Group>(groups);
-    placed_->instances.reserve(members.size() - groups + 1);
-    placed_->refs.reserve(members.size() + 1);
+    placed_->instances.reserve(members.size() - groups + (own ? 1 : 0));
+    placed_->refs.reserve(members.size() + (own ? 1 : 0));
     if (own) {
       place_instance(*group_.node, group_.world_from_local);
       ++next_.instances;
@@ -143,12 +179,40 @@ std::unique_ptr<const Opened::Siblings> take_together(const Group& group, const 
     refs.insert(refs.end(), more.begin(), more.end());
   }
   auto siblings = std::make_unique<Opened::Siblings>();
+  for (std::size_t slice = 0; slice < opened.slices.size(); ++slice) {
+    const std::vector<Group>& groups = opened.slices[slice].groups;
+    siblings->some_at_once =
+        siblings->some_at_once ||
+        std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.at_once; });
+  }
   siblings->levels = make_runs(std::move(refs), group.box, group.first_run);
   siblings->runs = siblings->levels.members();
   return siblings;
 }
 
+/// The last of those in order that begins at `number` or before it; the first does.
+template <class Ordered, class First>
+const auto& last_up_to(const Ordered& ordered, std::uint32_t number, const First& first) {
+  std::size_t at = 0;
+  for (std::size_t left = ordered.size(); left > 1;) {
+    const std::size_t half = left / 2;
+    if (std::invoke(first, ordered[at + half]) <= number) at += half;
+    left -= half;
+  }
+  return ordered[at];
+}
+
 }  // namespace
+
+const Group& child_towards_group(const Opened& opened, std::uint32_t number) {
+  const OpenedSlice& slice = last_up_to(opened.slices, number, &OpenedSlice::first_group);
+  return last_up_to(slice.groups, number, &Group::number);
+}
+
+const Group& child_towards_run(const Opened& opened, std::uint32_t number) {
+  const OpenedSlice& slice = last_up_to(opened.slices, number, &OpenedSlice::first_run);
+  return last_up_to(slice.groups, number, &Group::first_run);
+}
 
 Group::~Group() { delete opened.load(std::memory_order_relaxed); }
 

@@ -38,7 +38,7 @@ struct Group {
   const Node* node = nullptr;  ///< Null: the whole scene.
   Affine world_from_local;
   accel::Aabb box;           ///< As of Instance; holds the boxes of all that is below.
-  std::uint32_t number = 0;  ///< Among the groups.
+  std::uint32_t number = 0;  ///< Among the groups; the scene has none.
   /// From here on what is below is numbered, in the order of a walk, node before children. The
   /// numbers do not depend on what was opened, nor when.
   std::uint32_t first_instance = 0, first_group = 0, first_run = 0;
@@ -49,6 +49,7 @@ struct Group {
 
 /// What some of a group's children are opened into.
 struct OpenedSlice {
+  std::uint32_t first_group = 0, first_run = 0;  ///< As of Group.
   std::vector<Instance> instances;
   std::vector<Group> groups;
   std::vector<accel::BoxRef> refs;
@@ -65,13 +66,20 @@ struct Opened {
   struct Siblings {
     SiblingRuns levels;
     std::vector<std::span<const accel::BoxRef>> runs;  ///< By number, from Group::first_run.
+    bool some_at_once = false;                         ///< Of the groups.
   };
 
   SharedSlices<Numbers> numbers;
   SharedSlices<OpenedSlice> slices;
   SharedSlices<Siblings> siblings{1};
-  std::atomic<bool> listed{false};  ///< All above can be found by number.
+  std::atomic<bool> listed{false};  ///< The instances can be found by number.
 };
+
+/// Of a complete group's children, the one that has this number or is above the group that has it.
+const Group& child_towards_group(const Opened& opened, std::uint32_t number);
+/// Of a complete group's children, the one that has the run with this number or is above the group
+/// that has it.
+const Group& child_towards_run(const Opened& opened, std::uint32_t number);
 
 /// The scene as one group.
 std::unique_ptr<Group> whole_scene(const Hierarchy& hierarchy, const Vec3d& center);

@@ -39,8 +39,6 @@ Instances::Instances(const Hierarchy& hierarchy, const Subtree& all)
       center_(middle(all.box)),
       weight_shift_(weight_shift(all.price)),
       instances_(all.instances),
-      groups_(all.groups),
-      runs_(all.runs + max_runs(hierarchy.roots->size() + 1)),
       scene_(whole_scene(hierarchy, center_)) {}
 
 Instances::~Instances() { delete beginning_.load(std::memory_order_acquire); }
@@ -65,10 +63,29 @@ void Instances::begin() const {
 void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
   const std::uint32_t number = ref.id & ~accel::kOpenable;
   if ((number & kRun) != 0) {
-    const Run& run = *runs_[number & ~kRun].load(std::memory_order_acquire);
-    out.insert(out.end(), run.begin(), run.end());
+    const Run& members = run(number & ~kRun);
+    out.insert(out.end(), members.begin(), members.end());
   } else {
-    append(opened(*groups_[number].load(std::memory_order_acquire)), out.size(), out);
+    append(opened(group(number)), out.size(), out);
+  }
+}
+
+/// Numbers say where things are: what is above a group that somebody refers to has been opened.
+const Group& Instances::group(std::uint32_t number) const {
+  for (const Group* above = scene_.get();;) {
+    const Opened& opened = *above->opened.load(std::memory_order_acquire);
+    const Group& below = child_towards_group(opened, number);
+    if (below.number == number) return below;
+    above = &below;
+  }
+}
+
+const Instances::Run& Instances::run(std::uint32_t number) const {
+  for (const Group* above = scene_.get();;) {
+    const Opened& opened = *above->opened.load(std::memory_order_acquire);
+    const std::vector<Run>& runs = opened.siblings[0].runs;
+    if (number - above->first_run < runs.size()) return runs[number - above->first_run];
+    above = &child_towards_run(opened, number);
   }
 }
 
@@ -82,7 +99,7 @@ const Opened& Instances::opened(const Group& group) const {
   }
   if (now->listed.load(std::memory_order_acquire)) return *now;
   open_group(hierarchy_, group, center_, weight_shift_, *now);
-  enlist(group, *now);
+  enlist(*now);
   if (!now->listed.exchange(true, std::memory_order_acq_rel)) {
     for (std::size_t i = 0; i < now->slices.size(); ++i) {
       placed_.fetch_add(now->slices[i].instances.size() + now->slices[i].groups.size(),
@@ -93,32 +110,32 @@ const Opened& Instances::opened(const Group& group) const {
 }
 
 /// Done by everyone who comes before it is known to be done: the first may have been stopped.
-void Instances::enlist(const Group& group, const Opened& opened) const {
+void Instances::enlist(const Opened& opened) const {
   for (std::size_t i = 0; i < opened.slices.size(); ++i) {
     if (opened.listed.load(std::memory_order_acquire)) return;
     for (const Instance& instance : opened.slices[i].instances)
       instances_[instance.index].store(&instance, std::memory_order_release);
-    for (const Group& below : opened.slices[i].groups)
-      groups_[below.number].store(&below, std::memory_order_release);
   }
-  std::size_t run = group.first_run;
-  for (const Run& members : opened.siblings[0].runs)
-    runs_[run++].store(&members, std::memory_order_release);
 }
 
 /// References that are appended for one that is opened begin at `first`.
 void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxRef>& out) const {
-  const std::vector<BoxRef>& refs = opened.siblings[0].levels.coarsest();
-  for (std::size_t i = 0; i < refs.size(); ++i) {
-    const std::uint32_t number = refs[i].id & ~accel::kOpenable;
-    if (refs[i].openable() && (number & kRun) == 0 && out.size() - first < kEnoughAtOnce) {
-      const Group& group = *groups_[number].load(std::memory_order_acquire);
+  const Opened::Siblings& siblings = opened.siblings[0];
+  const std::vector<BoxRef>& refs = siblings.levels.coarsest();
+  if (!siblings.some_at_once) {
+    out.insert(out.end(), refs.begin(), refs.end());
+    return;
+  }
+  for (const BoxRef& ref : refs) {
+    const std::uint32_t number = ref.id & ~accel::kOpenable;
+    if (ref.openable() && (number & kRun) == 0 && out.size() - first < kEnoughAtOnce) {
+      const Group& group = child_towards_group(opened, number);
       if (group.at_once) {
         append(this->opened(group), first, out);
         continue;
       }
     }
-    out.push_back(refs[i]);
+    out.push_back(ref);
   }
 }
 

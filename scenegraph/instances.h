@@ -60,8 +60,6 @@ class Instances {
   const std::vector<const Mesh*>& meshes() const;
 
  private:
-  template <class T>
-  using Directory = Zeroed<std::atomic<const T*>>;
   using Run = std::span<const accel::BoxRef>;
 
   /// What is known once the roots are opened.
@@ -72,17 +70,17 @@ class Instances {
 
   Instances(const Hierarchy& hierarchy, const Subtree& all);
   const Beginning& beginning() const { return *beginning_.load(std::memory_order_acquire); }
+  const Group& group(std::uint32_t number) const;
+  const Run& run(std::uint32_t number) const;
   const Opened& opened(const Group& group) const;
-  void enlist(const Group& group, const Opened& opened) const;
+  void enlist(const Opened& opened) const;
   void append(const Opened& opened, std::size_t first, std::vector<accel::BoxRef>& out) const;
   void open_all() const;
 
   const Hierarchy& hierarchy_;
   Vec3d center_;
   unsigned weight_shift_;
-  Directory<Instance> instances_;
-  Directory<Group> groups_;
-  Directory<Run> runs_;
+  Zeroed<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> scene_;
   mutable std::atomic<const Beginning*> beginning_{nullptr};
   mutable std::atomic<std::uint64_t> placed_{0};

@@ -1,32 +1,56 @@
-// An array of zeros that costs memory only where it has been written.
+// An array of zeros that costs memory, and time, only where it has been touched.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace sightline::scenegraph {
 
-/// `size` objects of a type for which all bits zero is a value. Throws std::bad_alloc.
+/// `size` objects of a type whose initial value is zero, in blocks that are made when first asked
+/// for. Making the array costs a pointer a block. Threads: all members, any, but for moves.
 template <class T>
 class Zeroed {
  public:
-  explicit Zeroed(std::size_t size)
-      : data_(static_cast<T*>(std::calloc(size > 0 ? size : 1, sizeof(T)))), size_(size) {
+  explicit Zeroed(std::size_t size) : blocks_((size + kPerBlock - 1) / kPerBlock), size_(size) {
     static_assert(std::is_trivially_destructible_v<T>);
-    if (data_ == nullptr) throw std::bad_alloc();
+  }
+  Zeroed(Zeroed&& other) noexcept
+      : blocks_(std::exchange(other.blocks_, {})), size_(std::exchange(other.size_, 0)) {}
+  Zeroed& operator=(Zeroed&& other) noexcept {
+    std::swap(blocks_, other.blocks_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~Zeroed() {
+    for (const std::atomic<T*>& block : blocks_) delete[] block.load(std::memory_order_relaxed);
   }
 
-  T& operator[](std::size_t i) const { return data_.get()[i]; }
+  /// Throws std::bad_alloc where none was asked for before.
+  T& operator[](std::size_t i) const {
+    T* block = blocks_[i / kPerBlock].load(std::memory_order_acquire);
+    if (block == nullptr) block = make(blocks_[i / kPerBlock]);
+    return block[i % kPerBlock];
+  }
   std::size_t size() const { return size_; }
 
  private:
-  struct Free {
-    void operator()(T* p) const { std::free(p); }
-  };
-  std::unique_ptr<T, Free> data_;
+  /// A page of memory.
+  static constexpr std::size_t kPerBlock = std::max<std::size_t>(4096 / sizeof(T), 1);
+
+  static T* make(std::atomic<T*>& block) {
+    auto made = std::make_unique<T[]>(kPerBlock);
+    T* now = nullptr;
+    return block.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel)
+               ? made.release()
+               : now;
+  }
+
+  mutable std::vector<std::atomic<T*>> blocks_;
   std::size_t size_;
 };
 

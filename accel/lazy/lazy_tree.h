@@ -39,7 +39,7 @@ class LazyTree {
   /// Called by a ray that meets an unbuilt slot.
   ///
   /// First touch: one cell is divided (Division), and what comes of it is deferred. A cell of at
-  /// most kFinishBelow closed references is finished whole.
+  /// most kFinishBelow triangles, by weight, is finished whole.
   Expanded expand(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
 
   /// How far the expansion of a busy slot is; grows while there is progress.

@@ -59,11 +59,12 @@ def unordered(bench, options):
 def nodes(bench, options):
     rows = bench.rows("law", "--nodes", "--threads", 1, "--repeat", options.repeat)
     print_table("One view of ever larger villages",
-                ["triangles", "nodes", "touches", "boxes made", "µs to the first hit"],
-                [[power(r["triangles"]), r["nodes"], r["touches"], r["touches_prepare"], r["first_hit_us"]]
+                ["triangles", "nodes", "touches", "boxes made", "µs to the first hit", "with cold caches"],
+                [[power(r["triangles"]), r["nodes"], r["touches"], r["touches_prepare"], r["first_hit_us"], r["first_hit_cold_us"]]
                  for r in rows if r["what"] == "point"] +
                 [[f"growth over {show(r['triangles_growth'])}x", "", r["touches_growth"], r["touches_prepare_growth"],
-                  r["first_hit_us_growth"]] for r in rows if r["what"] == "growth"])
+                  r["first_hit_us_growth"],
+                   r["first_hit_cold_us_growth"]] for r in rows if r["what"] == "growth"])
 
 
 def timed(bench, options, scene, rays, count, modes):

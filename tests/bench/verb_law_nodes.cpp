@@ -55,8 +55,17 @@ Result<Ray> first_ray(const scenegraph::Snapshot& snapshot, const std::vector<Ra
   return Error{Code::kInternal, "no ray of the view hits the village", "NO_HITS"};
 }
 
+// Writes more than any cache holds.
+void empty_caches() {
+  constexpr std::size_t kBytes = std::size_t{256} << 20;
+  static std::vector<unsigned char> junk(kBytes);
+  constexpr std::size_t kCacheLine = 64;
+  for (std::size_t at = 0; at < kBytes; at += kCacheLine) ++junk[at];
+}
+
 struct Timed {
-  std::vector<double> first_hit_us;
+  std::vector<double> first_hit_us;       // after the world was made
+  std::vector<double> first_hit_cold_us;  // and the caches were emptied
   scenegraph::TraceStats first, all;
   std::uint64_t hits = 0;
   World world;  // of the last repeat
@@ -66,16 +75,18 @@ struct Timed {
 Result<Timed> measure(std::uint64_t houses, const Ray& ray, const std::vector<Ray>& view,
                       const accel::AnyBuilder& builder, accel::References references, int repeats) {
   Timed timed;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
+  for (int repeat = 0; repeat < 2 * repeats; ++repeat) {
+    const bool cold = repeat % 2 == 0;
     timed.world = {};
     auto world = make_world(houses, builder, references);
     if (!world.ok()) return world.error();
     timed.world = std::move(world).value();
     std::array<Hit, 1> hit;
+    if (cold) empty_caches();
 
     const Stopwatch clock;
     auto traced = scenegraph::trace(*timed.world.snapshot, {&ray, 1}, hit, {.surface = false});
-    timed.first_hit_us.push_back(clock.seconds() * 1e6);
+    (cold ? timed.first_hit_cold_us : timed.first_hit_us).push_back(clock.seconds() * 1e6);
     if (!traced.ok()) return traced.error();
     if (hit[0].state != HitState::kHit) {
       return Error{Code::kDataLoss, "the first ray hits in one world and misses in another",
@@ -107,6 +118,7 @@ Row make_row(const std::string& hierarchy, const Timed& timed) {
   row["touches_first"] = timed.first.touches;
   row["instances_entered"] = timed.all.instances_entered;
   set_times(row, "first_hit_us", timed.first_hit_us);
+  set_times(row, "first_hit_cold_us", timed.first_hit_cold_us);
   return row;
 }
 
@@ -118,7 +130,8 @@ Row growth_row(const Row& first, const Row& last) {
   Row row;
   row["what"] = "growth";
   row["hierarchy"] = first["hierarchy"];
-  for (const char* key : {"triangles", "touches", "touches_prepare", "first_hit_us"}) {
+  for (const char* key :
+       {"triangles", "touches", "touches_prepare", "first_hit_us", "first_hit_cold_us"}) {
     row[fmt::format("{}_growth", key)] = quotient(last, first, key);
   }
   return row;

@@ -135,6 +135,62 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
   }
 }
 
+/// Groups of many kinds under one node, more than are placed together: of nothing, of one instance,
+/// of a few, of so many that runs are made of them, of groups.
+std::vector<Update> many_groups(int count) {
+  std::vector<Update> updates;
+  tests::Random random(9);
+  NodeRef last = 0;
+  const auto add = [&](NodeRef parent, double apart, bool mesh) {
+    PutNode put;
+    put.node = --last;
+    put.parent = parent;
+    put.parent_from_local.m[3] = random.uniform(0, apart);
+    put.parent_from_local.m[7] = random.uniform(0, apart);
+    if (mesh) put.mesh = tests::some_mesh(random.below(2));
+    updates.emplace_back(put);
+    return put.node;
+  };
+  const NodeRef root = add(0, 1, false);
+  for (int i = 0; i < count; ++i) {
+    const NodeRef group = add(root, 1e4, i % 5 == 0);
+    const int children = i % 97 == 0 ? 200 : i % 4;
+    for (int k = 0; k < children; ++k) {
+      const NodeRef child = add(group, 50, k % 2 == 0);
+      if (k % 8 == 0) add(child, 5, i % 3 > 0);
+    }
+  }
+  return updates;
+}
+
+TEST(Instances, AreFoundByNumberAmongManyGroups) {
+  const auto updates = many_groups(2500);
+  const auto first = tests::snapshot_of(updates);
+  const auto expected = open_down(first->instances());
+  ASSERT_EQ(expected.size(), first->instances().size());
+  // In another order: whatever is at hand is opened next.
+  const auto snapshot = tests::snapshot_of(updates);
+  const Instances& instances = snapshot->instances();
+  tests::Random random(10);
+  std::map<std::uint32_t, BoxRef> found;
+  std::vector<BoxRef> closed = instances.coarsest();
+  while (!closed.empty()) {
+    std::swap(closed[random.below(closed.size())], closed.back());
+    const BoxRef ref = closed.back();
+    closed.pop_back();
+    if (ref.openable()) {
+      instances.open(ref, closed);
+    } else {
+      EXPECT_TRUE(found.emplace(ref.id, ref).second);
+    }
+  }
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [id, ref] : expected) {
+    ASSERT_EQ(found.at(id).bounds(), ref.bounds());
+    ASSERT_EQ(instances[id].node, first->instances()[id].node);
+  }
+}
+
 TEST(Instances, WeighWhatIsBelow) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(2000, Frames::kRigid, 7));
   const Instances& instances = snapshot->instances();

@@ -43,6 +43,24 @@ TEST(PersistentMap, BehavesLikeAMap) {
   EXPECT_EQ(map.find(~std::uint64_t{0}), nullptr);
 }
 
+TEST(PersistentMap, FindsManyTogether) {
+  tests::Random random(2);
+  for (const std::uint64_t range : {0u, 20u, 1000u, 300'000u}) {
+    Map map;
+    for (std::uint64_t i = 0; i < range; i += 1 + random.below(3))
+      map.set(random.below(range), std::make_shared<int>(static_cast<int>(i)));
+    map.set(random.below(range + 1), nullptr);
+    for (const std::size_t count : {0u, 1u, 31u, 32u, 33u, 500u}) {
+      std::vector<std::uint64_t> keys(count);
+      for (auto& key : keys)
+        key = random.below(20) == 0 ? random.next() : random.below(2 * range + 2);
+      std::vector<const std::shared_ptr<int>*> values(count);
+      map.find_all(keys, values);
+      for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(values[k], map.find(keys[k])) << keys[k];
+    }
+  }
+}
+
 TEST(PersistentMap, AnEditChangesNoCopyMadeBeforeIt) {
   Map a;
   for (std::uint64_t k = 1; k <= 5000; ++k) a.set(k, std::make_shared<int>(1));
