@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "tests/support/scenes.h"
@@ -15,24 +14,6 @@ using tests::TestMesh;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr Face kNoFace{kNoVertex, kNoVertex, kNoVertex};
-
-/// A sheet of 2 * side * side triangles in [0, 1] x 0 x [0, 1].
-TestMesh sheet(std::uint32_t side) {
-  TestMesh mesh;
-  for (std::uint32_t z = 0; z <= side; ++z) {
-    for (std::uint32_t x = 0; x <= side; ++x)
-      mesh.vertices.push_back(
-          Vec3f(Vec3d{static_cast<double>(x) / side, 0, static_cast<double>(z) / side}));
-  }
-  for (std::uint32_t z = 0; z < side; ++z) {
-    for (std::uint32_t x = 0; x < side; ++x) {
-      const std::uint32_t a = z * (side + 1) + x, b = a + side + 1;
-      mesh.faces.push_back({a, a + 1, b});
-      mesh.faces.push_back({b, a + 1, b + 1});
-    }
-  }
-  return mesh;
-}
 
 /// Face by face.
 MeshSurvey slowly(const TestMesh& mesh) {
@@ -60,10 +41,10 @@ void expect_right(const TestMesh& mesh, const MeshSurvey& survey) {
 
 TEST(MeshSurvey, SaysTheSameAsFaceByFace) {
   for (const std::uint32_t side : {1u, 5u, 40u, 300u}) {
-    TestMesh mesh = sheet(side);
+    TestMesh mesh = tests::planar_sheet(side);
     const MeshSurvey survey = survey_mesh(mesh.view());
     expect_right(mesh, survey);
-    EXPECT_EQ(survey.bounds.hi.x, 1.0f);
+    EXPECT_EQ(survey.bounds.hi.x, static_cast<float>(side));
     mesh.faces.push_back(kNoFace);
     expect_right(mesh, survey_mesh(mesh.view()));
     mesh.faces.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size())});
@@ -83,18 +64,18 @@ TEST(MeshSurvey, OfNothing) {
 }
 
 TEST(MeshSurvey, VerticesFarFromTheFacesDoNotCount) {
-  TestMesh mesh = sheet(60);
-  mesh.vertices.push_back({1000, 1000, 1000});
-  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 1.0f);
+  TestMesh mesh = tests::planar_sheet(60);
+  mesh.vertices.push_back({60000, 60000, 60000});
+  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
   mesh.vertices.back() = {kNan, 0, 0};
-  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 1.0f);
+  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
   EXPECT_EQ(survey_mesh(mesh.view()).finite_triangles, mesh.faces.size());
 }
 
 TEST(MeshSurvey, FewLargeFacesAmongManySmallOnesCount) {
-  TestMesh mesh = sheet(60);
+  TestMesh mesh = tests::planar_sheet(60);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), {{-100, 0, 0}, {100, 0, 0}, {0, 50, 100}});
+  mesh.vertices.insert(mesh.vertices.end(), {{-9000, 0, 0}, {9000, 0, 0}, {0, 5000, 9000}});
   mesh.faces.insert(mesh.faces.begin() + 7, {first, first + 1, first + 2});
   expect_right(mesh, survey_mesh(mesh.view()));
 }

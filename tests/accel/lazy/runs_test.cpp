@@ -20,19 +20,10 @@ using tests::TestMesh;
 
 /// A wavy sheet whose faces follow each other row by row.
 TestMesh waves(std::uint32_t side) {
-  TestMesh mesh;
-  for (std::uint32_t z = 0; z <= side; ++z) {
-    for (std::uint32_t x = 0; x <= side; ++x) {
-      const double u = x / 16.0, w = z / 16.0;
-      mesh.vertices.push_back(Vec3f(Vec3d{u, 0.3 * std::sin(3 * u) * std::cos(2 * w), w}));
-    }
-  }
-  for (std::uint32_t z = 0; z < side; ++z) {
-    for (std::uint32_t x = 0; x < side; ++x) {
-      const std::uint32_t a = z * (side + 1) + x, b = a + side + 1;
-      mesh.faces.push_back({a, a + 1, b});
-      mesh.faces.push_back({b, a + 1, b + 1});
-    }
+  TestMesh mesh = tests::planar_sheet(side);
+  for (Vec3f& v : mesh.vertices) {
+    const double u = static_cast<double>(v.x) / 16, w = static_cast<double>(v.y) / 16;
+    v = Vec3f(Vec3d{u, 0.3 * std::sin(3 * u) * std::cos(2 * w), w});
   }
   return mesh;
 }
