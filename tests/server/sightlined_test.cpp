@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -14,9 +15,9 @@
 #include <vector>
 
 #include "server/codec.h"
-#include "tests/server/child_server.h"
 #include "tests/server/garbage.h"
 #include "tests/server/live_server.h"
+#include "tests/support/child_process.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -25,6 +26,12 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kScene = "projects/p/scenes/s";
+
+struct ChildServer : ChildProcess {
+  explicit ChildServer(const std::vector<std::string>& flags) : ChildProcess(SIGHTLINED, flags) {}
+  /// Where it serves, once it does; 0 if it has ended before.
+  int port() { return std::atoi(rest_of_line(" port=").c_str()); }
+};
 
 class Sightlined : public testing::Test {
  protected:

@@ -10,15 +10,18 @@
 #include <vector>
 
 #include "client/scene_upload.h"
-#include "tests/client/cli/child_program.h"
 #include "tests/client/live_client.h"
 #include "tests/client/silent_port.h"
 #include "tests/client/temp_dir.h"
+#include "tests/support/child_process.h"
 
 namespace sightline::client::cli {
 namespace {
 
-using tests::ChildProgram;
+struct ChildProgram : tests::ChildProcess {
+  explicit ChildProgram(const std::vector<std::string>& arguments)
+      : ChildProcess(SIGHTLINE, arguments) {}
+};
 
 constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
@@ -75,8 +78,8 @@ TEST(InterruptedProgram, EndsThoughTheServerSaysNothing) {
   for (std::vector<std::string> arguments : verbs) {
     arguments.insert(arguments.end(), {"--endpoint", port.endpoint()});
     ChildProgram program(arguments);
-    ASSERT_TRUE(program.catches_interrupts()) << program.output();
-    program.interrupt();
+    ASSERT_TRUE(program.catches(SIGINT)) << program.output();
+    program.signal(SIGINT);
     EXPECT_EQ(program.wait(), 130) << arguments[0];
     EXPECT_EQ(program.output(), "sightline: interrupted\n");
   }
@@ -126,7 +129,7 @@ class InterruptedBuild : public tests::LiveClient {
 TEST_F(InterruptedBuild, PrefetchSaysWhatIsBuiltAndTheSceneIsUsable) {
   ChildProgram program({"prefetch", "test", "--endpoint", endpoint()});
   ASSERT_TRUE(program.writes("building: ")) << program.output();
-  program.interrupt();
+  program.signal(SIGINT);
   EXPECT_EQ(program.wait(), 130) << program.output();
   EXPECT_NE(program.output().find("interrupted, and what is built stays"), std::string::npos);
   EXPECT_NE(program.output().find("of 2,000,000"), std::string::npos) << program.output();
@@ -144,7 +147,7 @@ TEST_F(InterruptedBuild, CastThatBuildsEverythingLeavesNoFile) {
                                       out,    "--build", "full", "--endpoint", endpoint()};
   ChildProgram program(cast);
   ASSERT_TRUE(program.writes("building: ")) << program.output();
-  program.interrupt();
+  program.signal(SIGINT);
   EXPECT_EQ(program.wait(), 130) << program.output();
   EXPECT_EQ(dir_.names(), "rays.csv");
   ChildProgram again(cast);
