@@ -7,23 +7,14 @@
 #include <thread>
 
 #include "scenegraph/scene.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph {
 namespace {
 
-std::shared_ptr<const Mesh> mesh_of(const tests::TestMesh& mesh) {
-  return *Mesh::make(mesh.vertices, mesh.faces);
-}
-
-PutNode put(NodeRef node, NodeRef parent, std::shared_ptr<const Mesh> mesh) {
-  PutNode p;
-  p.node = node;
-  p.parent = parent;
-  p.mesh = std::move(mesh);
-  p.mesh_digest = p.mesh ? "digest" : "";
-  return p;
-}
+using tests::mesh_of;
+using tests::put_node;
 
 /// 1 holds 2 (a cube) and 3 (a group with 4, the same cube); 5 is a staircase beside them, 6 a mesh
 /// without a triangle.
@@ -31,8 +22,9 @@ std::shared_ptr<const Snapshot> family() {
   const auto cube = mesh_of(tests::cube());
   Scene scene;
   EXPECT_TRUE(
-      scene.apply({put(-1, 0, nullptr), put(-2, -1, cube), put(-3, -1, nullptr), put(-4, -3, cube),
-                   put(-5, 0, mesh_of(tests::staircase(3))), put(-6, 0, mesh_of({}))}));
+      scene.apply({put_node(-1, 0, nullptr), put_node(-2, -1, cube), put_node(-3, -1, nullptr),
+                   put_node(-4, -3, cube), put_node(-5, 0, mesh_of(tests::staircase(3))),
+                   put_node(-6, 0, mesh_of({}))}));
   return scene.snapshot();
 }
 
@@ -87,7 +79,7 @@ TEST(Prefetch, BuildsWhatWasSelectedAndNoMore) {
 TEST(Prefetch, TellsOfATreeThatIsUnderWay) {
   const tests::TestMesh sheet = tests::planar_sheet(700);  // cut one by one, down to 65,536
   Scene scene;
-  ASSERT_TRUE(scene.apply({put(-1, 0, mesh_of(sheet))}));
+  ASSERT_TRUE(scene.apply({put_node(-1, 0, mesh_of(sheet))}));
   const auto snapshot = scene.snapshot();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
   PrefetchProgress progress;

@@ -4,27 +4,22 @@
 #include <gtest/gtest.h>
 
 #include "scenegraph/scene.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph {
 namespace {
 
-PutNode put(NodeRef node, NodeRef parent, std::shared_ptr<const Mesh> mesh) {
-  PutNode p;
-  p.node = node;
-  p.parent = parent;
-  p.mesh = std::move(mesh);
-  p.mesh_digest = p.mesh ? "digest" : "";
-  return p;
-}
+using tests::mesh_of;
+using tests::put_node;
 
 /// 1 holds 2 (a mesh) and 3 (a group with the mesh 4); 5 is a mesh beside them.
 std::shared_ptr<const Snapshot> family() {
-  const tests::TestMesh cube = tests::cube();
-  const auto mesh = *Mesh::make(cube.vertices, cube.faces);
+  const auto mesh = mesh_of(tests::cube());
   Scene scene;
-  EXPECT_TRUE(scene.apply({put(-1, 0, nullptr), put(-2, -1, mesh), put(-3, -1, nullptr),
-                           put(-4, -3, mesh), put(-5, 0, mesh)}));
+  EXPECT_TRUE(
+      scene.apply({put_node(-1, 0, nullptr), put_node(-2, -1, mesh), put_node(-3, -1, nullptr),
+                   put_node(-4, -3, mesh), put_node(-5, 0, mesh)}));
   return scene.snapshot();
 }
 
