@@ -26,6 +26,7 @@ Status check_matrix(const Affine& matrix, const std::string& whose) {
 Status Draft::apply(const Update& update) {
   if (const auto* u = std::get_if<PutNode>(&update)) return put(*u);
   if (const auto* u = std::get_if<SetTransforms>(&update)) return set_transforms(*u);
+  if (const auto* u = std::get_if<PatchVertices>(&update)) return patch(*u);
   return remove(std::get<DeleteNode>(update));
 }
 
@@ -67,6 +68,8 @@ Status Draft::put(const PutNode& put) {
   node.parent = parent;
   node.name = put.name;
   node.parent_from_local = put.parent_from_local;
+  leave_deformation(id);
+  node.patched = false;
   if (put.mesh != node.mesh) {
     node.mesh = put.mesh;
     node.entered = put.mesh == nullptr ? nullptr : std::make_shared<std::atomic<bool>>(false);
@@ -113,6 +116,89 @@ Status Draft::remove(const DeleteNode& removal) {
     doomed.insert(doomed.end(), node.children.begin(), node.children.end());
     edited_[id] = nullptr;
     moved_.erase(id);
+    leave_deformation(id);
+  }
+  return {};
+}
+
+Status Draft::patch(const PatchVertices& patch) {
+  const auto deformation = deformation_of(patch.nodes);
+  if (!deformation) return deformation.error();
+  std::vector<accel::Vec3f>& vertices = (*deformation)->vertices;
+  if (patch.positions.size() > vertices.size() ||
+      patch.first > vertices.size() - patch.positions.size()) {
+    return error(Code::kInvalidArgument, "VERTICES_OUT_OF_RANGE",
+                 "vertices " + std::to_string(patch.first) + " to " +
+                     std::to_string(patch.first + patch.positions.size()) +
+                     " are to change, but the mesh has " + std::to_string(vertices.size()));
+  }
+  std::copy(patch.positions.begin(), patch.positions.end(), vertices.begin() + patch.first);
+  return {};
+}
+
+/// Of these nodes and no others.
+Result<Deformation*> Draft::deformation_of(const std::vector<NodeRef>& nodes) {
+  if (nodes.empty()) return error(Code::kInvalidArgument, "NO_NODES", "no node is named");
+  std::set<NodeId> ids;
+  const Node* first = nullptr;
+  std::shared_ptr<Deformation> known;
+  for (const NodeRef ref : nodes) {
+    const Result<NodeId> id = resolve(ref);
+    if (!id) return id.error();
+    const Node& node = *find(*id);
+    if (node.mesh == nullptr) {
+      return error(Code::kInvalidArgument, "NODE_WITHOUT_MESH",
+                   described(node) + " carries no mesh whose vertices could change");
+    }
+    const auto found = deformations_.find(*id);
+    const std::shared_ptr<Deformation> own = found == deformations_.end() ? nullptr : found->second;
+    if (first == nullptr) {
+      first = &node;
+      known = own;
+    } else if (own != known || node.mesh != first->mesh) {
+      return error(Code::kInvalidArgument, "MESHES_DIFFER",
+                   described(*first) + " and " + described(node) + " do not carry the same mesh");
+    }
+    ids.insert(*id);
+  }
+  if (known != nullptr && known->nodes == ids) return known.get();
+  auto fresh = std::make_shared<Deformation>();
+  fresh->mesh = first->mesh;
+  if (known != nullptr) {
+    fresh->vertices = known->vertices;
+  } else {
+    const auto vertices = first->mesh->view().vertices;
+    fresh->vertices.assign(vertices.begin(), vertices.end());
+  }
+  for (const NodeId id : ids) {
+    leave_deformation(id);
+    deformations_[id] = fresh;
+  }
+  fresh->nodes = std::move(ids);
+  return fresh.get();
+}
+
+void Draft::leave_deformation(NodeId id) {
+  const auto found = deformations_.find(id);
+  if (found == deformations_.end()) return;
+  found->second->nodes.erase(id);
+  deformations_.erase(found);
+}
+
+Status Draft::deform() {
+  std::unordered_map<const Deformation*, std::shared_ptr<const Mesh>> made;
+  for (const auto& [id, deformation] : deformations_) {
+    std::shared_ptr<const Mesh>& mesh = made[deformation.get()];
+    if (mesh == nullptr) {
+      auto deformed = deformation->mesh->deformed(std::move(deformation->vertices));
+      if (!deformed) return deformed.error();
+      mesh = std::move(*deformed);
+    }
+    Node& node = edit(id);
+    node.mesh = mesh;
+    node.patched = true;
+    node.entered = std::make_shared<std::atomic<bool>>(false);
+    moved_.insert(id);
   }
   return {};
 }
@@ -176,6 +262,7 @@ Affine Draft::world_from_local(const Node& node) const {
 }
 
 Status Draft::finish() {
+  if (Status deformed = deform(); !deformed) return deformed;
   NodeMap::Edit nodes(hierarchy_.nodes);
   for (const auto& [id, node] : edited_) nodes.set(id, node);
   if (roots_ != nullptr) hierarchy_.roots = roots_;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <memory_resource>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -12,6 +13,13 @@
 #include "scenegraph/update.h"
 
 namespace sightline::scenegraph {
+
+/// A mesh whose vertices are being changed.
+struct Deformation {
+  std::shared_ptr<const Mesh> mesh;  ///< As it was.
+  std::vector<accel::Vec3f> vertices;
+  std::set<NodeId> nodes;  ///< That will carry it.
+};
 
 /// One writer. After an error the draft is to be thrown away.
 class Draft {
@@ -36,12 +44,16 @@ class Draft {
   Status put(const PutNode& put);
   Status set_transforms(const SetTransforms& set);
   Status remove(const DeleteNode& removal);
+  Status patch(const PatchVertices& patch);
 
   Result<NodeId> resolve(NodeRef ref) const;
   const Node* find(NodeId id) const;
   /// The node for editing: copied from the base the first time.
   Node& edit(NodeId id);
   std::vector<NodeId>& siblings(NodeId parent);
+  Result<Deformation*> deformation_of(const std::vector<NodeRef>& nodes);
+  void leave_deformation(NodeId id);
+  Status deform();
   Status check_place(NodeId node, NodeId parent) const;
   int height(NodeId node) const;
   Affine world_from_local(const Node& node) const;
@@ -58,6 +70,8 @@ class Draft {
   /// Nodes made or copied by this draft; null: deleted.
   std::pmr::unordered_map<NodeId, std::shared_ptr<Node>> edited_{&memory_};
   std::pmr::unordered_set<NodeId> moved_{&memory_};
+  /// Made one mesh each by finish(), however many patches there are.
+  std::pmr::unordered_map<NodeId, std::shared_ptr<Deformation>> deformations_{&memory_};
   std::vector<NodeId> put_nodes_;
 };
 

@@ -26,24 +26,40 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
                      std::to_string(kMaxFacesPerMesh),
                  "MESH_TOO_LARGE"};
   }
-  auto arrays = std::make_shared<const Arrays>(std::move(vertices), std::move(faces));
-  const accel::MeshView view{arrays->vertices, arrays->faces};
+  auto arrays = std::make_shared<const Arrays>(
+      std::move(vertices), std::make_shared<const std::vector<accel::Face>>(std::move(faces)));
+  const accel::MeshView view{arrays->vertices, *arrays->faces};
   const accel::MeshSurvey survey = accel::survey_mesh(view);
   if (const std::size_t bad = survey.first_bad_face; bad < view.faces.size())
     return bad_index(view.faces[bad], bad, view.vertices.size());
+  return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder, references));
+}
 
-  std::shared_ptr<Mesh> mesh(new Mesh);
-  mesh->arrays_ = arrays;
-  mesh->bounds_ = survey.bounds;
-  mesh->triangles_ = survey.triangles;
-  mesh->nonfinite_ = survey.triangles - survey.finite_triangles;
-  mesh->tree_ = std::make_unique<accel::MeshTree>(view, survey, builder, references, arrays);
-  return std::shared_ptr<const Mesh>(std::move(mesh));
+Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::MeshSurvey& survey,
+           const accel::AnyBuilder& builder, accel::References references)
+    : arrays_(std::move(arrays)),
+      bounds_(survey.bounds),
+      triangles_(survey.triangles),
+      nonfinite_(survey.triangles - survey.finite_triangles),
+      builder_(builder),
+      references_(references),
+      tree_(std::make_unique<accel::MeshTree>(view(), survey, builder, references, arrays_)) {}
+
+Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::Vec3f> vertices) const {
+  if (vertices.size() != arrays_->vertices.size()) {
+    return Error{Code::kInvalidArgument,
+                 std::to_string(vertices.size()) + " vertices, but the mesh has " +
+                     std::to_string(arrays_->vertices.size()),
+                 "COUNT_MISMATCH"};
+  }
+  auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
+  const accel::MeshSurvey survey = accel::survey_mesh({arrays->vertices, *arrays->faces});
+  return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder_, references_));
 }
 
 std::uint64_t Mesh::bytes() const {
   return arrays_->vertices.size() * sizeof(accel::Vec3f) +
-         arrays_->faces.size() * sizeof(accel::Face);
+         arrays_->faces->size() * sizeof(accel::Face);
 }
 
 }  // namespace sightline::scenegraph

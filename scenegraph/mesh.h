@@ -29,11 +29,15 @@ class Mesh {
       const accel::AnyBuilder& builder = accel::default_builder(),
       accel::References references = accel::References::kRuns);
 
-  accel::MeshView view() const { return {arrays_->vertices, arrays_->faces}; }
+  /// The same faces about other vertices, as many: only the tree begins anew. Errors:
+  /// kInvalidArgument, a count that differs.
+  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::Vec3f> vertices) const;
+
+  accel::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
   /// Holds the finite triangles, closely; of positive extent, empty if there is none.
   const accel::Aabb& bounds() const { return bounds_; }
   std::uint64_t faces() const {
-    return arrays_->faces.size();
+    return arrays_->faces->size();
   }  ///< Numbered slots, lines and points included.
   std::uint64_t triangles() const { return triangles_; }  ///< Slots that hold a triangle.
   std::uint64_t nonfinite() const {
@@ -45,15 +49,19 @@ class Mesh {
   accel::MeshTree& tree() const { return *tree_; }
 
  private:
-  Mesh() = default;
   struct Arrays {
     std::vector<accel::Vec3f> vertices;
-    std::vector<accel::Face> faces;
+    std::shared_ptr<const std::vector<accel::Face>> faces;  // shared with deformed meshes
   };
+  Mesh(std::shared_ptr<const Arrays> arrays, const accel::MeshSurvey& survey,
+       const accel::AnyBuilder& builder, accel::References references);
+
   std::shared_ptr<const Arrays> arrays_;
   accel::Aabb bounds_;
   std::uint64_t triangles_ = 0;
   std::uint64_t nonfinite_ = 0;
+  accel::AnyBuilder builder_;
+  accel::References references_;
   std::unique_ptr<accel::MeshTree> tree_;
 };
 

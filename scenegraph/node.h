@@ -29,7 +29,8 @@ struct Node {
   std::string name;   ///< For people; need not be unique.
   Affine parent_from_local;
   std::shared_ptr<const Mesh> mesh;  ///< Null: a group.
-  std::string mesh_digest;           ///< Names the mesh's content; empty without a mesh.
+  std::string mesh_digest;  ///< Names the content of the mesh it was put with; empty without one.
+  bool patched = false;     ///< The mesh's vertices have been changed since.
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = accel::kAllMasks;
   std::vector<NodeId> children;  ///< In order of creation.

@@ -42,6 +42,14 @@ struct DeleteNode {
   bool subtree = false;
 };
 
-using Update = std::variant<PutNode, SetTransforms, DeleteNode>;
+/// New places for `positions.size()` vertices from `first` on. The nodes must carry one and the same
+/// mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
+struct PatchVertices {
+  std::vector<NodeRef> nodes;
+  std::uint32_t first = 0;
+  std::vector<accel::Vec3f> positions;  ///< In the mesh's frame.
+};
+
+using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;
 
 }  // namespace sightline::scenegraph

@@ -76,6 +76,8 @@ class UpdateDecoder {
       case v1::Update::kDeleteNode:
         return scenegraph::Update(
             scenegraph::DeleteNode{update.delete_node().node(), update.delete_node().subtree()});
+      case v1::Update::kPatchVertices:
+        return decode_patch(update.patch_vertices());
       case v1::Update::UPDATE_NOT_SET:
         break;
     }
@@ -135,6 +137,21 @@ class UpdateDecoder {
                   set.matrices().data() + i * kMatrixBytes, kMatrixBytes);
     }
     return scenegraph::Update(std::move(transforms));
+  }
+
+  static Result<scenegraph::Update> decode_patch(const v1::PatchVertices& patch) {
+    const std::size_t bytes = patch.positions().size();
+    if (bytes % sizeof(accel::Vec3f) != 0) {
+      return invalid(fmt::format("column positions has {} bytes, expected a multiple of {}", bytes,
+                                 sizeof(accel::Vec3f)),
+                     "COLUMN_LENGTH");
+    }
+    scenegraph::PatchVertices vertices;
+    vertices.nodes.assign(patch.nodes().begin(), patch.nodes().end());
+    vertices.first = patch.first();
+    vertices.positions.resize(bytes / sizeof(accel::Vec3f));
+    std::memcpy(vertices.positions.data(), patch.positions().data(), bytes);
+    return scenegraph::Update(std::move(vertices));
   }
 
   const BlobStore& blobs_;
@@ -220,6 +237,7 @@ void encode_node(const scenegraph::Node& node, v1::Node& out) {
   out.set_mesh_digest(node.mesh_digest);
   out.set_mobility(encode_mobility(node.mobility));
   out.set_mask(node.mask);
+  out.set_patched(node.patched);
 }
 
 void encode_stats(std::uint64_t revision, const scenegraph::BuildSummary& summary,
