@@ -33,6 +33,7 @@ TraceStats& TraceStats::operator+=(const TraceStats& o) {
   instances_entered += o.instances_entered;
   cells_expanded += o.cells_expanded;
   touches += o.touches;
+  dynamic_touches += o.dynamic_touches;
   touches_prepare += o.touches_prepare;
   build_seconds += o.build_seconds;
   return *this;
@@ -40,8 +41,7 @@ TraceStats& TraceStats::operator+=(const TraceStats& o) {
 
 Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled,
                              BuildProgress* progress) {
-  const Instances& instances = snapshot.instances();
-  const std::vector<const Mesh*>& meshes = instances.meshes();
+  const std::vector<const Mesh*> meshes = snapshot.meshes();
   if (progress != nullptr) announce(*progress, meshes);
   accel::BuildCounters built = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, meshes.size(), 1), accel::BuildCounters{},
@@ -53,7 +53,11 @@ Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* 
         return sum;
       },
       [](accel::BuildCounters a, const accel::BuildCounters& b) { return a += b; });
-  instances.tree().expand_all(built, cancelled);
+  const TwoTrees trees = snapshot.trees();
+  trees.still.tree().expand_all(built, cancelled);
+  accel::BuildCounters moving;
+  trees.moving.tree().expand_all(moving, cancelled);
+  built += moving;
   if (is_cancelled(cancelled))
     return Error{Code::kCancelled, "cancelled while building", "CANCELLED"};
   snapshot.nodes().for_each([](NodeId, const std::shared_ptr<const Node>& node) {
@@ -62,6 +66,7 @@ Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* 
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
   stats.touches = built.touches;
+  stats.dynamic_touches = moving.touches + moving.touches_prepare;
   stats.touches_prepare = built.touches_prepare;
   stats.build_seconds = built.seconds;
   return stats;

@@ -263,8 +263,12 @@ Affine Draft::world_from_local(const Node& node) const {
 
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
-  NodeMap::Edit nodes(hierarchy_.nodes);
-  for (const auto& [id, node] : edited_) nodes.set(id, node);
+  marked_ = mark_movers(base_, edited_);
+  hierarchy_.movers = marked_.movers;
+  {
+    NodeMap::Edit nodes(hierarchy_.nodes);
+    for (const auto& [id, node] : edited_) nodes.set(id, node);
+  }
   if (roots_ != nullptr) hierarchy_.roots = roots_;
   SubtreeUpdate update(base_.hierarchy(), hierarchy_);
   for (const auto& [id, node] : edited_) update.edited(id);
@@ -294,8 +298,22 @@ Status Draft::check_below(const Node& node, const Affine& world) const {
   return {};
 }
 
+/// Those of the base, as far as they still say what is.
+Halves Draft::halves() const {
+  Halves halves = base_.halves();
+  const std::size_t departed = halves.departed == nullptr ? 0 : halves.departed->nodes().size();
+  if (marked_.still_changed)
+    halves.still = std::make_shared<const SceneHalf>(Half::kStatic, hierarchy_);
+  if (marked_.moving_changed)
+    halves.moving = std::make_shared<const SceneHalf>(Half::kDynamic, hierarchy_);
+  if (marked_.departed.size() != departed)
+    halves.departed = std::make_shared<const Departed>(halves.still, marked_.departed);
+  return halves;
+}
+
 std::shared_ptr<const Snapshot> Draft::publish(std::uint64_t revision) && {
-  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_));
+  Halves trees = halves();
+  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_), std::move(trees));
 }
 
 }  // namespace sightline::scenegraph

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "scenegraph/snapshot.h"
+#include "scenegraph/movers.h"
 #include "scenegraph/update.h"
 
 namespace sightline::scenegraph {
@@ -37,6 +37,9 @@ class Draft {
   const std::vector<NodeId>& put_nodes() const { return put_nodes_; }
   NodeId next_id() const { return next_id_; }
 
+  /// Nodes whose place, mesh or mask is other than before. After finish().
+  const std::vector<NodeId>& changed() const { return marked_.changed; }
+
   /// After finish().
   std::shared_ptr<const Snapshot> publish(std::uint64_t revision) &&;
 
@@ -57,6 +60,7 @@ class Draft {
   Status check_place(NodeId node, NodeId parent) const;
   int height(NodeId node) const;
   Affine world_from_local(const Node& node) const;
+  Halves halves() const;
   Status check_transforms() const;
   Status check_below(const Node& node, const Affine& world) const;
 
@@ -67,8 +71,8 @@ class Draft {
   std::shared_ptr<std::vector<NodeId>> roots_;  // null: as in the base
   NodeId next_id_;
   std::pmr::unordered_map<NodeRef, NodeId> aliases_{&memory_};
-  /// Nodes made or copied by this draft; null: deleted.
-  std::pmr::unordered_map<NodeId, std::shared_ptr<Node>> edited_{&memory_};
+  EditedNodes edited_{&memory_};
+  Marked marked_;
   std::pmr::unordered_set<NodeId> moved_{&memory_};
   /// Made one mesh each by finish(), however many patches there are.
   std::pmr::unordered_map<NodeId, std::shared_ptr<Deformation>> deformations_{&memory_};

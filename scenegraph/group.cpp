@@ -43,8 +43,9 @@ void call_for(const T* object) {
 /// Nodes of a large scene are far apart in memory, and what is needed of each is in many places.
 /// All children are taken one step before any is taken the next, so that they are waited for
 /// together.
-void add_members(const Hierarchy& hierarchy, std::span<const NodeId> children,
+void add_members(const HalfView& view, std::span<const NodeId> children,
                  std::vector<Member>& members) {
+  const Hierarchy& hierarchy = view.hierarchy();
   std::array<const std::shared_ptr<const Node>*, kTogether> nodes;
   std::array<const std::shared_ptr<const Subtree>*, kTogether> subtrees;
   const std::size_t count = children.size();
@@ -57,17 +58,19 @@ void add_members(const Hierarchy& hierarchy, std::span<const NodeId> children,
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Node& node = **nodes[i];
-    const bool opens = subtrees[i] != nullptr && is_group(node, **subtrees[i]);
-    if (opens || is_instance(node))
-      members.push_back({&node, opens ? subtrees[i]->get() : nullptr});
+    if (!view.holds(node)) continue;
+    const Subtree* below =
+        subtrees[i] == nullptr ? nullptr : &view.group(children[i], **subtrees[i]);
+    const bool opens = below != nullptr && is_group(node, *below);
+    if (opens || is_instance(node)) members.push_back({&node, opens ? below : nullptr});
   }
 }
 
-std::vector<Member> members_of(const Hierarchy& hierarchy, std::span<const NodeId> children) {
+std::vector<Member> members_of(const HalfView& view, std::span<const NodeId> children) {
   std::vector<Member> members;
   members.reserve(children.size());
   for (std::size_t first = 0; first < children.size(); first += kTogether) {
-    add_members(hierarchy, children.subspan(first, std::min(kTogether, children.size() - first)),
+    add_members(view, children.subspan(first, std::min(kTogether, children.size() - first)),
                 members);
   }
   return members;
@@ -87,8 +90,9 @@ void take(const Member& member, Opened::Numbers& next) {
 /// Places some of a group's children and numbers what it meets.
 class Placing {
  public:
-  Placing(const Group& group, const Vec3d& center, unsigned shift, const Opened::Numbers& first)
-      : group_(group), center_(center), shift_(shift), next_(first) {}
+  Placing(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
+          const Opened::Numbers& first)
+      : view_(view), group_(group), center_(center), shift_(shift), next_(first) {}
 
   std::unique_ptr<const OpenedSlice> place(const std::vector<Member>& members, bool own) {
     const auto groups = static_cast<std::size_t>(std::count_if(
@@ -112,8 +116,8 @@ class Placing {
  private:
   void place(const Member& member) {
     const Node& node = *member.node;
-    const Affine world = node.parent == 0
-                             ? node.parent_from_local
+    const Affine world = group_.node == nullptr
+                             ? world_from_local(view_.hierarchy(), node)
                              : compose(group_.world_from_local, node.parent_from_local);
     if (member.group == nullptr) {
       place_instance(node, world);
@@ -157,6 +161,7 @@ class Placing {
                              weight(subtree.price, shift_)});
   }
 
+  const HalfView& view_;
   const Group& group_;
   const Vec3d center_;
   const unsigned shift_;
@@ -216,11 +221,10 @@ const Group& child_towards_run(const Opened& opened, std::uint32_t number) {
 
 Group::~Group() { delete opened.load(std::memory_order_relaxed); }
 
-std::unique_ptr<Group> whole_scene(const Hierarchy& hierarchy, const Vec3d& center) {
-  auto scene = std::make_unique<Group>();
-  const Subtree all = hierarchy.subtree(0);
-  if (all.instances > 0) scene->box = group_box(scene->world_from_local, all, center);
-  return scene;
+std::unique_ptr<Group> whole_half(const HalfView& view, const Vec3d& center) {
+  auto half = std::make_unique<Group>();
+  if (view.all().instances > 0) half->box = group_box(half->world_from_local, view.all(), center);
+  return half;
 }
 
 unsigned weight_shift(std::uint64_t total_price) {
@@ -233,20 +237,19 @@ Opened::Opened(std::size_t children)
     : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
       slices(numbers.size() + 1) {}
 
-const std::vector<NodeId>& children_of(const Hierarchy& hierarchy, const Group& group) {
-  return group.node == nullptr ? *hierarchy.roots : group.node->children;
+const std::vector<NodeId>& children_of(const HalfView& view, const Group& group) {
+  return group.node == nullptr ? view.tops() : group.node->children;
 }
 
-void open_group(const Hierarchy& hierarchy, const Group& group, const Vec3d& center, unsigned shift,
+void open_group(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
                 Opened& opened) {
-  const std::vector<NodeId>& children = children_of(hierarchy, group);
+  const std::vector<NodeId>& children = children_of(view, group);
   const bool own = group.node != nullptr && is_instance(*group.node);
   // A few children are placed sooner than waited for.
   const bool wait = opened.slices.size() > 1;
   opened.numbers.complete(wait, [&](std::size_t slice) {
     auto taken = std::make_unique<Opened::Numbers>();
-    for (const Member& member : members_of(hierarchy, slice_of(children, slice)))
-      take(member, *taken);
+    for (const Member& member : members_of(view, slice_of(children, slice))) take(member, *taken);
     return taken;
   });
   opened.slices.complete(wait, [&](std::size_t slice) {
@@ -257,8 +260,8 @@ void open_group(const Hierarchy& hierarchy, const Group& group, const Vec3d& cen
       first.groups += opened.numbers[before].groups;
       first.runs += opened.numbers[before].runs;
     }
-    return Placing(group, center, shift, first)
-        .place(members_of(hierarchy, slice_of(children, slice)), own && slice == 0);
+    return Placing(view, group, center, shift, first)
+        .place(members_of(view, slice_of(children, slice)), own && slice == 0);
   });
   opened.siblings.complete(wait, [&](std::size_t) { return take_together(group, opened); });
 }

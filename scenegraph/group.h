@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "accel/geometry/aabb.h"
+#include "scenegraph/half_view.h"
 #include "scenegraph/shared_slices.h"
 #include "scenegraph/sibling_runs.h"
-#include "scenegraph/subtree_update.h"
 
 namespace sightline::scenegraph {
 
@@ -35,10 +35,10 @@ struct Group {
   Group& operator=(const Group&) = delete;
   ~Group();
 
-  const Node* node = nullptr;  ///< Null: the whole scene.
+  const Node* node = nullptr;  ///< Null: all of the half.
   Affine world_from_local;
   accel::Aabb box;           ///< As of Instance; holds the boxes of all that is below.
-  std::uint32_t number = 0;  ///< Among the groups; the scene has none.
+  std::uint32_t number = 0;  ///< Among the groups; all of the half has none.
   /// From here on what is below is numbered, in the order of a walk, node before children. The
   /// numbers do not depend on what was opened, nor when.
   std::uint32_t first_instance = 0, first_group = 0, first_run = 0;
@@ -81,18 +81,18 @@ const Group& child_towards_group(const Opened& opened, std::uint32_t number);
 /// that has it.
 const Group& child_towards_run(const Opened& opened, std::uint32_t number);
 
-/// The scene as one group.
-std::unique_ptr<Group> whole_scene(const Hierarchy& hierarchy, const Vec3d& center);
+/// All of the half as one group.
+std::unique_ptr<Group> whole_half(const HalfView& view, const Vec3d& center);
 
 /// How weights are made from prices: shifted right by this, so that they sum below 2^32.
 unsigned weight_shift(std::uint64_t total_price);
 
-/// The group's children; of the scene, the roots.
-const std::vector<NodeId>& children_of(const Hierarchy& hierarchy, const Group& group);
+/// The group's children, those that the half does not hold too; of the half, its tops.
+const std::vector<NodeId>& children_of(const HalfView& view, const Group& group);
 
 /// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
 /// std::bad_alloc.
-void open_group(const Hierarchy& hierarchy, const Group& group, const Vec3d& center, unsigned shift,
+void open_group(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
                 Opened& opened);
 
 }  // namespace sightline::scenegraph

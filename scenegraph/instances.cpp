@@ -2,9 +2,6 @@
 #include "scenegraph/instances.h"
 
 #include <algorithm>
-#include <unordered_set>
-
-#include "scenegraph/snapshot.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -22,31 +19,19 @@ Vec3d middle(const DoubleBox& box) {
 
 }  // namespace
 
-Affine world_from_local(const Snapshot& snapshot, const Node& node) {
-  std::vector<const Node*> chain;
-  for (const Node* n = &node; n != nullptr; n = n->parent == 0 ? nullptr : snapshot.find(n->parent))
-    chain.push_back(n);
-  Affine world = chain.back()->parent_from_local;
-  for (auto n = chain.rbegin() + 1; n != chain.rend(); ++n)
-    world = compose(world, (*n)->parent_from_local);
-  return world;
-}
-
-Instances::Instances(const Hierarchy& hierarchy) : Instances(hierarchy, hierarchy.subtree(0)) {}
-
-Instances::Instances(const Hierarchy& hierarchy, const Subtree& all)
-    : hierarchy_(hierarchy),
-      center_(middle(all.box)),
-      weight_shift_(weight_shift(all.price)),
-      instances_(all.instances),
-      scene_(whole_scene(hierarchy, center_)) {}
+Instances::Instances(Half half, const Hierarchy& hierarchy)
+    : view_(half, hierarchy),
+      center_(middle(view_.all().box)),
+      weight_shift_(weight_shift(view_.all().price)),
+      instances_(view_.all().instances),
+      whole_(whole_half(view_, center_)) {}
 
 Instances::~Instances() { delete beginning_.load(std::memory_order_acquire); }
 
 void Instances::begin() const {
   if (begun()) return;
   auto made = std::make_unique<Beginning>();
-  append(opened(*scene_), 0, made->coarsest);
+  append(opened(*whole_), 0, made->coarsest);
   accel::Aabb bounds;
   for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::ReferenceSource source = accel::source_of(made->coarsest);
@@ -72,7 +57,7 @@ void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
 
 /// Numbers say where things are: what is above a group that somebody refers to has been opened.
 const Group& Instances::group(std::uint32_t number) const {
-  for (const Group* above = scene_.get();;) {
+  for (const Group* above = whole_.get();;) {
     const Opened& opened = *above->opened.load(std::memory_order_acquire);
     const Group& below = child_towards_group(opened, number);
     if (below.number == number) return below;
@@ -81,7 +66,7 @@ const Group& Instances::group(std::uint32_t number) const {
 }
 
 const Instances::Run& Instances::run(std::uint32_t number) const {
-  for (const Group* above = scene_.get();;) {
+  for (const Group* above = whole_.get();;) {
     const Opened& opened = *above->opened.load(std::memory_order_acquire);
     const std::vector<Run>& runs = opened.siblings[0].runs;
     if (number - above->first_run < runs.size()) return runs[number - above->first_run];
@@ -93,12 +78,12 @@ const Instances::Run& Instances::run(std::uint32_t number) const {
 const Opened& Instances::opened(const Group& group) const {
   Opened* now = group.opened.load(std::memory_order_acquire);
   if (now == nullptr) {
-    auto made = std::make_unique<Opened>(children_of(hierarchy_, group).size());
+    auto made = std::make_unique<Opened>(children_of(view_, group).size());
     if (group.opened.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
       now = made.release();
   }
   if (now->listed.load(std::memory_order_acquire)) return *now;
-  open_group(hierarchy_, group, center_, weight_shift_, *now);
+  open_group(view_, group, center_, weight_shift_, *now);
   enlist(*now);
   if (!now->listed.exchange(true, std::memory_order_acq_rel)) {
     for (std::size_t i = 0; i < now->slices.size(); ++i) {
@@ -141,7 +126,7 @@ void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxR
 
 void Instances::open_all() const {
   if (all_open_.load(std::memory_order_acquire)) return;
-  std::vector<const Group*> waiting{scene_.get()};
+  std::vector<const Group*> waiting{whole_.get()};
   while (!waiting.empty()) {
     const Group& group = *waiting.back();
     waiting.pop_back();
@@ -156,17 +141,6 @@ void Instances::open_all() const {
 InstanceList Instances::list() const {
   open_all();
   return InstanceList(*this);
-}
-
-const std::vector<const Mesh*>& Instances::meshes() const {
-  std::call_once(meshes_once_, [this] {
-    std::unordered_set<const Mesh*> seen;
-    hierarchy_.nodes.for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
-      const Mesh* mesh = node->mesh.get();
-      if (mesh != nullptr && seen.insert(mesh).second) meshes_.push_back(mesh);
-    });
-  });
-  return meshes_;
 }
 
 }  // namespace sightline::scenegraph

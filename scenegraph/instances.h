@@ -1,12 +1,11 @@
-// The meshes of a revision where they stand in the world, found as rays open the hierarchy, and the
-// kd-tree over their boxes.
+// The meshes of one half of a revision where they stand in the world, found as rays open the
+// hierarchy, and the kd-tree over their boxes.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "accel/lazy/lazy_tree.h"
@@ -17,12 +16,12 @@ namespace sightline::scenegraph {
 
 class InstanceList;
 
-/// One for each snapshot. What is opened stays; nothing else changes, but for the tree, which grows
-/// like any other. Threads: all members, any; nobody waits for anybody.
+/// Of one half. What is opened stays; nothing else changes, but for the tree, which grows like any
+/// other. Threads: all members, any; nobody waits for anybody.
 class Instances {
  public:
   /// The hierarchy must outlive this.
-  explicit Instances(const Hierarchy& hierarchy);
+  Instances(Half half, const Hierarchy& hierarchy);
   ~Instances();
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;
@@ -55,10 +54,6 @@ class Instances {
   /// Groups and instances that have been placed so far.
   std::uint64_t placed() const { return placed_.load(std::memory_order_relaxed); }
 
-  /// The distinct meshes of the snapshot, in the order of the first nodes that carry them. Made by
-  /// whoever asks first.
-  const std::vector<const Mesh*>& meshes() const;
-
  private:
   using Run = std::span<const accel::BoxRef>;
 
@@ -68,7 +63,6 @@ class Instances {
     std::unique_ptr<accel::LazyTree> tree;
   };
 
-  Instances(const Hierarchy& hierarchy, const Subtree& all);
   const Beginning& beginning() const { return *beginning_.load(std::memory_order_acquire); }
   const Group& group(std::uint32_t number) const;
   const Run& run(std::uint32_t number) const;
@@ -77,16 +71,14 @@ class Instances {
   void append(const Opened& opened, std::size_t first, std::vector<accel::BoxRef>& out) const;
   void open_all() const;
 
-  const Hierarchy& hierarchy_;
+  HalfView view_;
   Vec3d center_;
   unsigned weight_shift_;
   Zeroed<std::atomic<const Instance*>> instances_;
-  std::unique_ptr<Group> scene_;
+  std::unique_ptr<Group> whole_;
   mutable std::atomic<const Beginning*> beginning_{nullptr};
   mutable std::atomic<std::uint64_t> placed_{0};
   mutable std::atomic<bool> all_open_{false};
-  mutable std::once_flag meshes_once_;
-  mutable std::vector<const Mesh*> meshes_;
 };
 
 /// All instances, opened. A view.
@@ -127,10 +119,5 @@ class InstanceList {
  private:
   const Instances* instances_;
 };
-
-class Snapshot;
-
-/// World transform of a node: its ancestors' transforms applied from the root down, in double.
-Affine world_from_local(const Snapshot& snapshot, const Node& node);
 
 }  // namespace sightline::scenegraph

@@ -166,7 +166,10 @@ Status build_mesh_trees(std::span<const Node* const> nodes, PrefetchProgress& pr
 Status build_scene_tree(const Snapshot& snapshot, PrefetchProgress& progress,
                         const std::atomic<bool>* cancelled) {
   accel::BuildCounters built;
-  if (!is_cancelled(cancelled)) snapshot.instances().tree().expand_all(built, cancelled);
+  const TwoTrees trees = snapshot.trees();
+  for (const Instances* half : {&trees.still, &trees.moving}) {
+    if (!is_cancelled(cancelled)) half->tree().expand_all(built, cancelled);
+  }
   add(built, progress);
   return is_cancelled(cancelled) ? Status(cancelled_error()) : Status();
 }

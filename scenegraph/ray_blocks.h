@@ -64,7 +64,7 @@ Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
     if (!built) return built.error();
     total += *built;
   }
-  const Instances& instances = snapshot.instances();
+  const TwoTrees trees = snapshot.trees();
   total += tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, (rays + rays_per_block - 1) / rays_per_block, 1),
       TraceStats{},
@@ -72,7 +72,7 @@ Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
         for (std::size_t b = blocks.begin(); b != blocks.end() && !is_cancelled(options.cancelled);
              ++b) {
           const accel::EpochPin pin;
-          RayCaster caster(instances, options);
+          RayCaster caster(trees, options);
           answer(caster, RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
           stats += caster.stats();
         }

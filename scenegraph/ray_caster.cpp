@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "scenegraph/selection.h"
 #include "scenegraph/surface.h"
@@ -33,16 +34,15 @@ AtUnbuilt at_unbuilt(Growth growth) {
 
 }  // namespace
 
-/// What a walk of the scene's tree asks at its leaves and unbuilt cells.
+/// What a walk of one of the scene's trees asks at its leaves and unbuilt cells.
 struct RayCaster::Visit {
   RayCaster& caster;
   const Ray& ray;
-  const accel::LocalRay& centered;
-  const accel::TreeRay& scene_ray;
+  const Entry& entry;
   MeshQuery& query;
   RecentlyEntered recent;
 
-  double limit() const { return query.best_t / centered.unit + scene_ray.slack; }
+  double limit() const { return query.best_t / entry.centered.unit + entry.ray.slack; }
 
   bool leaf(std::span<const std::uint32_t> ids) {
     for (const std::uint32_t id : ids) {
@@ -54,7 +54,7 @@ struct RayCaster::Visit {
   accel::Unbuilt unbuilt(accel::AtomicSlot& slot, const accel::DeferredCell& cell) {
     if (query.at_unbuilt == AtUnbuilt::kExpand) {
       const accel::Expanded expanded =
-          caster.instances_.tree().expand(slot, query.at_busy, caster.built_);
+          entry.instances->tree().expand(slot, query.at_busy, *entry.built);
       if (expanded == accel::Expanded::kAgain) return accel::Unbuilt::kAgain;
       if (expanded == accel::Expanded::kBusy) {
         query.put_aside = true;
@@ -70,7 +70,7 @@ struct RayCaster::Visit {
   bool search(const accel::DeferredCell& cell) {
     if (cell.listed)
       return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
-    return search(caster.instances_.coarsest());
+    return search(entry.instances->coarsest());
   }
 
   bool search(std::span<const BoxRef> refs) {
@@ -88,8 +88,8 @@ struct RayCaster::Visit {
       waiting.pop_back();
       if (!next.openable()) {
         if (enter(next.id)) return true;
-      } else if (accel::may_meet(scene_ray, next.bounds(), limit())) {
-        caster.instances_.open(next, waiting);
+      } else if (accel::may_meet(entry.ray, next.bounds(), limit())) {
+        entry.instances->open(next, waiting);
       }
     }
     return false;
@@ -98,22 +98,35 @@ struct RayCaster::Visit {
   /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
   /// here.
   bool enter(std::uint32_t id) {
-    const Instance& instance = caster.instances_[id];
+    const Instance& instance = (*entry.instances)[id];
+    const std::uint32_t place = entry.first + id;
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
-    if (caster.options_.selection != nullptr && !caster.options_.selection->selects(id))
-      return false;
-    if (!accel::may_meet(scene_ray, instance.box, limit())) return false;
-    if (query.collects() && !caster.entered_.add(id)) return false;
-    caster.enter_instance(ray, id, query);
+    if (!is_seen(id, place)) return false;
+    if (!accel::may_meet(entry.ray, instance.box, limit())) return false;
+    if (query.collects() && !caster.entered_.add(place)) return false;
+    caster.enter_instance(ray, instance, place, *entry.built, query);
     return query.put_aside || (query.any && query.found);
+  }
+
+  bool is_seen(std::uint32_t id, std::uint32_t place) const {
+    if (entry.departed != nullptr && entry.departed->has(id)) return false;
+    const Selection* selection = caster.options_.selection;
+    return selection == nullptr || selection->selects(place);
   }
 };
 
-RayCaster::RayCaster(const Instances& instances, const TraceOptions& options)
-    : instances_(instances),
+RayCaster::RayCaster(const TwoTrees& trees, const TraceOptions& options)
+    : trees_(trees),
       options_(options),
       at_unbuilt_(at_unbuilt(options.growth)),
-      list_(std::size_t{options.max_hits} + 1) {}
+      list_(std::size_t{options.max_hits} + 1) {
+  still_.instances = &trees_.still;
+  still_.departed = trees_.departed;
+  still_.built = &built_;
+  moving_.instances = &trees_.moving;
+  moving_.built = &built_moving_;
+  moving_.first = static_cast<std::uint32_t>(trees_.still.size());
+}
 
 bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
   MeshQuery query;
@@ -128,7 +141,7 @@ bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
     return true;
   }
   if (query.found) {
-    set_hit(instances_[query.best_instance], ray, query.best_t, query.best_primitive,
+    set_hit(trees_[query.best_instance], ray, query.best_t, query.best_primitive,
             options_.surface && !query.any, hit);
   }
   hit.work = work_of(query);
@@ -166,8 +179,7 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
     ++stats_.cut_off;
   }
   for (const accel::ListedHit& hit : found) {
-    set_hit(instances_[hit.instance], ray, hit.t, hit.primitive, options_.surface,
-            hits.emplace_back());
+    set_hit(trees_[hit.instance], ray, hit.t, hit.primitive, options_.surface, hits.emplace_back());
   }
   tally.count = static_cast<std::uint32_t>(found.size());
   stats_.hits_found += found.size();
@@ -179,8 +191,7 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   entered_.clear();
   frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
-  accel::LocalRay centered;
-  if (!accel::set_local_ray(ray.origin - instances_.center(), ray.direction, centered) ||
+  if (!accel::set_local_ray(ray.origin - trees_.still.center(), ray.direction, still_.centered) ||
       std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
     return Search::kInvalid;
@@ -188,14 +199,7 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   query.tmin = ray.tmin;
   query.tmax = ray.tmax;
   query.at_unbuilt = at_unbuilt_;
-  accel::TreeRay scene_ray;
-  accel::LazyTree& tree = instances_.tree();
-  if (instances_.size() > 0 &&
-      accel::enter(centered, tree.tree().bounds(), ray.tmin / centered.unit,
-                   ray.tmax / centered.unit, scene_ray)) {
-    Visit visit{*this, ray, centered, scene_ray, query, {}};
-    accel::walk(tree.tree(), scene_ray, tree.root(), walked_, visit);
-  }
+  walk_trees(ray, query);
   if (query.put_aside) {
     --stats_.rays;  // it comes again
     progress_ = query.progress;
@@ -205,14 +209,43 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   return Search::kDone;
 }
 
+/// First the tree that the ray comes to first: what is hit there bounds the walk of the other.
+void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
+  const bool still = trees_.still.size() > 0 && enter_tree(ray, still_);
+  bool moving = false;
+  if (trees_.moving.size() > 0 &&
+      accel::set_local_ray(ray.origin - trees_.moving.center(), ray.direction, moving_.centered))
+    moving = enter_tree(ray, moving_);
+  const bool moving_first =
+      still && moving &&
+      moving_.ray.t_in * moving_.centered.unit < still_.ray.t_in * still_.centered.unit;
+  const Entry* order[] = {still ? &still_ : nullptr, moving ? &moving_ : nullptr};
+  if (moving_first) std::swap(order[0], order[1]);
+  for (const Entry* entry : order) {
+    if (entry != nullptr && !query.put_aside && !(query.any && query.found))
+      walk_tree(ray, *entry, query);
+  }
+}
+
+bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
+  return accel::enter(entry.centered, entry.instances->tree().tree().bounds(),
+                      ray.tmin / entry.centered.unit, ray.tmax / entry.centered.unit, entry.ray);
+}
+
+void RayCaster::walk_tree(const Ray& ray, const Entry& entry, MeshQuery& query) {
+  accel::LazyTree& tree = entry.instances->tree();
+  Visit visit{*this, ray, entry, query, {}};
+  accel::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
+}
+
 std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
   const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(work, accel::kWorkUnbuilt - 1)) |
          (query.met_unbuilt ? accel::kWorkUnbuilt : 0);
 }
 
-void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& query) {
-  const Instance& instance = instances_[index];
+void RayCaster::enter_instance(const Ray& ray, const Instance& instance, std::uint32_t place,
+                               accel::BuildCounters& built, MeshQuery& query) {
   // Most instances of a scene share a few frames.
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
@@ -225,10 +258,10 @@ void RayCaster::enter_instance(const Ray& ray, std::uint32_t index, MeshQuery& q
     instance.entered->store(true, std::memory_order_relaxed);
   }
   query.node = instance.node;
-  query.instance = index;
+  query.instance = place;
   query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   if (query.primitives != nullptr) query.primitives->clear();
-  instance.mesh->tree().query(query, walked_, built_);
+  instance.mesh->tree().query(query, walked_, built);
   if (query.primitives != nullptr) counted_ += query.primitives->sorted().size();
 }
 
@@ -236,10 +269,11 @@ TraceStats RayCaster::stats() const {
   TraceStats stats = stats_;
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = built_.cells_expanded;
-  stats.touches = built_.touches;
-  stats.touches_prepare = built_.touches_prepare;
-  stats.build_seconds = built_.seconds;
+  stats.cells_expanded = built_.cells_expanded + built_moving_.cells_expanded;
+  stats.touches = built_.touches + built_moving_.touches;
+  stats.touches_prepare = built_.touches_prepare + built_moving_.touches_prepare;
+  stats.dynamic_touches = built_moving_.touches + built_moving_.touches_prepare;
+  stats.build_seconds = built_.seconds + built_moving_.seconds;
   return stats;
 }
 

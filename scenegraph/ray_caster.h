@@ -1,4 +1,4 @@
-// One ray through the scene: instances near to far, each in its own frame.
+// One ray through the scene: its two trees, instances near to far, each in its own frame.
 #pragma once
 
 #include <optional>
@@ -6,15 +6,17 @@
 
 #include "accel/lazy/mesh_tree.h"
 #include "scenegraph/entered.h"
-#include "scenegraph/instances.h"
 #include "scenegraph/trace.h"
+#include "scenegraph/two_trees.h"
 
 namespace sightline::scenegraph {
 
 /// For one block of rays, on one thread that is pinned to an epoch.
 class RayCaster {
  public:
-  RayCaster(const Instances& instances, const TraceOptions& options);
+  RayCaster(const TwoTrees& trees, const TraceOptions& options);
+  RayCaster(const RayCaster&) = delete;
+  RayCaster& operator=(const RayCaster&) = delete;
 
   /// Sets the nearest hit or, for kAny, whether there is one. With AtBusy::kLeave false, if the ray
   /// met a large cell that other threads are building: ask again when `progress` has grown.
@@ -30,14 +32,27 @@ class RayCaster {
 
  private:
   struct Visit;
+  /// One of the two trees, and the ray as it stands in it.
+  struct Entry {
+    const Instances* instances = nullptr;
+    const Departed* departed = nullptr;  ///< Null: nothing has.
+    std::uint32_t first = 0;             ///< What its instances' places count from.
+    accel::LocalRay centered;
+    accel::TreeRay ray;
+    accel::BuildCounters* built = nullptr;
+  };
 
   enum class Search { kDone, kInvalid, kPutAside };
 
   Search search(const accel::Ray& ray, accel::MeshQuery& query);
+  void walk_trees(const accel::Ray& ray, accel::MeshQuery& query);
+  static bool enter_tree(const accel::Ray& ray, Entry& entry);
+  void walk_tree(const accel::Ray& ray, const Entry& entry, accel::MeshQuery& query);
   std::uint32_t work_of(const accel::MeshQuery& query) const;
-  void enter_instance(const accel::Ray& ray, std::uint32_t index, accel::MeshQuery& query);
+  void enter_instance(const accel::Ray& ray, const Instance& instance, std::uint32_t place,
+                      accel::BuildCounters& built, accel::MeshQuery& query);
 
-  const Instances& instances_;
+  const TwoTrees trees_;
   TraceOptions options_;
   accel::AtUnbuilt at_unbuilt_;
   accel::Distinct<accel::ListedHit> list_;
@@ -51,7 +66,8 @@ class RayCaster {
   std::uint64_t progress_ = 0;
   TraceStats stats_;
   accel::WalkCounters walked_;
-  accel::BuildCounters built_;
+  accel::BuildCounters built_, built_moving_;
+  Entry still_, moving_;
 };
 
 }  // namespace sightline::scenegraph

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scenegraph/draft.h"
+#include "scenegraph/grow_alike.h"
 
 namespace sightline::scenegraph {
 
@@ -38,10 +39,42 @@ Result<Applied> Scene::apply(const std::vector<Update>& updates,
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
   next_id_ = draft.next_id();
+  std::vector<NodeId> changed = draft.changed();
   std::shared_ptr<const Snapshot> next = std::move(draft).publish(applied.revision);
-  const std::lock_guard lock(current_mutex_);
-  current_ = std::move(next);
+  applied.settle = rest_.add(*next, std::move(changed));
+  publish(std::move(next));
   return applied;
+}
+
+void Scene::publish(std::shared_ptr<const Snapshot> next) {
+  // The one before is given up outside the lock: it may be the last to hold much.
+  const std::lock_guard lock(current_mutex_);
+  current_.swap(next);
+}
+
+void Scene::settle() {
+  const std::unique_lock settling(settling_, std::try_to_lock);
+  if (!settling.owns_lock()) return;
+  std::shared_ptr<const Snapshot> base;
+  std::vector<NodeId> restless;
+  {
+    const std::lock_guard writer(writer_);
+    base = snapshot();
+    restless = rest_.begin(base->revision());
+  }
+  const Instances* still = base->halves().still->instances_so_far();
+  std::shared_ptr<const SceneHalf> settled;
+  if (still != nullptr) {
+    Hierarchy hierarchy = base->hierarchy();
+    hierarchy.movers = topmost_of(hierarchy, restless);
+    settled = std::make_shared<const SceneHalf>(Half::kStatic, std::move(hierarchy));
+    grow_alike(*still, settled->instances());
+  }
+  const std::lock_guard writer(writer_);
+  const std::vector<NodeId> changed = rest_.end(base->revision());
+  if (settled == nullptr) return;
+  const std::shared_ptr<const Snapshot> now = snapshot();
+  publish(resettled(*now, settled, restless, changed));
 }
 
 }  // namespace sightline::scenegraph

@@ -1,4 +1,8 @@
 // A scene: its current snapshot, and the one writer that makes the next.
+//
+// What moves is in the dynamic tree, which is made anew for each revision; what rests is in the
+// static one, which lives on. Mobility is where a node begins. Once rays have looked, a node that
+// changes joins the dynamic tree, and settle() brings back those that rest.
 #pragma once
 
 #include <atomic>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include "accel/result.h"
+#include "scenegraph/rest.h"
 #include "scenegraph/snapshot.h"
 #include "scenegraph/update.h"
 
@@ -18,6 +23,7 @@ namespace sightline::scenegraph {
 struct Applied {
   std::uint64_t revision = 0;
   std::vector<NodeId> nodes;  ///< The id of every PutNode's node, in the order of the batch.
+  bool settle = false;        ///< Enough rests in the dynamic tree for Scene::settle().
 };
 
 class Scene {
@@ -35,8 +41,18 @@ class Scene {
   Result<Applied> apply(const std::vector<Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt);
 
+  /// Takes what has rested for Rest::kRevisions out of the dynamic tree and into a static tree made
+  /// anew, in the background: writers and readers go on meanwhile. Then publishes the current
+  /// revision once more, by the same number, for it says the same. Does nothing while another
+  /// thread is at it, and where rays have not looked yet. Threads: any.
+  void settle();
+
  private:
+  void publish(std::shared_ptr<const Snapshot> next);
+
   std::mutex writer_;
+  Rest rest_;  // the writer's
+  std::mutex settling_;
   mutable std::mutex current_mutex_;  // held for one pointer copy
   std::shared_ptr<const Snapshot> current_;
   NodeId next_id_ = 1;

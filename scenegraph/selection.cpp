@@ -36,10 +36,10 @@ Selection::Selection(std::shared_ptr<const Snapshot> snapshot, NodeId root,
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
-      states_(snapshot_->instances().size()) {}
+      states_(snapshot_->trees().size()) {}
 
 bool Selection::decide(std::size_t index) const {
-  const bool selected = contains(snapshot_->instances()[index].node);
+  const bool selected = contains(snapshot_->trees()[index].node);
   states_[index].store(selected ? State::kIn : State::kOut, std::memory_order_relaxed);
   return selected;
 }

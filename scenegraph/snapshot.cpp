@@ -30,23 +30,23 @@ void grow_by_box(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
 
 }  // namespace
 
-Snapshot::~Snapshot() { delete instances_.load(std::memory_order_acquire); }
+Snapshot::Snapshot(std::uint64_t revision, const Hierarchy& hierarchy)
+    : Snapshot(revision, hierarchy,
+               {std::make_shared<const SceneHalf>(Half::kStatic, hierarchy),
+                std::make_shared<const SceneHalf>(Half::kDynamic, hierarchy), nullptr}) {}
 
-/// Nothing is waited for that a single thread does.
-const Instances& Snapshot::instances() const {
-  const Instances* now = instances_.load(std::memory_order_acquire);
-  if (now == nullptr) {
-    auto made = std::make_unique<const Instances>(hierarchy_);
-    if (instances_.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
-      now = made.release();
-  }
-  now->begin();
-  return *now;
+TwoTrees Snapshot::trees() const {
+  return {halves_.still->instances(), halves_.moving->instances(), halves_.departed.get()};
 }
 
-const Instances* Snapshot::instances_so_far() const {
-  const Instances* now = instances_.load(std::memory_order_acquire);
-  return now != nullptr && now->begun() ? now : nullptr;
+std::vector<const Mesh*> Snapshot::meshes() const {
+  std::vector<const Mesh*> meshes;
+  std::unordered_set<const Mesh*> seen;
+  nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh != nullptr && seen.insert(mesh).second) meshes.push_back(mesh);
+  });
+  return meshes;
 }
 
 const WorldBounds& Snapshot::bounds() const {
@@ -54,7 +54,7 @@ const WorldBounds& Snapshot::bounds() const {
     const std::uint64_t triangles = hierarchy_.subtree(0).triangles;
     nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
       if (node->mesh == nullptr) return;
-      const Affine world = world_from_local(*this, *node);
+      const Affine world = world_from_local(hierarchy_, *node);
       if (triangles <= kExactBoundsTriangles) {
         grow_by_triangles(bounds_, *node->mesh, world);
       } else {
@@ -91,8 +91,9 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
   BuildSummary s;
   const Subtree all = snapshot.hierarchy().subtree(0);
   s.instances_total = all.mesh_nodes;
-  s.dynamic_instances = all.dynamic;
-  s.static_instances = all.mesh_nodes - all.dynamic;
+  for (const NodeId id : topmost_movers(snapshot.hierarchy()))
+    s.dynamic_instances += snapshot.hierarchy().subtree(id).mesh_nodes;
+  s.static_instances = all.mesh_nodes - s.dynamic_instances;
   std::unordered_set<const Mesh*> seen;
   snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
     const Mesh* mesh = node->mesh.get();
@@ -110,8 +111,11 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.bytes_trees += mesh->tree().tree().bytes();
   });
   const accel::EpochPin pin;
-  if (const Instances* instances = snapshot.instances_so_far())
-    s.bytes_trees += instances->tree().tree().bytes();
+  if (const Instances* still = snapshot.halves().still->instances_so_far())
+    s.bytes_static_tree = still->tree().tree().bytes();
+  if (const Instances* moving = snapshot.halves().moving->instances_so_far())
+    s.bytes_dynamic_tree = moving->tree().tree().bytes();
+  s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;
 }
 

@@ -2,25 +2,31 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <vector>
 
-#include "scenegraph/instances.h"
 #include "scenegraph/node.h"
 #include "scenegraph/subtree_update.h"
+#include "scenegraph/two_trees.h"
 
 namespace sightline::scenegraph {
 
 /// In world space.
 using WorldBounds = DoubleBox;
 
+/// The trees of a revision, as far as they are shared with others.
+struct Halves {
+  std::shared_ptr<const SceneHalf> still, moving;
+  std::shared_ptr<const Departed> departed;  ///< From `still`; null: none.
+};
+
 class Snapshot {
  public:
-  Snapshot(std::uint64_t revision, Hierarchy hierarchy)
-      : revision_(revision), hierarchy_(std::move(hierarchy)) {}
-  ~Snapshot();
+  Snapshot(std::uint64_t revision, Hierarchy hierarchy, Halves halves)
+      : revision_(revision), hierarchy_(std::move(hierarchy)), halves_(std::move(halves)) {}
+  /// With trees of its own.
+  Snapshot(std::uint64_t revision, const Hierarchy& hierarchy);
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
 
@@ -32,11 +38,12 @@ class Snapshot {
   const std::vector<NodeId>& roots() const { return *hierarchy_.roots; }
   const Hierarchy& hierarchy() const { return hierarchy_; }
 
-  /// The nodes that carry a mesh, in world space, and the kd-tree over them. Made by whoever asks
-  /// first; nobody waits for that.
-  const Instances& instances() const;
-  /// The same, or null if nobody has asked.
-  const Instances* instances_so_far() const;
+  /// The nodes that carry a mesh, in world space, and the kd-trees over them. Opened by whoever
+  /// asks first; nobody waits for that.
+  TwoTrees trees() const;
+  const Halves& halves() const { return halves_; }
+  /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
+  std::vector<const Mesh*> meshes() const;
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
   /// scenes. Made by whoever asks first.
@@ -45,7 +52,7 @@ class Snapshot {
  private:
   std::uint64_t revision_ = 0;
   Hierarchy hierarchy_;
-  mutable std::atomic<const Instances*> instances_{nullptr};
+  Halves halves_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
 };
@@ -77,8 +84,11 @@ struct BuildSummary {
   std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
-  std::uint64_t static_instances = 0;
-  std::uint64_t dynamic_instances = 0;
+  std::uint64_t static_instances = 0;  ///< In the static tree.
+  std::uint64_t dynamic_instances =
+      0;  ///< In the dynamic tree: what moves, and what hangs under it.
+  std::uint64_t bytes_static_tree = 0;  ///< Of bytes_trees, apart from those of meshes.
+  std::uint64_t bytes_dynamic_tree = 0;
 };
 BuildSummary summarize_build(const Snapshot& snapshot);
 

@@ -53,7 +53,6 @@ bool replace_extreme(T& sum, std::uint32_t& outermost, const T* before, const T*
 
 void replace_counts(Subtree& sum, const Subtree& before, const Subtree& after) {
   sum.mesh_nodes += after.mesh_nodes - before.mesh_nodes;
-  sum.dynamic += after.dynamic - before.dynamic;
   sum.triangles += after.triangles - before.triangles;
   sum.instances += after.instances - before.instances;
   sum.price += after.price - before.price;
@@ -83,7 +82,6 @@ Subtree own_part(const Node& node) {
   Subtree own;
   if (node.mesh == nullptr) return own;
   own.mesh_nodes = 1;
-  own.dynamic = node.mobility == Mobility::kStatic ? 0 : 1;
   own.triangles = node.mesh->triangles();
   if (!is_instance(node)) return own;
   own.box = DoubleBox(node.mesh->bounds());
@@ -102,10 +100,14 @@ Subtree part_in_parent(const Node& node, const Subtree& child) {
     part.groups += 1;
     part.runs += max_runs(node.children.size() + 1);
   }
-  if (child.instances == 0) return part;
-  const Affine& a = node.parent_from_local;
-  part.reach = mapped_reach(a, child.reach);
-  part.box = mapped(a, child.box);
+  return carried(node.parent_from_local, part);
+}
+
+Subtree carried(const Affine& a, const Subtree& below) {
+  Subtree part = below;
+  if (part.instances == 0) return part;
+  part.reach = mapped_reach(a, below.reach);
+  part.box = mapped(a, below.box);
   // Four roundings of terms within reach, twice over.
   for (std::size_t row = 0; row < 3; ++row) {
     part.box.lo[row] -= part.reach[row] * 0x1p-50;

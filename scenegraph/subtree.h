@@ -29,7 +29,6 @@ struct Subtree {
   std::array<std::uint32_t, 12> outermost{};
 
   std::uint64_t mesh_nodes = 0;  ///< That carry a mesh, empty ones too.
-  std::uint64_t dynamic = 0;     ///< Of these: not declared static.
   std::uint64_t triangles = 0;   ///< Over these.
   std::uint64_t instances = 0;
   std::uint64_t price = 0;   ///< Sum over instances.
@@ -57,6 +56,9 @@ inline bool is_group(const Node& node, const Subtree& subtree) {
 
 /// What a child brings to its parent, in the parent's frame. `child` is of `node`.
 Subtree part_in_parent(const Node& node, const Subtree& child);
+
+/// The same part one frame further up: what part_in_parent does to places and sizes.
+Subtree carried(const Affine& parent_from_local, const Subtree& part);
 
 /// Adds a part to the sum over a node's own part and its children's.
 void include(Subtree& sum, const Subtree& part);

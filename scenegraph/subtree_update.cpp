@@ -1,7 +1,10 @@
 // From the leaves up: what changed below a group changes the group.
 #include "scenegraph/subtree_update.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "scenegraph/wide_sum.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -9,22 +12,26 @@ namespace {
 /// A group of which more than one child in so many has changed is summed up again.
 constexpr std::size_t kAdjustBelow = 4;
 
-const std::vector<NodeId>& children_of(const Hierarchy& in, NodeId group) {
-  return group == 0 ? *in.roots : in.find(group)->children;
-}
-
-/// What the child brings to the group; nothing where it is not one of its children.
-Subtree part(const Hierarchy& in, NodeId group, NodeId child) {
-  const Node* node = in.find(child);
-  if (node == nullptr || node->parent != group) return {};
-  return part_in_parent(*node, in.subtree(*node));
-}
-
 Subtree own_part(const Hierarchy& in, NodeId group) {
   return group == 0 ? Subtree{} : own_part(*in.find(group));
 }
 
 }  // namespace
+
+Affine world_from_local(const Hierarchy& hierarchy, const Node& node) {
+  if (node.parent == 0) return node.parent_from_local;
+  return compose(world_from_local(hierarchy, *hierarchy.find(node.parent)), node.parent_from_local);
+}
+
+const std::vector<NodeId>& children_of(const Hierarchy& in, NodeId group) {
+  return group == 0 ? *in.roots : in.find(group)->children;
+}
+
+Subtree part_of_child(const Hierarchy& in, NodeId group, NodeId child) {
+  const Node* node = in.find(child);
+  if (node == nullptr || node->parent != group) return {};
+  return part_in_parent(*node, in.subtree(*node));
+}
 
 Subtree Hierarchy::subtree(NodeId id) const {
   if (id != 0) return subtree(*find(id));
@@ -51,7 +58,10 @@ void SubtreeUpdate::edited(NodeId id) {
     changes_at(id).try_emplace(id);  // brought to its parent when it is summed up itself
     return;
   }
-  if (old != nullptr && !old->children.empty()) subtrees_.set(id, nullptr);
+  if (old != nullptr && !old->children.empty()) {
+    subtrees_.set(id, nullptr);
+    if (before_.wide.find(id) != nullptr) wide_.set(id, nullptr);
+  }
   if (node != nullptr) changes_at(node->parent)[node->parent].push_back(id);
 }
 
@@ -84,10 +94,38 @@ std::size_t SubtreeUpdate::depth(NodeId id) {
 }
 
 void SubtreeUpdate::update(NodeId group, const Children& changed) {
-  if (group == 0 && after_.roots->empty()) return subtrees_.set(0, nullptr);
   Subtree sum;
-  if (!adjust(group, changed, sum)) sum = sum_of(group, children_of(after_, group));
+  const std::vector<NodeId>& children = children_of(after_, group);
+  if (children.size() > WideSum::kWide) {
+    sum = wide_sum_of(group, changed);
+  } else {
+    if (before_.wide.find(group) != nullptr) wide_.set(group, nullptr);
+    if (children.empty()) return subtrees_.set(group, nullptr);  // no roots are left
+    if (!adjust(group, changed, sum)) sum = sum_of(group, children);
+  }
   subtrees_.set(group, std::make_shared<const Subtree>(sum));
+}
+
+Subtree SubtreeUpdate::wide_sum_of(NodeId group, const Children& changed) {
+  const std::shared_ptr<const WideSum>* known = before_.wide.find(group);
+  auto children =
+      known == nullptr ? std::make_shared<WideSum>() : std::make_shared<WideSum>(**known);
+  std::vector<NodeId> ids;
+  if (known == nullptr) {
+    ids = children_of(after_, group);
+  } else {
+    ids.assign(changed.begin(), changed.end());
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  children->update(ids, {[&](NodeId id) {
+                           return known == nullptr ? Subtree{} : part_of_child(before_, group, id);
+                         },
+                         [&](NodeId id) { return part_of_child(after_, group, id); }});
+  Subtree sum = own_part(after_, group);
+  include(sum, children->total());
+  wide_.set(group, std::move(children));
+  return sum;
 }
 
 /// False where all children must be looked at.
@@ -98,7 +136,8 @@ bool SubtreeUpdate::adjust(NodeId group, const Children& changed, Subtree& sum) 
   sum = **known;
   if (!replace(sum, own_part(before_, group), own_part(after_, group))) return false;
   for (const NodeId child : changed) {
-    if (!replace(sum, part(before_, group, child), part(after_, group, child))) return false;
+    if (!replace(sum, part_of_child(before_, group, child), part_of_child(after_, group, child)))
+      return false;
   }
   return true;
 }
@@ -106,7 +145,7 @@ bool SubtreeUpdate::adjust(NodeId group, const Children& changed, Subtree& sum) 
 Subtree SubtreeUpdate::sum_of(NodeId group, const std::vector<NodeId>& children) const {
   Subtree sum;
   include(sum, own_part(after_, group));
-  for (const NodeId child : children) include(sum, part(after_, group, child));
+  for (const NodeId child : children) include(sum, part_of_child(after_, group, child));
   return sum;
 }
 

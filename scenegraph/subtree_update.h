@@ -12,12 +12,18 @@ namespace sightline::scenegraph {
 
 using NodeMap = PersistentMap<std::shared_ptr<const Node>>;
 
+class WideSum;
+
 /// A hierarchy and what is known of it.
 struct Hierarchy {
   NodeMap nodes;
   /// Shared among revisions, as nodes are. Never null.
   std::shared_ptr<const std::vector<NodeId>> roots = std::make_shared<const std::vector<NodeId>>();
   SubtreeMap subtrees;
+  /// Of the groups of very many children, and of the scene if it has so many roots.
+  PersistentMap<std::shared_ptr<const WideSum>> wide;
+  /// The nodes that are in the dynamic tree with all that is below them; see movers.h.
+  PersistentMap<bool> movers;
 
   /// Null if there is no such node.
   const Node* find(NodeId id) const {
@@ -31,8 +37,17 @@ struct Hierarchy {
   const Subtree& group(NodeId id) const { return **subtrees.find(id); }
 };
 
-/// For one revision. Cost: each group above an edited node once, by its edited children, or by all
-/// of its children where those edited were its outermost.
+/// World transform of a node: its ancestors' transforms applied from the root down, in double.
+Affine world_from_local(const Hierarchy& hierarchy, const Node& node);
+
+/// 0: the roots.
+const std::vector<NodeId>& children_of(const Hierarchy& in, NodeId group);
+
+/// What the child brings to the group; nothing where it is not one of its children.
+Subtree part_of_child(const Hierarchy& in, NodeId group, NodeId child);
+
+/// For one revision. Cost: each group above an edited node once, by its edited children; or, where
+/// those were its outermost, by all of its children, as far as those are not many (see WideSum).
 class SubtreeUpdate {
  public:
   /// `after.subtrees` is still that of `before`.
@@ -53,12 +68,14 @@ class SubtreeUpdate {
   std::size_t depth(NodeId id);
   Changes& changes_at(NodeId group) { return changes_[depth(group)]; }
   void update(NodeId group, const Children& changed);
+  Subtree wide_sum_of(NodeId group, const Children& changed);
   bool adjust(NodeId group, const Children& changed, Subtree& sum) const;
   Subtree sum_of(NodeId group, const std::vector<NodeId>& children) const;
 
   const Hierarchy& before_;
   Hierarchy& after_;
   SubtreeMap::Edit subtrees_{after_.subtrees};
+  PersistentMap<std::shared_ptr<const WideSum>>::Edit wide_{after_.wide};
   std::pmr::monotonic_buffer_resource memory_;
   std::vector<Changes> changes_;  // by depth: the scene's is 0, a root's is 1
   NodeId last_ = 0;               // whose depth was asked for last

@@ -32,7 +32,10 @@ struct TraceStats {
   std::uint64_t triangle_tests = 0;   ///< Scans of unbuilt cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
-  std::uint64_t touches = 0;          ///< Reference bounds read by build passes.
+  std::uint64_t touches = 0;  ///< Reference bounds read by build passes.
+  /// Of both, those for the dynamic tree and the meshes that were entered through it. (Where
+  /// everything is built, those of the dynamic tree alone.)
+  std::uint64_t dynamic_touches = 0;
   std::uint64_t touches_prepare = 0;  ///< Boxes made from vertices.
   double build_seconds = 0;           ///< Summed over threads.
 

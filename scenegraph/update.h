@@ -42,8 +42,8 @@ struct DeleteNode {
   bool subtree = false;
 };
 
-/// New places for `positions.size()` vertices from `first` on. The nodes must carry one and the same
-/// mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
+/// New places for `positions.size()` vertices from `first` on. The nodes must carry one and the
+/// same mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
 struct PatchVertices {
   std::vector<NodeRef> nodes;
   std::uint32_t first = 0;

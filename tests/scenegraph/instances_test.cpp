@@ -15,6 +15,13 @@
 namespace sightline::scenegraph {
 namespace {
 
+/// All of it in the static tree.
+std::vector<Update> at_rest(int nodes, tests::Frames frames, std::uint64_t seed) {
+  std::vector<Update> updates = tests::random_hierarchy(nodes, frames, seed);
+  for (Update& update : updates) std::get<PutNode>(update).mobility = Mobility::kStatic;
+  return updates;
+}
+
 using accel::BoxRef;
 using tests::Frames;
 
@@ -52,8 +59,8 @@ std::map<std::uint32_t, BoxRef> open_down(const Instances& instances) {
 TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
   for (const Frames frames : kAllFrames) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      const auto snapshot = tests::snapshot_of(tests::random_hierarchy(300, frames, seed));
-      const Instances& instances = snapshot->instances();
+      const auto snapshot = tests::snapshot_of(at_rest(300, frames, seed));
+      const Instances& instances = snapshot->trees().still;
       const auto found = open_down(instances);
       ASSERT_EQ(found.size(), instances.size());
       ASSERT_EQ(found.size(), snapshot->hierarchy().subtree(0).instances);
@@ -69,12 +76,12 @@ TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
 
 TEST(Instances, StandWhereTheHierarchyPutsThem) {
   for (const Frames frames : kAllFrames) {
-    const auto snapshot = tests::snapshot_of(tests::random_hierarchy(400, frames, 3));
+    const auto snapshot = tests::snapshot_of(at_rest(400, frames, 3));
     NodeId before = 0;
     std::size_t count = 0;
-    for (const Instance& instance : snapshot->instances().list()) {
+    for (const Instance& instance : snapshot->trees().still.list()) {
       const Node& node = *snapshot->find(instance.node);
-      const Affine world = world_from_local(*snapshot, node);
+      const Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
       EXPECT_EQ(instance.mirrored, mirrors(world));
       EXPECT_EQ(instance.mesh, node.mesh.get());
@@ -82,12 +89,12 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
       EXPECT_EQ(instance.entered, node.entered.get());
       // The boxes of the groups above it take nothing away.
       EXPECT_EQ(instance.box, instance_box(world, instance.local_from_world, node.mesh->bounds(),
-                                           snapshot->instances().center()));
+                                           snapshot->trees().still.center()));
       EXPECT_NE(instance.node, before);
       before = instance.node;
       ++count;
     }
-    EXPECT_EQ(count, snapshot->instances().list().size());
+    EXPECT_EQ(count, snapshot->trees().still.list().size());
   }
 }
 
@@ -107,20 +114,20 @@ TEST(Instances, BoxesHoldWhateverTheConditions) {
       updates.emplace_back(put);
     }
     const auto snapshot = tests::snapshot_of(updates);
-    EXPECT_EQ(open_down(snapshot->instances()).size(), 40u);
+    EXPECT_EQ(open_down(snapshot->trees().still).size(), 40u);
   }
 }
 
 TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
-  const auto updates = tests::random_hierarchy(3000, Frames::kSheared, 6);
+  const auto updates = at_rest(3000, Frames::kSheared, 6);
   const auto expected_of = tests::snapshot_of(updates);
-  const auto expected = open_down(expected_of->instances());
+  const auto expected = open_down(expected_of->trees().still);
   for (int round = 0; round < 10; ++round) {
     const auto snapshot = tests::snapshot_of(updates);
     std::vector<std::map<std::uint32_t, BoxRef>> found(8);
     std::vector<std::thread> threads;
     for (auto& mine : found) {
-      threads.emplace_back([&] { mine = open_down(snapshot->instances()); });
+      threads.emplace_back([&] { mine = open_down(snapshot->trees().still); });
     }
     for (std::thread& thread : threads) thread.join();
     for (const auto& mine : found) {
@@ -128,10 +135,10 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
       for (const auto& [id, ref] : expected) {
         ASSERT_EQ(mine.at(id).bounds(), ref.bounds());
         ASSERT_EQ(mine.at(id).weight, ref.weight);
-        ASSERT_EQ(snapshot->instances()[id].node, expected_of->instances()[id].node);
+        ASSERT_EQ(snapshot->trees().still[id].node, expected_of->trees().still[id].node);
       }
     }
-    EXPECT_EQ(snapshot->instances().placed(), expected_of->instances().placed());
+    EXPECT_EQ(snapshot->trees().still.placed(), expected_of->trees().still.placed());
   }
 }
 
@@ -166,11 +173,11 @@ std::vector<Update> many_groups(int count) {
 TEST(Instances, AreFoundByNumberAmongManyGroups) {
   const auto updates = many_groups(2500);
   const auto first = tests::snapshot_of(updates);
-  const auto expected = open_down(first->instances());
-  ASSERT_EQ(expected.size(), first->instances().size());
+  const auto expected = open_down(first->trees().still);
+  ASSERT_EQ(expected.size(), first->trees().still.size());
   // In another order: whatever is at hand is opened next.
   const auto snapshot = tests::snapshot_of(updates);
-  const Instances& instances = snapshot->instances();
+  const Instances& instances = snapshot->trees().still;
   tests::Random random(10);
   std::map<std::uint32_t, BoxRef> found;
   std::vector<BoxRef> closed = instances.coarsest();
@@ -187,13 +194,13 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   ASSERT_EQ(found.size(), expected.size());
   for (const auto& [id, ref] : expected) {
     ASSERT_EQ(found.at(id).bounds(), ref.bounds());
-    ASSERT_EQ(instances[id].node, first->instances()[id].node);
+    ASSERT_EQ(instances[id].node, first->trees().still[id].node);
   }
 }
 
 TEST(Instances, WeighWhatIsBelow) {
-  const auto snapshot = tests::snapshot_of(tests::random_hierarchy(2000, Frames::kRigid, 7));
-  const Instances& instances = snapshot->instances();
+  const auto snapshot = tests::snapshot_of(at_rest(2000, Frames::kRigid, 7));
+  const Instances& instances = snapshot->trees().still;
   const auto sum = [](const std::vector<BoxRef>& refs) {
     std::uint64_t weights = 0;
     for (const BoxRef& ref : refs) weights += ref.weight;
@@ -238,7 +245,7 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
   for (NodeId id = 1; id <= 5; ++id) update.edited(id);
   update.finish();
   const Snapshot snapshot(1, hierarchy);
-  const Instances& instances = snapshot.instances();
+  const Instances& instances = snapshot.trees().still;
   EXPECT_EQ(instances.size(), 3u);
   const accel::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
   accel::Hit hit;
@@ -251,8 +258,8 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
 
 TEST(Instances, OfNothing) {
   const Scene empty;
-  EXPECT_EQ(empty.snapshot()->instances().size(), 0u);
-  EXPECT_TRUE(empty.snapshot()->instances().list().empty());
+  EXPECT_EQ(empty.snapshot()->trees().still.size(), 0u);
+  EXPECT_TRUE(empty.snapshot()->trees().still.list().empty());
   std::vector<Update> groups;
   for (int i = 1; i <= 10; ++i) {
     PutNode put;
@@ -262,9 +269,9 @@ TEST(Instances, OfNothing) {
     groups.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(groups);
-  EXPECT_EQ(snapshot->instances().size(), 0u);
-  EXPECT_TRUE(snapshot->instances().coarsest().empty());
-  EXPECT_EQ(snapshot->instances().placed(), 0u);
+  EXPECT_EQ(snapshot->trees().still.size(), 0u);
+  EXPECT_TRUE(snapshot->trees().still.coarsest().empty());
+  EXPECT_EQ(snapshot->trees().still.placed(), 0u);
 }
 
 /// Nodes in a chain above the only instance are opened at once.
@@ -279,8 +286,8 @@ TEST(Instances, FarDownAChainAndFarAway) {
     updates.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(updates);
-  ASSERT_EQ(snapshot->instances().coarsest().size(), 1u);
-  EXPECT_FALSE(snapshot->instances().coarsest()[0].openable());
+  ASSERT_EQ(snapshot->trees().still.coarsest().size(), 1u);
+  EXPECT_FALSE(snapshot->trees().still.coarsest()[0].openable());
   const accel::Ray ray{{1e5 * kMaxDepth, 0.01, 9}, {0, 0, -1}};
   accel::Hit hit;
   ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));

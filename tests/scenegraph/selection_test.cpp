@@ -28,7 +28,7 @@ std::vector<NodeId> selected(NodeId root, const std::vector<NodeId>& excluded) {
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
   std::vector<NodeId> nodes;
-  const InstanceList list = snapshot->instances().list();
+  const InstanceList list = snapshot->trees().still.list();
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
     EXPECT_EQ(selection->selects(i), first) << "remembered";
