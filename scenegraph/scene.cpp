@@ -1,7 +1,7 @@
 // Applying a batch of updates: check and edit a private copy, then publish it whole.
 #include "scenegraph/scene.h"
 
-#include <algorithm>
+#include <new>
 #include <unordered_map>
 #include <utility>
 
@@ -9,6 +9,27 @@
 #include "scenegraph/grow_alike.h"
 
 namespace sightline::scenegraph {
+
+namespace {
+
+/// Less what is restless, and grown where rays have been. Null where they have not been, or where
+/// there is no memory for it.
+std::shared_ptr<const SceneHalf> settled_half(const Snapshot& base,
+                                              const std::vector<NodeId>& restless) {
+  const Instances* still = base.halves().still->instances_so_far();
+  if (still == nullptr) return nullptr;
+  try {
+    Hierarchy hierarchy = base.hierarchy();
+    hierarchy.movers = topmost_of(hierarchy, restless);
+    auto settled = std::make_shared<const SceneHalf>(Half::kStatic, std::move(hierarchy));
+    grow_alike(*still, settled->instances());
+    return settled;
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
 
 Scene::Scene() : current_(std::make_shared<Snapshot>(0, Hierarchy{})) {}
 
@@ -19,8 +40,9 @@ std::shared_ptr<const Snapshot> Scene::snapshot() const {
 
 Result<Applied> Scene::apply(const std::vector<Update>& updates,
                              std::optional<std::uint64_t> expected_revision) {
+  std::shared_ptr<const Snapshot> base;  // given up outside the lock
   const std::lock_guard writer(writer_);
-  const std::shared_ptr<const Snapshot> base = snapshot();
+  base = snapshot();
   if (expected_revision && *expected_revision != base->revision()) {
     return Error{Code::kAborted,
                  "expected revision " + std::to_string(*expected_revision) +
@@ -62,14 +84,7 @@ void Scene::settle() {
     base = snapshot();
     restless = rest_.begin(base->revision());
   }
-  const Instances* still = base->halves().still->instances_so_far();
-  std::shared_ptr<const SceneHalf> settled;
-  if (still != nullptr) {
-    Hierarchy hierarchy = base->hierarchy();
-    hierarchy.movers = topmost_of(hierarchy, restless);
-    settled = std::make_shared<const SceneHalf>(Half::kStatic, std::move(hierarchy));
-    grow_alike(*still, settled->instances());
-  }
+  const std::shared_ptr<const SceneHalf> settled = settled_half(*base, restless);
   const std::lock_guard writer(writer_);
   const std::vector<NodeId> changed = rest_.end(base->revision());
   if (settled == nullptr) return;
