@@ -10,10 +10,6 @@ Error error(Code code, std::string reason, std::string message) {
   return {code, std::move(message), std::move(reason)};
 }
 
-std::string described(const Node& node) {
-  return "node " + std::to_string(node.id) + " \"" + node.name + "\"";
-}
-
 Status check_matrix(const Affine& matrix, const std::string& whose) {
   if (inverse(matrix)) return {};
   return error(Code::kInvalidArgument, "SINGULAR_TRANSFORM",
@@ -53,22 +49,22 @@ Status Draft::put(const PutNode& put) {
     fresh->parent = parent;
     edited_[id] = std::move(fresh);
     if (Status s = check_place(id, parent); !s) return s;
-    siblings(parent).push_back(id);
+    join(id, parent);
   } else {
     const Result<NodeId> found = resolve(put.node);
     if (!found) return found.error();
     id = *found;
     if (find(id)->parent != parent) {
       if (Status s = check_place(id, parent); !s) return s;
-      std::erase(siblings(find(id)->parent), id);
-      siblings(parent).push_back(id);
+      leave(id, find(id)->parent);
+      join(id, parent);
     }
   }
   Node& node = edit(id);
   node.parent = parent;
   node.name = put.name;
   node.parent_from_local = put.parent_from_local;
-  leave_deformation(id);
+  deformations_.forget(id);
   node.patched = false;
   if (put.mesh != node.mesh) {
     node.mesh = put.mesh;
@@ -102,98 +98,41 @@ Status Draft::remove(const DeleteNode& removal) {
   const Result<NodeId> found = resolve(removal.node);
   if (!found) return found.error();
   const Node& top = *find(*found);
-  if (!top.children.empty() && !removal.subtree) {
+  const std::vector<NodeId> children = children_now(top);
+  if (!children.empty() && !removal.subtree) {
     return error(Code::kFailedPrecondition, "NODE_HAS_CHILDREN",
-                 described(top) + " has " + std::to_string(top.children.size()) +
+                 described(top) + " has " + std::to_string(children.size()) +
                      " children; set subtree to delete them too");
   }
-  std::erase(siblings(top.parent), top.id);
+  leave(top.id, top.parent);
   std::vector<NodeId> doomed{top.id};
   while (!doomed.empty()) {
     const NodeId id = doomed.back();
     doomed.pop_back();
-    const Node& node = *find(id);
-    doomed.insert(doomed.end(), node.children.begin(), node.children.end());
+    const std::vector<NodeId> below = children_now(*find(id));
+    doomed.insert(doomed.end(), below.begin(), below.end());
+    left_.erase(id);
     edited_[id] = nullptr;
     moved_.erase(id);
-    leave_deformation(id);
+    deformations_.forget(id);
   }
   return {};
 }
 
 Status Draft::patch(const PatchVertices& patch) {
-  const auto deformation = deformation_of(patch.nodes);
-  if (!deformation) return deformation.error();
-  std::vector<accel::Vec3f>& vertices = (*deformation)->vertices;
-  if (patch.positions.size() > vertices.size() ||
-      patch.first > vertices.size() - patch.positions.size()) {
-    return error(Code::kInvalidArgument, "VERTICES_OUT_OF_RANGE",
-                 "vertices " + std::to_string(patch.first) + " to " +
-                     std::to_string(patch.first + patch.positions.size()) +
-                     " are to change, but the mesh has " + std::to_string(vertices.size()));
-  }
-  std::copy(patch.positions.begin(), patch.positions.end(), vertices.begin() + patch.first);
-  return {};
-}
-
-/// Of these nodes and no others.
-Result<Deformation*> Draft::deformation_of(const std::vector<NodeRef>& nodes) {
-  if (nodes.empty()) return error(Code::kInvalidArgument, "NO_NODES", "no node is named");
-  std::set<NodeId> ids;
-  const Node* first = nullptr;
-  std::shared_ptr<Deformation> known;
-  for (const NodeRef ref : nodes) {
+  std::vector<const Node*> nodes;
+  for (const NodeRef ref : patch.nodes) {
     const Result<NodeId> id = resolve(ref);
     if (!id) return id.error();
-    const Node& node = *find(*id);
-    if (node.mesh == nullptr) {
-      return error(Code::kInvalidArgument, "NODE_WITHOUT_MESH",
-                   described(node) + " carries no mesh whose vertices could change");
-    }
-    const auto found = deformations_.find(*id);
-    const std::shared_ptr<Deformation> own = found == deformations_.end() ? nullptr : found->second;
-    if (first == nullptr) {
-      first = &node;
-      known = own;
-    } else if (own != known || node.mesh != first->mesh) {
-      return error(Code::kInvalidArgument, "MESHES_DIFFER",
-                   described(*first) + " and " + described(node) + " do not carry the same mesh");
-    }
-    ids.insert(*id);
+    nodes.push_back(find(*id));
   }
-  if (known != nullptr && known->nodes == ids) return known.get();
-  auto fresh = std::make_shared<Deformation>();
-  fresh->mesh = first->mesh;
-  if (known != nullptr) {
-    fresh->vertices = known->vertices;
-  } else {
-    const auto vertices = first->mesh->view().vertices;
-    fresh->vertices.assign(vertices.begin(), vertices.end());
-  }
-  for (const NodeId id : ids) {
-    leave_deformation(id);
-    deformations_[id] = fresh;
-  }
-  fresh->nodes = std::move(ids);
-  return fresh.get();
-}
-
-void Draft::leave_deformation(NodeId id) {
-  const auto found = deformations_.find(id);
-  if (found == deformations_.end()) return;
-  found->second->nodes.erase(id);
-  deformations_.erase(found);
+  return deformations_.patch(nodes, patch.first, patch.positions);
 }
 
 Status Draft::deform() {
-  std::unordered_map<const Deformation*, std::shared_ptr<const Mesh>> made;
-  for (const auto& [id, deformation] : deformations_) {
-    std::shared_ptr<const Mesh>& mesh = made[deformation.get()];
-    if (mesh == nullptr) {
-      auto deformed = deformation->mesh->deformed(std::move(deformation->vertices));
-      if (!deformed) return deformed.error();
-      mesh = std::move(*deformed);
-    }
+  const auto meshes = deformations_.make();
+  if (!meshes) return meshes.error();
+  for (const auto& [id, mesh] : *meshes) {
     Node& node = edit(id);
     node.mesh = mesh;
     node.patched = true;
@@ -232,6 +171,32 @@ std::vector<NodeId>& Draft::siblings(NodeId parent) {
   return *roots_;
 }
 
+void Draft::join(NodeId id, NodeId parent) {
+  // It may have left the same parent before, and still be in its list.
+  if (const auto left = left_.find(parent); left != left_.end() && left->second.erase(id) > 0)
+    std::erase(siblings(parent), id);
+  siblings(parent).push_back(id);
+}
+
+void Draft::leave(NodeId id, NodeId parent) { left_[parent].insert(id); }
+
+/// Less those that have left.
+std::vector<NodeId> Draft::children_now(const Node& node) const {
+  std::vector<NodeId> children = node.children;
+  if (const auto left = left_.find(node.id); left != left_.end())
+    std::erase_if(children, [&](NodeId id) { return left->second.contains(id); });
+  return children;
+}
+
+/// Lists may be long: each is gone through once, however many have left.
+void Draft::drop_left() {
+  for (const auto& [parent, left] : left_) {
+    if (!left.empty())
+      std::erase_if(siblings(parent), [&](NodeId id) { return left.contains(id); });
+  }
+  left_.clear();
+}
+
 /// The node may hang under this parent: no cycle, and nothing below it deeper than kMaxDepth.
 Status Draft::check_place(NodeId node, NodeId parent) const {
   int depth = 0;
@@ -252,7 +217,7 @@ Status Draft::check_place(NodeId node, NodeId parent) const {
 
 int Draft::height(NodeId node) const {
   int below = 0;
-  for (const NodeId child : find(node)->children) below = std::max(below, height(child));
+  for (const NodeId child : children_now(*find(node))) below = std::max(below, height(child));
   return below + 1;
 }
 
@@ -263,6 +228,7 @@ Affine Draft::world_from_local(const Node& node) const {
 
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
+  drop_left();
   marked_ = mark_movers(base_, edited_);
   hierarchy_.movers = marked_.movers;
   {

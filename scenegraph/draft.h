@@ -3,23 +3,16 @@
 
 #include <memory>
 #include <memory_resource>
-#include <set>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "accel/result.h"
+#include "scenegraph/deformations.h"
 #include "scenegraph/movers.h"
 #include "scenegraph/update.h"
 
 namespace sightline::scenegraph {
-
-/// A mesh whose vertices are being changed.
-struct Deformation {
-  std::shared_ptr<const Mesh> mesh;  ///< As it was.
-  std::vector<accel::Vec3f> vertices;
-  std::set<NodeId> nodes;  ///< That will carry it.
-};
 
 /// One writer. After an error the draft is to be thrown away.
 class Draft {
@@ -54,8 +47,10 @@ class Draft {
   /// The node for editing: copied from the base the first time.
   Node& edit(NodeId id);
   std::vector<NodeId>& siblings(NodeId parent);
-  Result<Deformation*> deformation_of(const std::vector<NodeRef>& nodes);
-  void leave_deformation(NodeId id);
+  void join(NodeId id, NodeId parent);
+  void leave(NodeId id, NodeId parent);
+  std::vector<NodeId> children_now(const Node& node) const;
+  void drop_left();
   Status deform();
   Status check_place(NodeId node, NodeId parent) const;
   int height(NodeId node) const;
@@ -72,10 +67,11 @@ class Draft {
   NodeId next_id_;
   std::pmr::unordered_map<NodeRef, NodeId> aliases_{&memory_};
   EditedNodes edited_{&memory_};
+  /// By parent: children that are to be dropped from its list by finish().
+  std::pmr::unordered_map<NodeId, std::unordered_set<NodeId>> left_{&memory_};
   Marked marked_;
   std::pmr::unordered_set<NodeId> moved_{&memory_};
-  /// Made one mesh each by finish(), however many patches there are.
-  std::pmr::unordered_map<NodeId, std::shared_ptr<Deformation>> deformations_{&memory_};
+  Deformations deformations_;
   std::vector<NodeId> put_nodes_;
 };
 

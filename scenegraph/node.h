@@ -39,4 +39,9 @@ struct Node {
   std::shared_ptr<std::atomic<bool>> entered;
 };
 
+/// For messages.
+inline std::string described(const Node& node) {
+  return "node " + std::to_string(node.id) + " \"" + node.name + "\"";
+}
+
 }  // namespace sightline::scenegraph

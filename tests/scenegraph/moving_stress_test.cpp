@@ -38,7 +38,8 @@ struct Stress {
   PlainHistory history;
   const std::vector<MeshChoice> meshes = small_meshes();
   const std::uint64_t wanted;
-  std::atomic<std::uint64_t> applied{0}, refused{0}, outrun{0}, casts{0}, hits{0}, edges{0};
+  std::atomic<std::uint64_t> applied{0}, refused{0}, settled{0}, outrun{0}, casts{0}, hits{0},
+      edges{0};
 
   bool done() const { return applied >= wanted || testing::Test::HasFailure(); }
 };
@@ -78,12 +79,23 @@ class Actor {
     ASSERT_EQ(applied->nodes, edit.put_nodes);
     stress_.history.tell(std::move(edit.after));
     ++stress_.applied;
+    if (applied->settle || random_.below(50) == 0) {
+      stress_.scene.settle();
+      ++stress_.settled;
+    }
   }
 
+  // A revision of the scene, and what it says in plain words.
+  struct Revision {
+    std::shared_ptr<const Snapshot> snapshot;
+    std::shared_ptr<const PlainScene> plain;
+  };
+
   // The newest revision, or one that this thread has held for a while.
-  std::shared_ptr<const Snapshot> some_snapshot() {
+  Revision some_revision() {
     if (held_.empty() || random_.below(3) != 0) {
-      held_.push_back(stress_.scene.snapshot());
+      const std::shared_ptr<const Snapshot> newest = stress_.scene.snapshot();
+      held_.push_back({newest, stress_.history.at(newest->revision())});
       if (held_.size() > 4) held_.pop_front();
       return held_.back();
     }
@@ -91,8 +103,8 @@ class Actor {
   }
 
   void cast() {
-    const std::shared_ptr<const Snapshot> snapshot = some_snapshot();
-    const auto plain = stress_.history.at(snapshot->revision());
+    const auto [snapshot, plain] = some_revision();
+    ASSERT_NE(plain, nullptr) << "revision " << snapshot->revision() << " is not kept";
     const RandomQuestion question = random_question(*plain, kRays, random_);
     if (question.rays.empty()) return;
     scenegraph::TraceOptions options;
@@ -121,11 +133,14 @@ class Actor {
   Stress& stress_;
   Random random_;
   RandomEdits edits_;
-  std::deque<std::shared_ptr<const Snapshot>> held_;
+  std::deque<Revision> held_;
 };
 
 TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
-  Stress stress(stress_updates(300));
+  Stress stress(stress_updates(200));
+  RandomEdit begin = ground(stress.meshes);
+  ASSERT_TRUE(stress.scene.apply(begin.updates));
+  stress.history.tell(std::move(begin.after));
   std::vector<std::jthread> threads;
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&stress, i] { Actor(stress, static_cast<std::uint64_t>(i)).run(); });
@@ -139,6 +154,7 @@ TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
   for (const auto& [name, count] : {std::pair{"casts", &stress.casts},
                                     {"refused", &stress.refused},
                                     {"outrun", &stress.outrun},
+                                    {"settled", &stress.settled},
                                     {"hits", &stress.hits}})
     RecordProperty(name, std::to_string(*count));
 }
@@ -220,6 +236,7 @@ TEST(HeldSnapshot, StaysWhatItWasWhileAWriterGoesOnAndLetsTheOthersDie) {
   for (std::uint64_t n = 0; n < 1000 || std::chrono::steady_clock::now() < until; ++n) {
     const auto applied = scene.apply(step(n));
     ASSERT_TRUE(applied) << applied.error().message;
+    if (applied->settle) scene.settle();
     if (n % 10 == 0) answers(*scene.snapshot());
     superseded.push_back(scene.snapshot());
   }
