@@ -14,6 +14,10 @@ Error bad_index(const accel::Face& face, std::size_t i, std::size_t vertices) {
           "INDEX_OUT_OF_RANGE"};
 }
 
+/// A tree that may last for one frame begins with single triangles up to here; beyond, sparse rays
+/// would pay too much for the list of all.
+constexpr std::uint64_t kSoupUpTo = std::uint64_t{1} << 18;
+
 }  // namespace
 
 Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertices,
@@ -54,7 +58,10 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::Vec3f> ver
   }
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
   const accel::MeshSurvey survey = accel::survey_mesh({arrays->vertices, *arrays->faces});
-  return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder_, references_));
+  const bool by_default = builder_ == accel::default_builder();
+  return std::shared_ptr<const Mesh>(
+      new Mesh(std::move(arrays), survey, by_default ? accel::frame_builder() : builder_,
+               by_default && triangles_ <= kSoupUpTo ? accel::References::kSoup : references_));
 }
 
 std::uint64_t Mesh::bytes() const {

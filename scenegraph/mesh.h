@@ -29,8 +29,9 @@ class Mesh {
       const accel::AnyBuilder& builder = accel::default_builder(),
       accel::References references = accel::References::kRuns);
 
-  /// The same faces about other vertices, as many: only the tree begins anew. Errors:
-  /// kInvalidArgument, a count that differs.
+  /// The same faces about other vertices, as many: only the tree begins anew, by the builder of the
+  /// mesh if that is not the default, else by accel::frame_builder(), as it may last for one
+  /// revision. Errors: kInvalidArgument, a count that differs.
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::Vec3f> vertices) const;
 
   accel::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }

@@ -184,6 +184,8 @@ Status set(Builder& builder, std::string_view key, std::string_view value) {
 
 AnyBuilder default_builder() { return scan_fast(); }
 
+AnyBuilder frame_builder() { return ScanBuilder{.axes = ScanAxes::kOne}; }
+
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;
   for (const Named& named : all_builders()) names.push_back(named.name);

@@ -23,6 +23,10 @@ using AnyBuilder = std::variant<ScanBuilder, SpatialMedianBuilder, ObjectMedianB
 /// What trees are grown by unless told otherwise: scan-fast.
 AnyBuilder default_builder();
 
+/// What trees are grown by that may last for one revision only: scan-one-axis, which builds in the
+/// least time (docs/decisions/0018-frame-trees.md).
+AnyBuilder frame_builder();
+
 /// All names that make_builder knows, in the order of docs/builders.md.
 std::vector<std::string_view> builder_names();
 
