@@ -2,84 +2,49 @@
 // the next.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <unordered_map>
+#include <thread>
 #include <utility>
 
+#include "client/backoff.h"
 #include "client/channel.h"
 #include "client/connection.h"
+#include "client/request_id.h"
 #include "client/rpc_error.h"
-#include "client/scene_codec.h"
+#include "client/update_codec.h"
 
 namespace sightline::client {
 namespace {
 
-constexpr std::size_t kRoomForEnvelope = 4096;  // of a message: scene name, tags and lengths
-constexpr std::size_t kMaxUpdateBytes = kMaxMessageBytes - kRoomForEnvelope;
-constexpr std::size_t kTransformsPerUpdate = 4096;  // 96 bytes each, and a reference
+constexpr int kAttempts = 4;
 
-// Ids of the nodes that earlier messages have made, by alias.
-class Aliases {
- public:
-  NodeRef resolve(NodeRef ref) const {
-    const auto found = ids_.find(ref);
-    return found == ids_.end() ? ref : static_cast<NodeRef>(found->second);
-  }
-  void add(NodeRef alias, std::uint64_t id) { ids_.emplace(alias, id); }
-
- private:
-  std::unordered_map<NodeRef, std::uint64_t> ids_;
-};
-
-struct Encoder {
-  const Aliases& aliases;
-  v1::Update& out;
-
-  void operator()(const PutNode& put) const {
-    v1::PutNode& node = *out.mutable_put_node();
-    node.set_node(aliases.resolve(put.node));
-    node.set_parent(aliases.resolve(put.parent));
-    node.set_name(put.name);
-    if (put.parent_from_local != kIdentity)
-      *node.mutable_transform() = encode(put.parent_from_local);
-    node.set_mesh_digest(put.mesh_digest);
-    node.set_mobility(encode(put.mobility));
-    node.set_mask(put.mask);
-  }
-  void operator()(const SetTransforms& set) const {
-    v1::SetTransforms& transforms = *out.mutable_set_transforms();
-    for (const NodeRef node : set.nodes) transforms.add_nodes(aliases.resolve(node));
-    static_assert(sizeof(Transform) == 96);
-    transforms.set_matrices(set.parent_from_local.data(),
-                            set.parent_from_local.size() * sizeof(Transform));
-  }
-  void operator()(const DeleteNode& deleted) const {
-    out.mutable_delete_node()->set_node(aliases.resolve(deleted.node));
-    out.mutable_delete_node()->set_subtree(deleted.subtree);
-  }
-};
-
-v1::Update encode(const Update& update, const Aliases& aliases) {
-  v1::Update out;
-  std::visit(Encoder{aliases, out}, update);
-  return out;
-}
-
-Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
+Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   grpc::ClientContext context;
   set_timeout(context, connection.small_timeout());
   v1::ApplyUpdatesResponse response;
   const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
   if (!status.ok()) return rpc_error(status);
   return Applied{response.revision().revision(),
-                 {response.nodes().begin(), response.nodes().end()}};
+                 {response.nodes().begin(), response.nodes().end()},
+                 response.revision().token(),
+                 response.replayed()};
+}
+
+// Safe to repeat, as every request has an id.
+Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
+  Backoff backoff(kAttempts);
+  while (true) {
+    auto applied = send_once(connection, request);
+    if (applied || !is_broken_connection(applied.error().code) || !backoff.again()) return applied;
+    std::this_thread::sleep_for(backoff.pause());
+  }
 }
 
 // Fills messages with updates and sends them as they get full.
 class Batches {
  public:
   Batches(const Connection& connection, const std::string& scene, const ApplyOptions& options)
-      : connection_(connection) {
+      : connection_(connection),
+        id_(options.request_id.empty() ? random_request_id() : options.request_id) {
     request_.set_scene(scene);
     if (options.expected_revision) request_.set_expected_revision(*options.expected_revision);
   }
@@ -99,7 +64,9 @@ class Batches {
   }
 
   Status flush() {
-    const auto applied = send(connection_, request_);
+    request_.set_request_id(sent_ == 0 ? id_ : fmt::format("{}/{}", id_, sent_));
+    ++sent_;
+    auto applied = send(connection_, request_);
     if (!applied) return applied.error();
     if (applied->nodes.size() != puts_.size()) {
       return Error{
@@ -111,6 +78,8 @@ class Batches {
       if (puts_[i] < 0) aliases_.add(puts_[i], applied->nodes[i]);
     }
     total_.revision = applied->revision;
+    total_.token = std::move(applied->token);
+    total_.replayed = applied->replayed;
     total_.nodes.insert(total_.nodes.end(), applied->nodes.begin(), applied->nodes.end());
     if (request_.has_expected_revision()) request_.set_expected_revision(applied->revision);
     request_.clear_updates();
@@ -123,48 +92,25 @@ class Batches {
 
  private:
   const Connection& connection_;
+  std::string id_;
+  int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
-  Aliases aliases_;
+  NodeAliases aliases_;
   std::vector<NodeRef> puts_;  // of the message being filled
   std::size_t bytes_ = 0;
   Applied total_;
 };
-
-// A long SetTransforms does not fit one message; its parts do.
-Status add_in_parts(const SetTransforms& set, Batches& batches) {
-  const std::size_t n = set.nodes.size();
-  for (std::size_t first = 0; first < n; first += kTransformsPerUpdate) {
-    const auto from = static_cast<std::ptrdiff_t>(first);
-    const auto to = static_cast<std::ptrdiff_t>(std::min(n, first + kTransformsPerUpdate));
-    SetTransforms part{{set.nodes.begin() + from, set.nodes.begin() + to},
-                       {set.parent_from_local.begin() + from, set.parent_from_local.begin() + to}};
-    if (Status added = batches.add(std::move(part)); !added) return added;
-  }
-  return {};
-}
-
-Status check(std::span<const Update> updates) {
-  for (std::size_t i = 0; i < updates.size(); ++i) {
-    const auto* set = std::get_if<SetTransforms>(&updates[i]);
-    if (set == nullptr || set->nodes.size() == set->parent_from_local.size()) continue;
-    return Error{Code::kInvalidArgument,
-                 fmt::format("update {}: {} nodes but {} transforms", i, set->nodes.size(),
-                             set->parent_from_local.size()),
-                 {}};
-  }
-  return {};
-}
 
 }  // namespace
 
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options) {
   if (const Status checked = check(updates); !checked) return checked.error();
-  const Aliases none;
   v1::ApplyUpdatesRequest request;
   request.set_scene(scene);
+  request.set_request_id(options.request_id.empty() ? random_request_id() : options.request_id);
   if (options.expected_revision) request.set_expected_revision(*options.expected_revision);
-  for (const Update& update : updates) *request.add_updates() = encode(update, none);
+  for (const Update& update : updates) *request.add_updates() = encode(update);
   if (const std::size_t bytes = request.ByteSizeLong(); bytes > kMaxMessageBytes) {
     return Error{Code::kResourceExhausted,
                  fmt::format("{} updates are {} bytes, of {} that one message may have",
@@ -179,9 +125,8 @@ Result<Applied> apply_in_batches(const Connection& connection, const std::string
   if (const Status checked = check(updates); !checked) return checked.error();
   Batches batches(connection, scene, options);
   for (const Update& update : updates) {
-    const auto* set = std::get_if<SetTransforms>(&update);
-    const bool is_long = set != nullptr && set->nodes.size() > kTransformsPerUpdate;
-    const Status added = is_long ? add_in_parts(*set, batches) : batches.add(update);
+    const Status added =
+        each_piece(update, [&](const Update& piece) { return batches.add(piece); });
     if (!added) return added.error();
   }
   if (const Status sent = batches.flush(); !sent) return sent.error();

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "client/update_codec.h"
+
 namespace sightline::client {
 namespace {
 
@@ -110,6 +112,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   request.set_root(options.root);
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
+  *request.mutable_consistency() = encode(options.consistency);
   // Without any field the server would send its usual ones.
   if (options.kind == QueryKind::kAll) fields.hit = true;
   if (fields.t) request.add_fields(v1::HIT_FIELD_T);
@@ -174,6 +177,7 @@ Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fi
 void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
   const v1::CastStats& stats = response.stats();
   report.revision = response.served().revision();
+  report.token = response.served().token();
   report.rays += stats.rays();
   report.hits += stats.hits();
   report.invalid += stats.invalid();

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
+#include "client/consistency.h"
 #include "client/rays.h"
 #include "client/result.h"
 
@@ -43,6 +45,8 @@ struct CastOptions {
   std::vector<std::uint64_t> exclude{};
   /// Of kAll: for each ray, the nearest are kept. 0: as the server has it.
   std::uint32_t max_hits = 0;
+  /// The revision that answers.
+  Consistency consistency{};
   /// Cancels the cast, which then ends with kCancelled.
   std::stop_token stop{};
 };
@@ -50,6 +54,7 @@ struct CastOptions {
 /// Sums over the cast.
 struct CastReport {
   std::uint64_t revision = 0;  ///< Of the scene, the one that answered every ray.
+  std::string token{};         ///< Of that revision, for Consistency::at_least.
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< Rays with a hit, whatever the kind.
   std::uint64_t invalid = 0;

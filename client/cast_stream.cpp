@@ -76,6 +76,7 @@ struct Writer {
     request.mutable_request()->clear_root();
     request.mutable_request()->clear_exclude();
     request.mutable_request()->clear_max_hits();
+    request.mutable_request()->clear_consistency();
   }
 };
 

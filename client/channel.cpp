@@ -38,6 +38,9 @@ constexpr const char* kServiceConfig = R"({
 std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint) {
   grpc::ChannelArguments arguments;
   arguments.SetServiceConfigJSON(kServiceConfig);
+  // A server that comes back is to be found within the pauses of our own attempts.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);
   return grpc::CreateCustomChannel(endpoint, grpc::InsecureChannelCredentials(), arguments);
 }

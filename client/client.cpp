@@ -10,6 +10,8 @@
 #include "client/connection.h"
 #include "client/rpc_error.h"
 #include "client/scene_codec.h"
+#include "client/update_carrier.h"
+#include "client/update_codec.h"
 
 namespace sightline::client {
 namespace {
@@ -119,7 +121,8 @@ Result<SceneStats> Client::scene_stats(const std::string& scene) const {
 }
 
 Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
-                                                std::span<const std::uint64_t> ids) const {
+                                                std::span<const std::uint64_t> ids,
+                                                const Consistency& consistency) const {
   std::vector<NodeInfo> nodes;
   nodes.reserve(ids.size());
   while (!ids.empty()) {
@@ -128,12 +131,28 @@ Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
     v1::BatchGetNodesRequest request;
     request.set_scene(scene);
     request.mutable_ids()->Add(some.begin(), some.end());
+    *request.mutable_consistency() = encode(consistency);
     const auto response =
         call(*connection_, connection_->scenes, &v1::SceneService::Stub::BatchGetNodes, request);
     if (!response) return response.error();
     for (const v1::Node& node : response->nodes()) nodes.push_back(decode(node));
   }
   return nodes;
+}
+
+Result<UpdateStream> Client::open_update_stream(const std::string& scene,
+                                                const std::string& producer,
+                                                const UpdateStreamOptions& options) const {
+  auto carrier = std::make_unique<UpdateStream::Carrier>(
+      v1::SceneService::NewStub(connection_->channel), scene, producer, options);
+  if (const Status opened = carrier->open(connection_->small_timeout()); !opened)
+    return opened.error();
+  return UpdateStream(std::move(carrier));
+}
+
+Status Client::watch(const std::string& scene, std::optional<std::uint64_t> start,
+                     const SceneChangeSink& sink, const std::stop_token& stop) const {
+  return client::watch(*connection_, scene, start, sink, stop);
 }
 
 Result<std::vector<std::string>> Client::missing_meshes(

@@ -19,6 +19,8 @@
 #include "client/result.h"
 #include "client/scene_info.h"
 #include "client/update.h"
+#include "client/update_stream.h"
+#include "client/watch.h"
 
 namespace sightline::client {
 
@@ -58,9 +60,10 @@ class Client {
   Result<SceneStats> scene_stats(const std::string& scene) const;
   /// One per id, in order; one that does not exist has id 0.
   Result<std::vector<NodeInfo>> get_nodes(const std::string& scene,
-                                          std::span<const std::uint64_t> ids) const;
+                                          std::span<const std::uint64_t> ids,
+                                          const Consistency& consistency = {}) const;
 
-  /// Applies all updates or none, and makes one revision.
+  /// Applies all updates or none, and makes one revision, however often the request has to be sent.
   /// Errors: kResourceExhausted if they do not fit one message of 1 MiB; kAborted if the scene is
   /// not at the revision expected; those of the updates.
   Result<Applied> apply(const std::string& scene, std::span<const Update> updates,
@@ -69,6 +72,17 @@ class Client {
   /// After an error, the messages before it stay applied.
   Result<Applied> apply_in_batches(const std::string& scene, std::span<const Update> updates,
                                    const ApplyOptions& options = {}) const;
+
+  /// Opens a stream of updates by the producer of this name, [A-Za-z0-9._-]{1,64}: it goes on
+  /// where the last stream of that name in this scene has ended, and takes it over if it has not.
+  /// Errors: kDeadlineExceeded, not opened within the client's timeout.
+  Result<UpdateStream> open_update_stream(const std::string& scene, const std::string& producer,
+                                          const UpdateStreamOptions& options = {}) const;
+  /// Every revision after `start`, by default from now on, until the sink wants no more or a stop
+  /// is requested (kCancelled). A broken connection is taken up again. Errors: kOutOfRange, one
+  /// that is wanted is not kept any more: read the scene, then watch from its revision.
+  Status watch(const std::string& scene, std::optional<std::uint64_t> start,
+               const SceneChangeSink& sink, const std::stop_token& stop = {}) const;
 
   /// Which of these meshes the server does not have.
   Result<std::vector<std::string>> missing_meshes(std::span<const std::string> digests) const;

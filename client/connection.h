@@ -19,13 +19,15 @@ namespace sightline::client {
 namespace v1 = ::sightline::v1;
 
 struct Connection {
-  Connection(const std::shared_ptr<grpc::Channel>& channel, const ClientOptions& given)
-      : scenes(v1::SceneService::NewStub(channel)),
-        blobs(v1::BlobService::NewStub(channel)),
-        queries(v1::RayQueryService::NewStub(channel)),
-        server(v1::ServerService::NewStub(channel)),
+  Connection(const std::shared_ptr<grpc::Channel>& channel_in_use, const ClientOptions& given)
+      : channel(channel_in_use),
+        scenes(v1::SceneService::NewStub(channel_in_use)),
+        blobs(v1::BlobService::NewStub(channel_in_use)),
+        queries(v1::RayQueryService::NewStub(channel_in_use)),
+        server(v1::ServerService::NewStub(channel_in_use)),
         options(given) {}
 
+  std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::SceneService::Stub> scenes;
   std::unique_ptr<v1::BlobService::Stub> blobs;
   std::unique_ptr<v1::RayQueryService::Stub> queries;
@@ -45,6 +47,10 @@ Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options);
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
                                  std::span<const Update> updates, const ApplyOptions& options);
+
+Status watch(const Connection& connection, const std::string& scene,
+             std::optional<std::uint64_t> start, const SceneChangeSink& sink,
+             const std::stop_token& stop);
 
 Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                    const UploadProgress& progress, const std::stop_token& stop);

@@ -60,4 +60,8 @@ Error rpc_error(const grpc::Status& status) {
   return {code_of(status.error_code()), status.error_message(), reason_of(status)};
 }
 
+Error rpc_error(int code, const std::string& message, const std::string& reason) {
+  return {code_of(static_cast<grpc::StatusCode>(code)), message, reason};
+}
+
 }  // namespace sightline::client

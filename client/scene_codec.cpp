@@ -35,6 +35,12 @@ v1::Transform encode(const Transform& transform) {
   return out;
 }
 
+Mobility decode(v1::Mobility mobility) {
+  if (mobility == v1::MOBILITY_RIGID) return Mobility::kRigid;
+  if (mobility == v1::MOBILITY_DEFORMING) return Mobility::kDeforming;
+  return Mobility::kStatic;
+}
+
 namespace {
 
 UpAxis decode(v1::UpAxis axis) {
@@ -43,18 +49,13 @@ UpAxis decode(v1::UpAxis axis) {
   return UpAxis::kUnknown;
 }
 
-Mobility decode(v1::Mobility mobility) {
-  if (mobility == v1::MOBILITY_RIGID) return Mobility::kRigid;
-  if (mobility == v1::MOBILITY_DEFORMING) return Mobility::kDeforming;
-  return Mobility::kStatic;
-}
-
 }  // namespace
 
 SceneInfo decode(const v1::Scene& scene) {
   SceneInfo info;
   info.name = scene.name();
   info.revision = scene.head().revision();
+  info.token = scene.head().token();
   info.up_axis = decode(scene.up_axis());
   info.meters_per_unit = scene.meters_per_unit();
   info.nodes = scene.nodes();
@@ -99,6 +100,7 @@ NodeInfo decode(const v1::Node& node) {
   info.mesh_digest = node.mesh_digest();
   info.mobility = decode(node.mobility());
   info.mask = node.mask();
+  info.patched = node.patched();
   return info;
 }
 
@@ -120,6 +122,17 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_hits_per_reply = info.max_hits_per_reply();
   out.max_exclusions = info.max_exclusions();
   out.max_prefetches = info.max_prefetches();
+  out.max_updates_per_batch = info.max_updates_per_batch();
+  out.max_batch_bytes = info.max_batch_bytes();
+  out.update_window = info.update_window();
+  out.max_update_streams = info.max_update_streams();
+  out.max_watches = info.max_watches();
+  out.max_waiting_reads = info.max_waiting_reads();
+  out.max_read_wait_ms = info.max_read_wait_ms();
+  out.max_exact_revisions = info.max_exact_revisions();
+  out.max_logged_revisions = info.max_logged_revisions();
+  out.max_request_ids = info.max_request_ids();
+  out.max_producers = info.max_producers();
   return out;
 }
 

@@ -13,6 +13,7 @@ v1::UpAxis encode(UpAxis axis);
 v1::Mobility encode(Mobility mobility);
 v1::Transform encode(const Transform& transform);
 
+Mobility decode(v1::Mobility mobility);
 SceneInfo decode(const v1::Scene& scene);
 SceneStats decode(const v1::GetSceneStatsResponse& stats);
 NodeInfo decode(const v1::Node& node);

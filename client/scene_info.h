@@ -21,6 +21,7 @@ enum class Mobility : std::uint8_t { kStatic, kRigid, kDeforming };
 struct SceneInfo {
   std::string name;  ///< projects/{project}/scenes/{scene}
   std::uint64_t revision = 0;
+  std::string token;  ///< Of the revision, for Consistency::at_least.
   UpAxis up_axis = UpAxis::kUnknown;
   double meters_per_unit = 0;  ///< 0: unknown.
   std::uint64_t nodes = 0;
@@ -58,6 +59,7 @@ struct NodeInfo {
   std::string mesh_digest;  ///< Empty: a group.
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0;
+  bool patched = false;  ///< Its vertices have been changed since the mesh of that digest was put.
 };
 
 struct ServerInfo {
@@ -77,6 +79,17 @@ struct ServerInfo {
   std::uint32_t max_hits_per_reply = 0;  ///< Of one message: rays times CastOptions::max_hits.
   std::uint32_t max_exclusions = 0;
   std::uint32_t max_prefetches = 0;  ///< In work at a time.
+  std::uint32_t max_updates_per_batch = 0;
+  std::uint64_t max_batch_bytes = 0;     ///< Of a batch of an UpdateStream.
+  std::uint32_t update_window = 0;       ///< Batches of an UpdateStream on their way.
+  std::uint32_t max_update_streams = 0;  ///< Open at a time, as the next two.
+  std::uint32_t max_watches = 0;
+  std::uint32_t max_waiting_reads = 0;     ///< That wait for a revision.
+  std::uint32_t max_read_wait_ms = 0;      ///< Of each.
+  std::uint64_t max_exact_revisions = 0;   ///< That can be read beside the newest.
+  std::uint64_t max_logged_revisions = 0;  ///< That a watch can begin before.
+  std::uint32_t max_request_ids = 0;       ///< Whose answers are kept, of a scene.
+  std::uint32_t max_producers = 0;         ///< Names in a scene.
 };
 
 }  // namespace sightline::client

@@ -68,7 +68,7 @@ Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_t
 }
 
 std::vector<Update> put_nodes(const ImportedScene& scene, const std::vector<std::string>& digests,
-                              Mobility mobility) {
+                              const SceneUploadOptions& options, NodeRef parent = 0) {
   std::vector<Update> updates;
   updates.reserve(scene.nodes.size());
   const auto alias = [](std::size_t i) { return -static_cast<NodeRef>(i) - 1; };
@@ -76,11 +76,11 @@ std::vector<Update> put_nodes(const ImportedScene& scene, const std::vector<std:
     const ImportedNode& node = scene.nodes[i];
     PutNode put;
     put.node = alias(i);
-    put.parent = node.parent == kNone ? 0 : alias(node.parent);
+    put.parent = node.parent == kNone ? parent : alias(node.parent);
     put.name = node.name;
     put.parent_from_local = node.parent_from_local;
     if (node.mesh != kNone) put.mesh_digest = digests[node.mesh];
-    put.mobility = mobility;
+    put.mobility = options.by_node.empty() ? options.mobility : options.by_node[i];
     updates.emplace_back(std::move(put));
   }
   return updates;
@@ -120,7 +120,7 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
   const Blobs blobs = make_blobs(scene);
   if (const Status sent = upload_meshes(client, blobs, options.stop, progress); !sent)
     return sent.error();
-  const std::vector<Update> updates = put_nodes(scene, blobs.digest, options.mobility);
+  const std::vector<Update> updates = put_nodes(scene, blobs.digest, options);
   if (options.stop.stop_requested()) {
     return Error{Code::kCancelled, fmt::format("cancelled before {} was made", name), {}};
   }
@@ -138,6 +138,29 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
         fmt::format("; and the unfinished scene could not be deleted: {}", gone.error().message);
   }
   return error;
+}
+
+Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
+                                                const ImportedScene& scene, std::uint64_t parent,
+                                                const SceneUploadOptions& options,
+                                                const SceneUploadProgress& progress) {
+  const auto limits = client.server_info();
+  if (!limits) return limits.error();
+  if (const Status good = check_scene(scene, *limits); !good) return good.error();
+  const Blobs blobs = make_blobs(scene);
+  if (const Status sent = upload_meshes(client, blobs, options.stop, progress); !sent)
+    return sent.error();
+  if (options.stop.stop_requested()) {
+    return Error{Code::kCancelled, fmt::format("cancelled before {} was changed", name), {}};
+  }
+  const auto applied = client.apply_in_batches(
+      name, put_nodes(scene, blobs.digest, options, static_cast<NodeRef>(parent)));
+  if (!applied) return applied.error();
+  return applied->nodes;
+}
+
+std::vector<std::string> mesh_digests(const ImportedScene& scene) {
+  return make_blobs(scene).digest;
 }
 
 }  // namespace sightline::client

@@ -5,6 +5,7 @@
 #include <functional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "client/client.h"
 #include "client/importer/imported_scene.h"
@@ -14,6 +15,7 @@ namespace sightline::client {
 
 struct SceneUploadOptions {
   Mobility mobility = Mobility::kStatic;  ///< Of every node.
+  std::vector<Mobility> by_node{};        ///< Of each node instead, if it is not empty.
   bool replace = false;  ///< Delete a scene of that name first; else it is kAlreadyExists.
   /// Ends the upload with kCancelled; not any more once the scene is being made, which is short.
   std::stop_token stop{};
@@ -29,5 +31,16 @@ using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t
 Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
                                const ImportedScene& scene, const SceneUploadOptions& options,
                                const SceneUploadProgress& progress = {});
+
+/// Puts the imported scene's nodes beside what the scene holds, its roots under `parent` (0: as
+/// roots), and returns their ids, in the order of scene.nodes. `options.replace` is not looked at.
+/// Errors: kNotFound; those of check_scene and of the calls.
+Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
+                                                const ImportedScene& scene, std::uint64_t parent,
+                                                const SceneUploadOptions& options,
+                                                const SceneUploadProgress& progress = {});
+
+/// The names that upload_scene gives to the meshes; empty for one that no node carries.
+std::vector<std::string> mesh_digests(const ImportedScene& scene);
 
 }  // namespace sightline::client

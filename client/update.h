@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/mesh_arrays.h"
 #include "client/scene_info.h"
 
 namespace sightline::client {
@@ -36,16 +37,29 @@ struct DeleteNode {
   bool subtree = false;  ///< Needed if the node has children.
 };
 
-using Update = std::variant<PutNode, SetTransforms, DeleteNode>;
+/// New places for some vertices of a mesh; its faces stay. The nodes must carry one and the same
+/// mesh, and share the new one; others that carry the old one keep it.
+struct PatchVertices {
+  std::vector<NodeRef> nodes;
+  std::uint32_t first = 0;        ///< The first vertex that changes.
+  std::vector<Vertex> positions;  ///< In the mesh's frame.
+};
+
+using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;
 
 struct Applied {
   std::uint64_t revision = 0;
   std::vector<std::uint64_t> nodes;  ///< The id of every PutNode's node, in order.
+  std::string token;                 ///< Of the revision, for Consistency::at_least.
+  bool replayed = false;             ///< Applied before, by a request of the same id.
 };
 
 struct ApplyOptions {
   /// Refused (kAborted) unless this is the scene's revision.
-  std::optional<std::uint64_t> expected_revision;
+  std::optional<std::uint64_t> expected_revision{};
+  /// Names the request, at most 48 bytes: one that is repeated changes nothing and gets the first
+  /// answer. Empty: a random one. Either way a request whose answer is lost is sent again.
+  std::string request_id{};
 };
 
 }  // namespace sightline::client

@@ -4,6 +4,7 @@
 #include "server/admission.h"
 #include "server/blob_store.h"
 #include "server/compute.h"
+#include "server/scene_store.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server {
@@ -13,8 +14,8 @@ inline constexpr int kMaxDigestsPerRequest = 8192;
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:
   /// All outlive every call.
-  BlobRpc(BlobStore& blobs, Compute& compute, Admission& admission)
-      : blobs_(blobs), compute_(compute), admission_(admission) {}
+  BlobRpc(SceneStore& scenes, BlobStore& blobs, Compute& compute, Admission& admission)
+      : scenes_(scenes), blobs_(blobs), compute_(compute), admission_(admission) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -26,6 +27,7 @@ class BlobRpc final : public v1::BlobService::CallbackService {
                                             v1::GetUploadStatusResponse* reply) override;
 
  private:
+  SceneStore& scenes_;
   BlobStore& blobs_;
   Compute& compute_;
   Admission& admission_;

@@ -25,11 +25,17 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (Status good = check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
-  const auto scene = services_.scenes.get(request.scene());
+  auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   query_ = std::move(*query);
-  snapshot_ = (*scene)->scene().snapshot();
+  scene_ = std::move(*scene);
   return {};
+}
+
+void CastJob::pin(std::shared_ptr<const scenegraph::Snapshot> snapshot) {
+  revision_ = scene_->token(snapshot->revision());
+  snapshot_ = std::move(snapshot);
+  scene_.reset();
 }
 
 Status CastJob::take(const v1::Rays& rays) {
@@ -37,7 +43,8 @@ Status CastJob::take(const v1::Rays& rays) {
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
   if (lists && replies_ == Replies::kOne && rays_.size() * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
-                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of one reply "
+                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
+                             "one reply "
                              "is {}; send fewer, lower max_hits or use StreamCastRays",
                              rays_.size(), query_.max_hits, rays_.size() * query_.max_hits,
                              kMaxHitsPerReply),
@@ -80,7 +87,7 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
   }
   if (Status answered = answer(options, reply); !answered) return answered;
   traced_ += Clock::now() - begun;
-  reply.mutable_served()->set_revision(snapshot_->revision());
+  encode_revision(revision_, *reply.mutable_served());
   if (reply.more()) {
     ticket_ = std::move(ticket);
     listing_ticket_ = std::move(listing);
@@ -129,6 +136,7 @@ Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResp
 
 void CastJob::close() {
   selection_.reset();
+  scene_.reset();
   snapshot_.reset();
 }
 

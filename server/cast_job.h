@@ -15,6 +15,7 @@
 #include "server/cast_query.h"
 #include "server/compute.h"
 #include "server/hit_lister.h"
+#include "server/revision_wait.h"
 #include "server/scene_store.h"
 #include "sightline/v1/query.pb.h"
 
@@ -29,20 +30,24 @@ struct CastServices {
   /// and however slow some are, room for other batches is left.
   Admission& listing;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
+  WaitServices waiting;
 };
 
 /// How many messages the answer to a batch may be.
 enum class Replies : std::uint8_t { kOne, kMany };
 
-/// Serves one call: open once, then for each batch take once, and run until there is no more. Its
-/// memory is used again by the next batch.
+/// Serves one call: open and pin once, then for each batch take once, and run until there is no
+/// more. Its memory is used again by the next batch.
 class CastJob {
  public:
   CastJob(const CastServices& services, Replies replies) : services_(services), replies_(replies) {}
 
-  /// Pins the scene's current revision, which then answers every batch.
-  /// Errors: kInvalidArgument, kNotFound.
+  /// Looks the scene up and reads what is asked. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
+  const std::shared_ptr<StoredScene>& scene() const { return scene_; }
+
+  /// After open(): pins the revision that answers every batch.
+  void pin(std::shared_ptr<const scenegraph::Snapshot> snapshot);
 
   /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
   /// kInvalidArgument, where one reply could not hold all hits.
@@ -68,7 +73,9 @@ class CastJob {
   const CastServices& services_;
   const Replies replies_;
   CastQuery query_;
+  std::shared_ptr<StoredScene> scene_;  // until it is pinned
   std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  RevisionToken revision_;
   std::vector<accel::Ray> rays_;
   std::optional<scenegraph::Selection> selection_;
   std::vector<accel::Hit> hits_;

@@ -1,6 +1,9 @@
 // RayQueryService, and its unary call.
 #include "server/cast_rpc.h"
 
+#include <memory>
+#include <utility>
+
 #include "server/guarded.h"
 #include "server/prefetch_rpc.h"
 #include "server/rpc_log.h"
@@ -14,25 +17,39 @@ namespace {
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
   CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
-      : job_(services, Replies::kOne), reply_(reply) {}
+      : compute_(services.compute),
+        job_(services, Replies::kOne),
+        wait_(std::make_shared<RevisionWait>(services.waiting)),
+        reply_(reply) {}
 
-  void start(const v1::CastRaysRequest& request, Compute& compute) {
-    const Status ready = guarded([&] {
-      if (Status opened = job_.open(request); !opened) return opened;
-      return job_.take(request.rays());
-    });
-    if (!ready) return end(ready);
-    compute.enqueue([this] {
+  void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
+    if (const Status opened = guarded([&] { return job_.open(request); }); !opened)
+      return end(opened);
+    wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
+                [this, &request](Result<RevisionWait::SnapshotPointer> pinned) {
+                  if (!pinned) return end(pinned.error());
+                  job_.pin(std::move(*pinned));
+                  cast(request);
+                });
+  }
+
+  void OnCancel() override {
+    job_.cancel();
+    wait_->cancel();
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void cast(const v1::CastRaysRequest& request) {
+    if (const Status taken = guarded([&] { return job_.take(request.rays()); }); !taken)
+      return end(taken);
+    compute_.enqueue([this] {
       const Status done = guarded([this] { return job_.run(reply_); });
       job_.close();
       end(done);
     });
   }
 
-  void OnCancel() override { job_.cancel(); }
-  void OnDone() override { delete this; }
-
- private:
   void end(const Status& status) {
     const grpc::Status answer = to_grpc(status);
     log_rpc("CastRays", answer, begun_);
@@ -40,7 +57,9 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   }
 
   const LogClock::time_point begun_ = LogClock::now();
+  Compute& compute_;
   CastJob job_;
+  const std::shared_ptr<RevisionWait> wait_;
   v1::CastRaysResponse& reply_;
 };
 
@@ -51,17 +70,17 @@ RayQueryRpc::RayQueryRpc(const CastServices& services, std::size_t max_prefetche
   SetMessageAllocatorFor_CastRays(&messages_);
 }
 
-grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* context,
                                                 const v1::CastRaysRequest* request,
                                                 v1::CastRaysResponse* reply) {
   auto* reactor = new CastRaysReactor(services_, *reply);
-  reactor->start(*request, services_.compute);
+  reactor->start(*context, *request);
   return reactor;
 }
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
-RayQueryRpc::StreamCastRays(grpc::CallbackServerContext*) {
-  return start_cast_stream(services_, open_streams_, kMaxCastStreams);
+RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
+  return start_cast_stream(services_, *context, open_streams_, kMaxCastStreams);
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(

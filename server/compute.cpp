@@ -6,8 +6,9 @@ namespace sightline::server {
 Compute::Compute(int threads)
     : threads_(threads),
       parallelism_(oneapi::tbb::global_control::max_allowed_parallelism,
-                   2 * static_cast<std::size_t>(threads) + 1),
+                   3 * static_cast<std::size_t>(threads) + 1),
       arena_(threads, 0),
+      updates_(threads, 0),
       apart_(threads, 0) {}
 
 Compute::~Compute() {

@@ -14,8 +14,8 @@ namespace sightline::server {
 
 class Compute {
  public:
-  /// `threads` workers (>= 1), and as many apart. No slot is kept for callers, so a thread that
-  /// enqueues never works.
+  /// `threads` workers (>= 1), as many for updates, and as many apart. No slot is kept for callers,
+  /// so a thread that enqueues never works.
   explicit Compute(int threads);
   /// Waits for every task.
   ~Compute();
@@ -32,6 +32,12 @@ class Compute {
   template <class Work>
   void enqueue_apart(Work work) {
     enqueue_in(apart_, std::move(work));
+  }
+
+  /// The same, on the workers for updates: for work that is short and does not wait behind queries.
+  template <class Work>
+  void enqueue_update(Work work) {
+    enqueue_in(updates_, std::move(work));
   }
 
   int threads() const { return threads_; }
@@ -54,7 +60,7 @@ class Compute {
   const int threads_;
   // oneTBB keeps one of its threads for the main program, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_, apart_;
+  oneapi::tbb::task_arena arena_, updates_, apart_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;

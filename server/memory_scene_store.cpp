@@ -5,16 +5,9 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace sightline::server {
-namespace {
-
-Error unknown_scene(const std::string& name) {
-  return {Code::kNotFound, fmt::format("there is no scene {}", name), "SCENE_NOT_FOUND"};
-}
-
-}  // namespace
-
 Result<std::shared_ptr<StoredScene>> MemorySceneStore::create(SceneInfo info) {
   const std::lock_guard lock(mutex_);
   if (scenes_.contains(info.name)) {
@@ -56,14 +49,25 @@ ScenePage MemorySceneStore::list(const std::string& project, const std::string& 
 }
 
 Status MemorySceneStore::remove(const std::string& name) {
-  std::shared_ptr<StoredScene>
-      removed;  // destroyed after the lock is released: its trees may be large
-  const std::lock_guard lock(mutex_);
-  const auto found = scenes_.find(name);
-  if (found == scenes_.end()) return unknown_scene(name);
-  removed = std::move(found->second);
-  scenes_.erase(found);
-  return {};
+  std::shared_ptr<StoredScene> removed;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = scenes_.find(name);
+    if (found == scenes_.end()) return unknown_scene(name);
+    removed = std::move(found->second);
+    scenes_.erase(found);
+  }
+  removed->remove();
+  return {};  // its trees, which may be large, go with it
+}
+
+void MemorySceneStore::forget_old_revisions() {
+  std::vector<std::shared_ptr<StoredScene>> scenes;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, scene] : scenes_) scenes.push_back(scene);
+  }
+  for (const auto& scene : scenes) scene->forget_old_revisions();
 }
 
 }  // namespace sightline::server

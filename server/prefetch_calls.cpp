@@ -6,7 +6,7 @@
 namespace sightline::server {
 namespace {
 
-Error stopping() {
+Error unfinished() {
   return {Code::kUnavailable, "the server is stopping; what is built was not finished", "STOPPING"};
 }
 
@@ -14,7 +14,7 @@ Error stopping() {
 
 Status PrefetchCalls::enter(PrefetchJob& job) {
   const std::lock_guard lock(mutex_);
-  if (stopped_) return stopping();
+  if (stopped_) return unfinished();
   if (in_work_.size() >= limit_) {
     return Error{Code::kResourceExhausted,
                  fmt::format("the server is at work on {} prefetches, the limit is {}; retry later",
@@ -28,7 +28,7 @@ Status PrefetchCalls::enter(PrefetchJob& job) {
 Status PrefetchCalls::leave(PrefetchJob& job) {
   const std::lock_guard lock(mutex_);
   std::erase(in_work_, &job);
-  return stopped_ ? Status(stopping()) : Status();
+  return stopped_ ? Status(unfinished()) : Status();
 }
 
 void PrefetchCalls::stop() {

@@ -55,6 +55,7 @@ class PrefetchJob {
   std::vector<accel::Ray> rays_;
   Admission::Ticket ticket_;
   std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  RevisionToken revision_;
   std::vector<const scenegraph::Mesh*> meshes_;  // whose trees are asked for
   scenegraph::PrefetchProgress progress_;
   std::atomic<bool> known_{false};  // meshes_ is written

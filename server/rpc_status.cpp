@@ -56,10 +56,14 @@ std::string cut(const std::string& message) {
 
 }  // namespace
 
+std::string reason_of(const Error& error) {
+  return error.reason.empty() ? grpc_code(error.code).name : error.reason;
+}
+
 grpc::Status to_grpc(const Error& error) {
-  const auto [code, name] = grpc_code(error.code);
+  const grpc::StatusCode code = grpc_code(error.code).code;
   google::rpc::ErrorInfo info;
-  info.set_reason(error.reason.empty() ? name : error.reason);
+  info.set_reason(reason_of(error));
   info.set_domain(kErrorDomain);
   google::rpc::Status status;
   status.set_code(code);

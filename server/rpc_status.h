@@ -3,6 +3,8 @@
 
 #include <grpcpp/support/status.h>
 
+#include <string>
+
 #include "accel/result.h"
 
 namespace sightline::server {
@@ -12,9 +14,11 @@ inline constexpr const char* kErrorDomain = "sightline";
 /// cut.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 
+/// For programs: the error's reason, or its code's name if it has none.
+std::string reason_of(const Error& error);
+
 /// The status with the error's code and message, and with a google.rpc.Status in its details that
-/// carries one google.rpc.ErrorInfo: the error's reason (its code's name if it has none) in the
-/// domain "sightline".
+/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline".
 grpc::Status to_grpc(const Error& error);
 
 /// OK, or the error.

@@ -1,24 +1,18 @@
 // SceneService.
 #pragma once
 
-#include "server/admission.h"
-#include "server/blob_store.h"
-#include "server/compute.h"
-#include "server/scene_store.h"
+#include "server/nodes_rpc.h"
+#include "server/update_services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::server {
 
-inline constexpr int kMaxNodesPerRequest =
-    512;  ///< Their names are up to 1 KiB: the reply stays below 1 MiB.
 inline constexpr int kDefaultPage = 100;
 inline constexpr int kMaxPage = 1000;
 
 class SceneRpc final : public v1::SceneService::CallbackService {
  public:
-  /// All outlive every call.
-  SceneRpc(SceneStore& scenes, BlobStore& blobs, Compute& compute, Admission& admission)
-      : scenes_(scenes), blobs_(blobs), compute_(compute), admission_(admission) {}
+  explicit SceneRpc(const UpdateServices& services) : services_(services) {}
 
   grpc::ServerUnaryReactor* CreateScene(grpc::CallbackServerContext* context,
                                         const v1::CreateSceneRequest* request,
@@ -38,6 +32,10 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   grpc::ServerUnaryReactor* ApplyUpdates(grpc::CallbackServerContext* context,
                                          const v1::ApplyUpdatesRequest* request,
                                          v1::ApplyUpdatesResponse* reply) override;
+  grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* StreamUpdates(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::WatchSceneResponse>* WatchScene(
+      grpc::CallbackServerContext* context, const v1::WatchSceneRequest* request) override;
   grpc::ServerUnaryReactor* GetSceneStats(grpc::CallbackServerContext* context,
                                           const v1::GetSceneStatsRequest* request,
                                           v1::GetSceneStatsResponse* reply) override;
@@ -47,16 +45,9 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   Status get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply);
   Status list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply);
   Status remove(const v1::DeleteSceneRequest& request);
-  Status get_nodes(const v1::BatchGetNodesRequest& request, v1::BatchGetNodesResponse& reply);
-  Status apply(const v1::ApplyUpdatesRequest& request, v1::ApplyUpdatesResponse& reply);
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
-  /// Errors: kInvalidArgument (the name), kNotFound.
-  Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
 
-  SceneStore& scenes_;
-  BlobStore& blobs_;
-  Compute& compute_;
-  Admission& admission_;
+  const UpdateServices services_;
 };
 
 }  // namespace sightline::server

@@ -30,8 +30,11 @@ class SceneStore {
   /// first).
   virtual ScenePage list(const std::string& project, const std::string& after,
                          std::size_t limit) const = 0;
-  /// Errors: kNotFound.
+  /// Those who follow the scene are told. Errors: kNotFound.
   virtual Status remove(const std::string& name) = 0;
+
+  /// Lets go of all revisions but the newest, for the meshes that they alone hold. Takes time.
+  virtual void forget_old_revisions() = 0;
 };
 
 }  // namespace sightline::server

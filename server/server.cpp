@@ -23,8 +23,12 @@
 #include "server/info_rpc.h"
 #include "server/listen_address.h"
 #include "server/memory_scene_store.h"
+#include "server/open_calls.h"
 #include "server/scene_rpc.h"
 #include "server/state_files.h"
+#include "server/update_batches.h"
+#include "server/update_codec.h"
+#include "server/update_stream_rpc.h"
 #include "server/upload_rpc.h"
 
 namespace sightline::server {
@@ -37,9 +41,26 @@ constexpr std::size_t kGrpcMemory =
 v1::GetServerInfoResponse describe(const ServerConfig& config) {
   v1::GetServerInfoResponse info;
   info.set_version(SIGHTLINE_VERSION);
-  for (const char* feature : {"closest", "any", "count", "all", "culling", "selection", "stream",
-                              "prefetch", "build.lazy", "build.full", "build.none",
-                              "build.built-only", "policy.first-touch", "policy.full"}) {
+  for (const char* feature : {"closest",
+                              "any",
+                              "count",
+                              "all",
+                              "culling",
+                              "selection",
+                              "stream",
+                              "prefetch",
+                              "updates.stream",
+                              "updates.coalesced",
+                              "updates.request-id",
+                              "watch",
+                              "consistency",
+                              "patch",
+                              "build.lazy",
+                              "build.full",
+                              "build.none",
+                              "build.built-only",
+                              "policy.first-touch",
+                              "policy.full"}) {
     info.add_features(feature);
   }
   info.set_max_message_bytes(kMaxMessageBytes);
@@ -53,6 +74,17 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   info.set_max_hits_per_reply(kMaxHitsPerReply);
   info.set_max_exclusions(kMaxExclusions);
   info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
+  info.set_max_updates_per_batch(kMaxUpdatesPerBatch);
+  info.set_max_batch_bytes(kMaxBatchBytes);
+  info.set_update_window(kUpdateWindow);
+  info.set_max_update_streams(kMaxUpdateStreams);
+  info.set_max_watches(kMaxWatches);
+  info.set_max_waiting_reads(kMaxWaitingReads);
+  info.set_max_read_wait_ms(static_cast<std::uint32_t>(kMaxReadWait.count()));
+  info.set_max_exact_revisions(RecentLimits().revisions);
+  info.set_max_logged_revisions(LogLimits().revisions);
+  info.set_max_request_ids(AnswerLimits().answers);
+  info.set_max_producers(kMaxProducers);
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
   info.set_simd_target(std::string(accel::simd_target()));
@@ -76,13 +108,13 @@ void configure(grpc::ServerBuilder& builder) {
 Result<ListenAddress> check_listen(const ServerConfig& config) {
   auto address = ListenAddress::parse(config.listen);
   if (!address || address->is_loopback() || config.insecure) return address;
-  return Error{
-      Code::kInvalidArgument,
-      fmt::format(
-          "{} can be reached from other machines, and this server has neither encryption nor "
-          "authentication: listen on a loopback address, or allow it with --insecure",
-          config.listen),
-      "INSECURE_ADDRESS"};
+  return Error{Code::kInvalidArgument,
+               fmt::format("{} can be reached from other machines, and this "
+                           "server has neither encryption nor "
+                           "authentication: listen on a loopback address, or "
+                           "allow it with --insecure",
+                           config.listen),
+               "INSECURE_ADDRESS"};
 }
 
 }  // namespace
@@ -93,18 +125,32 @@ struct Server::Parts {
       : config(c),
         admission(c.admission),
         listing({c.admission.rays / kListingShare, c.admission.bytes / kListingShare}),
+        waits(kMaxWaitingReads, "reads that wait for a revision", "TOO_MANY_WAITING"),
+        streams(kMaxUpdateStreams, "streams of updates", "TOO_MANY_STREAMS"),
+        watches(kMaxWatches, "watches of scenes", "TOO_MANY_WATCHES"),
         blobs({.memory_budget = c.memory_budget}),
         compute(c.threads) {}
 
   const ServerConfig config;
   Admission admission, listing;
+  OpenCalls waits, streams, watches;
   MemorySceneStore scenes;
   BlobStore blobs;
   Compute compute;
-  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy},
+  const WaitServices waiting{compute, admission, waits};
+  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy, waiting},
                         static_cast<std::size_t>(config.max_prefetches)};
-  SceneRpc scene_rpc{scenes, blobs, compute, admission};
-  BlobRpc blob_rpc{blobs, compute, admission};
+  SceneRpc scene_rpc{{scenes, blobs, compute, admission, streams, watches, waiting}};
+  BlobRpc blob_rpc{scenes, blobs, compute, admission};
+
+  /// Ends what would else wait for its client or for a writer, and refuses more of it.
+  void stop_waiting() {
+    query_rpc.stop_prefetching();
+    waits.stop();
+    streams.stop();
+    watches.stop();
+  }
+
   InfoRpc info_rpc{describe(config)};
   int port = 0;
   std::unique_ptr<grpc::Server> grpc;
@@ -139,7 +185,8 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
   spdlog::info(
-      "event=started version={} listen={} port={} threads={} policy={} memory_budget={} simd={}",
+      "event=started version={} listen={} port={} threads={} "
+      "policy={} memory_budget={} simd={}",
       SIGHTLINE_VERSION, config.listen, server->port(), config.threads, policy_name(config.policy),
       config.memory_budget, accel::simd_target());
   spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
@@ -156,7 +203,7 @@ void Server::drain() {
   std::call_once(parts_->drained, [this] {
     spdlog::info("event=draining deadline_ms={}", parts_->config.drain.count());
     parts_->grpc->GetHealthCheckService()->SetServingStatus(false);
-    parts_->query_rpc.stop_prefetching();
+    parts_->stop_waiting();
     parts_->grpc->Shutdown(std::chrono::system_clock::now() + parts_->config.drain);
     spdlog::info("event=stopped");
   });

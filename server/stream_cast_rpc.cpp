@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <utility>
+
 #include "server/guarded.h"
 #include "server/rpc_log.h"
 #include "server/rpc_status.h"
@@ -16,8 +19,13 @@ namespace {
 class CastStream final
     : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
  public:
-  CastStream(const CastServices& services, std::atomic<std::size_t>& open)
-      : compute_(services.compute), open_(open), job_(services, Replies::kMany) {}
+  CastStream(const CastServices& services, const grpc::CallbackServerContext& context,
+             std::atomic<std::size_t>& open)
+      : compute_(services.compute),
+        context_(context),
+        open_(open),
+        job_(services, Replies::kMany),
+        wait_(std::make_shared<RevisionWait>(services.waiting)) {}
 
   void start(std::size_t limit) {
     const std::size_t before = open_.fetch_add(1);
@@ -32,9 +40,16 @@ class CastStream final
 
   void OnReadDone(bool ok) override {
     if (!ok) return end({});  // the client has closed its side, or is gone
-    const Status ready = guarded([this] { return take(); });
-    if (!ready) return end(ready);
-    compute_.enqueue([this] { answer(); });
+    if (batches_++ > 0) return cast();
+    const v1::CastRaysRequest& first = request_.request();
+    if (const Status opened = guarded([&] { return job_.open(first); }); !opened)
+      return end(opened);
+    wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
+                [this](Result<RevisionWait::SnapshotPointer> pinned) {
+                  if (!pinned) return end(pinned.error());
+                  job_.pin(std::move(*pinned));
+                  cast();
+                });
   }
 
   void OnWriteDone(bool ok) override {
@@ -43,7 +58,10 @@ class CastStream final
     StartRead(&request_);
   }
 
-  void OnCancel() override { job_.cancel(); }
+  void OnCancel() override {
+    job_.cancel();
+    wait_->cancel();
+  }
 
   void OnDone() override {
     open_.fetch_sub(1);
@@ -52,12 +70,11 @@ class CastStream final
   }
 
  private:
-  Status take() {
-    if (batches_ == 0) {
-      if (Status opened = job_.open(request_.request()); !opened) return opened;
-    }
-    ++batches_;
-    return job_.take(request_.request().rays());
+  void cast() {
+    if (const Status taken = guarded([this] { return job_.take(request_.request().rays()); });
+        !taken)
+      return end(taken);
+    compute_.enqueue([this] { answer(); });
   }
 
   void answer() {
@@ -75,8 +92,10 @@ class CastStream final
 
   const LogClock::time_point begun_ = LogClock::now();
   Compute& compute_;
+  const grpc::CallbackServerContext& context_;
   std::atomic<std::size_t>& open_;
   CastJob job_;
+  const std::shared_ptr<RevisionWait> wait_;
   std::uint64_t batches_ = 0;
   v1::StreamCastRaysRequest request_;
   v1::StreamCastRaysResponse reply_;
@@ -85,8 +104,9 @@ class CastStream final
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* start_cast_stream(
-    const CastServices& services, std::atomic<std::size_t>& open, std::size_t limit) {
-  auto* stream = new CastStream(services, open);
+    const CastServices& services, const grpc::CallbackServerContext& context,
+    std::atomic<std::size_t>& open, std::size_t limit) {
+  auto* stream = new CastStream(services, context, open);
   stream->start(limit);
   return stream;
 }

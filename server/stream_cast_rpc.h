@@ -10,9 +10,10 @@
 namespace sightline::server {
 
 /// The reactor of a new call, already reading; it frees itself. `open` counts the calls that are
-/// open and, like `services`, outlives them; the call ends with RESOURCE_EXHAUSTED if `limit` are
-/// open already.
+/// open and, like `services`, outlives them, as `context` does this one; the call ends with
+/// RESOURCE_EXHAUSTED if `limit` are open already.
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* start_cast_stream(
-    const CastServices& services, std::atomic<std::size_t>& open, std::size_t limit);
+    const CastServices& services, const grpc::CallbackServerContext& context,
+    std::atomic<std::size_t>& open, std::size_t limit);
 
 }  // namespace sightline::server

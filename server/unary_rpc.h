@@ -1,4 +1,4 @@
-// Unary calls whose work is done in the arena: all but CastRays, which can be cancelled.
+// Unary calls whose work is done in the arena: all that neither wait nor end early when cancelled.
 #pragma once
 
 #include <google/protobuf/message.h>

@@ -24,8 +24,9 @@ bool leaves_upload_whole(Code code) {
 /// One chunk at a time: read, then checked and copied in the arena, then the next is read.
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
-  UploadReactor(BlobStore& blobs, Compute& compute, v1::UploadBlobResponse& reply)
-      : blobs_(blobs), compute_(compute), reply_(reply) {}
+  UploadReactor(SceneStore& scenes, BlobStore& blobs, Compute& compute,
+                v1::UploadBlobResponse& reply)
+      : scenes_(scenes), blobs_(blobs), compute_(compute), reply_(reply) {}
 
   void start() { StartRead(&chunk_); }
 
@@ -73,6 +74,10 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       return {};
     }
     auto upload = blobs_.begin(*digest, chunk_.offset());
+    if (!upload && upload.error().reason == "MEMORY_BUDGET") {
+      scenes_.forget_old_revisions();  // they may be all that holds some mesh
+      upload = blobs_.begin(*digest, chunk_.offset());
+    }
     if (!upload) return upload.error();
     upload_ = std::move(*upload);
     return {};
@@ -110,6 +115,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   }
 
   const LogClock::time_point begun_ = LogClock::now();
+  SceneStore& scenes_;
   BlobStore& blobs_;
   Compute& compute_;
   v1::UploadBlobResponse& reply_;
@@ -121,9 +127,10 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(BlobStore& blobs, Compute& compute,
+grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(SceneStore& scenes, BlobStore& blobs,
+                                                             Compute& compute,
                                                              v1::UploadBlobResponse& reply) {
-  auto* reactor = new UploadReactor(blobs, compute, reply);
+  auto* reactor = new UploadReactor(scenes, blobs, compute, reply);
   reactor->start();
   return reactor;
 }

@@ -5,6 +5,7 @@
 
 #include "server/blob_store.h"
 #include "server/compute.h"
+#include "server/scene_store.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server {
@@ -12,7 +13,8 @@ namespace sightline::server {
 inline constexpr std::size_t kMaxBlobChunk = std::size_t{1} << 20;  ///< Bytes of data in a message.
 
 /// The reactor of a new call, already reading; it frees itself. All arguments outlive the call.
-grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(BlobStore& blobs, Compute& compute,
+grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(SceneStore& scenes, BlobStore& blobs,
+                                                             Compute& compute,
                                                              v1::UploadBlobResponse& reply);
 
 }  // namespace sightline::server

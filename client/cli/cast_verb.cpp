@@ -14,6 +14,7 @@
 #include "client/cli/amounts.h"
 #include "client/cli/building.h"
 #include "client/cli/coarse_origins.h"
+#include "client/cli/consistency_flags.h"
 #include "client/cli/hit_columns.h"
 #include "client/cli/hit_file.h"
 #include "client/cli/hit_rows.h"
@@ -36,6 +37,7 @@ struct CastArguments {
   std::uint64_t under = 0;
   std::vector<std::uint64_t> exclude;
   std::uint32_t max_hits = 0;
+  Consistency consistency;
 };
 
 const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
@@ -62,7 +64,7 @@ std::vector<HitColumn> columns_of(const CastArguments& arguments) {
 }
 
 CastOptions options_of(const CastArguments& arguments, const std::stop_token& stop) {
-  CastOptions options{.stop = stop};
+  CastOptions options{.consistency = arguments.consistency, .stop = stop};
   options.kind = kKinds.at(arguments.kind);
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
@@ -137,6 +139,7 @@ Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
             {"hits", cast.hits},
             {"invalid", cast.invalid},
             {"revision", cast.revision},
+            {"token", cast.token},
             {"seconds", outcome.seconds},
             {"rays_per_s", rays_per_second(outcome)},
             {"cells_expanded", cast.cells_expanded},
@@ -276,6 +279,7 @@ void add_cast_verb(CLI::App& program, Session& session) {
       ->check(CLI::IsMember(kBuilds).description(""))
       ->type_name("lazy|full|none");
   add_filters(verb, *arguments);
+  add_consistency_flags(verb, arguments->consistency);
   verb.footer(kFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }

@@ -29,7 +29,8 @@ struct ImportArguments {
 
 const std::map<std::string, UpAxis> kAxes{{"y", UpAxis::kY}, {"z", UpAxis::kZ}};
 const std::map<std::string, Mobility> kMobilities{{"static", Mobility::kStatic},
-                                                  {"rigid", Mobility::kRigid}};
+                                                  {"rigid", Mobility::kRigid},
+                                                  {"deforming", Mobility::kDeforming}};
 
 // What the file holds, before the server keeps equal meshes once.
 struct FileCounts {
@@ -61,7 +62,8 @@ Result<ImportedScene> read_file(const ImportArguments& arguments) {
 Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
                        const ImportedScene& scene, const std::stop_token& stop) {
   ProgressBar bar("uploading");
-  const SceneUploadOptions options{kMobilities.at(arguments.mobility), arguments.replace, stop};
+  const SceneUploadOptions options{
+      .mobility = kMobilities.at(arguments.mobility), .replace = arguments.replace, .stop = stop};
   return upload_scene(client, arguments.scene, scene, options,
                       [&](std::uint64_t done, std::uint64_t total) {
                         bar.update(static_cast<double>(done) / static_cast<double>(total));
@@ -169,7 +171,7 @@ void add_import_verb(CLI::App& group, Session& session) {
   verb.add_option("--mobility", arguments->mobility,
                   "How the nodes are expected to change (default static)")
       ->check(CLI::IsMember(kMobilities).description(""))
-      ->type_name("static|rigid");
+      ->type_name("static|rigid|deforming");
   verb.footer(kFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }

@@ -146,7 +146,7 @@ Result<Picture> take_picture(const Client& client, const std::string& scene,
     progress(static_cast<double>(first + count) / static_cast<double>(film.samples()));
     return Status();
   };
-  CastOptions options;
+  CastOptions options{.consistency = request.consistency};
   if (request.mode == PictureMode::kHeat) options.build = BuildMode::kBuiltOnly;
   auto report = client.cast_stream(scene, rays_of(film, request.camera.eye), {},
                                    fields_of(request.mode), sink, options);

@@ -20,6 +20,7 @@ struct PictureRequest {
   PictureSize size{1280, 720};
   Camera camera;
   UpAxis up_axis = UpAxis::kUnknown;
+  Consistency consistency;
 };
 
 struct Picture {

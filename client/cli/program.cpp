@@ -23,7 +23,8 @@ Examples:
   sightline cast engine --in rays.npy --out hits.npy
   sightline prefetch engine --rays rays.npy
   sightline render engine --out engine.png
-  sightline stats engine --json)";
+  sightline stats engine --json
+  sightline stream robot --animate robot.glb)";
 
 void add_global_flags(CLI::App& program, Session& session) {
   program.set_version_flag("--version", "sightline " SIGHTLINE_VERSION);
@@ -56,6 +57,9 @@ int parse_and_run(int argc, const char* const* argv) {
   add_prefetch_verb(program, session);
   add_render_verb(program, session);
   add_stats_verb(program, session);
+  add_update_verb(program, session);
+  add_stream_verb(program, session);
+  add_watch_verb(program, session);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -8,6 +8,7 @@
 
 #include "client/cli/arguments.h"
 #include "client/cli/camera.h"
+#include "client/cli/consistency_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/picture.h"
 #include "client/cli/png.h"
@@ -49,6 +50,7 @@ void report(const Session& session, const RenderArguments& arguments, const Cast
                 {"height", height},
                 {"mode", arguments.mode},
                 {"revision", cast.revision},
+                {"token", cast.token},
                 {"rays", cast.rays},
                 {"hits", cast.hits},
                 {"cells_expanded", cast.cells_expanded},
@@ -131,6 +133,7 @@ void add_render_verb(CLI::App& program, Session& session) {
   verb.add_option("--mode", arguments->mode, "What the colours tell (default normal)")
       ->check(CLI::IsMember(kModes).description(""))
       ->type_name("normal|depth|node|heat");
+  add_consistency_flags(verb, arguments->picture.consistency);
   verb.footer(
       "Modes:\n"
       "  normal  which way surfaces face\n"

@@ -1,10 +1,12 @@
-// sightline scene import, ls, show, rm.
+// sightline scene import, ls, show, nodes, rm.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "client/cli/import_verb.h"
+#include "client/cli/scene_nodes.h"
+#include "client/cli/update_json.h"
 #include "client/cli/verbs.h"
 
 namespace sightline::client::cli {
@@ -27,7 +29,7 @@ Json json_of(const SceneInfo& scene) {
           {"meters_per_unit", json_of_unit(scene.meters_per_unit)}};
 }
 
-const char* name_of(UpAxis axis) {
+const char* axis_name(UpAxis axis) {
   if (axis == UpAxis::kY) return "y";
   if (axis == UpAxis::kZ) return "z";
   return "unknown";
@@ -47,7 +49,7 @@ void print_table(const SceneInfo& scene) {
     fmt::print("  bounds     {:.12g} {:.12g} {:.12g} to {:.12g} {:.12g} {:.12g}\n", b[0], b[1],
                b[2], b[3], b[4], b[5]);
   }
-  fmt::print("  up         {}\n", name_of(scene.up_axis));
+  fmt::print("  up         {}\n", axis_name(scene.up_axis));
   if (scene.meters_per_unit > 0) {
     fmt::print("  unit       {:g} m\n", scene.meters_per_unit);
   } else {
@@ -94,6 +96,37 @@ ExitCode show(const Session& session, const std::string& name) {
   return kOk;
 }
 
+Json json_of(const NodeInfo& node) {
+  return {{"id", node.id},
+          {"parent", node.parent},
+          {"name", node.name},
+          {"transform", node.parent_from_local},
+          {"mobility", name_of(node.mobility)},
+          {"mask", node.mask},
+          {"mesh_digest", node.mesh_digest},
+          {"patched", node.patched}};
+}
+
+ExitCode show_nodes(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto nodes = list_nodes(*client, name);
+  if (!nodes) return fail(nodes.error());
+  if (session.json) {
+    Json rows = Json::array();
+    for (const NodeInfo& node : *nodes) rows.push_back(json_of(node));
+    print_json({{"scene", name}, {"nodes", rows}});
+    return kOk;
+  }
+  fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", "NODE", "PARENT", "MOBILITY", "MESH", "NAME");
+  for (const NodeInfo& node : *nodes) {
+    const char* const mesh = node.mesh_digest.empty() ? "-" : node.patched ? "patched" : "yes";
+    fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent, name_of(node.mobility), mesh,
+               node.name);
+  }
+  return kOk;
+}
+
 ExitCode remove(const Session& session, const std::string& name) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
@@ -136,6 +169,10 @@ void add_scene_verbs(CLI::App& program, Session& session) {
       .footer(
           "Examples:\n  sightline scene show engine\n  sightline scene show engine --json | jq "
           ".bounds");
+  add_verb_of_one_scene(group, "nodes", "The nodes of a scene, by id", session, show_nodes)
+      .footer(
+          "Examples:\n  sightline scene nodes engine\n  sightline scene nodes engine --json | jq "
+          "'.nodes[] | select(.name == \"piston\") | .id'");
   add_verb_of_one_scene(group, "rm", "Remove a scene", session, remove)
       .footer("Examples:\n  sightline scene rm engine");
 }

@@ -13,5 +13,8 @@ void add_cast_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);
 void add_stats_verb(CLI::App& program, Session& session);
+void add_stream_verb(CLI::App& program, Session& session);
+void add_update_verb(CLI::App& program, Session& session);
+void add_watch_verb(CLI::App& program, Session& session);
 
 }  // namespace sightline::client::cli

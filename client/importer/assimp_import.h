@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "client/importer/animation.h"
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
@@ -33,5 +34,16 @@ using ImportProgress = std::function<void(double fraction)>;
 Result<ImportedScene> import_scene(const std::filesystem::path& file,
                                    const ImportOptions& options = {},
                                    const ImportProgress& progress = {});
+
+/// The same scene, to the bit, and what of it moves. Errors: as above; an animation whose keys are
+/// not finite or not in order of time; a bone that is no node of the file.
+Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
+                                            const ImportOptions& options = {},
+                                            const ImportProgress& progress = {});
+
+/// The same scene without the rebasing.
+Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
+                                       const ImportOptions& options = {},
+                                       const ImportProgress& progress = {});
 
 }  // namespace sightline::client

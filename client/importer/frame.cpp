@@ -69,4 +69,14 @@ void convert_frame(ImportedScene& scene, std::optional<UpAxis> up_axis,
   scene.meters_per_unit = unit;
 }
 
+Transform frame_conversion(const ImportedScene& scene, std::optional<UpAxis> up_axis,
+                           std::optional<double> meters_per_unit) {
+  ImportedScene probe;
+  probe.nodes.emplace_back();
+  probe.up_axis = scene.up_axis;
+  probe.meters_per_unit = scene.meters_per_unit;
+  convert_frame(probe, up_axis, meters_per_unit);
+  return probe.nodes[0].parent_from_local;
+}
+
 }  // namespace sightline::client

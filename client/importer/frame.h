@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "client/importer/imported_scene.h"
+#include "client/scene_info.h"
 
 struct aiScene;
 
@@ -25,5 +26,9 @@ Frame frame_of(const aiScene& scene, std::string_view importer_name);
 /// it. What the scene does not know of itself is recorded as asked, and nothing is changed for it.
 void convert_frame(ImportedScene& scene, std::optional<UpAxis> up_axis,
                    std::optional<double> meters_per_unit);
+
+/// What convert_frame will put before the transforms of the scene's roots.
+Transform frame_conversion(const ImportedScene& scene, std::optional<UpAxis> up_axis,
+                           std::optional<double> meters_per_unit);
 
 }  // namespace sightline::client

@@ -111,20 +111,44 @@ void subtract(const Offset& offset, Vertex& v) {
   }
 }
 
+// Whether subtract loses nothing.
+bool is_exact(const Offset& offset, const Vertex& v) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto difference = exact_sum(static_cast<double>(v[k]), -offset[k]);
+    if (!difference || static_cast<double>(static_cast<float>(*difference)) != *difference)
+      return false;
+  }
+  return true;
+}
+
+bool is_exact(const Offset& offset, const std::vector<ImportedMesh>& meshes) {
+  for (const ImportedMesh& mesh : meshes) {
+    for (const Vertex& v : mesh.vertices) {
+      if (is_finite(v) && !is_exact(offset, v)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
-std::array<double, 3> rebase(ImportedScene& scene) {
-  const Offset offset = offset_for(bounds_of(scene.meshes));
-  if (offset == Offset{}) return {};
+bool shift(ImportedScene& scene, const Offset& offset) {
+  if (offset == Offset{}) return true;
+  if (!is_exact(offset, scene.meshes)) return false;
   auto nodes = moved(scene.nodes, offset);
-  if (!nodes) return {};
+  if (!nodes) return false;
   scene.nodes = *std::move(nodes);
   for (ImportedMesh& mesh : scene.meshes) {
     for (Vertex& v : mesh.vertices) {
       if (is_finite(v)) subtract(offset, v);
     }
   }
-  return offset;
+  return true;
+}
+
+std::array<double, 3> rebase(ImportedScene& scene) {
+  const Offset offset = offset_for(bounds_of(scene.meshes));
+  return shift(scene, offset) ? offset : Offset{};
 }
 
 }  // namespace sightline::client

@@ -26,4 +26,8 @@ inline constexpr double kFar = 16;
 /// are not finite are left alone.
 std::array<double, 3> rebase(ImportedScene& scene);
 
+/// Takes this offset from the vertices, as rebase does. Returns false, and all stays as it was, if
+/// it cannot be done, or not without rounding.
+bool shift(ImportedScene& scene, const std::array<double, 3>& offset);
+
 }  // namespace sightline::client

@@ -1,4 +1,5 @@
-// Stands in for embree_peer.cpp where Embree 3 was not found.
+// Stands in for Embree's peers where Embree 3 was not found.
+#include "tests/bench/embree_mover.h"
 #include "tests/bench/embree_peer.h"
 
 namespace sightline::bench {
@@ -12,6 +13,12 @@ Result<std::unique_ptr<EmbreePeer>> EmbreePeer::make(const SceneSource&, EmbreeS
 
 Result<std::unique_ptr<EmbreePeer>> EmbreePeer::make_lazy(const SceneSource& scene, int threads) {
   return make(scene, {}, threads);
+}
+
+Result<std::unique_ptr<EmbreeMover>> EmbreeMover::make(const StagedScene&, const Motion&,
+                                                       EmbreeUpdate, int) {
+  return Error{Code::kFailedPrecondition, "built without Embree 3 (Debian: libembree-dev)",
+               "NO_EMBREE"};
 }
 
 }  // namespace sightline::bench

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "tests/bench/embree_crossings.h"
 #include "tests/bench/embree_device.h"
@@ -118,35 +117,12 @@ Result<EmbreeBuilt> Peer::build() {
 
 void Peer::choose_entry(std::span<const accel::Ray> rays, bool any) {
   any_ = any;
-  // Whole blocks, so that coherent rays stay so, from everywhere in the batch.
-  constexpr std::size_t kTrialRays = 65'536, kTrials = 3;
-  std::vector<accel::Ray> trial;
-  const std::size_t step = std::max<std::size_t>(rays.size() / kTrialRays, 1) * kEmbreeBlock;
-  for (std::size_t first = 0; first < rays.size(); first += step) {
-    const auto block = rays.subspan(first, std::min(kEmbreeBlock, rays.size() - first));
-    trial.insert(trial.end(), block.begin(), block.end());
-  }
-  if (trial.empty()) return;
-  double best = std::numeric_limits<double>::infinity();
-  for (const EmbreeEntry& entry : kEmbreeEntries) {
-    // Embree 3.13.5 never returns from some coherent occlusion packets under instances.
-    if (any && entry.coherent && !objects_.empty()) continue;
-    EmbreeRays buffer(entry, any);
-    for (std::size_t repeat = 0; repeat < kTrials; ++repeat) {
-      buffer.fill(trial, frame_);
-      const Stopwatch clock;
-      buffer.trace(scene_.get(), 0, trial.size());
-      const double seconds = clock.seconds();
-      if (seconds >= best) continue;
-      best = seconds;
-      entry_ = entry;
-    }
-  }
+  entry_ = fastest_entry(scene_.get(), rays, frame_, any, !objects_.empty());
 }
 
 double Peer::trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
                    std::size_t batch) {
-  return trace_embree({scene_.get(), entry_, frame_, nodes_}, rays, any, hits, batch);
+  return trace_embree({scene_.get(), entry_, frame_, nodes_, false}, rays, any, hits, batch);
 }
 
 }  // namespace

@@ -139,6 +139,36 @@ EmbreeRays::Answer EmbreeRays::answer(std::size_t ray) const {
   return answer;
 }
 
+EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::Ray> rays,
+                          const scenegraph::Affine& frame, bool any, bool instances) {
+  // Whole blocks, so that coherent rays stay so, from everywhere in the batch.
+  constexpr std::size_t kTrialRays = 65'536, kTrials = 3;
+  std::vector<accel::Ray> trial;
+  const std::size_t step = std::max<std::size_t>(rays.size() / kTrialRays, 1) * kEmbreeBlock;
+  for (std::size_t first = 0; first < rays.size(); first += step) {
+    const auto block = rays.subspan(first, std::min(kEmbreeBlock, rays.size() - first));
+    trial.insert(trial.end(), block.begin(), block.end());
+  }
+  EmbreeEntry fastest;
+  if (trial.empty()) return fastest;
+  double best = std::numeric_limits<double>::infinity();
+  for (const EmbreeEntry& entry : kEmbreeEntries) {
+    // Embree 3.13.5 never returns from some coherent occlusion packets under instances.
+    if (any && entry.coherent && instances) continue;
+    EmbreeRays buffer(entry, any);
+    for (std::size_t repeat = 0; repeat < kTrials; ++repeat) {
+      buffer.fill(trial, frame);
+      const Stopwatch clock;
+      buffer.trace(scene, 0, trial.size());
+      const double seconds = clock.seconds();
+      if (seconds >= best) continue;
+      best = seconds;
+      fastest = entry;
+    }
+  }
+  return fastest;
+}
+
 double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,
                     std::span<accel::Hit> hits, std::size_t batch) {
   if (rays.empty()) return 0;
@@ -160,8 +190,8 @@ double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays
       if (any) continue;
       hit.t = static_cast<double>(answer.t);
       hit.primitive = answer.primitive;
-      hit.node = target.nodes[answer.instance == RTC_INVALID_GEOMETRY_ID ? answer.geometry
-                                                                         : answer.instance];
+      const bool by_geometry = target.by_geometry || answer.instance == RTC_INVALID_GEOMETRY_ID;
+      hit.node = target.nodes[by_geometry ? answer.geometry : answer.instance];
     }
   }
   return seconds;

@@ -77,7 +77,12 @@ struct EmbreeTarget {
   EmbreeEntry entry;
   const scenegraph::Affine& frame;
   std::span<const std::uint64_t> nodes;  ///< By the number of an instance, or of a geometry.
+  bool by_geometry = false;              ///< Instances have no say.
 };
+
+/// The entry point that is fastest on blocks of these rays. `instances`: whether the scene has any.
+EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::Ray> rays,
+                          const scenegraph::Affine& frame, bool any, bool instances);
 
 /// As EmbreePeer::trace.
 double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <optional>
 
+#include "tests/bench/generate_swarm.h"
+
 namespace sightline::bench {
 namespace {
 
@@ -98,6 +100,12 @@ const std::vector<Generator>& all_generators() {
          auto scene = load(v.mesh);
          if (!scene.ok()) return scene.error();
          return make_boxed(std::move(scene).value());
+       }},
+      {"swarm",
+       {triangles_key(50'000)},
+       false,
+       [](const Values& v, const SceneLoader&) -> Made {
+         return make_swarm(v.count("triangles"));
        }},
       {"stadium",
        {},

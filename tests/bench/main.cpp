@@ -109,6 +109,37 @@ Verb add_verb_lazy(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_lazy(common, *options); };
 }
 
+Verb add_verb_dynamic(CLI::App& app) {
+  auto options = std::make_shared<DynamicOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "dynamic", "Frames of a scene that moves over one that stands still, a row a frame");
+  verb.add_option("--frames", options->frames,
+                  "A directory of meshes of one topology, or gen:swarm?triangles=")
+      ->required();
+  verb.add_option("--copies", options->copies, "Of a directory's meshes, side by side")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000}));
+  verb.add_option("--static", options->still, "A scene: ten times as large, under what moves");
+  verb.add_option("--static-small", options->still_small,
+                  "Another, over which the frames are played too, for comparison");
+  add_rays(verb, options->rays);
+  verb.add_flag("--shadow", options->shadow, "And a ray toward a light from every hit");
+  verb.add_option("--view", options->view, "What the rays are made for: scene|frames");
+  verb.add_option("--length", options->length, "Frames to play (default: each once)")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+  verb.add_option("--peers", options->peers, "embree-low,embree-refit")->delimiter(',');
+  return [options](const CommonOptions& common) { return run_dynamic(common, *options); };
+}
+
+Verb add_verb_two_trees(CLI::App& app) {
+  auto options = std::make_shared<TwoTreesOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "two-trees", "What it costs that rays visit a static and a dynamic tree instead of one");
+  add_rays(verb, options->rays);
+  verb.add_option("--parts", options->parts, "Balls that are spread through the scene")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+  return [options](const CommonOptions& common) { return run_two_trees(common, *options); };
+}
+
 Verb add_verb_law(CLI::App& app) {
   auto options = std::make_shared<LawOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -215,11 +246,12 @@ int main_checked(int argc, char** argv) {
   CommonOptions common;
   add_common(app, common);
   const std::map<std::string, Verb> verbs{
-      {"rays", add_verb_rays(app)},     {"build", add_verb_build(app)},
-      {"trace", add_verb_trace(app)},   {"lazy", add_verb_lazy(app)},
-      {"law", add_verb_law(app)},       {"kernel", add_verb_kernel(app)},
-      {"curve", add_verb_curve(app)},   {"exactness", add_verb_exactness(app)},
-      {"robust", add_verb_robust(app)}, {"answers", add_verb_answers(app)}};
+      {"rays", add_verb_rays(app)},       {"build", add_verb_build(app)},
+      {"trace", add_verb_trace(app)},     {"lazy", add_verb_lazy(app)},
+      {"law", add_verb_law(app)},         {"kernel", add_verb_kernel(app)},
+      {"curve", add_verb_curve(app)},     {"exactness", add_verb_exactness(app)},
+      {"robust", add_verb_robust(app)},   {"answers", add_verb_answers(app)},
+      {"dynamic", add_verb_dynamic(app)}, {"two-trees", add_verb_two_trees(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

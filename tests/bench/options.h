@@ -84,6 +84,23 @@ struct AnswersOptions {
   std::vector<std::string> builders{};  ///< Empty: all, but for sah-naive on large scenes.
 };
 
+struct DynamicOptions {
+  std::string frames{};  ///< A directory of meshes of one topology, or gen:swarm?...
+  std::size_t copies = 1;
+  std::string still{};        ///< What stands still; empty: nothing.
+  std::string still_small{};  ///< The same frames are played over this one, for comparison.
+  RayOptions rays{};
+  bool shadow = false;               ///< A ray toward a light from every hit.
+  std::string view{"scene"};         ///< What the rays are made for: scene, frames.
+  std::size_t length = 0;            ///< Frames to play; 0: each once.
+  std::vector<std::string> peers{};  ///< embree-low, embree-refit
+};
+
+struct TwoTreesOptions {
+  RayOptions rays{};
+  std::size_t parts = 500;  ///< Spread through the scene.
+};
+
 struct CurveOptions {
   char axis = 'x';
   int points = 500;  ///< How finely the curves are drawn.

@@ -21,6 +21,10 @@ std::string to_table(const std::vector<Row>& rows);
 /// The middle value, or the mean of the two middle ones. `values` is not empty.
 double median(std::vector<double> values);
 
+/// Below which a share of the values lies: 0 the least, 1 the largest, linear in between. `values`
+/// is not empty.
+double quantile(std::vector<double> values, double share);
+
 /// Sets key to the median and key_min to the least.
 void set_times(Row& row, const std::string& key, const std::vector<double>& values);
 

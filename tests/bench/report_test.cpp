@@ -115,5 +115,13 @@ TEST(Npy, SaysWhichFileCannotBeWritten) {
   EXPECT_NE(status.error().message.find("/nonexistent/rays.npy"), std::string::npos);
 }
 
+TEST(Quantile, IsLinearBetweenValues) {
+  EXPECT_EQ(quantile({3}, 0.99), 3);
+  EXPECT_EQ(quantile({4, 1, 3, 2}, 0), 1);
+  EXPECT_EQ(quantile({4, 1, 3, 2}, 1), 4);
+  EXPECT_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_NEAR(quantile({0, 10}, 0.99), 9.9, 1e-12);
+}
+
 }  // namespace
 }  // namespace sightline::bench

@@ -65,9 +65,8 @@ void rotate(SceneSource& scene, const Affine& turn) {
   }
 }
 
-Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
-                                                             const accel::AnyBuilder& builder,
-                                                             accel::References references) {
+Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder& builder,
+            accel::References references) {
   std::vector<std::shared_ptr<const scenegraph::Mesh>> meshes;
   meshes.reserve(scene.meshes.size());
   for (SourceMesh& mesh : scene.meshes) {
@@ -86,14 +85,24 @@ Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
     put.parent = node.parent ? alias(*node.parent) : 0;
     put.name = std::move(node.name);
     put.parent_from_local = node.parent_from_local;
+    put.mobility = node.mobility;
     if (node.mesh) {
       put.mesh = meshes[*node.mesh];
       put.mesh_digest = std::to_string(*node.mesh);
     }
     updates.emplace_back(std::move(put));
   }
+  const auto applied = empty.apply(updates);
+  return applied.ok() ? Status() : Status(applied.error());
+}
+
+Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
+                                                             const accel::AnyBuilder& builder,
+                                                             accel::References references) {
   scenegraph::Scene live;
-  if (auto applied = live.apply(updates); !applied.ok()) return applied.error();
+  if (Status filled = fill(live, std::move(scene), builder, references); !filled) {
+    return filled.error();
+  }
   return live.snapshot();
 }
 

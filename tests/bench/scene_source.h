@@ -12,6 +12,7 @@
 #include "accel/lazy/mesh_tree.h"
 #include "accel/result.h"
 #include "scenegraph/affine.h"
+#include "scenegraph/scene.h"
 #include "scenegraph/snapshot.h"
 
 namespace sightline::bench {
@@ -26,6 +27,7 @@ struct SourceNode {
   std::string name;
   scenegraph::Affine parent_from_local;
   std::optional<std::size_t> mesh;  ///< None: a group.
+  scenegraph::Mobility mobility = scenegraph::Mobility::kStatic;
 };
 
 struct SceneSource {
@@ -48,6 +50,10 @@ void rotate(SceneSource& scene, const scenegraph::Affine& turn);
 
 /// The id in the assembled scene of the node in that place.
 inline scenegraph::NodeId node_id(std::size_t place) { return place + 1; }
+
+/// Puts the nodes into a scene that is empty; the ids are those of node_id().
+Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder& builder,
+            accel::References references = accel::References::kRuns);
 
 /// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
 Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(

@@ -66,7 +66,7 @@ class LeafMarker {
 accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
   const accel::EpochPin pin;
   accel::TreeMetrics sum;
-  for (const scenegraph::Mesh* mesh : snapshot.instances().meshes()) {
+  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
     const accel::TreeMetrics m = accel::measure(mesh->tree().tree());
     sum.nodes += m.nodes;
     sum.leaves += m.leaves;
@@ -98,7 +98,7 @@ void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
 
 void SeenTriangles::add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits) {
   const accel::EpochPin pin;
-  for (const scenegraph::Instance& instance : snapshot_.instances().list()) {
+  for (const scenegraph::Instance& instance : snapshot_.trees().still.list()) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     LeafMarker marker(instance.mesh->tree().tree(), marks);

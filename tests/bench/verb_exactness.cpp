@@ -41,7 +41,7 @@ struct Timed {
     if (method == kProduct) {
       (void)scenegraph::trace(snapshot, some_rays, some_hits, {.surface = false});
     } else {
-      trace_closest(snapshot.instances(),
+      trace_closest(snapshot.trees().still,
                     method == kExact ? TriangleTest::kExact : TriangleTest::kPlainFloat, some_rays,
                     some_hits);
     }

@@ -46,7 +46,7 @@ Result<Reference> make_reference(const Task& task) {
 Status measure_ours(const Task& task, const accel::AnyBuilder& builder, Measured& measured) {
   auto snapshot = assemble(task.scene, builder);
   if (!snapshot.ok()) return snapshot.error();
-  (void)(*snapshot)->instances();
+  (void)(*snapshot)->trees().still;
   scenegraph::TraceStats built;
   const Stopwatch build_clock;
   if (task.growth == scenegraph::Growth::kFull) {

@@ -25,6 +25,14 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
 /// From vertex and index arrays to hits, a row a mode; modes take turns within each repeat.
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options);
 
+/// Frames of a scene that moves over one that stands still, a row a frame: updating, growing what
+/// rays enter, tracing; the last row says what they came to.
+Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicOptions& options);
+
+/// The same rays over a scene that is held in one tree and in two, a row a way; trees are grown
+/// before. Ways take turns within each repeat.
+Result<std::vector<Row>> run_two_trees(const CommonOptions& common, const TwoTreesOptions& options);
+
 /// Touches of trees that windows of rays grow on gen:terrain, over triangles and triangles seen,
 /// and the law fitted to them; of one scene (--scene) instead: runs held against the soup.
 Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& options);

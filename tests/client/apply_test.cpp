@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "client/client.h"
+#include "client/scene_upload.h"
 #include "tests/client/live_client.h"
+#include "tests/client/relay.h"
 
 namespace sightline::client {
 namespace {
@@ -56,6 +58,57 @@ TEST_F(Apply, AnotherRevisionThanExpectedIsAConflict) {
             Code::kAborted);
   EXPECT_TRUE(
       client_.apply(kScene, std::vector<Update>{put(-1, 0, "a")}, {.expected_revision = 0}));
+}
+
+TEST_F(Apply, ARepeatedRequestIsAppliedOnce) {
+  const std::vector<Update> updates{put(-1, 0, "a")};
+  const auto first = client_.apply(kScene, updates, {.request_id = "r"});
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_FALSE(first->replayed);
+  const auto again = client_.apply(kScene, updates, {.request_id = "r"});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(again->replayed);
+  EXPECT_EQ(again->revision, first->revision);
+  EXPECT_EQ(again->token, first->token);
+  EXPECT_EQ(again->nodes, first->nodes);
+  EXPECT_FALSE(client_.apply(kScene, updates)->replayed) << "each has an id of its own otherwise";
+  EXPECT_EQ(client_.get_scene(kScene)->nodes, 2U);
+}
+
+TEST_F(Apply, RepeatedPartsAreAppliedOnceToo) {
+  std::vector<Update> updates;
+  for (int i = 0; i < 3000; ++i) updates.emplace_back(put(-1 - i, 0, std::string(1000, 'x')));
+  for (int round = 0; round < 2; ++round) {
+    const auto applied = client_.apply_in_batches(kScene, updates, {.request_id = "r"});
+    ASSERT_TRUE(applied) << applied.error().message;
+    EXPECT_EQ(applied->replayed, round == 1);
+    EXPECT_EQ(client_.get_scene(kScene)->nodes, 3000U);
+  }
+}
+
+TEST_F(Apply, VerticesArePatched) {
+  const char* const name = "projects/default/scenes/row";
+  ASSERT_TRUE(upload_scene(client_, name, tests::row_of_sheets(2), {}));
+  const PatchVertices patch{{2}, 4, {{0, 0, 3}, {1, 0, 3}, {1, 1, 3}, {0, 1, 3}}};
+  const auto applied = client_.apply(name, std::vector<Update>{patch});
+  ASSERT_TRUE(applied) << applied.error().message;
+  const tests::DownwardRays rays(2, 2);
+  std::vector<double> t(2);
+  ASSERT_TRUE(client_.cast(name, rays.columns(), {.t = t}));
+  EXPECT_EQ(t, (std::vector<double>{2, 4})) << "the other node keeps the old mesh";
+  PatchVertices beyond = patch;
+  beyond.first = 5;
+  EXPECT_EQ(client_.apply(name, std::vector<Update>{beyond}).error().code, Code::kInvalidArgument);
+}
+
+TEST_F(Apply, ARequestWhoseConnectionBreaksIsSentAgain) {
+  tests::Relay relay(server_->port());
+  const auto through = Client::connect(relay.endpoint());
+  ASSERT_TRUE(through && through->get_scene(kScene));
+  relay.cut();
+  const auto applied = through->apply(kScene, std::vector<Update>{put(-1, 0, "a")});
+  ASSERT_TRUE(applied) << applied.error().message;
+  EXPECT_EQ(client_.get_scene(kScene)->nodes, 1U);
 }
 
 TEST_F(Apply, WhatDoesNotFitAMessageIsRefusedAtHome) {

@@ -106,6 +106,28 @@ TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
   EXPECT_EQ(client_.get_scene("projects/default/scenes/new").error().code, Code::kNotFound);
 }
 
+TEST_F(SceneUpload, NodesMayBeAddedToWhatThereIs) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  ImportedScene more = tests::row_of_sheets(1);
+  more.meshes[0] = tests::sheets(9);
+  SceneUploadOptions options;
+  options.by_node = {Mobility::kRigid, Mobility::kDeforming};
+  const auto ids = add_to_scene(client_, kScene, more, 1, options);
+  ASSERT_TRUE(ids) << ids.error().message;
+  EXPECT_EQ(*ids, (std::vector<std::uint64_t>{4, 5}));
+  const auto nodes = client_.get_nodes(kScene, *ids);
+  ASSERT_TRUE(nodes);
+  EXPECT_EQ((*nodes)[0].parent, 1U);
+  EXPECT_EQ((*nodes)[0].mobility, Mobility::kRigid);
+  EXPECT_EQ((*nodes)[1].parent, 4U);
+  EXPECT_EQ((*nodes)[1].mobility, Mobility::kDeforming);
+  EXPECT_EQ((*nodes)[1].mesh_digest, mesh_digests(more)[0]);
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 3U);
+  EXPECT_EQ(add_to_scene(client_, "projects/default/scenes/none", more, 0, options).error().code,
+            Code::kNotFound);
+  EXPECT_EQ(add_to_scene(client_, kScene, more, 77, options).error().code, Code::kNotFound);
+}
+
 TEST_F(SceneUpload, AnEmptySceneIsAScene) {
   const auto info = upload_scene(client_, kScene, {}, {});
   ASSERT_TRUE(info) << info.error().message;

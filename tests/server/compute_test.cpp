@@ -40,6 +40,19 @@ TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
   compute.enqueue([&] { others_done = true; });
 }
 
+TEST(Compute, UpdatesDoNotWaitForOthers) {
+  std::atomic<bool> updated{false};
+  Compute compute(1);
+  for (int i = 0; i < 3; ++i) {
+    const auto wait = [&] {
+      while (!updated) std::this_thread::yield();
+    };
+    compute.enqueue(wait);
+    compute.enqueue_apart(wait);
+  }
+  compute.enqueue_update([&] { updated = true; });
+}
+
 TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
   std::weak_ptr<int> watch;
   {

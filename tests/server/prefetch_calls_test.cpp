@@ -13,7 +13,12 @@ class PrefetchCallsTest : public testing::Test {
   MemorySceneStore scenes_;
   Admission admission_{{}};
   Compute compute_{1};
-  CastServices services_{scenes_, compute_, admission_, admission_};
+  OpenCalls waits_{1, "reads", "TOO_MANY_WAITING"};
+  CastServices services_{.scenes = scenes_,
+                         .compute = compute_,
+                         .admission = admission_,
+                         .listing = admission_,
+                         .waiting = {compute_, admission_, waits_}};
 };
 
 TEST_F(PrefetchCallsTest, LetsInSoManyAtATime) {

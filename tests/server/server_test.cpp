@@ -97,6 +97,17 @@ TEST_F(ServerTest, TellsItsLimits) {
   EXPECT_GT(info.max_triangles_per_mesh(), 0u);
   EXPECT_GT(info.max_rays_queued(), 0u);
   EXPECT_EQ(info.max_prefetches(), 4u);
+  EXPECT_EQ(info.max_updates_per_batch(), 65536u);
+  EXPECT_EQ(info.max_batch_bytes(), std::uint64_t{64} << 20);
+  EXPECT_EQ(info.update_window(), 16u);
+  EXPECT_EQ(info.max_update_streams(), 256u);
+  EXPECT_EQ(info.max_watches(), 256u);
+  EXPECT_EQ(info.max_waiting_reads(), 256u);
+  EXPECT_EQ(info.max_read_wait_ms(), 2000u);
+  EXPECT_EQ(info.max_exact_revisions(), 64u);
+  EXPECT_EQ(info.max_logged_revisions(), 1024u);
+  EXPECT_EQ(info.max_request_ids(), 1024u);
+  EXPECT_EQ(info.max_producers(), 4096u);
   EXPECT_FALSE(info.simd_target().empty());
 }
 

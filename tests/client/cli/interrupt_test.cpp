@@ -7,9 +7,11 @@
 #include <condition_variable>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "client/scene_upload.h"
+#include "tests/client/importer/gltf_file.h"
 #include "tests/client/live_client.h"
 #include "tests/client/silent_port.h"
 #include "tests/client/temp_dir.h"
@@ -138,6 +140,26 @@ TEST_F(InterruptedBuild, PrefetchSaysWhatIsBuiltAndTheSceneIsUsable) {
   EXPECT_EQ(again.wait(), 0) << again.output();
   EXPECT_EQ(client_.scene_stats(tests::kScene)->triangles_built, 2'000'000U);
   expect_right_hits();
+}
+
+using InterruptedStream = tests::LiveClient;
+
+TEST_F(InterruptedStream, EndsWithAllThatWasSentAnswered) {
+  tests::TempDir dir;
+  const std::string file = dir.write("strip.gltf", tests::bending_strip().text());
+  ChildProgram program({"stream", "test", "--animate", file, "--loops", "0", "--fps", "200",
+                        "--json", "--endpoint", endpoint()});
+  const auto at_work = [&] {
+    const auto scene = client_.get_scene(tests::kScene);
+    return scene && scene->revision > 10;
+  };
+  while (!at_work()) std::this_thread::yield();
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_NE(program.output().find("\"complete\": false"), std::string::npos);
+  const std::uint64_t revision = client_.get_scene(tests::kScene)->revision;
+  EXPECT_NE(program.output().find("at revision " + std::to_string(revision)), std::string::npos)
+      << program.output();
 }
 
 TEST_F(InterruptedBuild, CastThatBuildsEverythingLeavesNoFile) {

@@ -1,0 +1,44 @@
+// The scene that a motion is played into, made ready for it.
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+
+namespace sightline::client {
+struct ImportOptions;
+}
+
+namespace sightline::client::cli {
+
+struct Motion;
+
+struct StageRequest {
+  std::string scene;
+  bool add = false;               ///< Put the motion's nodes into an existing scene.
+  bool must_be_new = false;       ///< An existing scene is kAlreadyExists.
+  std::uint64_t under = 0;        ///< The node above them; 0: they are roots.
+  std::vector<std::string> only;  ///< Nodes that move, by id or name; empty: all that do.
+};
+
+struct Stage {
+  /// For each node of the motion's scene that of the scene; 0: it is not to move.
+  std::vector<std::uint64_t> ids;
+  bool is_new = false;            ///< The scene was imported.
+  std::uint64_t first_moved = 0;  ///< The least id of a node that moves.
+  std::size_t placed = 0;
+  std::size_t shaped = 0;
+};
+
+/// The frame in which a file is to be read so that its numbers are the scene's.
+ImportOptions frame_of(const SceneInfo& scene);
+
+/// Imports the motion's scene if there is none, or adds it, or finds its nodes. Errors: those of
+/// upload_scene and match_nodes; kInvalidArgument: none of `only` moves.
+Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
+                        bool exists, const std::stop_token& stop);
+
+}  // namespace sightline::client::cli

@@ -1,0 +1,27 @@
+// A batch of updates as the messages of a stream. Internal to the library.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/result.h"
+#include "client/update.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::client {
+
+namespace v1 = ::sightline::v1;
+
+inline constexpr std::size_t kMaxUpdatesPerBatch = 65536;
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;
+
+/// All but the last message have `more`; each stays below a message's limit. Their sequence is not
+/// set. Errors: kInvalidArgument as of check(); kResourceExhausted beyond the limits above, or for
+/// a single update, one with many nodes say, that fits no message.
+Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update> updates);
+
+void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);
+
+}  // namespace sightline::client

@@ -1,0 +1,29 @@
+// Who wants to know that something has happened to a scene.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+
+namespace sightline::server {
+
+/// A new revision, a producer taken over, the removal of the scene: what it was is for the listener
+/// to see. Threads: any, for every member.
+class SceneEvents {
+ public:
+  using Listener = std::function<void()>;
+
+  /// `listener` must be short, and neither subscribe nor unsubscribe.
+  std::uint64_t subscribe(Listener listener);
+  /// When this returns, the listener is not running and will not be called.
+  void unsubscribe(std::uint64_t id);
+  void notify();
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, Listener> listeners_;
+  std::uint64_t next_ = 1;
+};
+
+}  // namespace sightline::server

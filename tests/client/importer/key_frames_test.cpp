@@ -1,0 +1,80 @@
+// Tracks between their keys and beyond them.
+#include "client/importer/key_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace sightline::client {
+namespace {
+
+Track<Point> ramp() { return {{{1, {0, 0, 0}}, {2, {2, 4, 6}}, {4, {2, 4, 10}}}}; }
+
+Quaternion about_x(double degrees) {
+  const double half = degrees * std::numbers::pi / 360;
+  return {std::cos(half), std::sin(half), 0, 0};
+}
+
+TEST(KeyFrames, AreMixedLinearly) {
+  EXPECT_EQ(sample(ramp(), 1), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(ramp(), 1.5), (Point{1, 2, 3}));
+  EXPECT_EQ(sample(ramp(), 2), (Point{2, 4, 6}));
+  EXPECT_EQ(sample(ramp(), 3), (Point{2, 4, 8}));
+  EXPECT_EQ(sample(ramp(), 4), (Point{2, 4, 10}));
+}
+
+TEST(KeyFrames, BeyondThemIsAsTheTrackSays) {
+  Track<Point> track = ramp();
+  EXPECT_EQ(sample(track, 0), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(track, 9), (Point{2, 4, 10}));
+  track.before = track.after = Beyond::kExtrapolate;
+  EXPECT_EQ(sample(track, 0), (Point{-2, -4, -6}));
+  EXPECT_EQ(sample(track, 5), (Point{2, 4, 12}));
+  track.before = track.after = Beyond::kRepeat;
+  EXPECT_EQ(sample(track, 4.5), (Point{1, 2, 3}));
+  EXPECT_EQ(sample(track, -1), (Point{2, 4, 6}));
+  EXPECT_EQ(sample(track, 0.5), (Point{2, 4, 9}));
+}
+
+TEST(KeyFrames, OneKeyIsAllThereIs) {
+  for (const Beyond beyond : {Beyond::kHold, Beyond::kExtrapolate, Beyond::kRepeat}) {
+    const Track<Point> track{{{3, {1, 2, 3}}}, beyond, beyond};
+    for (const double t : {-5.0, 3.0, 7.0}) EXPECT_EQ(sample(track, t), (Point{1, 2, 3}));
+  }
+}
+
+TEST(KeyFrames, TwoAtOneTimeAreAStep) {
+  const Track<Point> track{{{0, {0, 0, 0}}, {1, {0, 0, 0}}, {1, {5, 5, 5}}, {2, {5, 5, 5}}}};
+  EXPECT_EQ(sample(track, 0.999), (Point{0, 0, 0}));
+  EXPECT_EQ(sample(track, 1), (Point{5, 5, 5}));
+}
+
+TEST(KeyFrames, RotationsTakeTheShorterArcAtAnEvenPace) {
+  Quaternion far = about_x(80);
+  for (double& x : far) x = -x;  // the same rotation
+  const Track<Quaternion> track{{{0, about_x(0)}, {1, far}}};
+  for (const double part : {0.0, 0.1, 0.25, 0.5, 0.9, 1.0}) {
+    const Quaternion expected = about_x(80 * part);
+    const Quaternion actual = sample(track, part);
+    double cosine = 0;
+    for (std::size_t k = 0; k < 4; ++k) cosine += actual[k] * expected[k];
+    EXPECT_NEAR(std::abs(cosine), 1, 1e-12) << part;
+  }
+}
+
+TEST(KeyFrames, RotationsThatHardlyDifferStayOfUnitLength) {
+  const Track<Quaternion> track{{{0, about_x(10)}, {1, about_x(10 + 1e-9)}}};
+  const Quaternion actual = sample(track, 0.5);
+  double square = 0;
+  for (const double x : actual) square += x * x;
+  EXPECT_NEAR(square, 1, 1e-15);
+}
+
+TEST(KeyFrames, WeightsThatAreMissingCountZero) {
+  const Track<std::vector<double>> track{{{0, {1}}, {1, {0, 1}}}};
+  EXPECT_EQ(sample(track, 0.25), (std::vector<double>{0.75, 0.25}));
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,179 @@
+// Casting at a scene that changes.
+#include "tests/e2e/casting_client.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "tests/e2e/wire_updates.h"
+#include "tests/support/compare_hits.h"
+#include "tests/support/kinds.h"
+
+namespace sightline::tests {
+namespace {
+
+using scenegraph::RayTally;
+
+constexpr std::size_t kRays = 24;
+constexpr std::uint64_t kFarBack = 100;  // revisions, some of which are no longer kept
+
+template <class T>
+std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
+  const std::string column = column_of(reply, field);
+  std::vector<T> out(column.size() / sizeof(T));
+  std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
+  return out;
+}
+
+// A row a ray, or a row a hit.
+std::vector<accel::Hit> rows_of(const v1::CastRaysResponse& reply) {
+  const auto t = values<double>(reply, v1::HIT_FIELD_T);
+  const auto node = values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
+  const auto primitive = values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
+  std::vector<accel::Hit> hits(t.size());
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    hits[k].t = t[k];
+    hits[k].node = node[k];
+    hits[k].primitive = primitive[k];
+    hits[k].state = accel::HitState::kHit;
+  }
+  return hits;
+}
+
+v1::Culling to_message(accel::Culling culling) {
+  switch (culling) {
+    case accel::Culling::kBack:
+      return v1::CULLING_BACK;
+    case accel::Culling::kFront:
+      return v1::CULLING_FRONT;
+    case accel::Culling::kNone:
+      break;
+  }
+  return v1::CULLING_NONE;
+}
+
+}  // namespace
+
+grpc::StatusCode wire_code(Code code) {
+  switch (code) {
+    case Code::kNotFound:
+      return grpc::StatusCode::NOT_FOUND;
+    case Code::kFailedPrecondition:
+      return grpc::StatusCode::FAILED_PRECONDITION;
+    default:
+      return grpc::StatusCode::INVALID_ARGUMENT;
+  }
+}
+
+void begin(Api& api, ServedStress& stress) {
+  ASSERT_TRUE(api.create(kMovingScene).ok());
+  for (MeshChoice choice : small_meshes()) {
+    const accel::MeshView view = choice.mesh->view();
+    choice.digest = api.add_mesh(
+        {{view.vertices.begin(), view.vertices.end()}, {view.faces.begin(), view.faces.end()}});
+    stress.meshes.push_back(std::move(choice));
+  }
+  RandomEdit first = ground(stress.meshes);
+  std::vector<v1::Update> updates;
+  for (const scenegraph::Update& update : first.updates)
+    updates.push_back(sightline::tests::to_message(update));
+  const grpc::Status applied = api.apply(kMovingScene, updates);
+  ASSERT_TRUE(applied.ok()) << applied.error_message();
+  stress.history.tell(std::move(first.after));
+}
+
+void CastingClient::knows(const v1::SceneRevision& revision) {
+  if (revision.revision() > known_.revision()) known_ = revision;
+}
+
+v1::CastRaysRequest CastingClient::request(const RandomQuestion& question) {
+  v1::CastRaysRequest request = cast_request(kMovingScene, question.rays);
+  request.set_root(question.root);
+  request.mutable_exclude()->Assign(question.excluded.begin(), question.excluded.end());
+  request.set_culling(to_message(question.culling));
+  constexpr v1::QueryKind kKinds[] = {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ANY,
+                                      v1::QUERY_KIND_COUNT, v1::QUERY_KIND_ALL};
+  request.set_kind(kKinds[random_.below(4)]);
+  request.add_fields(v1::HIT_FIELD_HIT);
+  if (request.kind() == v1::QUERY_KIND_CLOSEST || request.kind() == v1::QUERY_KIND_ALL) {
+    for (const auto field : {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE})
+      request.add_fields(field);
+  }
+  if (request.kind() == v1::QUERY_KIND_ALL) request.set_max_hits(question.max_hits);
+  const std::uint64_t consistency = random_.below(4);
+  if (consistency == 0 && !known_.token().empty()) {
+    request.mutable_consistency()->set_at_least(known_.token());
+  } else if (consistency == 1) {
+    const std::uint64_t newest = stress_.history.latest()->revision();
+    request.mutable_consistency()->set_exact_revision(newest -
+                                                      random_.below(std::min(newest, kFarBack)));
+  }
+  return request;
+}
+
+// By the time that the server answers, a node that the question names may be gone, or not yet be
+// there.
+void CastingClient::cast() {
+  const RandomQuestion question = random_question(*stress_.history.latest(), kRays, random_);
+  if (question.rays.empty()) return;
+  const v1::CastRaysRequest asked = request(question);
+  v1::CastRaysResponse reply;
+  const grpc::Status status = api_.cast(asked, &reply);
+  const bool names_nodes = question.root != 0 || !question.excluded.empty();
+  const bool exact = asked.consistency().has_exact_revision();
+  if ((names_nodes && status.error_code() == grpc::StatusCode::NOT_FOUND) ||
+      (exact && status.error_code() == grpc::StatusCode::OUT_OF_RANGE)) {
+    ++stress_.gone;
+    return;
+  }
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  if (exact) {
+    ASSERT_EQ(reply.served().revision(), asked.consistency().exact_revision());
+  } else {
+    // What this client was told to be there is not taken back.
+    ASSERT_GE(reply.served().revision(), known_.revision());
+    knows(reply.served());
+  }
+  const auto plain = stress_.history.at(reply.served().revision());
+  ASSERT_NE(plain, nullptr) << "revision " << reply.served().revision() << " is not kept";
+  judge(*plain, question, asked.kind(), reply);
+  ++stress_.casts;
+}
+
+void CastingClient::judge(const PlainScene& plain, const RandomQuestion& question,
+                          v1::QueryKind kind, const v1::CastRaysResponse& reply) {
+  const BruteForce oracle(plain.placed());
+  const Filter filter{question.culling, plain.hidden(question.root, question.excluded)};
+  const auto states = values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
+  ASSERT_EQ(states.size(), question.rays.size());
+  const auto counts = values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
+  const auto offsets = values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
+  const std::vector<accel::Hit> rows = rows_of(reply);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const Reference all = oracle.trace_all(question.rays[i], filter);
+    const auto state = static_cast<accel::HitState>(states[i] == 3 ? 1 : states[i]);
+    Agreement agreement = Agreement::kMismatch;
+    if (kind == v1::QUERY_KIND_CLOSEST) {
+      accel::Hit hit = rows[i];
+      hit.state = state;
+      agreement = compare(hit, nearest_part(all));
+    } else if (kind == v1::QUERY_KIND_ANY) {
+      accel::Hit hit;
+      hit.state = state;
+      agreement = compare_any(hit, all);
+    } else if (kind == v1::QUERY_KIND_COUNT) {
+      agreement = compare_count({.count = counts[i], .state = state}, all);
+    } else {
+      const RayTally tally{
+          .count = offsets[i + 1] - offsets[i], .state = state, .cut_off = states[i] == 3};
+      agreement = compare_list(std::span(rows).subspan(offsets[i], tally.count), tally, all);
+    }
+    ASSERT_NE(agreement, Agreement::kMismatch)
+        << v1::QueryKind_Name(kind) << " of ray " << i << " at revision " << plain.revision();
+    stress_.hits += states[i] != 0;
+  }
+}
+
+}  // namespace sightline::tests

@@ -1,0 +1,99 @@
+// A raster of nodes, group by group.
+#include "tests/e2e/large_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/random.h"
+
+namespace sightline::tests {
+
+using scenegraph::Affine;
+using scenegraph::NodeId;
+using scenegraph::NodeRef;
+
+namespace {
+
+constexpr double kApart = 4;  // a mesh is about two units wide
+
+std::size_t side_of(std::size_t count) {
+  return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+}
+
+Affine moved(double x, double y, double z) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
+
+}  // namespace
+
+// Groups come first.
+NodeId LargeScene::id(std::size_t n) const { return groups + n + 1; }
+
+// Nodes stand on a raster within their group, groups on a raster of such rasters.
+struct LargeScene::Raster {
+  explicit Raster(const LargeScene& scene)
+      : in_group(scene.groups == 0 ? scene.nodes : (scene.nodes + scene.groups - 1) / scene.groups),
+        side(side_of(in_group)),
+        groups_side(side_of(std::max<std::size_t>(scene.groups, 1))) {}
+
+  Affine group(std::size_t g) const {
+    const double width = kApart * static_cast<double>(side + 1);
+    return moved(width * static_cast<double>(g % groups_side), 0,
+                 width * static_cast<double>(g / groups_side));
+  }
+
+  std::size_t in_group, side, groups_side;
+};
+
+Affine LargeScene::place(std::size_t n, std::uint64_t step) const {
+  const Raster raster(*this);
+  const std::size_t k = n % raster.in_group;
+  const double wave = 0.02 * static_cast<double>((step + n) % 50);
+  return moved(kApart * static_cast<double>(k % raster.side), wave,
+               kApart * static_cast<double>(k / raster.side));
+}
+
+accel::Vec3d LargeScene::where(std::size_t n) const {
+  const Raster raster(*this);
+  const accel::Vec3d at = place(n, 0).point({});
+  return groups == 0 ? at : raster.group(n / raster.in_group).point(at);
+}
+
+std::vector<scenegraph::Update> LargeScene::batch(std::size_t first, std::size_t most,
+                                                  const std::vector<MeshChoice>& meshes) const {
+  const Raster raster(*this);
+  std::vector<scenegraph::Update> updates;
+  for (std::size_t i = first; i < std::min(first + most, all_nodes()); ++i) {
+    scenegraph::PutNode put;
+    put.node = -1 - static_cast<NodeRef>(i);
+    if (i < groups) {
+      put.parent_from_local = raster.group(i);
+    } else {
+      const std::size_t n = i - groups;
+      put.parent_from_local = place(n, 0);
+      if (groups > 0) {
+        const std::size_t group = n / raster.in_group;
+        put.parent =
+            group >= first ? -1 - static_cast<NodeRef>(group) : static_cast<NodeRef>(group + 1);
+      }
+      const MeshChoice& choice = meshes[n % meshes.size()];
+      put.mesh = choice.mesh;
+      put.mesh_digest = choice.digest;
+    }
+    updates.emplace_back(std::move(put));
+  }
+  return updates;
+}
+
+scenegraph::SetTransforms LargeScene::move(std::size_t moving, bool random,
+                                           std::uint64_t step) const {
+  Random draw(step);
+  scenegraph::SetTransforms set;
+  for (std::size_t k = 0; k < std::min(moving, nodes); ++k) {
+    // The same nodes are spread over all groups, too.
+    const std::size_t n = random ? draw.below(nodes) : k * (nodes / std::min(moving, nodes));
+    set.nodes.push_back(static_cast<NodeRef>(id(n)));
+    set.parent_from_local.push_back(place(n, step + 1));
+  }
+  return set;
+}
+
+}  // namespace sightline::tests

@@ -1,0 +1,67 @@
+// Batches of updates drawn at random: every kind, good ones and such as must be refused.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/update.h"
+#include "tests/support/plain_scene.h"
+#include "tests/support/random.h"
+
+namespace sightline::tests {
+
+struct MeshChoice {
+  std::shared_ptr<const scenegraph::Mesh> mesh;
+  std::string digest;
+};
+
+/// Small meshes of 2 to 320 triangles, without digests.
+std::vector<MeshChoice> small_meshes();
+
+struct RandomEdit {
+  std::vector<scenegraph::Update> updates;
+  std::optional<Code> refusal;  ///< Why the whole batch is to be refused; nothing: it is good.
+  /// Of a good one: what the scene is to be then, and which ids its PutNodes' nodes are to get.
+  PlainScene after;
+  std::vector<scenegraph::NodeId> put_nodes;
+};
+
+/// A wide group that mostly rests, to begin with: kGround small nodes under one.
+inline constexpr std::size_t kGround = 300;
+RandomEdit ground(const std::vector<MeshChoice>& meshes);
+
+/// Keeps some dozens of nodes and seven levels beside the ground, which it changes seldom. One
+/// user.
+class RandomEdits {
+ public:
+  RandomEdits(std::vector<MeshChoice> meshes, std::uint64_t seed)
+      : meshes_(std::move(meshes)), random_(seed) {}
+
+  /// For the scene as it is now.
+  RandomEdit next(const PlainScene& now);
+
+ private:
+  struct Batch;
+  using NodeId = scenegraph::NodeId;
+
+  scenegraph::Affine frame();
+  const MeshChoice& mesh() { return meshes_[random_.below(meshes_.size())]; }
+  scenegraph::Mobility mobility();
+  std::optional<NodeId> pick(const PlainScene& scene, bool with_mesh);
+  void edit(Batch& batch);
+  void put_new(Batch& batch, scenegraph::NodeRef parent, bool group);
+  void put_group(Batch& batch);
+  void change(Batch& batch);
+  void move(Batch& batch);
+  void patch(Batch& batch);
+  void remove(Batch& batch);
+  Code spoil(Batch& batch);
+
+  std::vector<MeshChoice> meshes_;
+  Random random_;
+};
+
+}  // namespace sightline::tests
