@@ -213,9 +213,12 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
 void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
   const bool still = trees_.still.size() > 0 && enter_tree(ray, still_);
   bool moving = false;
-  if (trees_.moving.size() > 0 &&
-      accel::set_local_ray(ray.origin - trees_.moving.center(), ray.direction, moving_.centered))
-    moving = enter_tree(ray, moving_);
+  if (trees_.moving.size() > 0) {
+    moving_.centered.direction = still_.centered.direction;
+    moving_.centered.unit = still_.centered.unit;
+    moving = accel::set_local_origin(ray.origin - trees_.moving.center(), moving_.centered) &&
+             enter_tree(ray, moving_);
+  }
   const bool moving_first =
       still && moving &&
       moving_.ray.t_in * moving_.centered.unit < still_.ray.t_in * still_.centered.unit;

@@ -19,7 +19,7 @@ class WideSum {
   static constexpr unsigned kBits = 5;
   static constexpr std::uint64_t kFan = std::uint64_t{1} << kBits;
   /// Groups of more children than this are summed up so.
-  static constexpr std::size_t kWide = 256;
+  static constexpr std::size_t kWide = 1024;
 
   /// What a child brings to the sum, before and after; nothing (a Subtree of nothing) for an id
   /// that is not a child.

@@ -24,24 +24,30 @@ struct LocalRay {
   double unit = 1;
 };
 
+/// Sets the origin alone; false if it is not finite or out of range.
+inline bool set_local_origin(const Vec3d& origin, LocalRay& ray) {
+  const double most = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z)});
+  if (!is_finite(origin) || most > kLargestRay) return false;
+  const auto settled = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
+  ray.origin.x = settled(origin.x);
+  ray.origin.y = settled(origin.y);
+  ray.origin.z = settled(origin.z);
+  return true;
+}
+
 /// Sets `ray`; false for a direction that is zero or not finite, or an origin out of range.
 ///
 /// Every number goes straight to its place: the walk reads them at once, and a reading that is
 /// wider than the writing before it waits until that has left the processor.
 inline bool set_local_ray(const Vec3d& origin, const Vec3d& direction, LocalRay& ray) {
-  const auto largest = [](const Vec3d& v) {
-    return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-  };
-  const double most = largest(direction);
-  if (!is_finite(direction) || !is_finite(origin) || !(most > 0)) return false;
+  const double most =
+      std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});
+  if (!is_finite(direction) || !(most > 0)) return false;
   const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(most) >> 52) - 1023;
   // A direction this short or long has no use, and its unit would not be a normal double.
-  if (exponent < -1000 || exponent > 1000 || largest(origin) > kLargestRay) return false;
+  if (exponent < -1000 || exponent > 1000 || !set_local_origin(origin, ray)) return false;
   const auto settled = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
   const double unit = std::bit_cast<double>(static_cast<std::uint64_t>(1023 - exponent) << 52);
-  ray.origin.x = settled(origin.x);
-  ray.origin.y = settled(origin.y);
-  ray.origin.z = settled(origin.z);
   ray.direction.x = settled(direction.x * unit);
   ray.direction.y = settled(direction.y * unit);
   ray.direction.z = settled(direction.z * unit);

@@ -29,6 +29,8 @@ int run(int argc, char** argv) {
       ->check(CLI::IsMember({"apply", "stream"}));
   app.add_option("--rate", options.rate, "Revisions a second")->check(CLI::Range(0.1, 10'000.0));
   app.add_option("--seconds", options.seconds, "How long")->check(CLI::Range(0.1, 86'400.0));
+  app.add_option("--warm", options.warm, "Seconds; what is due later is told apart too")
+      ->check(CLI::Range(0.0, 86'400.0));
   app.add_option("--clients", options.clients, "That cast")->check(CLI::Range(0, 256));
   app.add_option("--rays", options.rays, "A cast")->check(CLI::Range(1, 16'384));
   app.add_option("--casts", options.casts, "A second and client; 0: one after the other")

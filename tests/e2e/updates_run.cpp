@@ -42,10 +42,28 @@ Error failed(const grpc::Status& status) {
 
 // What was measured of each of several things.
 struct Latencies {
-  std::vector<double> ms;
+  std::vector<double> ms, due_s;  // when it was due, from the beginning
 
-  void set(bench::Row& row, const std::string& key) const {
+  void add(double latency_ms, double due) {
+    ms.push_back(latency_ms);
+    due_s.push_back(due);
+  }
+  void add(const Latencies& o) {
+    ms.insert(ms.end(), o.ms.begin(), o.ms.end());
+    due_s.insert(due_s.end(), o.due_s.begin(), o.due_s.end());
+  }
+
+  void set(bench::Row& row, const std::string& key, double warm_after) const {
     if (ms.empty()) return;
+    std::vector<double> warm;
+    for (std::size_t i = 0; i < ms.size(); ++i) {
+      if (due_s[i] >= warm_after) warm.push_back(ms[i]);
+    }
+    if (!warm.empty()) {
+      row[key + "_warm_p50_ms"] = bench::quantile(warm, 0.5);
+      row[key + "_warm_p99_ms"] = bench::quantile(warm, 0.99);
+      row[key + "_warm_max_ms"] = bench::quantile(warm, 1);
+    }
     row[key + "_p50_ms"] = bench::quantile(ms, 0.5);
     row[key + "_p99_ms"] = bench::quantile(ms, 0.99);
     row[key + "_max_ms"] = bench::quantile(ms, 1);
@@ -101,7 +119,8 @@ class Caster {
   }
 
   void run(const std::atomic<bool>& over) {
-    auto due = Clock::now();
+    const auto start = Clock::now();
+    auto due = start;
     while (!over && failure_.ok()) {
       if (options_.casts > 0) {
         due += std::chrono::duration_cast<Clock::duration>(
@@ -114,7 +133,7 @@ class Caster {
       const v1::CastRaysRequest request = cast_request(kScene, some_rays(options_, random_));
       const auto begun = options_.casts > 0 ? due : Clock::now();
       failure_ = api_.cast(request, &reply);
-      latencies.ms.push_back(ms_since(begun));
+      latencies.add(ms_since(begun), std::chrono::duration<double>(begun - start).count());
       hits += reply.stats().hits();
       revisions += reply.served().revision() != revision_;
       revision_ = reply.served().revision();
@@ -164,8 +183,8 @@ Result<Sent> send_revisions(const UpdatesOptions& options, UpdateSender& sender)
   Sent sent;
   const std::vector<Clock::time_point> acked = sender.acked();
   for (std::uint64_t step = 0; step < acked.size(); ++step)
-    sent.acks.ms.push_back(
-        std::chrono::duration<double, std::milli>(acked[step] - due(step)).count());
+    sent.acks.add(std::chrono::duration<double, std::milli>(acked[step] - due(step)).count(),
+                  static_cast<double>(step) / options.rate);
   sent.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return sent;
 }
@@ -190,7 +209,7 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
     const std::vector<scenegraph::Update> updates = revision(options, step);
     const auto begin = Clock::now();
     const auto applied = scene.apply(updates);
-    publishing.ms.push_back(ms_since(begin));
+    publishing.add(ms_since(begin), static_cast<double>(step) / options.rate);
     if (!applied.ok()) return applied.error();
     if (applied->settle) settling = std::jthread([&] { scene.settle(); });
   }
@@ -209,13 +228,12 @@ bench::Row make_row(const UpdatesOptions& options, const Sent& sent, const Laten
   row["seconds"] = sent.seconds;
   row["revisions"] = sent.acks.ms.size();
   row["achieved_rate"] = static_cast<double>(sent.acks.ms.size()) / sent.seconds;
-  publishing.set(row, "publish");
-  sent.acks.set(row, "ack");
+  publishing.set(row, "publish", options.warm);
+  sent.acks.set(row, "ack", options.warm);
   Latencies casts;
   std::uint64_t hits = 0, revisions = 0;
   for (const auto& caster : casters) {
-    const auto& ms = caster->latencies.ms;
-    casts.ms.insert(casts.ms.end(), ms.begin(), ms.end());
+    casts.add(caster->latencies);
     hits += caster->hits;
     revisions += caster->revisions;
   }
@@ -225,7 +243,7 @@ bench::Row make_row(const UpdatesOptions& options, const Sent& sent, const Laten
   row["casts_per_s"] = static_cast<double>(casts.ms.size()) / sent.seconds;
   row["hits"] = hits;
   row["revisions_seen"] = revisions;
-  casts.set(row, "cast");
+  casts.set(row, "cast", options.warm);
   return row;
 }
 

@@ -16,6 +16,7 @@ struct UpdatesOptions {
   std::string by = "apply";
   double rate = 60;  ///< Revisions a second.
   double seconds = 30;
+  double warm = 5;  ///< Seconds. What is due later is told apart as well.
   int clients = 2;
   int rays = 256;    ///< A cast.
   double casts = 0;  ///< A second and client; 0: one after the other.

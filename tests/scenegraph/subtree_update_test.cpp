@@ -144,7 +144,7 @@ TEST(Subtrees, ManyOnLevelGround) {
   }
 }
 
-/// Groups grow past the size from which they are summed up in steps, and shrink below it again.
+/// Groups grow past WideSum::kWide and shrink below it again.
 TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
   Random random(21);
   Scene scene;
@@ -156,7 +156,7 @@ TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
   for (int round = 0; round < 60; ++round) {
     std::vector<Update> updates;
     const bool grows = round % 20 < 10;
-    for (int i = 1; grows && i <= 60; ++i) {
+    for (int i = 1; grows && i <= 400; ++i) {
       PutNode put;
       put.node = -i;
       put.parent = static_cast<NodeRef>(random.below(3));
@@ -164,7 +164,7 @@ TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
       put.mesh = tests::some_mesh(random.next());
       updates.emplace_back(put);
     }
-    for (std::size_t i = 0; !grows && i < 60 && !alive.empty(); ++i) {
+    for (std::size_t i = 0; !grows && i < 400 && !alive.empty(); ++i) {
       std::swap(alive[random.below(alive.size())], alive.back());
       updates.emplace_back(DeleteNode{alive.back()});
       alive.pop_back();
