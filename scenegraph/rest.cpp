@@ -9,6 +9,9 @@
 namespace sightline::scenegraph {
 namespace {
 
+/// By estimate, not measured.
+constexpr std::uint64_t kListingOverPassing = 64;
+
 /// What stands under the topmost of these nodes.
 std::uint64_t instances_under(const Hierarchy& hierarchy, const NodeSet& topmost) {
   std::uint64_t instances = 0;
@@ -30,7 +33,8 @@ bool Rest::add(const Snapshot& snapshot, std::vector<NodeId> changed) {
   return spent_ > 0 && spent_ >= hierarchy.subtree(0).instances;
 }
 
-/// In the wrong tree: at each revision they are listed, or passed by.
+/// In the wrong tree: at each revision they are listed, or passed by. To pass by costs a look where
+/// a ray comes, little beside listing: it counts so much less.
 std::uint64_t Rest::at_rest(const Snapshot& snapshot) const {
   const Hierarchy& hierarchy = snapshot.hierarchy();
   const std::uint64_t moving =
@@ -38,7 +42,7 @@ std::uint64_t Rest::at_rest(const Snapshot& snapshot) const {
   const std::uint64_t restless = instances_under(hierarchy, topmost_of(hierarchy, since(0)));
   const Departed* departed = snapshot.halves().departed.get();
   return (moving - std::min(moving, restless)) +
-         (departed == nullptr ? 0 : departed->nodes().size() / kRevisions);
+         (departed == nullptr ? 0 : departed->nodes().size() / kListingOverPassing);
 }
 
 std::vector<NodeId> Rest::since(std::uint64_t revision) const {
