@@ -58,10 +58,10 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::Vec3f> ver
   }
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
   const accel::MeshSurvey survey = accel::survey_mesh({arrays->vertices, *arrays->faces});
-  const bool by_default = builder_ == accel::default_builder();
-  return std::shared_ptr<const Mesh>(
-      new Mesh(std::move(arrays), survey, by_default ? accel::frame_builder() : builder_,
-               by_default && triangles_ <= kSoupUpTo ? accel::References::kSoup : references_));
+  const bool by_default = builder_ == accel::AnyBuilder(accel::default_builder());
+  return std::shared_ptr<const Mesh>(new Mesh(
+      std::move(arrays), survey, by_default ? accel::AnyBuilder(accel::frame_builder()) : builder_,
+      by_default && triangles_ <= kSoupUpTo ? accel::References::kSoup : references_));
 }
 
 std::uint64_t Mesh::bytes() const {

@@ -76,8 +76,9 @@ std::uint64_t triangles_built(const Mesh& mesh) {
   const int levels =
       std::max(0, static_cast<int>(std::bit_width(mesh.triangles())) - kLevelsNotLookedAt);
   const accel::EpochPin pin;
-  const accel::KdTree& tree = mesh.tree().tree();
-  const std::uint64_t left = weight_unbuilt(tree, accel::load(tree.root()), levels);
+  const accel::KdTree* tree = mesh.tree().kd();
+  if (tree == nullptr) return mesh.tree().untouched() ? 0 : mesh.triangles();
+  const std::uint64_t left = weight_unbuilt(*tree, accel::load(tree->root()), levels);
   return mesh.triangles() - std::min(left, mesh.triangles());  // a triangle may be in several cells
 }
 

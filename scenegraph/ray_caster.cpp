@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "accel/tree/walk.h"
 #include "scenegraph/selection.h"
 #include "scenegraph/surface.h"
 

@@ -101,14 +101,14 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
     if (!seen.insert(mesh).second) return;
     const accel::EpochPin pin;
-    const accel::GrowthMetrics growth = accel::measure_growth(mesh->tree().tree(), mesh->faces());
+    const accel::GrowthMetrics growth = mesh->tree().growth();
     s.trees_built += growth.references_built > 0 ? 1 : 0;
     s.cells_deferred += growth.cells_deferred;
     s.cells_expanded += growth.cells_built;
     s.triangles_built += growth.references_built;
     s.triangles_total += mesh->triangles();
     s.bytes_geometry += mesh->bytes();
-    s.bytes_trees += mesh->tree().tree().bytes();
+    s.bytes_trees += mesh->tree().bytes();
   });
   const accel::EpochPin pin;
   if (const Instances* still = snapshot.halves().still->instances_so_far())

@@ -85,7 +85,7 @@ class ReplacedBytes {
     bytes_ += kBytesPerNode;
     // Meshes as they were uploaded are held by the store of blobs.
     if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
-    bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree().tree().bytes();
+    bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree().bytes();
   }
 
   const Snapshot& before_;

@@ -105,7 +105,7 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
     const scenegraph::Halves& halves = snapshot_->halves();
     bytes = bytes_of_tree(*halves.still) + bytes_of_tree(*halves.moving);
   }
-  for (const scenegraph::Mesh* mesh : meshes_) bytes += mesh->tree().tree().bytes();
+  for (const scenegraph::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
   response.set_bytes_trees(bytes);
 }
 

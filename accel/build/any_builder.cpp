@@ -36,17 +36,22 @@ ScanBuilder scan_best() {
 
 const std::vector<Named>& all_builders() {
   static const std::vector<Named> kBuilders = {
-      {"spatial-median", SpatialMedianBuilder{}},
-      {"object-median", ObjectMedianBuilder{}},
-      {"sah-naive", ExactBuilder{.search = ExactSearch::kNaive}},
-      {"sah-sort", ExactBuilder{.search = ExactSearch::kSort}},
-      {"sah-sweep", ExactBuilder{.search = ExactSearch::kSweep}},
-      {"min-max-bins", MinMaxBuilder{}},
-      {"scan-one-axis", ScanBuilder{.axes = ScanAxes::kOne}},
-      {"scan-hybrid", ScanBuilder{.axes = ScanAxes::kHybrid}},
-      {"scan-all-axes", ScanBuilder{.axes = ScanAxes::kAll}},
-      {"scan-fast", scan_fast()},
-      {"scan-best", scan_best()},
+      {"spatial-median", KdBuilder(SpatialMedianBuilder{})},
+      {"object-median", KdBuilder(ObjectMedianBuilder{})},
+      {"sah-naive", KdBuilder(ExactBuilder{.search = ExactSearch::kNaive})},
+      {"sah-sort", KdBuilder(ExactBuilder{.search = ExactSearch::kSort})},
+      {"sah-sweep", KdBuilder(ExactBuilder{.search = ExactSearch::kSweep})},
+      {"min-max-bins", KdBuilder(MinMaxBuilder{})},
+      {"scan-one-axis", KdBuilder(ScanBuilder{.axes = ScanAxes::kOne})},
+      {"scan-hybrid", KdBuilder(ScanBuilder{.axes = ScanAxes::kHybrid})},
+      {"scan-all-axes", KdBuilder(ScanBuilder{.axes = ScanAxes::kAll})},
+      {"scan-fast", KdBuilder(scan_fast())},
+      {"scan-best", KdBuilder(scan_best())},
+      {"bvh-sweep", BvhBuilder{.method = BvhMethod::kSweep}},
+      {"bvh-binned", BvhBuilder{.method = BvhMethod::kBinned}},
+      {"bvh-esc", BvhBuilder{.method = BvhMethod::kEarly}},
+      {"bvh-evh", BvhBuilder{.method = BvhMethod::kEdgeVolume}},
+      {"sbvh", BvhBuilder{.method = BvhMethod::kSpatial}},
   };
   return kBuilders;
 }
@@ -131,6 +136,48 @@ const Parameters<MinMaxBuilder>& parameters(const MinMaxBuilder&) {
   return kParameters;
 }
 
+/// What all hierarchies know, then what one method knows.
+Parameters<BvhBuilder> bvh_parameters(Parameters<BvhBuilder> own) {
+  using B = BvhBuilder;
+  Parameters<B> parameters = {
+      {"leaf_size", [](B& b) -> std::uint32_t& { return b.leaf.leaf_size; }},
+      {"split_small", [](B& b) -> bool& { return b.leaf.split_small; }},
+      {"cost_traverse", [](B& b) -> double& { return b.leaf.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.leaf.intersect; }},
+  };
+  parameters.insert(parameters.end(), own.begin(), own.end());
+  return parameters;
+}
+
+const Parameters<BvhBuilder>& parameters(const BvhBuilder& builder) {
+  using B = BvhBuilder;
+  static const Parameters<B> kSweep = bvh_parameters({});
+  static const Parameters<B> kBinned =
+      bvh_parameters({{"bins", [](B& b) -> std::uint32_t& { return b.bins; }}});
+  static const Parameters<B> kPreSplit = bvh_parameters({
+      {"threshold", [](B& b) -> double& { return b.pre_split.threshold; }},
+      {"budget", [](B& b) -> double& { return b.pre_split.budget; }},
+  });
+  static const Parameters<B> kSpatial = bvh_parameters({
+      {"alpha", [](B& b) -> double& { return b.spatial.alpha; }},
+      {"spatial_bins", [](B& b) -> std::uint32_t& { return b.spatial.bins; }},
+      {"unsplit", [](B& b) -> bool& { return b.spatial.unsplit; }},
+      {"budget", [](B& b) -> double& { return b.spatial.budget; }},
+  });
+  switch (builder.method) {
+    case BvhMethod::kSweep:
+      return kSweep;
+    case BvhMethod::kBinned:
+      return kBinned;
+    case BvhMethod::kEarly:
+    case BvhMethod::kEdgeVolume:
+      return kPreSplit;
+    case BvhMethod::kSpatial:
+      break;
+  }
+  return kSpatial;
+}
+
 /// Reads a value of the field's type. Returns what it had to be, if it is not.
 std::optional<std::string_view> read(std::string_view text, double& out) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -182,9 +229,9 @@ Status set(Builder& builder, std::string_view key, std::string_view value) {
 
 }  // namespace
 
-AnyBuilder default_builder() { return scan_fast(); }
+KdBuilder default_builder() { return scan_fast(); }
 
-AnyBuilder frame_builder() { return ScanBuilder{.axes = ScanAxes::kOne}; }
+KdBuilder frame_builder() { return ScanBuilder{.axes = ScanAxes::kOne}; }
 
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;
@@ -201,24 +248,9 @@ Result<AnyBuilder> make_builder(std::string_view name) {
   return Error{Code::kInvalidArgument, std::move(message), "UNKNOWN_BUILDER"};
 }
 
-std::optional<Cut> choose_cut(const AnyBuilder& builder, const CellRefs& cell,
-                              BuildCounters& counters) {
-  return std::visit([&](const auto& b) { return b.choose(cell, counters); }, builder);
-}
-
-bool runs_passes(const AnyBuilder& builder) { return std::holds_alternative<ScanBuilder>(builder); }
-
-bool scans_children(const AnyBuilder& builder, std::size_t references) {
-  const auto* scan = std::get_if<ScanBuilder>(&builder);
-  return scan != nullptr && scan->scans_children(references);
-}
-
-FirstPlanes first_planes(const AnyBuilder& builder, const Aabb& child) {
-  return std::get<ScanBuilder>(builder).first_planes(child);
-}
-
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value) {
-  return std::visit([&](auto& b) { return set(b, key, value); }, builder);
+  if (auto* bvh = std::get_if<BvhBuilder>(&builder)) return set(*bvh, key, value);
+  return std::visit([&](auto& b) { return set(b, key, value); }, std::get<KdBuilder>(builder));
 }
 
 }  // namespace sightline::accel

@@ -144,7 +144,7 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kMaxTreeDepth);
 }
 
-int depth_limit(const AnyBuilder& builder, std::size_t references) {
+int depth_limit(const KdBuilder& builder, std::size_t references) {
   return std::visit(
       [&](const auto& b) {
         const int shared = depth_limit(references);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/build/any_builder.h"
+#include "accel/build/kd_builder.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/tree/kd_tree.h"
 
@@ -14,7 +14,7 @@ namespace sightline::accel {
 /// What a growth needs besides its cell.
 struct GrowContext {
   KdTree& tree;
-  const AnyBuilder& builder;
+  const KdBuilder& builder;
   const MeshView* mesh = nullptr;  ///< What clipping builders clip; null: nothing to clip.
   int max_depth = 0;
   /// Once true, large cells not begun yet are left deferred (kForkFrom references or more).
@@ -26,7 +26,7 @@ struct GrowContext {
 int depth_limit(std::size_t references);
 
 /// The same, or less where the builder has a bound of its own (`depth_bound`).
-int depth_limit(const AnyBuilder& builder, std::size_t references);
+int depth_limit(const KdBuilder& builder, std::size_t references);
 
 /// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is
 /// used up: the left child overwrites its parent's, the right child's comes from a stack (Hunt et

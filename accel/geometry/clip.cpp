@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace sightline::accel {
 namespace {
@@ -29,16 +30,39 @@ void cut(const Polygon& in, std::size_t axis, double sign, double position, Poly
   }
 }
 
+Polygon triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  Polygon polygon;
+  polygon.at[0] = Vec3d(a);
+  polygon.at[1] = Vec3d(b);
+  polygon.at[2] = Vec3d(c);
+  polygon.size = 3;
+  return polygon;
+}
+
 }  // namespace
+
+double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell) {
+  std::array<Polygon, 2> polygons{triangle(a, b, c), {}};
+  std::size_t now = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double lo = static_cast<double>(cell.lo[axis]), hi = static_cast<double>(cell.hi[axis]);
+    cut(polygons[now], axis, -1, lo, polygons[1 - now]);
+    cut(polygons[1 - now], axis, 1, hi, polygons[now]);
+    if (polygons[now].size < 3) return 0;
+  }
+  const Polygon& polygon = polygons[now];
+  Vec3d twice{0, 0, 0};
+  for (std::size_t i = 1; i + 1 < polygon.size; ++i) {
+    twice = twice + cross(polygon.at[i] - polygon.at[0], polygon.at[i + 1] - polygon.at[0]);
+  }
+  return std::sqrt(dot(twice, twice)) / 2;
+}
 
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell) {
   std::array<Polygon, 2> polygons;  // what is cut, and what comes of it, in turn
   std::size_t now = 0;
-  polygons[0].at[0] = Vec3d(a);
-  polygons[0].at[1] = Vec3d(b);
-  polygons[0].at[2] = Vec3d(c);
-  polygons[0].size = 3;
+  polygons[0] = triangle(a, b, c);
   // The corners that cutting makes are off by a few roundings of the largest coordinate: cutting a
   // little outside the cell, and widening what comes out by as much, keeps every true point.
   Vec3d whole_lo, whole_hi;

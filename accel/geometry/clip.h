@@ -13,4 +13,7 @@ namespace sightline::accel {
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell);
 
+/// The area of that part, to the precision of double. Vertices must be finite.
+double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell);
+
 }  // namespace sightline::accel

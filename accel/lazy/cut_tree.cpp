@@ -17,7 +17,7 @@ constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
 
-bool takes_samples(const AnyBuilder& builder) {
+bool takes_samples(const KdBuilder& builder) {
   return std::visit(
       [](const auto& b) {
         if constexpr (requires { b.takes_samples(); }) {
@@ -40,11 +40,11 @@ std::vector<std::size_t> sample_places(std::size_t size) {
 }
 
 struct CutTree::Growth {
-  const AnyBuilder& builder;
+  const KdBuilder& builder;
   int max_depth;
 };
 
-CutTree::CutTree(const AnyBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
+CutTree::CutTree(const KdBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
                  const CellPath& path, int levels, int max_depth, BuildCounters& counters) {
   const std::size_t size = sample.size();
   sample.resize(size + room(size));

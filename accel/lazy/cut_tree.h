@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "accel/build/any_builder.h"
+#include "accel/build/kd_builder.h"
 #include "accel/tree/box_list.h"
 
 namespace sightline::accel {
@@ -15,7 +15,7 @@ namespace sightline::accel {
 inline constexpr std::size_t kSampleFrom = 8192;
 
 /// Whether the builder may decide by a sample. The papers' look at everything.
-bool takes_samples(const AnyBuilder& builder);
+bool takes_samples(const KdBuilder& builder);
 
 /// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
 /// at a place in it that follows no order a list might have. Ascending.
@@ -41,7 +41,7 @@ class CutTree {
   };
 
   /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
-  CutTree(const AnyBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
+  CutTree(const KdBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
           const CellPath& path, int levels, int max_depth, BuildCounters& counters);
 
   bool empty() const { return nodes_.empty(); }

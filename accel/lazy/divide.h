@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "accel/build/any_builder.h"
+#include "accel/build/kd_builder.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/lazy/cut_tree.h"
 #include "accel/lazy/expansion.h"
@@ -16,7 +16,7 @@ namespace sightline::accel {
 /// What every cell of a tree is expanded by. `mesh`: what the references are faces of, for builders
 /// that clip; null if they are not.
 struct DivideContext {
-  const AnyBuilder& builder;
+  const KdBuilder& builder;
   const ReferenceSource& source;
   const MeshView* mesh;
   int max_depth;

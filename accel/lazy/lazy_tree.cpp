@@ -66,7 +66,7 @@ Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool&
 
 }  // namespace
 
-LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
+LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder,
                    ReferenceSource source, const MeshView* mesh)
     : tree_(bounds, closed),
       builder_(builder),

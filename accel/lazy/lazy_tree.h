@@ -30,7 +30,7 @@ class LazyTree {
   /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
   /// bound. `mesh`: what the closed ones are faces of, for builders that clip; null if they are
   /// not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t closed, const AnyBuilder& builder,
+  LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder,
            ReferenceSource source, const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
@@ -70,7 +70,7 @@ class LazyTree {
   void publish(AtomicSlot& slot, DeferredCell& cell, Slot built, BuildCounters& counters);
 
   KdTree tree_;
-  AnyBuilder builder_;
+  KdBuilder builder_;
   ReferenceSource source_;
   std::size_t closed_;
   DivideContext context_;

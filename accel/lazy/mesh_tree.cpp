@@ -1,119 +1,22 @@
-// Triangles under the kd-tree: making references of them, and testing them in its leaves.
+// Asking a mesh's tree, and building it where it is asked.
 #include "accel/lazy/mesh_tree.h"
 
 #include <algorithm>
 
-#include "accel/lazy/face_boxes.h"
+#include "accel/bvh/bvh_measure.h"
+#include "accel/bvh/bvh_walk.h"
+#include "accel/lazy/face_source.h"
+#include "accel/lazy/leaf_test.h"
 #include "accel/lazy/runs.h"
+#include "accel/tree/walk.h"
 
 namespace sightline::accel {
 namespace {
 
-/// Runs are opened by the rule of membership, which builders do not follow that choose the side of
-/// flat boxes.
-bool takes_runs(const AnyBuilder& builder) {
-  return !std::holds_alternative<ExactBuilder>(builder);
-}
-
-/// A mesh's faces, or runs of them: decided by whoever asks first.
-class Faces {
- public:
-  Faces(const MeshView& mesh, const Aabb& bounds, bool may_run)
-      : mesh_(mesh), bounds_(bounds), kind_(may_run ? Kind::kUnknown : Kind::kFaces) {}
-
-  ReferenceSource::Coarsest coarsest(BuildCounters& counters) const {
-    Kind kind = kind_.load(std::memory_order_relaxed);
-    if (kind == Kind::kUnknown) {
-      kind = are_runs_compact(mesh_, bounds_, counters) ? Kind::kRuns : Kind::kFaces;
-      kind_.store(kind, std::memory_order_relaxed);
-    }
-    const bool runs = kind == Kind::kRuns;
-    return {.places = runs ? count_runs(mesh_) : mesh_.faces.size(), .openable = runs};
-  }
-
-  std::size_t list(std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) const {
-    if (coarsest(counters).openable) return run_references(mesh_, begin, end, out, counters);
-    counters.touches_prepare += end - begin;
-    return face_references(mesh_, begin, end, out);
-  }
-
-  void open(const BoxRef& run, std::vector<BoxRef>& out, BuildCounters& counters) const {
-    open_run(mesh_, run, out, counters);
-  }
-
- private:
-  enum class Kind : std::uint8_t { kUnknown, kFaces, kRuns };
-
-  MeshView mesh_;
-  Aabb bounds_;
-  mutable std::atomic<Kind> kind_;
-};
-
-ReferenceSource source_of_faces(const MeshView& mesh, const Aabb& bounds, bool may_run,
-                                std::shared_ptr<const void> alive) {
-  const auto faces = std::make_shared<const Faces>(mesh, bounds, may_run);
-  return {
-      .coarsest = [faces](BuildCounters& counters) { return faces->coarsest(counters); },
-      .list = [faces](std::size_t begin, std::size_t end, BoxRef* out,
-                      BuildCounters& counters) { return faces->list(begin, end, out, counters); },
-      .open = [faces](const BoxRef& run, std::vector<BoxRef>& out,
-                      BuildCounters& counters) { faces->open(run, out, counters); },
-      .alive = std::move(alive)};
-}
-
-}  // namespace
-
-/// What a walk asks at leaves and at cells that are not built.
-struct MeshTree::Visit {
-  const MeshView& mesh;
+/// What a walk through a kd-tree asks, at cells that are not built, too.
+struct KdVisit : LeafTest {
   LazyTree& lazy;
-  MeshQuery& query;
-  const TreeRay& ray;
-  WalkCounters& walked;
   BuildCounters& built;
-
-  double limit() const { return query.best_t / query.ray.unit + ray.slack; }
-
-  bool test(std::uint32_t id) {
-    ++walked.tests;
-    const Face& f = mesh.faces[id];
-    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-    const std::optional<double> local = intersect(query.ray, a, b, c);
-    if (!local) return false;
-    const double t = *local * query.ray.unit;
-    if (!(t >= query.tmin && t <= query.tmax) || t > query.best_t) return false;
-    if (is_culled(query.culling, query.ray, a, b, c)) return false;
-    if (query.collects()) {
-      collect(t, id);
-      return false;
-    }
-    if (t == query.best_t) {
-      if (query.node > query.best_node) return false;
-      if (query.node == query.best_node && id >= query.best_primitive) return false;
-    }
-    query.best_t = t;
-    query.best_node = query.node;
-    query.best_primitive = id;
-    query.best_instance = query.instance;
-    query.found = true;
-    return query.any;
-  }
-
-  void collect(double t, std::uint32_t id) {
-    query.found = true;
-    if (query.primitives != nullptr) {
-      query.primitives->add(id);
-    } else if (query.list->add({t, query.node, id, query.instance})) {
-      if (const ListedHit* last = query.list->greatest()) query.best_t = last->t;
-    }
-  }
-
-  bool leaf(std::span<const std::uint32_t> ids) {
-    for (const std::uint32_t id : ids) {
-      if (test(id)) return true;
-    }
-    return false;
-  }
 
   Unbuilt unbuilt(AtomicSlot& slot, const DeferredCell& cell) {
     if (query.at_unbuilt == AtUnbuilt::kExpand) {
@@ -143,32 +46,80 @@ struct MeshTree::Visit {
       return search_faces(faces_of_run(mesh, ref));
     });
   }
-
-  bool search_faces(FaceRange faces) {
-    for (std::size_t i = faces.begin; i < faces.end; ++i) {
-      const std::optional<Aabb> box = face_bounds(mesh, i);
-      if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
-    }
-    return false;
-  }
 };
+
+}  // namespace
+
+MeshTree::Tree MeshTree::make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
+                              const AnyBuilder& builder, References references,
+                              std::shared_ptr<const void> alive) {
+  if (const auto* bvh = std::get_if<BvhBuilder>(&builder))
+    return Tree(std::in_place_type<BvhTree>, mesh, *bvh);
+  const KdBuilder& kd = std::get<KdBuilder>(builder);
+  const bool may_run = references == References::kRuns && takes_runs(kd);
+  return Tree(std::in_place_type<LazyTree>, padded(survey.bounds), survey.finite_triangles, kd,
+              source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+}
 
 MeshTree::MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
                    References references, std::shared_ptr<const void> alive)
     : mesh_(mesh),
-      lazy_(
-          padded(survey.bounds), survey.finite_triangles, builder,
-          source_of_faces(mesh, survey.bounds,
-                          references == References::kRuns && takes_runs(builder), std::move(alive)),
-          &mesh_) {}
+      bounds_(padded(survey.bounds)),
+      finite_triangles_(survey.finite_triangles),
+      tree_(make(mesh, &mesh_, survey, builder, references, std::move(alive))) {}
 
 void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
   TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
-  if (!enter(query.ray, tree().bounds(), query.tmin / query.ray.unit, tmax / query.ray.unit, ray))
+  if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
+  const LeafTest test{mesh_, query, ray, walked};
+  if (auto* lazy = std::get_if<LazyTree>(&tree_)) {
+    KdVisit visit{test, *lazy, built};
+    walk(lazy->tree(), ray, lazy->root(), walked, visit);
+  } else {
+    query_bvh(std::get<BvhTree>(tree_), test, built);
+  }
+}
+
+void MeshTree::query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built) {
+  const Bvh* bvh = tree.built();
+  if (bvh == nullptr && test.query.at_unbuilt == AtUnbuilt::kExpand) bvh = &tree.build(built);
+  if (bvh != nullptr) {
+    walk(*bvh, test.ray, test.walked, test);
     return;
-  Visit visit{mesh_, lazy_, query, ray, walked, built};
-  walk(tree(), ray, lazy_.root(), walked, visit);
+  }
+  test.query.met_unbuilt = true;
+  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
+}
+
+void MeshTree::expand_all(BuildCounters& built, const std::atomic<bool>* cancelled) {
+  if (auto* lazy = std::get_if<LazyTree>(&tree_)) return lazy->expand_all(built, cancelled);
+  auto& bvh = std::get<BvhTree>(tree_);
+  if (bvh.built() == nullptr && (cancelled == nullptr || !cancelled->load())) bvh.build(built);
+}
+
+const KdTree* MeshTree::kd() const {
+  const auto* lazy = std::get_if<LazyTree>(&tree_);
+  return lazy != nullptr ? &lazy->tree() : nullptr;
+}
+
+bool MeshTree::untouched() const {
+  return kd() != nullptr ? load(kd()->root()).is_unbuilt() : bvh()->built() == nullptr;
+}
+
+std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : bvh()->bytes(); }
+
+TreeMetrics MeshTree::metrics() const {
+  if (kd() != nullptr) return measure(*kd());
+  if (const Bvh* built = bvh()->built()) return measure(*built);
+  return {.unbuilt_cells = 1};
+}
+
+GrowthMetrics MeshTree::growth() const {
+  if (kd() != nullptr) return measure_growth(*kd(), mesh_.faces.size());
+  const Bvh* built = bvh()->built();
+  if (built == nullptr) return {.cells_deferred = 1};
+  return {.cells_built = 2 * built->nodes.size() + 1, .references_built = finite_triangles_};
 }
 
 }  // namespace sightline::accel

@@ -1,18 +1,22 @@
-// The kd-tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest hit,
-// for any, or for every one.
+// The tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest hit, for
+// any, or for every one.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <variant>
 
+#include "accel/build/any_builder.h"
+#include "accel/bvh/bvh_tree.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
 #include "accel/lazy/distinct.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/mesh_survey.h"
-#include "accel/tree/walk.h"
+#include "accel/tree/measure.h"
+#include "accel/tree/tree_ray.h"
 
 namespace sightline::accel {
 
@@ -60,6 +64,10 @@ struct MeshQuery {
   bool collects() const { return list != nullptr || primitives != nullptr; }
 };
 
+struct LeafTest;
+
+/// A kd-tree that grows cell by cell, or a hierarchy that is built whole: by what the builder is.
+///
 /// Threads: all members, from any thread pinned to an epoch.
 class MeshTree {
  public:
@@ -71,19 +79,29 @@ class MeshTree {
   /// Looks for hits and updates the query.
   void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
 
-  /// "Expand everything."
-  void expand_all(BuildCounters& built, const std::atomic<bool>* cancelled = nullptr) {
-    lazy_.expand_all(built, cancelled);
-  }
+  /// "Expand everything." A hierarchy that has begun is not cancelled.
+  void expand_all(BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
 
-  bool untouched() const { return load(tree().root()).is_unbuilt(); }
-  const KdTree& tree() const { return lazy_.tree(); }
+  bool untouched() const;
+  std::uint64_t bytes() const;
+  TreeMetrics metrics() const;
+  GrowthMetrics growth() const;
+
+  /// The one that there is; the other is null.
+  const KdTree* kd() const;
+  const BvhTree* bvh() const { return std::get_if<BvhTree>(&tree_); }
 
  private:
-  struct Visit;
+  using Tree = std::variant<LazyTree, BvhTree>;
+  static Tree make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
+                   const AnyBuilder& builder, References references,
+                   std::shared_ptr<const void> alive);
+  void query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built);
 
   MeshView mesh_;
-  LazyTree lazy_;
+  Aabb bounds_;  ///< Holds all references.
+  std::uint64_t finite_triangles_ = 0;
+  Tree tree_;
 };
 
 }  // namespace sightline::accel

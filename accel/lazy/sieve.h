@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "accel/build/any_builder.h"
+#include "accel/build/kd_builder.h"
 #include "accel/build/first_scan.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/tree/box_list.h"
@@ -14,7 +14,7 @@ namespace sightline::accel {
 
 /// What sifting needs to know of a cell; owns it, so that it may be done late.
 struct Sieve {
-  AnyBuilder builder;
+  KdBuilder builder;
   std::optional<MeshView> clipped;  ///< What straddlers are clipped against.
   Cut cut;
   HalvedCell halves;

@@ -4,6 +4,7 @@
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <new>
@@ -27,7 +28,8 @@ class Reservation {
       if (bytes >= kHugeFrom) (void)::madvise(p, kHugeFrom, MADV_HUGEPAGE);
       data_ = static_cast<T*>(p);
     } else {
-      data_ = static_cast<T*>(std::malloc(bytes > 0 ? bytes : 1));
+      constexpr std::size_t kAlign = std::max(alignof(T), alignof(std::max_align_t));
+      data_ = static_cast<T*>(std::aligned_alloc(kAlign, (bytes / kAlign + 1) * kAlign));
       if (data_ == nullptr) throw std::bad_alloc();
     }
   }

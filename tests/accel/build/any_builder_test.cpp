@@ -9,19 +9,25 @@ namespace {
 TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
   for (const std::string_view name :
        {"spatial-median", "object-median", "sah-naive", "sah-sort", "sah-sweep", "min-max-bins",
-        "scan-one-axis", "scan-hybrid", "scan-all-axes"}) {
+        "scan-one-axis", "scan-hybrid", "scan-all-axes", "bvh-sweep", "bvh-binned", "bvh-esc",
+        "bvh-evh", "sbvh"}) {
     EXPECT_TRUE(make_builder(name)) << name;
   }
   for (const std::string_view name : builder_names()) {
     const auto builder = make_builder(name);
     ASSERT_TRUE(builder) << name;
-    EXPECT_FALSE(std::visit([](const auto& b) { return b.check(); }, *builder)) << name;
+    if (const auto* bvh = std::get_if<BvhBuilder>(&*builder)) {
+      EXPECT_FALSE(bvh->check()) << name;
+      continue;
+    }
+    EXPECT_FALSE(std::visit([](const auto& b) { return b.check(); }, std::get<KdBuilder>(*builder)))
+        << name;
   }
 }
 
 TEST(SetParameter, TakesNumbersCountsAndSwitches) {
   AnyBuilder builder = *make_builder("sah-sort");
-  const auto exact = [&] { return std::get<ExactBuilder>(builder); };
+  const auto exact = [&] { return std::get<ExactBuilder>(std::get<KdBuilder>(builder)); };
   EXPECT_EQ(exact().search, ExactSearch::kSort);
   EXPECT_TRUE(set_parameter(builder, "lambda", "1"));
   EXPECT_EQ(exact().costs.lambda, 1);
@@ -57,11 +63,26 @@ TEST(SetParameter, RefusesAndSaysWhy) {
   EXPECT_EQ(builder, before);
 }
 
+TEST(SetParameter, OfAHierarchyNamesWhatItsMethodKnows) {
+  AnyBuilder binned = *make_builder("bvh-binned");
+  const Status status = set_parameter(binned, "alpha", "0");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message,
+            "no parameter \"alpha\"; there are: leaf_size split_small cost_traverse cost_intersect "
+            "bins");
+  EXPECT_FALSE(set_parameter(binned, "bins", "257"));
+  EXPECT_FALSE(set_parameter(binned, "leaf_size", "0"));
+  AnyBuilder spatial = *make_builder("sbvh");
+  EXPECT_FALSE(set_parameter(spatial, "alpha", "1.5"));
+  EXPECT_FALSE(set_parameter(spatial, "budget", "-1"));
+}
+
 TEST(SetParameter, OneNameMaySetSeveral) {
   AnyBuilder builder = *make_builder("scan-hybrid");
   EXPECT_TRUE(set_parameter(builder, "samples", "4"));
-  EXPECT_EQ(std::get<ScanBuilder>(builder).uniform_samples, 4u);
-  EXPECT_EQ(std::get<ScanBuilder>(builder).adaptive_samples, 4u);
+  const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
+  EXPECT_EQ(scan.uniform_samples, 4u);
+  EXPECT_EQ(scan.adaptive_samples, 4u);
 }
 
 TEST(SetParameter, ReachesEveryBuilder) {
@@ -70,7 +91,16 @@ TEST(SetParameter, ReachesEveryBuilder) {
                                          {"min-max-bins", "bins", "64"},
                                          {"min-max-bins", "subsample", "off"},
                                          {"min-max-bins", "threads", "2"},
-                                         {"scan-all-axes", "empty_bonus", "1"}}) {
+                                         {"scan-all-axes", "empty_bonus", "1"},
+                                         {"bvh-sweep", "leaf_size", "4"},
+                                         {"bvh-sweep", "split_small", "on"},
+                                         {"bvh-binned", "bins", "16"},
+                                         {"bvh-esc", "threshold", "0.01"},
+                                         {"bvh-evh", "budget", "2"},
+                                         {"sbvh", "alpha", "0"},
+                                         {"sbvh", "spatial_bins", "64"},
+                                         {"sbvh", "unsplit", "off"},
+                                         {"sbvh", "budget", "1"}}) {
     AnyBuilder builder = *make_builder(name);
     const AnyBuilder before = builder;
     EXPECT_TRUE(set_parameter(builder, key, value)) << name << key;

@@ -12,8 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "accel/build/any_builder.h"
 #include "accel/build/grow.h"
+#include "accel/build/kd_builder.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/mesh_tree.h"
 #include "accel/tree/epoch.h"
@@ -77,7 +77,7 @@ std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
                                     const ExactBuilder& builder) {
   const MeshSurvey survey = survey_mesh(mesh.view());
   return std::make_unique<LazyTree>(padded(survey.bounds), survey.finite_triangles,
-                                    AnyBuilder(builder), source_of_faces(view), &view);
+                                    KdBuilder(builder), source_of_faces(view), &view);
 }
 
 void touch_all(LazyTree& tree, AtomicSlot& slot) {
@@ -198,7 +198,7 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   std::vector<std::unique_ptr<LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
     trees.push_back(std::make_unique<LazyTree>(
-        bounds_of(refs), refs.size(), AnyBuilder(ExactBuilder{.search = search}), source_of(refs)));
+        bounds_of(refs), refs.size(), KdBuilder(ExactBuilder{.search = search}), source_of(refs)));
     BuildCounters counters;
     trees.back()->expand_all(counters);
   }
@@ -225,7 +225,7 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     const DeferredCell& cell = *load(child).cell();
     KdTree scratch(cell.box, cell.size);
     scratch.reserve(cell.size);
-    const AnyBuilder builder = ExactBuilder{};
+    const KdBuilder builder = ExactBuilder{};
     const GrowContext context{scratch, builder, &view, 60, &cancelled};
     const BoxList listed = cell.list.copy();
     std::vector<BoxRef> list(listed.all().begin(), listed.all().end());

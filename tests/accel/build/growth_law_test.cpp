@@ -50,7 +50,7 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
     AnyBuilder values = *make_builder(builder);
     // The exact bottom costs every triangle the same, in steps as its lists halve: a short one
     // leaves the law to be seen at sizes that a test can build.
-    if (auto* scan = std::get_if<ScanBuilder>(&values)) scan->exact_below = 36;
+    if (auto* scan = std::get_if<ScanBuilder>(&std::get<KdBuilder>(values))) scan->exact_below = 36;
     points.push_back({static_cast<double>(mesh.faces.size()), touches(mesh, values)});
   }
   return points;

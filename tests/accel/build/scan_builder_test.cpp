@@ -183,12 +183,13 @@ TEST(AnyBuilder, IsMadeAndSetByName) {
   EXPECT_NE(unknown.error().message.find("scan-all-axes"), std::string::npos);
   AnyBuilder builder = *make_builder("scan-hybrid");
   EXPECT_TRUE(set_parameter(builder, "samples", "4"));
-  EXPECT_EQ(std::get<ScanBuilder>(builder).adaptive_samples, 4u);
+  const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
+  EXPECT_EQ(scan.adaptive_samples, 4u);
   EXPECT_FALSE(set_parameter(builder, "samples", "40"));
   EXPECT_FALSE(set_parameter(builder, "samples", "-1"));
   EXPECT_FALSE(set_parameter(builder, "samples", "many"));
   EXPECT_FALSE(set_parameter(builder, "colour", "1"));
-  EXPECT_EQ(std::get<ScanBuilder>(builder).adaptive_samples, 4u);
+  EXPECT_EQ(scan.adaptive_samples, 4u);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "accel/build/any_builder.h"
 #include "tests/accel/build/boxes.h"
 
 namespace sightline::accel {
@@ -63,7 +64,7 @@ class Recut {
 };
 
 void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell, int max_depth = 20) {
-  const AnyBuilder builder = default_builder();  // not asked for anything
+  const KdBuilder builder = default_builder();  // not asked for anything
   for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
                                 BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
                                 BoundRule{.cost = {}, .all_axes_up_to = 4},
@@ -101,7 +102,7 @@ TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
   const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
   const Aabb cell = tests::bounds_of(refs);
   KdTree tree(cell, refs.size());  // nothing reserved
-  const AnyBuilder builder = default_builder();
+  const KdBuilder builder = default_builder();
   BuildCounters counters;
   const Slot root =
       grow_small({.tree = tree, .builder = builder, .max_depth = 20}, {}, refs, cell, {}, counters);

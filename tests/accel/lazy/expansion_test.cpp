@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "accel/build/any_builder.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/tree/measure.h"
 #include "tests/accel/build/boxes.h"

@@ -12,6 +12,7 @@
 
 #include "accel/tree/epoch.h"
 #include "accel/tree/measure.h"
+#include "tests/accel/bvh/check_hierarchy.h"
 #include "tests/accel/check_tree.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -27,7 +28,8 @@ struct Answer {
   bool operator==(const Answer&) const = default;
 };
 
-std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const AnyBuilder& builder = {},
+std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh,
+                                    const AnyBuilder& builder = default_builder(),
                                     References references = References::kRuns) {
   return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
 }
@@ -173,11 +175,16 @@ std::vector<Ray> rays_for(const TestMesh& mesh, std::size_t count) {
 
 void check(const MeshTree& tree, const TestMesh& mesh, const AnyBuilder& builder) {
   const EpochPin pin;
-  const bool clips = std::visit([](const auto& b) { return b.clips(); }, builder);
-  if (clips || std::holds_alternative<ExactBuilder>(builder)) {
-    tests::check_closed_tree(tree.tree(), mesh, reference_bounds(mesh));
+  if (const BvhTree* bvh = tree.bvh()) {
+    if (bvh->built() != nullptr) tests::check_hierarchy(*bvh->built(), mesh);
+    return;
+  }
+  const KdBuilder& kd = std::get<KdBuilder>(builder);
+  const bool clips = std::visit([](const auto& b) { return b.clips(); }, kd);
+  if (clips || std::holds_alternative<ExactBuilder>(kd)) {
+    tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
   } else {
-    tests::check_tree(tree.tree(), reference_bounds(mesh));
+    tests::check_tree(*tree.kd(), reference_bounds(mesh));
   }
 }
 
@@ -200,7 +207,7 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
     full->expand_all(counters);
     {
       const EpochPin pin;
-      const TreeMetrics m = measure(full->tree());
+      const TreeMetrics m = full->metrics();
       EXPECT_EQ(m.unbuilt_cells, m.given_up_cells);
     }
     check(*full, mesh, builder);
@@ -252,7 +259,7 @@ TEST(MeshTree, GrowsOnlyWhereRaysLook) {
   EXPECT_GT(first.cells_expanded, 0u);
   EXPECT_GE(first.touches_prepare, mesh.faces.size());
   EXPECT_LT(first.touches_prepare, 2 * mesh.faces.size());
-  const GrowthMetrics growth = measure_growth(tree->tree(), mesh.faces.size());
+  const GrowthMetrics growth = tree->growth();
   EXPECT_GT(growth.references_built, 0u);
   EXPECT_LT(growth.references_built, mesh.faces.size() / 5);
   for (const Ray& ray : rays) {
@@ -271,7 +278,7 @@ TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
   for (const Ray& ray : tests::rays_at(mesh, 50, 1)) ask(*lazy, ray);
   lazy->expand_all(counters);
   const EpochPin pin;
-  const TreeMetrics a = measure(full->tree()), b = measure(lazy->tree());
+  const TreeMetrics a = full->metrics(), b = lazy->metrics();
   EXPECT_EQ(a.nodes, b.nodes);
   EXPECT_EQ(a.references, b.references);
   EXPECT_EQ(a.max_depth, b.max_depth);
@@ -287,12 +294,12 @@ TEST(MeshTree, CancelledBuildsStayUsable) {
   tree->expand_all(counters, &cancelled);
   {
     const EpochPin pin;
-    EXPECT_GT(measure(tree->tree()).unbuilt_cells, 0u);
+    EXPECT_GT(tree->metrics().unbuilt_cells, 0u);
   }
   for (const Ray& ray : tests::rays_at(mesh, 20, 1)) EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
   tree->expand_all(counters);
   const EpochPin pin;
-  EXPECT_EQ(measure(tree->tree()).unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
 }
 
 TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
@@ -323,7 +330,7 @@ TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
   const EpochPin pin;
-  EXPECT_EQ(measure(tree->tree()).unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
 }
 
 }  // namespace

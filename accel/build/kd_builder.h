@@ -1,0 +1,34 @@
+// The builders of kd-trees, and what growing asks of whichever it is.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <variant>
+
+#include "accel/build/exact_builder.h"
+#include "accel/build/median_builders.h"
+#include "accel/build/min_max_builder.h"
+#include "accel/build/scan_builder.h"
+
+namespace sightline::accel {
+
+/// Made without a name it is a scan builder with its default parameters.
+using KdBuilder = std::variant<ScanBuilder, SpatialMedianBuilder, ObjectMedianBuilder, ExactBuilder,
+                               MinMaxBuilder>;
+
+/// Where the builder cuts a cell; nothing for a leaf.
+std::optional<Cut> choose_cut(const KdBuilder& builder, const CellRefs& cell,
+                              BuildCounters& counters);
+
+/// Whether the builder can look at a list through passes alone (CellRefs::run); the others need it
+/// whole and at hand.
+bool runs_passes(const KdBuilder& builder);
+
+/// Whether the builder wants the lists that come of sifting one of so many boxes counted meanwhile
+/// (sift_and_scan), to be handed to it as CellRefs::first.
+bool scans_children(const KdBuilder& builder, std::size_t references);
+
+/// For builders that scan children: where the first pass over the list of that cell counts.
+FirstPlanes first_planes(const KdBuilder& builder, const Aabb& child);
+
+}  // namespace sightline::accel

@@ -1,0 +1,57 @@
+// Walking a whole hierarchy to sum it up.
+#include "accel/bvh/bvh_measure.h"
+
+#include <algorithm>
+
+namespace sightline::accel {
+namespace {
+
+/// Half the surface of what both boxes hold; 0 if they are apart.
+double common_half_area(const Aabb& a, const Aabb& b) {
+  Aabb common;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+    common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+  }
+  return common.empty() ? 0 : half_area(common);
+}
+
+void measure_below(const Bvh& bvh, const BvhChild& at, int depth, double root_area,
+                   TreeMetrics& m) {
+  const double share = root_area > 0 ? half_area(at.box) / root_area : 1;
+  ++m.nodes;
+  if (!at.inner) {
+    ++m.leaves;
+    m.nonempty_leaves += at.count > 0 ? 1 : 0;
+    m.references += at.count;
+    m.max_depth = std::max(m.max_depth, depth);
+    m.expected_leaves += share;
+    m.expected_intersections += share * at.count;
+    return;
+  }
+  m.expected_traversals += share;
+  const BvhNode& node = bvh.nodes[at.first];
+  const BvhChild left = node.child(0), right = node.child(1);
+  if (root_area > 0) m.overlap += common_half_area(left.box, right.box) / root_area;
+  measure_below(bvh, left, depth + 1, root_area, m);
+  measure_below(bvh, right, depth + 1, root_area, m);
+}
+
+}  // namespace
+
+TreeMetrics measure(const Bvh& bvh) {
+  TreeMetrics m;
+  // An empty box has no area, but infinite bounds.
+  const double root_area = bvh.root.box.empty() ? 0 : half_area(bvh.root.box);
+  if (bvh.root.box.empty()) {
+    m.nodes = m.leaves = 1;
+    return m;
+  }
+  measure_below(bvh, bvh.root, 0, root_area, m);
+  m.sah_cost =
+      kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
+  m.bytes = bvh.bytes();
+  return m;
+}
+
+}  // namespace sightline::accel

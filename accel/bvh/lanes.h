@@ -1,0 +1,34 @@
+// Boxes in vector registers: x, y, z, and a fourth lane that takes part and means nothing.
+#pragma once
+
+#include <limits>
+
+#include "accel/geometry/aabb.h"
+
+namespace sightline::accel {
+
+using Lanes = float __attribute__((vector_size(16)));
+
+/// Lane by lane; of a NaN in `a` and a number the number.
+inline Lanes least(Lanes a, Lanes b) { return a < b ? a : b; }
+inline Lanes greatest(Lanes a, Lanes b) { return a > b ? a : b; }
+
+inline Lanes lanes(const Vec3f& v) { return Lanes{v.x, v.y, v.z, 0}; }
+inline Lanes all_lanes(float x) { return Lanes{x, x, x, x}; }
+
+/// Made without arguments: empty.
+struct LaneBox {
+  Lanes lo = all_lanes(std::numeric_limits<float>::infinity());
+  Lanes hi = all_lanes(-std::numeric_limits<float>::infinity());
+
+  void grow(Lanes l, Lanes h) {
+    lo = least(l, lo);
+    hi = greatest(h, hi);
+  }
+  void grow(Lanes point) { grow(point, point); }
+  void grow(const LaneBox& o) { grow(o.lo, o.hi); }
+
+  Aabb aabb() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
+};
+
+}  // namespace sightline::accel

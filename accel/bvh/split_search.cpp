@@ -1,0 +1,54 @@
+// Object splits first, planes where they leave much overlap.
+#include "accel/bvh/split_search.h"
+
+#include <algorithm>
+
+#include "accel/bvh/bvh.h"
+#include "accel/bvh/plane_search.h"
+
+namespace sightline::accel {
+namespace {
+
+/// Half the surface of what both hold; 0 if they are apart.
+double common_half_area(const Aabb& a, const Aabb& b) {
+  Aabb common;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+    common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+  }
+  return common.empty() ? 0 : half_area(common);
+}
+
+double overlap(const CenterLists& node, const ObjectSplit& split) {
+  const std::span<const Fragment> list = node.along[split.axis];
+  return common_half_area(box_around(list.first(split.left)), box_around(list.subspan(split.left)));
+}
+
+}  // namespace
+
+ObjectSplit SplitSearch::between(const CenterLists& node, int depth, SplitScratch& scratch,
+                                 BuildCounters& counters) const {
+  ObjectSplit split;
+  if (depth < kHalvingDepth) split = best_object_split(node, scratch.areas, counters);
+  return split.found() ? split : middle_split(node);
+}
+
+bool SplitSearch::may_split_spatially(const CenterLists& node, int depth) const {
+  // Children overlap in no more than the node.
+  return mesh_ != nullptr && rule_.splits() && depth < kHalvingDepth &&
+         half_area(node.box) > least_overlap_;
+}
+
+const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
+                                        const ObjectSplit& object, SplitScratch& scratch,
+                                        BuildCounters& counters) const {
+  if (!may_split_spatially(node, depth)) return nullptr;
+  counters.touches += node.size();
+  if (!(overlap(node, object) > least_overlap_)) return nullptr;
+  const SpatialSplit split = best_spatial_split(*mesh_, node, rule_.bins, object.sum, counters);
+  if (!split.found()) return nullptr;
+  plan_plane_split(*mesh_, node, split, rule_.unsplit, scratch.plane, counters);
+  return scratch.plane.reduces(node) ? &scratch.plane : nullptr;
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,80 @@
+// A ray prepared for one tree, and where it meets boxes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "accel/geometry/aabb.h"
+#include "accel/geometry/intersect.h"
+#include "accel/geometry/local_ray.h"
+
+namespace sightline::accel {
+
+/// Work done for rays, in the units of docs/benchmarks.md.
+struct WalkCounters {
+  std::uint64_t steps = 0;  ///< Inner nodes visited.
+  std::uint64_t tests = 0;  ///< Triangles tested, scans of unbuilt cells included.
+};
+
+/// A ray prepared for one tree.
+///
+/// Why no cell with a hit is passed over: a plane's t is computed to 3 * 2^-53 of itself, a hit's t
+/// to kHitError of the distance, and `slack` is above both for any t inside the tree's bounds.
+/// Intervals are only ever widened by it.
+struct TreeRay {
+  const LocalRay* local = nullptr;     ///< Must outlive this.
+  Vec3d inverse;                       ///< 1 / direction; infinite where the direction is zero.
+  std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
+  double slack = 0;
+  double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
+};
+
+/// False if the ray cannot meet the bounds between tmin and tmax (local units).
+inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double tmax, TreeRay& out) {
+  out.local = &ray;
+  double distance = 0;
+  double t_in = -std::numeric_limits<double>::infinity(),
+         t_out = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double o = ray.origin[a], d = ray.direction[a];
+    const double lo = static_cast<double>(bounds.lo[a]) - o,
+                 hi = static_cast<double>(bounds.hi[a]) - o;
+    distance = std::max(distance, std::max(std::fabs(lo), std::fabs(hi)));
+    out.inverse[a] = 1 / d;
+    out.first[a] = std::signbit(d) ? 1u : 0u;
+    if (d == 0) {
+      if (lo > 0 || hi < 0) return false;
+      continue;
+    }
+    const double near = (out.first[a] == 1 ? hi : lo) * out.inverse[a],
+                 far = (out.first[a] == 1 ? lo : hi) * out.inverse[a];
+    t_in = std::max(t_in, near);
+    t_out = std::min(t_out, far);
+  }
+  out.slack = distance * (4 * kHitError);
+  out.t_in = std::max(t_in, tmin) - out.slack;
+  out.t_out = std::min(t_out, tmax) + out.slack;
+  return out.t_in <= out.t_out;
+}
+
+/// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For
+/// searching the lists of cells that are not built.
+inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
+  double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double lo = (static_cast<double>(box.lo[a]) - ray.local->origin[a]) * ray.inverse[a];
+    const double hi = (static_cast<double>(box.hi[a]) - ray.local->origin[a]) * ray.inverse[a];
+    const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack,
+                 far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
+    // A ray along the face has NaN here, which changes nothing.
+    if (near > t_in) t_in = near;
+    if (far < t_out) t_out = far;
+  }
+  return t_in <= t_out;
+}
+
+}  // namespace sightline::accel

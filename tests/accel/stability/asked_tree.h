@@ -1,0 +1,91 @@
+// A mesh's tree by one builder, asked for nearest hits, and the same answers without a tree.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "accel/build/any_builder.h"
+#include "accel/lazy/mesh_tree.h"
+#include "accel/tree/epoch.h"
+#include "accel/tree/measure.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+
+/// The builder that counts its list anew for every candidate: its time is the square of the size.
+inline bool is_quadratic(std::string_view builder) { return builder == "sah-naive"; }
+
+/// A miss: t is infinite. Compares bit for bit.
+struct NearestHit {
+  double t = accel::kInfinity;
+  std::uint32_t primitive = 0;
+  bool operator==(const NearestHit&) const = default;
+};
+
+/// The mesh must outlive it. Rays are valid.
+class AskedTree {
+ public:
+  AskedTree(const TestMesh& mesh, const accel::AnyBuilder& builder,
+            accel::References references = accel::References::kRuns)
+      : tree_(mesh.view(), accel::survey_mesh(mesh.view()), builder, references) {}
+  AskedTree(const TestMesh& mesh, std::string_view builder)
+      : AskedTree(mesh, *accel::make_builder(builder)) {}
+
+  void build() { tree_.expand_all(built_); }
+
+  NearestHit nearest(const accel::Ray& ray,
+                     accel::AtUnbuilt at_unbuilt = accel::AtUnbuilt::kExpand) {
+    const accel::EpochPin pin;
+    accel::MeshQuery query;
+    query.ray = *accel::make_local_ray(ray.origin, ray.direction);
+    query.tmin = ray.tmin;
+    query.tmax = ray.tmax;
+    query.node = 1;
+    query.at_unbuilt = at_unbuilt;
+    tree_.query(query, walked_, built_);
+    return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
+  }
+
+  accel::TreeMetrics metrics() const {
+    const accel::EpochPin pin;
+    return tree_.metrics();
+  }
+  const accel::BuildCounters& built() const { return built_; }
+  const accel::WalkCounters& walked() const { return walked_; }
+
+ private:
+  accel::MeshTree tree_;
+  accel::WalkCounters walked_;
+  accel::BuildCounters built_;
+};
+
+/// By the hit rule over every face, with no tree.
+inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::Ray& ray) {
+  const accel::LocalRay local = *accel::make_local_ray(ray.origin, ray.direction);
+  NearestHit best;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    if (!accel::face_bounds(mesh.view(), i)) continue;
+    const auto& [a, b, c] = mesh.faces[i];
+    const auto t = accel::intersect(local, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+    if (!t) continue;
+    const double world = *t * local.unit;
+    if (world >= ray.tmin && world <= ray.tmax && world < best.t) {
+      best = {world, static_cast<std::uint32_t>(i)};
+    }
+  }
+  return best;
+}
+
+inline std::vector<NearestHit> nearest_without_tree(const TestMesh& mesh,
+                                                    std::span<const accel::Ray> rays) {
+  std::vector<NearestHit> hits;
+  hits.reserve(rays.size());
+  for (const accel::Ray& ray : rays) hits.push_back(nearest_without_tree(mesh, ray));
+  return hits;
+}
+
+}  // namespace sightline::tests

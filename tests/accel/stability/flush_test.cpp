@@ -1,0 +1,103 @@
+// Hits do not depend on whether the processor flushes denormal numbers to zero.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#include "tests/accel/stability/asked_tree.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/hard_rays.h"
+
+namespace sightline::tests {
+namespace {
+
+#if defined(__SSE2__)
+
+/// Flushes denormal results while it lives, and with `inputs` takes denormal operands for zero too.
+class FlushDenormals {
+ public:
+  explicit FlushDenormals(bool inputs) : before_(_mm_getcsr()) {
+    constexpr unsigned kDenormalsAreZero = 0x40;
+    _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | (inputs ? kDenormalsAreZero : 0));
+  }
+  ~FlushDenormals() { _mm_setcsr(before_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned before_;
+};
+
+TestMesh shrunk(TestMesh mesh, float factor) {
+  for (accel::Vec3f& v : mesh.vertices) v = v * factor;
+  return mesh;
+}
+
+/// With every coordinate of the mesh a normal number or zero.
+TestMesh without_denormals(TestMesh mesh) {
+  for (accel::Vec3f& v : mesh.vertices) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (std::fabs(v[axis]) < std::numeric_limits<float>::min()) v[axis] = 0;
+    }
+  }
+  return mesh;
+}
+
+std::vector<TestMesh> small_things() {
+  return {find_hard_mesh("denormal")->make(500, 3), shrunk(icosphere(3), 1e-37f),
+          shrunk(icosphere(3), 1e-40f), shrunk(random_soup(300, 0.2, 1), 3e-38f)};
+}
+
+void expect_same(const TestMesh& mesh, bool inputs) {
+  const std::vector<accel::Ray> rays = make_hard_rays(mesh, 25 * kHardRayKinds, 5);
+  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
+  for (const std::string_view builder : accel::builder_names()) {
+    AskedTree before(mesh, builder);
+    before.build();  // by whoever does not flush, and asked by who does
+    const FlushDenormals flush(inputs);
+    AskedTree full(mesh, builder), growing(mesh, builder);
+    full.build();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(before.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+    }
+  }
+}
+
+TEST(FlushedDenormals, OfResultsChangeNoHit) {
+  for (const TestMesh& mesh : small_things()) expect_same(mesh, false);
+}
+
+TEST(FlushedDenormals, OfOperandsChangeNoHitOfNormalVertices) {
+  for (const TestMesh& mesh : small_things()) expect_same(without_denormals(mesh), true);
+}
+
+#endif
+
+/// A direction's length says what t means, and nothing else.
+TEST(TinyDirections, HitTheSameTriangles) {
+  const TestMesh mesh = icosphere(3);
+  const std::vector<accel::Ray> rays = make_hard_rays(mesh, 25 * kHardRayKinds, 6);
+  for (const std::string_view builder : accel::builder_names()) {
+    AskedTree tree(mesh, builder);
+    for (accel::Ray ray : rays) {
+      ray.tmin = 0;
+      ray.tmax = accel::kInfinity;
+      const NearestHit expected = tree.nearest(ray);
+      for (const double factor : {0x1p-300, 0x1p-900, 0x1p+300}) {
+        accel::Ray scaled = ray;
+        scaled.direction = ray.direction * factor;
+        const NearestHit hit = tree.nearest(scaled);
+        ASSERT_EQ(hit.primitive, expected.primitive) << builder;
+        ASSERT_EQ(hit.t * factor, expected.t) << builder;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline::tests

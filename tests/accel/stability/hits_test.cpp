@@ -1,0 +1,96 @@
+// Over every hard mesh, every builder's tree, full and growing, gives the hits that there are.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/accel/stability/asked_tree.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/compare_hits.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/hard_rays.h"
+
+namespace sightline::tests {
+namespace {
+
+constexpr std::uint32_t kTriangles = 700;
+constexpr std::size_t kRays = 40 * kHardRayKinds;
+// Held against the oracle, which takes its time.
+constexpr std::size_t kSample = 12 * kHardRayKinds;
+constexpr std::uint64_t kSeed = 7;
+
+std::vector<std::string_view> names() {
+  std::vector<std::string_view> all;
+  for (const HardMesh& mesh : hard_meshes()) all.push_back(mesh.name);
+  return all;
+}
+
+std::string test_name(const ::testing::TestParamInfo<std::string_view>& mesh) {
+  std::string name(mesh.param);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+accel::Hit as_hit(const NearestHit& nearest) {
+  accel::Hit hit;
+  if (nearest.t == accel::kInfinity) return hit;
+  hit.t = nearest.t;
+  hit.node = 1;
+  hit.primitive = nearest.primitive;
+  hit.state = accel::HitState::kHit;
+  return hit;
+}
+
+class HardMeshHits : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  static TestMesh make(std::uint32_t triangles, std::uint64_t seed) {
+    return find_hard_mesh(GetParam())->make(triangles, seed);
+  }
+};
+
+TEST_P(HardMeshHits, WithoutATreeAreTheOracles) {
+  const TestMesh mesh = make(kTriangles, kSeed);
+  const std::vector<accel::Ray> rays = make_hard_rays(mesh, kSample, kSeed);
+  ASSERT_EQ(rays.size(), kSample);
+  std::vector<accel::Hit> hits;
+  for (const NearestHit& hit : nearest_without_tree(mesh, rays)) hits.push_back(as_hit(hit));
+  const Comparison comparison = compare(rays, hits, BruteForce({{mesh.view()}}));
+  EXPECT_TRUE(comparison.clean()) << comparison.report();
+  EXPECT_GT(comparison.hits, kSample / 10);
+}
+
+TEST_P(HardMeshHits, FullAndGrowingTreesGiveTheSame) {
+  const TestMesh mesh = make(kTriangles, kSeed);
+  const std::vector<accel::Ray> rays = make_hard_rays(mesh, kRays, kSeed);
+  const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
+  for (const std::string_view builder : accel::builder_names()) {
+    AskedTree full(mesh, builder), growing(mesh, builder);
+    full.build();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " ray " << i;
+      ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " growing, ray " << i;
+    }
+  }
+}
+
+/// Nothing, one triangle, two, ...: as small as meshes come.
+TEST_P(HardMeshHits, OfZeroToFortyTriangles) {
+  for (std::uint32_t n = 0; n <= 40; ++n) {
+    const TestMesh mesh = make(n, n);
+    std::vector<accel::Ray> rays = make_hard_rays(mesh, 2 * kHardRayKinds, n);
+    if (rays.empty()) rays = {{{0, 0, 0}, {1, 0, 0}}, {{0.5, 0.5, 3}, {0, 0, -1}}};
+    const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
+    for (const std::string_view builder : accel::builder_names()) {
+      AskedTree full(mesh, builder), growing(mesh, builder);
+      full.build();
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(full.nearest(rays[i]), expected[i]) << builder << " of " << n << " ray " << i;
+        ASSERT_EQ(growing.nearest(rays[i]), expected[i]) << builder << " of " << n << " ray " << i;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, HardMeshHits, ::testing::ValuesIn(names()), test_name);
+
+}  // namespace
+}  // namespace sightline::tests

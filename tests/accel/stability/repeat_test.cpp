@@ -1,0 +1,56 @@
+// One input, one tree and one answer, whatever the number of threads and however often.
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <cstdint>
+#include <string_view>
+
+#include "tests/accel/stability/asked_tree.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/hard_rays.h"
+
+namespace sightline::tests {
+namespace {
+
+struct Seen {
+  std::uint64_t nodes = 0, references = 0, touches = 0;
+  double cost = 0;
+  std::vector<NearestHit> hits;
+  bool operator==(const Seen&) const = default;
+};
+
+Seen look(const TestMesh& mesh, std::span<const accel::Ray> rays, std::string_view builder) {
+  AskedTree tree(mesh, builder);
+  tree.build();
+  const accel::TreeMetrics metrics = tree.metrics();
+  Seen seen{metrics.nodes, metrics.references, tree.built().touches, metrics.sah_cost, {}};
+  for (const accel::Ray& ray : rays) seen.hits.push_back(tree.nearest(ray));
+  return seen;
+}
+
+TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
+  const tbb::global_control room(tbb::global_control::max_allowed_parallelism, 4);
+  // Long enough that lists are cut into slices and subtrees become tasks.
+  for (const std::string_view name : {"shell", "wall", "interleaved"}) {
+    for (const std::string_view builder : accel::builder_names()) {
+      const TestMesh mesh = find_hard_mesh(name)->make(is_quadratic(builder) ? 500 : 9000, 1);
+      const std::vector<accel::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, 2);
+      tbb::task_arena first(1);
+      const Seen expected = first.execute([&] { return look(mesh, rays, builder); });
+      // The min-max builder divides the tree among the threads that there are.
+      const bool tree_depends_on_threads = builder == "min-max-bins";
+      for (const int threads : {1, 2, 4, 4}) {
+        tbb::task_arena arena(threads);
+        const Seen seen = arena.execute([&] { return look(mesh, rays, builder); });
+        ASSERT_EQ(seen.hits, expected.hits) << name << ", " << builder << ", " << threads;
+        if (tree_depends_on_threads && threads != 1) continue;
+        ASSERT_EQ(seen, expected) << name << ", " << builder << ", " << threads;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline::tests
