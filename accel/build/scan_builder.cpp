@@ -88,9 +88,10 @@ void snap_to_bound(const CellRefs& list, const SahConstants& constants, BestCut&
 }  // namespace
 
 std::optional<std::string> ScanBuilder::check() const {
-  constexpr auto kHalf = static_cast<std::uint32_t>(kScanWidth / 2);
-  if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, kHalf)) return e;
-  if (auto e = out_of_range("adaptive_samples", adaptive_samples, 0u, kHalf)) return e;
+  const auto most =
+      static_cast<std::uint32_t>(axes == ScanAxes::kGuided ? kFirstPlanes : kMostSamples);
+  if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
+  if (auto e = out_of_range("adaptive_samples", adaptive_samples, 0u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, kMaxExact)) return e;
   if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
   if (auto e = out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;

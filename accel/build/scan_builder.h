@@ -27,11 +27,11 @@ enum class ScanAxes : std::uint8_t {
 /// A builder is a value: parameters, `check()`, and one decision.
 struct ScanBuilder {
   ScanAxes axes = ScanAxes::kAll;
-  /// Sample planes an axis in the first, uniform pass, the cell's faces included. Range 2 to
-  /// kScanWidth / 2.
+  /// Sample planes an axis in the first, uniform stage, the cell's faces included: a pass for every
+  /// kFirstPlanes. Range 2 to kMostSamples, for kGuided to kFirstPlanes.
   std::uint32_t uniform_samples = 8;
-  /// Sample planes an axis in the second pass, placed along the range of C_L - C_R. Range 0 to
-  /// kScanWidth / 2.
+  /// Sample planes an axis in the second stage, placed along the range of C_L - C_R: as many
+  /// passes. Range 0 to kMostSamples. kGuided has none.
   std::uint32_t adaptive_samples = 8;
   /// Up to this many boxes every bound is a candidate: below where that costs more time than two
   /// sampling passes. The paper has 36 by the same rule. Range 0 to kMaxExact.
@@ -73,7 +73,7 @@ struct ScanBuilder {
   /// (CellRefs::first): few that are not cut by their bounds come of short ones, and clipping
   /// changes what was counted.
   bool scans_children(std::size_t references) const {
-    return !clip && references >= 2 * std::size_t{exact_below};
+    return !clip && uniform_samples <= kFirstPlanes && references >= 2 * std::size_t{exact_below};
   }
   /// Where the first pass over a child's list counts.
   FirstPlanes first_planes(const Aabb& child) const {

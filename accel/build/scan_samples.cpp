@@ -9,6 +9,38 @@ namespace {
 using AxisPlanes = std::array<FirstAxis, 3>;
 using AxisCounts = std::array<PlaneCounts<kFirstPlanes>, 3>;
 
+/// Planes of one stage, on three axes; unused places repeat the last.
+struct StagePlanes {
+  std::array<std::array<float, kMostSamples>, 3> at{};
+  std::array<std::size_t, 3> used{};
+
+  std::size_t passes() const {
+    return (std::max({used[0], used[1], used[2]}) + kFirstPlanes - 1) / kFirstPlanes;
+  }
+  AxisPlanes of_pass(std::size_t pass) const {
+    AxisPlanes planes;
+    for (std::size_t a = 0; a < 3; ++a)
+      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kFirstPlanes), kFirstPlanes,
+                  planes[a].begin());
+    return planes;
+  }
+};
+
+/// Evenly from face to face, both included.
+StagePlanes uniform_planes(const Aabb& cell, AxisRange range, std::size_t n) {
+  StagePlanes planes;
+  for (int axis = range.begin; axis < range.end; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const auto lo = static_cast<double>(cell.lo[a]), hi = static_cast<double>(cell.hi[a]);
+    planes.used[a] = n;
+    for (std::size_t i = 0; i < kMostSamples; ++i) {
+      const double share = static_cast<double>(std::min(i, n - 1)) / static_cast<double>(n - 1);
+      planes.at[a][i] = static_cast<float>(lo * (1 - share) + hi * share);
+    }
+  }
+  return planes;
+}
+
 /// One pass at these planes of the axes in range.
 AxisCounts count_planes(const CellRefs& list, AxisRange range, const AxisPlanes& planes,
                         BuildCounters& counters) {
@@ -27,20 +59,30 @@ AxisCounts count_planes(const CellRefs& list, AxisRange range, const AxisPlanes&
       .few;
 }
 
-}  // namespace
-
-Samples to_samples(const FirstAxis& planes, const PlaneCounts<kFirstPlanes>& counts,
-                   std::size_t n) {
-  Samples samples;
-  samples.size = n;
-  for (std::size_t i = 0; i < n; ++i) {
-    samples.at[i] = {static_cast<double>(planes[i]), static_cast<double>(counts.left[i]),
-                     static_cast<double>(counts.right[i])};
+/// All passes of a stage. `first`: what the first of them finds, where that is known.
+std::array<Samples, 3> sample_stage(const CellRefs& list, AxisRange range,
+                                    const StagePlanes& planes, const AxisCounts* first,
+                                    BuildCounters& counters) {
+  std::array<Samples, 3> samples;
+  for (std::size_t pass = 0; pass < planes.passes(); ++pass) {
+    const AxisCounts counts = pass == 0 && first != nullptr
+                                  ? *first
+                                  : count_planes(list, range, planes.of_pass(pass), counters);
+    for (std::size_t a = 0; a < 3; ++a) {
+      Samples& s = samples[a];
+      for (std::size_t i = 0; i < kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
+        s.at[s.size] = {static_cast<double>(planes.at[a][s.size]),
+                        static_cast<double>(counts[a].left[i]),
+                        static_cast<double>(counts[a].right[i])};
+      }
+    }
   }
   return samples;
 }
 
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, FirstAxis& planes) {
+}  // namespace
+
+std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<float> planes) {
   const auto rise = [](const Sample& s) { return s.left - s.right; };
   const double first = rise(uniform.at[0]);
   const double range = rise(uniform.at[uniform.size - 1]) - first;
@@ -77,21 +119,17 @@ Samples merge(const Samples& a, const Samples& b) {
 
 std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::uint32_t uniform,
                                    std::uint32_t adaptive, BuildCounters& counters) {
-  AxisPlanes planes = first_planes(list.box, uniform).at;
-  const bool known = list.first != nullptr && list.first->covers(list.size);
-  AxisCounts counts = known ? list.first->axes : count_planes(list, range, planes, counters);
-  std::array<Samples, 3> samples;
-  std::array<std::size_t, 3> placed{};
-  const auto begin = static_cast<std::size_t>(range.begin),
-             end = static_cast<std::size_t>(range.end);
-  for (std::size_t a = begin; a < end; ++a) {
-    samples[a] = to_samples(planes[a], counts[a], uniform);
-    placed[a] = place_adaptive(samples[a], adaptive, planes[a]);
-  }
-  if (placed[0] + placed[1] + placed[2] == 0) return samples;
-  counts = count_planes(list, range, planes, counters);
-  for (std::size_t a = begin; a < end; ++a)
-    samples[a] = merge(samples[a], to_samples(planes[a], counts[a], placed[a]));
+  const bool known =
+      list.first != nullptr && uniform <= kFirstPlanes && list.first->covers(list.size);
+  std::array<Samples, 3> samples =
+      sample_stage(list, range, uniform_planes(list.box, range, uniform),
+                   known ? &list.first->axes : nullptr, counters);
+  StagePlanes second;
+  for (auto a = static_cast<std::size_t>(range.begin); a < static_cast<std::size_t>(range.end); ++a)
+    second.used[a] = place_adaptive(samples[a], adaptive, second.at[a]);
+  if (second.passes() == 0) return samples;
+  const std::array<Samples, 3> more = sample_stage(list, range, second, nullptr, counters);
+  for (std::size_t a = 0; a < 3; ++a) samples[a] = merge(samples[a], more[a]);
   return samples;
 }
 

@@ -19,25 +19,26 @@ struct Sample {
   double right = 0;
 };
 
+/// Most samples an axis, uniform or adaptive.
+inline constexpr std::size_t kMostSamples = 16;
+
 /// Samples of one axis by position, the cell's faces first and last.
 struct Samples {
-  std::array<Sample, kScanWidth> at;
+  std::array<Sample, 2 * kMostSamples> at;
   std::size_t size = 0;
 };
 
 /// n teeth evenly along the range of C_L - C_R; a segment gets as many new planes as teeth fall
 /// into it, evenly spaced (section 5.2, Figures 3 and 4). Returns how many were placed: n, or none
-/// where the function is constant.
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, FirstAxis& planes);
+/// where the function is constant; unused planes repeat the last. n is at most planes.size().
+std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<float> planes);
 
-/// The first n planes of an axis with their counts.
-Samples to_samples(const FirstAxis& planes, const PlaneCounts<kFirstPlanes>& counts, std::size_t n);
-
-/// Both, by position.
+/// Both, by position; together at most 2 kMostSamples.
 Samples merge(const Samples& a, const Samples& b);
 
-/// The whole of section 5.2: two passes, uniform and adaptive, over the axes in range; the others
-/// stay empty. The first pass is not made where it is known what it finds (CellRefs::first).
+/// The whole of section 5.2: uniform samples, then adaptive ones, over the axes in range; the
+/// others stay empty. For every kFirstPlanes of either a pass is made, but for those uniform ones
+/// of which it is known what it finds (CellRefs::first).
 std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::uint32_t uniform,
                                    std::uint32_t adaptive, BuildCounters& counters);
 

@@ -65,18 +65,21 @@ LaneBox ChoppedAxis::bounds(std::size_t bin) const {
 
 ChoppedAxis::Sides ChoppedAxis::sides(const SideSum& beyond_left,
                                       const SideSum& beyond_right) const {
+  const auto with = [&](const SideSum& side, std::size_t bin, std::uint32_t references) {
+    SideSum more = side;
+    more.box.grow(bounds(bin));
+    more.references += references;
+    if (more.references > 0) more.area = half_area(more.box.aabb());
+    return more;
+  };
   Sides sides;
   sides.left[0] = beyond_left;
   for (std::size_t i = 0; i < bins_; ++i) {
-    sides.left[i + 1] = sides.left[i];
-    sides.left[i + 1].box.grow(bounds(i));
-    sides.left[i + 1].references += enter_[i + 1];
+    sides.left[i + 1] = with(sides.left[i], i, enter_[i + 1]);
   }
   sides.right[bins_] = beyond_right;
   for (std::size_t i = bins_; i-- > 0;) {
-    sides.right[i] = sides.right[i + 1];
-    sides.right[i].box.grow(bounds(i));
-    sides.right[i].references += leave_[i + 1];
+    sides.right[i] = with(sides.right[i + 1], i, leave_[i + 1]);
   }
   return sides;
 }

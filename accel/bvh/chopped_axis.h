@@ -29,10 +29,9 @@ struct SpatialSplit {
 struct SideSum {
   LaneBox box;
   std::size_t references = 0;
+  double area = 0;  ///< Half the surface of the box; 0 if there are no references.
 
-  double cost() const {
-    return references > 0 ? half_area(box.aabb()) * static_cast<double>(references) : 0;
-  }
+  double cost() const { return area * static_cast<double>(references); }
 };
 
 /// Bins between ascending planes; what lies below the first and above the last of them is left

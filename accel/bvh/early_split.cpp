@@ -7,6 +7,7 @@
 
 #include "accel/build/sah.h"
 #include "accel/bvh/bvh_growth.h"
+#include "accel/bvh/largest_first.h"
 #include "accel/geometry/clip.h"
 
 namespace sightline::accel {

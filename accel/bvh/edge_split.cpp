@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "accel/bvh/bvh_growth.h"
+#include "accel/bvh/largest_first.h"
 
 namespace sightline::accel {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "accel/bvh/chopped_axis.h"
+#include "accel/bvh/fragment_corners.h"
 #include "accel/geometry/mesh_view.h"
 
 namespace sightline::accel {
@@ -16,9 +17,9 @@ namespace sightline::accel {
 /// have. Only where that is less than the best so far, all planes are weighed: differs from the
 /// paper in the way, not in what is found.
 ///
-/// Touches: a pass to begin with, and one for each stretch that is looked at closely. Long lists
-/// are looked at in slices, at once.
+/// `corners`: room, kept for the next search. Touches: a pass to begin with, and one for each
+/// stretch that is looked at closely. Long lists are looked at in slices, at once.
 SpatialSplit best_spatial_split(const MeshView& mesh, const CenterLists& node, std::uint32_t bins,
-                                double below, BuildCounters& counters);
+                                double below, ListCorners& corners, BuildCounters& counters);
 
 }  // namespace sightline::accel

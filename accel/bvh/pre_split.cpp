@@ -1,6 +1,8 @@
 // Ranges of the parameters of splitting beforehand.
 #include "accel/bvh/pre_split.h"
 
+#include <algorithm>
+
 #include "accel/build/out_of_range.h"
 
 namespace sightline::accel {

@@ -43,9 +43,12 @@ const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
                                         const ObjectSplit& object, SplitScratch& scratch,
                                         BuildCounters& counters) const {
   if (!may_split_spatially(node, depth)) return nullptr;
+  // What no order separates are duplicates, or as good as that: planes would only double them.
+  if (!(object.sum < half_area(node.box) * static_cast<double>(node.size()))) return nullptr;
   counters.touches += node.size();
   if (!(overlap(node, object) > least_overlap_)) return nullptr;
-  const SpatialSplit split = best_spatial_split(*mesh_, node, rule_.bins, object.sum, counters);
+  const SpatialSplit split =
+      best_spatial_split(*mesh_, node, rule_.bins, object.sum, scratch.corners, counters);
   if (!split.found()) return nullptr;
   plan_plane_split(*mesh_, node, split, rule_.unsplit, scratch.plane, counters);
   return scratch.plane.reduces(node) ? &scratch.plane : nullptr;

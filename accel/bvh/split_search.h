@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/bvh/center_lists.h"
+#include "accel/bvh/fragment_corners.h"
 #include "accel/bvh/object_split.h"
 #include "accel/bvh/plane_split.h"
 #include "accel/bvh/spatial_split.h"
@@ -13,6 +14,7 @@ namespace sightline::accel {
 struct SplitScratch {
   FragmentStack lists;
   SweepAreas areas;
+  ListCorners corners;
   PlaneSplit plane;
 };
 
@@ -32,8 +34,8 @@ class SplitSearch {
   bool may_split_spatially(const CenterLists& node, int depth) const;
 
   /// The best split by a plane, where the children of `object` overlap by so much that the rule
-  /// has it tried (Stich et al. 2009, section 4.5); nothing if it does not cost less, or does not
-  /// reduce. It is planned in the scratch.
+  /// has it tried (Stich et al. 2009, section 4.5); nothing if it does not cost less or
+  /// does not reduce, nor where object splits separate nothing. It is planned in the scratch.
   ///
   /// Touches: a pass for the overlap, best_spatial_split, plan_plane_split.
   const PlaneSplit* by_plane(const CenterLists& node, int depth, const ObjectSplit& object,

@@ -41,17 +41,22 @@ struct StreamArguments {
   std::optional<double> time;
 };
 
+// So many that a double counts them one by one, and nobody will see the last.
+constexpr double kMostFrames = 0x1p+53;
+
+std::uint64_t whole(double frames) {
+  return static_cast<std::uint64_t>(std::min(frames, kMostFrames));
+}
+
 // Of one round or several; a cyclic motion has no last moment of its own.
 std::uint64_t frames_in(const StreamArguments& arguments, const Motion& motion) {
   if (arguments.frame || arguments.time) return 1;
   const double fps = arguments.playback.fps;
-  if (arguments.seconds) {
-    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(*arguments.seconds * fps - 1e-6)));
-  }
+  if (arguments.seconds) return whole(std::max(1.0, std::ceil(*arguments.seconds * fps - 1e-6)));
   const std::uint64_t rounds = arguments.loops.value_or(1);
-  const double whole = static_cast<double>(rounds) * motion.seconds * fps;
-  if (motion.is_cyclic) return static_cast<std::uint64_t>(std::llround(whole));
-  return rounds == 0 ? 0 : static_cast<std::uint64_t>(std::floor(whole + 1e-6)) + 1;
+  const double frames = static_cast<double>(rounds) * motion.seconds * fps;
+  if (motion.is_cyclic) return whole(std::round(frames));
+  return rounds == 0 ? 0 : whole(std::floor(frames + 1e-6)) + 1;
 }
 
 // The moment of a round that frame k shows.

@@ -96,7 +96,11 @@ class AnimationReader {
     const double rate = source.mTicksPerSecond > 0 ? source.mTicksPerSecond : kUsualTicksPerSecond;
     if (const Status read = read_channels(source, rate, animation); !read) return read.error();
     if (const Status read = read_deformations(source, rate, animation); !read) return read.error();
-    animation.seconds = std::max(animation.seconds, source.mDuration / rate);
+    const double seconds = source.mDuration / rate;
+    if (!std::isfinite(seconds)) {
+      return invalid(fmt::format("animation '{}' lasts {} s", animation.name, seconds));
+    }
+    animation.seconds = std::max(animation.seconds, seconds);
     return animation;
   }
 
@@ -156,14 +160,16 @@ class AnimationReader {
     return {};
   }
 
-  static Track<std::vector<double>> weights(const aiMeshMorphAnim& source, double rate,
-                                            Animation& animation) {
+  // Of the first `shapes` shapes: what is said of others, which there are not, moves nothing.
+  static Track<std::vector<double>> weights(const aiMeshMorphAnim& source, std::size_t shapes,
+                                            double rate, Animation& animation) {
     Track<std::vector<double>> track;
     for (unsigned i = 0; i < source.mNumKeys; ++i) {
       const aiMeshMorphKey& key = source.mKeys[i];
       std::vector<double> weights;
       for (unsigned k = 0; k < key.mNumValuesAndWeights; ++k) {
         const std::size_t shape = key.mValues[k];
+        if (shape >= shapes) continue;
         if (weights.size() <= shape) weights.resize(shape + 1);
         weights[shape] = key.mWeights[k];
       }
@@ -193,7 +199,9 @@ class AnimationReader {
       Deformation deformation{i, nodes[i].mesh, {}};
       const aiMeshMorphAnim* shapes =
           mesh.mNumAnimMeshes > 0 ? channel_for(source, node, mesh) : nullptr;
-      if (shapes != nullptr) deformation.weights = weights(*shapes, rate, animation);
+      if (shapes != nullptr) {
+        deformation.weights = weights(*shapes, mesh.mNumAnimMeshes, rate, animation);
+      }
       if (Status good = check(deformation.weights, nodes[i].name); !good) return good;
       if (mesh.mNumBones > 0 || !deformation.weights.keys.empty())
         animation.deformations.push_back(std::move(deformation));

@@ -11,8 +11,8 @@ namespace sightline::client {
 
 /// Takes the converted scene over; what turns or rebases it later is to be told to its rig. Keys
 /// are mixed linearly, as Assimp does not say where a file wants otherwise. Errors:
-/// kInvalidArgument: keys that are not finite or not in order of time, a bone that is no node, a
-/// weight of a vertex that there is not.
+/// kInvalidArgument: keys that are not finite or not in order of time, an animation that never
+/// ends, a bone that is no node, a weight of a vertex that there is not.
 Result<AnimatedScene> animation_from_assimp(const aiScene& source, ConvertedScene converted);
 
 }  // namespace sightline::client

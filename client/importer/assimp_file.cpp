@@ -29,6 +29,17 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   double reached_ = 0;
 };
 
+// Assimp takes a face without corners for a polygon, and stops the program if a mesh that is said
+// to hold polygons turns out to hold none.
+void settle_polygons(aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    aiMesh& mesh = *scene.mMeshes[m];
+    const bool has_polygons = std::any_of(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
+                                          [](const aiFace& face) { return face.mNumIndices > 3; });
+    if (!has_polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+  }
+}
+
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
 }  // namespace
@@ -39,7 +50,11 @@ Result<AssimpFile> AssimpFile::read(const std::filesystem::path& file,
   if (progress) {
     importer->SetProgressHandler(std::make_unique<ProgressAdapter>(progress).release());
   }
-  const aiScene* scene = importer->ReadFile(file.string(), aiProcess_Triangulate);
+  const aiScene* scene = importer->ReadFile(file.string(), 0);
+  if (scene != nullptr) {
+    settle_polygons(const_cast<aiScene&>(*scene));
+    scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
+  }
   if (scene == nullptr) {
     return invalid(fmt::format("{}: {}", file.string(), importer->GetErrorString()));
   }

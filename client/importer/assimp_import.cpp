@@ -8,13 +8,13 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <string_view>
 #include <utility>
 
-#include "client/importer/animation_from_assimp.h"
 #include "client/importer/assimp_file.h"
-#include "client/importer/frame.h"
+#include "client/importer/convert.h"
+#include "client/importer/damage.h"
 #include "client/importer/lattice.h"
-#include "client/importer/scene_from_assimp.h"
 
 namespace sightline::client {
 namespace {
@@ -33,39 +33,23 @@ Status check(const std::filesystem::path& file, const ImportOptions& options) {
   return check_readable(file);
 }
 
-// With the frame that the file says it has.
-Result<ConvertedScene> convert(const AssimpFile& source) {
-  auto converted = scene_from_assimp(source.scene());
-  if (!converted) return converted;
-  const Frame frame = frame_of(source.scene(), source.importer_name());
-  converted->scene.up_axis = frame.up_axis;
-  converted->scene.meters_per_unit = frame.meters_per_unit;
-  return converted;
-}
+template <class Scene>
+using Convert = Result<Scene> (*)(const aiScene&, std::string_view, const ImportOptions&);
 
-Result<AnimatedScene> read_animated(const std::filesystem::path& file, const ImportOptions& options,
-                                    const ImportProgress& progress) {
-  const auto source = AssimpFile::read(file, progress);
-  if (!source) return source.error();
-  auto converted = convert(*source);
-  if (!converted) return in_file(file, converted.error());
-  auto animated = animation_from_assimp(source->scene(), *std::move(converted));
-  if (!animated) return in_file(file, animated.error());
-  animated->rig.scene_from_file =
-      frame_conversion(animated->scene, options.up_axis, options.meters_per_unit);
-  convert_frame(animated->scene, options.up_axis, options.meters_per_unit);
-  animated->rig.offset = rebase(animated->scene);
-  return animated;
-}
-
-Result<ImportedScene> read(const std::filesystem::path& file, const ImportOptions& options,
-                           const ImportProgress& progress) {
-  const auto source = AssimpFile::read(file, progress);
-  if (!source) return source.error();
-  auto converted = convert(*source);
-  if (!converted) return in_file(file, converted.error());
-  convert_frame(converted->scene, options.up_axis, options.meters_per_unit);
-  return std::move(converted->scene);
+template <class Scene>
+Result<Scene> read(const std::filesystem::path& file, const ImportOptions& options,
+                   const ImportProgress& progress, Convert<Scene> convert) {
+  if (const Status good = check(file, options); !good) return good.error();
+  try {
+    if (const Status good = check_damage(file); !good) return in_file(file, good.error());
+    const auto source = AssimpFile::read(file, progress);
+    if (!source) return source.error();
+    auto scene = convert(source->scene(), source->importer_name(), options);
+    if (!scene) return in_file(file, scene.error());
+    return scene;
+  } catch (const std::exception& e) {
+    return invalid(fmt::format("{}: {}", file.string(), e.what()));
+  }
 }
 
 }  // namespace
@@ -85,12 +69,7 @@ Status check_readable(const std::filesystem::path& file) {
 Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
                                        const ImportOptions& options,
                                        const ImportProgress& progress) {
-  if (const Status good = check(file, options); !good) return good.error();
-  try {
-    return read(file, options, progress);
-  } catch (const std::exception& e) {
-    return invalid(fmt::format("{}: {}", file.string(), e.what()));
-  }
+  return read(file, options, progress, convert_scene);
 }
 
 Result<ImportedScene> import_scene(const std::filesystem::path& file, const ImportOptions& options,
@@ -103,12 +82,7 @@ Result<ImportedScene> import_scene(const std::filesystem::path& file, const Impo
 Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
                                             const ImportOptions& options,
                                             const ImportProgress& progress) {
-  if (const Status good = check(file, options); !good) return good.error();
-  try {
-    return read_animated(file, options, progress);
-  } catch (const std::exception& e) {
-    return invalid(fmt::format("{}: {}", file.string(), e.what()));
-  }
+  return read(file, options, progress, convert_animated_scene);
 }
 
 }  // namespace sightline::client

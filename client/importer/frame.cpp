@@ -3,6 +3,7 @@
 
 #include <assimp/scene.h>
 
+#include <cmath>
 #include <cstdint>
 
 namespace sightline::client {
@@ -24,7 +25,8 @@ Frame frame_of_fbx(const aiScene& scene) {
   } else {
     scene.mMetaData->Get("UnitScaleFactor", centimeters);
   }
-  if (centimeters > 0) frame.meters_per_unit = centimeters * kMetersPerCentimeter;
+  if (centimeters > 0 && std::isfinite(centimeters))
+    frame.meters_per_unit = centimeters * kMetersPerCentimeter;
   return frame;
 }
 

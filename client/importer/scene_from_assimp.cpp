@@ -30,6 +30,10 @@ void add_face(const aiFace& face, ImportedMesh& mesh) {
 Result<ImportedMesh> convert(const aiMesh& source) {
   ImportedMesh mesh;
   mesh.name = node_name(source.mName.C_Str());
+  if (source.mNumVertices > 0 && !source.HasPositions()) {
+    return invalid(
+        fmt::format("mesh '{}' has {} vertices and no positions", mesh.name, source.mNumVertices));
+  }
   mesh.vertices.reserve(source.mNumVertices);
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
     const aiVector3D& v = source.mVertices[i];

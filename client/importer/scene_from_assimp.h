@@ -17,7 +17,8 @@ struct ConvertedScene {
   std::vector<const aiNode*> sources;
 };
 
-/// Errors: kInvalidArgument: a transform that is not finite, an index out of range.
+/// Errors: kInvalidArgument: a transform that is not finite, an index out of range, a mesh whose
+/// vertices have no positions.
 Result<ConvertedScene> scene_from_assimp(const aiScene& source);
 
 /// Errors: kInvalidArgument: not finite; `node` is who it belongs to.

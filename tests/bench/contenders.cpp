@@ -68,6 +68,8 @@ Result<accel::AnyBuilder> configured_builder(const std::string& text, const Comm
 }
 
 std::optional<BuildCosts> build_costs(const accel::AnyBuilder& builder) {
+  if (const auto* bvh = std::get_if<accel::BvhBuilder>(&builder))
+    return BuildCosts{bvh->leaf.traverse, bvh->leaf.intersect};
   return std::visit(
       [](const auto& b) -> std::optional<BuildCosts> {
         if constexpr (requires { b.cost.traverse; }) {
@@ -78,7 +80,7 @@ std::optional<BuildCosts> build_costs(const accel::AnyBuilder& builder) {
           return std::nullopt;
         }
       },
-      builder);
+      std::get<accel::KdBuilder>(builder));
 }
 
 Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(

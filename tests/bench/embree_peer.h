@@ -56,8 +56,8 @@ struct EmbreeGrown {
 /// them (shared with it, one vertex longer than ours, because it reads 16 bytes at the last one).
 /// A mesh used once is laid in the world beforehand, if it does not lie there already: one level
 /// is Embree's best. A mesh used more often is a scene of its own under instances.
-/// Everything happens in a frame that turns with the first node, so that --rotate, which turns our
-/// rays and leaves our trees as they are, is the same to both.
+/// Everything happens in a frame that turns with the first node, as our trees stay as they are
+/// where a root is turned.
 ///
 /// Denormals are flushed, as Embree advises, on its threads and only while it works.
 /// Threads: one caller, in an oneTBB arena of `threads` threads.

@@ -261,13 +261,30 @@ TEST(SceneSource, QuarterTurnsAreExact) {
   EXPECT_NEAR(q.y, std::sqrt(0.5), 1e-15);
 }
 
-TEST(SceneSource, RotatingTurnsRootsOnly) {
-  SceneSource city = make_city(60, 1);
-  const Vec3d before = SceneGeometry(city).hi();
-  rotate(city, rotation(0, 0, 180));
-  const Vec3d after = SceneGeometry(city).lo();
-  EXPECT_NEAR(after.x, -before.x, 1e-9);
-  EXPECT_NEAR(after.y, -before.y, 1e-9);
+TEST(SceneSource, RotatingTurnsTheVerticesOfMeshes) {
+  const SceneSource city = make_city(60, 1);
+  SceneSource turned = city;
+  const scenegraph::Affine turn = rotation(10, 20, 30);
+  rotate(turned, turn);
+  EXPECT_NE(turned.meshes[0].vertices[0], city.meshes[0].vertices[0]);
+  const SceneGeometry before(city), after(turned);
+  ASSERT_EQ(after.triangles(), before.triangles());
+  for (std::uint64_t i = 0; i < before.triangles(); ++i) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vec3d off = after.triangle(i)[corner] - turn.point(before.triangle(i)[corner]);
+      EXPECT_LT(length(off), 1e-5 * before.diagonal());
+    }
+  }
+}
+
+TEST(SceneSource, MergingKeepsTheTriangles) {
+  const SceneSource city = make_city(60, 1);
+  const SceneSource one = merged(city);
+  ASSERT_EQ(one.meshes.size(), 1u);
+  const SceneGeometry before(city), after(one);
+  ASSERT_EQ(after.triangles(), before.triangles());
+  for (std::uint64_t i = 0; i < before.triangles(); ++i)
+    EXPECT_LT(length(after.triangle(i)[1] - before.triangle(i)[1]), 1e-5 * before.diagonal());
 }
 
 TEST(SceneGeometry, SamplesSurfaceByArea) {

@@ -173,7 +173,7 @@ struct SceneVisit {
     const auto local = accel::make_local_ray(instance.local_from_world.point(ray.origin),
                                              instance.local_from_world.direction(ray.direction));
     if (!local) return;
-    const accel::KdTree& tree = instance.mesh->tree().tree();
+    const accel::KdTree& tree = *instance.mesh->tree().kd();
     TreeRay in_mesh;
     if (!accel::enter(*local, tree.bounds(), answer.tmin() / local->unit,
                       answer.tmax() / local->unit, in_mesh)) {

@@ -17,6 +17,7 @@
 #include "tests/bench/generators.h"
 #include "tests/bench/robust_family.h"
 #include "tests/bench/verbs.h"
+#include "tests/support/hard_meshes.h"
 
 namespace sightline::bench {
 namespace {
@@ -38,6 +39,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
   app.add_option("--seed", common.seed, "Of the rays");
   app.add_option("--policy", common.policy, "first-touch|full");
   app.add_option("--rotate", common.rotate, "Turns the scene: x,y,z in degrees");
+  app.add_flag("--merge", common.merge, "All instances as one mesh");
   app.add_option("--set", common.set, "A parameter of our builders, key=value; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -81,6 +83,8 @@ Verb add_verb_build(CLI::App& app) {
   auto options = std::make_shared<BuildOptions>();
   CLI::App& verb = *app.add_subcommand("build", "Build all trees: time, size and quality");
   add_builders(verb, options->builders);
+  verb.add_flag("--end-points", options->end_points,
+                "Hierarchies' end-point overlap, too: takes longer than building");
   return [options](const CommonOptions& common) { return run_build(common, *options); };
 }
 
@@ -209,6 +213,24 @@ Verb add_verb_robust(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_robust(common, *options); };
 }
 
+Verb add_verb_stability(CLI::App& app) {
+  auto options = std::make_shared<StabilityOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "stability", "Our builders over meshes at which methods fail: right answers, bounded trees");
+  std::string families;
+  for (const tests::HardMesh& mesh : tests::hard_meshes()) {
+    families += std::string(mesh.name) + " ";
+  }
+  verb.add_option("--family", options->family, "This, or all that begin so: " + families);
+  verb.add_option("--triangles", options->triangles, "Of each family, about")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{10'000'000}));
+  verb.add_option("--count", options->rays, "How many rays a family")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}));
+  verb.add_option("--builder,--builders", options->builders, "By commas; default: all of ours")
+      ->delimiter(',');
+  return [options](const CommonOptions& common) { return run_stability(common, *options); };
+}
+
 Verb add_verb_answers(CLI::App& app) {
   auto options = std::make_shared<AnswersOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -220,6 +242,17 @@ Verb add_verb_answers(CLI::App& app) {
   verb.add_option("--builder", options->builders, "By commas; default: all of ours")
       ->delimiter(',');
   return [options](const CommonOptions& common) { return run_answers(common, *options); };
+}
+
+Verb add_verb_chart(CLI::App& app) {
+  auto options = std::make_shared<ChartOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "chart", "Speed against accuracy of all builders over several scenes: a CSV and plots");
+  verb.add_option("--out", options->out, "The folder to write to")->required();
+  verb.add_option("--scenes", options->scenes,
+                  "Files, or gen:NAME?... (default: six in the folder SIGHTLINE_SCENES)");
+  verb.add_flag("--quick", options->quick, "A few rays: to see that it works");
+  return [options](const CommonOptions& common) { return run_chart(common, *options); };
 }
 
 int run(const CommonOptions& common, const Verb& verb) {
@@ -251,7 +284,8 @@ int main_checked(int argc, char** argv) {
       {"law", add_verb_law(app)},         {"kernel", add_verb_kernel(app)},
       {"curve", add_verb_curve(app)},     {"exactness", add_verb_exactness(app)},
       {"robust", add_verb_robust(app)},   {"answers", add_verb_answers(app)},
-      {"dynamic", add_verb_dynamic(app)}, {"two-trees", add_verb_two_trees(app)}};
+      {"dynamic", add_verb_dynamic(app)}, {"two-trees", add_verb_two_trees(app)},
+      {"chart", add_verb_chart(app)},     {"stability", add_verb_stability(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

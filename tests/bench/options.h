@@ -19,6 +19,7 @@ struct CommonOptions {
   std::uint64_t seed = 1;
   std::string policy;            ///< "first-touch", "full", or empty: what suits the verb.
   std::string rotate;            ///< "x,y,z" in degrees, or empty.
+  bool merge = false;            ///< All instances as one mesh.
   std::vector<std::string> set;  ///< "key=value" for the builder.
   bool json = false;
 };
@@ -35,6 +36,8 @@ struct RaysOptions {
 
 struct BuildOptions {
   std::vector<std::string> builders{};
+  bool end_points =
+      false;  ///< Hierarchies' end-point overlap, too, which takes longer than building.
 };
 
 struct TraceOptions {
@@ -78,6 +81,13 @@ struct RobustOptions {
   std::vector<std::string> builders{};  ///< Empty: all but sah-naive.
 };
 
+struct StabilityOptions {
+  std::string family{};                 ///< This one, or all whose name begins so; empty: all.
+  std::uint64_t triangles = 100'000;    ///< Of each family, about.
+  std::size_t rays = 400;               ///< Over each family.
+  std::vector<std::string> builders{};  ///< Empty: all of ours.
+};
+
 struct AnswersOptions {
   std::vector<std::string> kinds{"random", "aimed"};
   std::size_t count = 10'000;           ///< Of each kind.
@@ -99,6 +109,12 @@ struct DynamicOptions {
 struct TwoTreesOptions {
   RayOptions rays{};
   std::size_t parts = 500;  ///< Spread through the scene.
+};
+
+struct ChartOptions {
+  std::string out{};                  ///< The folder of the CSV and the plots.
+  std::vector<std::string> scenes{};  ///< Empty: six of those that SIGHTLINE_SCENES names.
+  bool quick = false;                 ///< A few rays: to see that it works.
 };
 
 struct CurveOptions {

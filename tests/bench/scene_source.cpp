@@ -1,6 +1,8 @@
 // A scene as plain arrays, and how it becomes a snapshot.
 #include "tests/bench/scene_source.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -23,6 +25,27 @@ std::pair<double, double> sine_cosine(double degrees) {
   }
   const double radians = degrees * (std::numbers::pi / 180);
   return {std::sin(radians), std::cos(radians)};
+}
+
+accel::Vec3f to_float(const accel::Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// turn * a * turn^-1.
+Affine as_seen_turned(const Affine& a, const Affine& turn) {
+  const auto& t = turn.m;
+  const Affine back{{t[0], t[4], t[8], 0, t[1], t[5], t[9], 0, t[2], t[6], t[10], 0}};
+  Affine turned = compose(turn, compose(a, back));
+  // Where all directions are alike there is nothing to turn, and nothing to round.
+  const std::array<std::size_t, 6> off{1, 2, 4, 6, 8, 9};
+  const bool even = a.m[0] == a.m[5] && a.m[0] == a.m[10] &&
+                    std::all_of(off.begin(), off.end(), [&](std::size_t i) { return a.m[i] == 0; });
+  if (even) {
+    for (std::size_t row = 0; row < 3; ++row)
+      std::copy_n(a.m.begin() + static_cast<std::ptrdiff_t>(4 * row), 3,
+                  turned.m.begin() + static_cast<std::ptrdiff_t>(4 * row));
+  }
+  return turned;
 }
 
 }  // namespace
@@ -59,10 +82,42 @@ Affine rotation(double x, double y, double z) {
   return compose(about_z, compose(about_y, about_x));
 }
 
-void rotate(SceneSource& scene, const Affine& turn) {
+void place(SceneSource& scene, const Affine& world_from_world) {
   for (SourceNode& node : scene.nodes) {
-    if (!node.parent) node.parent_from_local = compose(turn, node.parent_from_local);
+    if (!node.parent) node.parent_from_local = compose(world_from_world, node.parent_from_local);
   }
+}
+
+void rotate(SceneSource& scene, const Affine& turn) {
+  for (SourceMesh& mesh : scene.meshes) {
+    for (accel::Vec3f& v : mesh.vertices) v = to_float(turn.point(accel::Vec3d(v)));
+  }
+  for (SourceNode& node : scene.nodes)
+    node.parent_from_local = as_seen_turned(node.parent_from_local, turn);
+}
+
+SceneSource merged(const SceneSource& scene) {
+  SourceMesh all;
+  std::vector<Affine> world_from_node;
+  for (const SourceNode& node : scene.nodes) {
+    world_from_node.push_back(node.parent
+                                  ? compose(world_from_node[*node.parent], node.parent_from_local)
+                                  : node.parent_from_local);
+    if (!node.mesh) continue;
+    const SourceMesh& mesh = scene.meshes[*node.mesh];
+    const auto first = static_cast<std::uint32_t>(all.vertices.size());
+    for (const accel::Vec3f& v : mesh.vertices)
+      all.vertices.push_back(to_float(world_from_node.back().point(accel::Vec3d(v))));
+    for (accel::Face face : mesh.faces) {
+      for (std::uint32_t& index : face) {
+        if (index != accel::kNoVertex) index += first;
+      }
+      all.faces.push_back(face);
+    }
+  }
+  SceneSource one;
+  one.add_node(std::nullopt, "merged", {}, one.add_mesh(std::move(all)));
+  return one;
 }
 
 Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder& builder,

@@ -45,8 +45,15 @@ scenegraph::Affine translation(double x, double y, double z);
 /// About x, then y, then z, in degrees. Multiples of 90 are exact.
 scenegraph::Affine rotation(double x, double y, double z);
 
-/// The whole scene turned about the world's origin.
+/// Moves the whole scene: its roots.
+void place(SceneSource& scene, const scenegraph::Affine& world_from_world);
+
+/// Turns the whole scene about the world's origin: the vertices of its meshes, which trees are built
+/// over, and nodes so that they fit. Rounds vertices to float.
 void rotate(SceneSource& scene, const scenegraph::Affine& turn);
+
+/// The same triangles, over all instances, as one mesh in the world's frame, rounded to float.
+SceneSource merged(const SceneSource& scene);
 
 /// The id in the assembled scene of the node in that place.
 inline scenegraph::NodeId node_id(std::size_t place) { return place + 1; }

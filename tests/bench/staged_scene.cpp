@@ -42,7 +42,7 @@ Result<StagedScene> StagedScene::make(SceneSource still, const Motion& motion) {
   const Vec3d middle = (frames.lo + frames.hi) * 0.5;
   const Vec3d from{geometry.center().x, geometry.hi().y, geometry.center().z};
   const Vec3d move = Vec3d{middle.x, frames.lo.y, middle.z} - from * s;
-  rotate(staged.source, Affine{{s, 0, 0, move.x, 0, s, 0, move.y, 0, 0, s, move.z}});
+  place(staged.source, Affine{{s, 0, 0, move.x, 0, s, 0, move.y, 0, 0, s, move.z}});
   add_motion(staged, motion);
   return staged;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "accel/bvh/bvh_walk.h"
+#include "accel/bvh/end_point_overlap.h"
 #include "accel/tree/epoch.h"
 
 namespace sightline::bench {
@@ -61,13 +63,44 @@ class LeafMarker {
   Vec3d origin_, direction_;
 };
 
+// The same for the boxes of a hierarchy.
+class BvhLeafMarker {
+ public:
+  BvhLeafMarker(const accel::Bvh& bvh, std::vector<bool>& seen) : bvh_(bvh), seen_(seen) {}
+
+  void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
+    accel::LocalRay local;
+    accel::TreeRay ray;
+    if (!accel::set_local_ray(origin, direction, local) ||
+        !accel::enter(local, bvh_.root.box, tmin / local.unit, tmax / local.unit, ray)) {
+      return;
+    }
+    accel::WalkCounters unused;
+    Visit visit{seen_, ray.t_out};
+    accel::walk(bvh_, ray, unused, visit);
+  }
+
+ private:
+  struct Visit {
+    std::vector<bool>& seen;
+    double t_out;
+    bool leaf(std::span<const std::uint32_t> faces) {
+      for (const std::uint32_t face : faces) seen[face] = true;
+      return false;
+    }
+    double limit() const { return t_out; }
+  };
+  const accel::Bvh& bvh_;
+  std::vector<bool>& seen_;
+};
+
 }  // namespace
 
 accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
   const accel::EpochPin pin;
   accel::TreeMetrics sum;
   for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
-    const accel::TreeMetrics m = accel::measure(mesh->tree().tree());
+    const accel::TreeMetrics m = mesh->tree().metrics();
     sum.nodes += m.nodes;
     sum.leaves += m.leaves;
     sum.nonempty_leaves += m.nonempty_leaves;
@@ -78,7 +111,18 @@ accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
     sum.expected_leaves += m.expected_leaves;
     sum.expected_intersections += m.expected_intersections;
     sum.sah_cost += m.sah_cost;
+    sum.overlap += m.overlap;
     sum.bytes += m.bytes;
+  }
+  return sum;
+}
+
+std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot) {
+  std::optional<double> sum;
+  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
+    const accel::BvhTree* tree = mesh->tree().bvh();
+    if (tree == nullptr || tree->built() == nullptr) continue;
+    sum = sum.value_or(0) + accel::end_point_overlap(*tree->built(), mesh->view());
   }
   return sum;
 }
@@ -93,6 +137,7 @@ void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
   row["expected_traversals"] = metrics.expected_traversals;
   row["expected_leaves"] = metrics.expected_leaves;
   row["expected_intersections"] = metrics.expected_intersections;
+  row["overlap"] = metrics.overlap;
   row["bytes_final"] = metrics.bytes;
 }
 
@@ -101,13 +146,20 @@ void SeenTriangles::add(std::span<const accel::Ray> rays, std::span<const accel:
   for (const scenegraph::Instance& instance : snapshot_.trees().still.list()) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
-    LeafMarker marker(instance.mesh->tree().tree(), marks);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (hits[i].state == accel::HitState::kInvalid || (instance.mask & rays[i].mask) == 0)
-        continue;
-      marker.mark(instance.local_from_world.point(rays[i].origin),
-                  instance.local_from_world.direction(rays[i].direction), rays[i].tmin,
-                  std::min(rays[i].tmax, hits[i].t));
+    const auto mark_all = [&](auto&& marker) {
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].state == accel::HitState::kInvalid || (instance.mask & rays[i].mask) == 0)
+          continue;
+        marker.mark(instance.local_from_world.point(rays[i].origin),
+                    instance.local_from_world.direction(rays[i].direction), rays[i].tmin,
+                    std::min(rays[i].tmax, hits[i].t));
+      }
+    };
+    const accel::MeshTree& tree = instance.mesh->tree();
+    if (tree.kd() != nullptr) {
+      mark_all(LeafMarker(*tree.kd(), marks));
+    } else if (const accel::Bvh* bvh = tree.bvh()->built()) {
+      mark_all(BvhLeafMarker(*bvh, marks));
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -16,6 +17,9 @@ namespace sightline::bench {
 /// Sums; the greatest of max_depth. For a single mesh: that mesh's tree. The scene-level tree is
 /// left out.
 accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot);
+
+/// Of those that are hierarchies; nothing if none is.
+std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot);
 
 /// Adds the contract's keys from `nodes` to `bytes_final`.
 void set_metrics(Row& row, const accel::TreeMetrics& metrics);

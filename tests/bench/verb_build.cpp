@@ -1,5 +1,6 @@
 // build: how fast a builder is, and what its trees are like.
 #include <algorithm>
+#include <optional>
 
 #include "tests/bench/contenders.h"
 #include "tests/bench/memory_peak.h"
@@ -15,6 +16,7 @@ struct Measured {
   std::uint64_t bytes_final = 0, bytes_peak = 0;
   scenegraph::TraceStats stats;
   accel::TreeMetrics metrics;
+  std::optional<double> end_points;
 };
 
 // A few rays through every new tree: a builder whose answers are wrong gets no time.
@@ -59,7 +61,7 @@ Status warm_up(const SceneSource& scene, const std::vector<Contender>& contender
 }
 
 Status measure_ours(const SceneSource& scene, const accel::AnyBuilder& builder,
-                    const Sample& sample, Measured& measured) {
+                    const Sample& sample, bool end_points, Measured& measured) {
   auto snapshot = assemble(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
   (void)(*snapshot)->trees().still;
@@ -71,6 +73,7 @@ Status measure_ours(const SceneSource& scene, const accel::AnyBuilder& builder,
   if (!built.ok()) return built.error();
   if (measured.build_ms.empty()) {
     if (auto right = sample.check(**snapshot); !right.ok()) return right.error();
+    if (end_points) measured.end_points = end_point_overlap(**snapshot);
   }
   measured.build_ms.push_back(seconds * 1e3);
   measured.stats = *built;
@@ -107,6 +110,7 @@ Row make_row(const CommonOptions& common, const Contender& contender, std::uint6
       row["cost_traverse"] = row["cost_intersect"] = nullptr;
     }
     set_metrics(row, m.metrics);
+    if (m.end_points) row["end_point_overlap"] = *m.end_points;
   } else {
     row["timed"] = "rtcCommitScene";
     row["bytes_final"] = m.bytes_final;
@@ -138,8 +142,9 @@ Result<std::vector<Row>> run_build(const CommonOptions& common, const BuildOptio
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     for (std::size_t b = 0; b < contenders->size(); ++b) {
       const accel::AnyBuilder* ours = (*contenders)[b].ours();
-      const Status done = ours != nullptr ? measure_ours(*scene, *ours, *sample, measured[b])
-                                          : measure_embree(*(*peers)[b], measured[b]);
+      const Status done =
+          ours != nullptr ? measure_ours(*scene, *ours, *sample, options.end_points, measured[b])
+                          : measure_embree(*(*peers)[b], measured[b]);
       if (!done.ok()) {
         return Error{done.error().code, (*contenders)[b].name + ": " + done.error().message,
                      done.error().reason};

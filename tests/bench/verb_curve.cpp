@@ -83,7 +83,7 @@ std::vector<float> stations(const tests::TrueCounts& truth, float lo, float hi, 
 Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options) {
   const auto builder = configured_builder("scan-one-axis", common);
   if (!builder.ok()) return builder.error();
-  const auto& scan = std::get<accel::ScanBuilder>(*builder);
+  const auto& scan = std::get<accel::ScanBuilder>(std::get<accel::KdBuilder>(*builder));
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   const SceneGeometry geometry(*scene);

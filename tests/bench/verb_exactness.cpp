@@ -113,6 +113,13 @@ Result<Row> measure(const CommonOptions& common, const ExactnessOptions& options
 
 Result<std::vector<Row>> run_exactness(const CommonOptions& common,
                                        const ExactnessOptions& options) {
+  const auto builder = configured_builder(options.builder, common);
+  if (!builder.ok()) return builder.error();
+  if (std::holds_alternative<accel::BvhBuilder>(*builder)) {
+    return Error{Code::kInvalidArgument,
+                 options.builder + ": exactness walks kd-trees; for hierarchies, see trace",
+                 "COMMAND_LINE"};
+  }
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   std::vector<Row> rows;

@@ -51,6 +51,17 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
 /// row a family, kind of rays, method, builder and policy.
 Result<std::vector<Row>> run_robust(const CommonOptions& common, const RobustOptions& options);
 
+/// The study of speed against accuracy: builders and their parameters, time to image, missed rays,
+/// over several scenes. Writes a CSV and plots of it; a row a file written. More errors:
+/// kNotFound: a scene; kFailedPrecondition: files that cannot be written.
+Result<std::vector<Row>> run_chart(const CommonOptions& common, const ChartOptions& options);
+
+/// Every builder over the meshes at which methods fail (tests/support/hard_meshes.h), trees full and
+/// growing: answers against the oracle, and what the trees cost against what they may, a row a
+/// family and builder. A failure is a row that is not `ok`, and no error.
+Result<std::vector<Row>> run_stability(const CommonOptions& common,
+                                       const StabilityOptions& options);
+
 /// A hash of all answer columns of all kinds of query for every way to answer the same rays: every
 /// builder and SIMD target, full and growing trees, numbers of threads, orders and batches. Error:
 /// kDataLoss, naming the ways whose hashes are not those of the first.

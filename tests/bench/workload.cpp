@@ -39,7 +39,9 @@ Result<scenegraph::Affine> parse_rotation(std::string_view text) {
 Result<SceneSource> make_scene(const CommonOptions& common) {
   if (common.scene.empty()) return invalid("--scene is required");
   auto scene = load_scene(common.scene);
-  if (!scene.ok() || common.rotate.empty()) return scene;
+  if (!scene.ok()) return scene;
+  if (common.merge) *scene = merged(*scene);
+  if (common.rotate.empty()) return scene;
   const auto turn = parse_rotation(common.rotate);
   if (!turn.ok()) return turn.error();
   rotate(*scene, *turn);

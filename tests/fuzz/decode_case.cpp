@@ -2,11 +2,10 @@
 #include "tests/fuzz/decode_case.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <type_traits>
+
+#include "tests/fuzz/bytes.h"
 
 namespace sightline::tests {
 
@@ -14,34 +13,6 @@ using accel::Vec3d;
 using accel::Vec3f;
 
 namespace {
-
-class Bytes {
- public:
-  explicit Bytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-  bool empty() const { return bytes_.empty(); }
-
-  /// What is missing is zero.
-  template <class T>
-  T take() {
-    T value{};
-    const std::size_t size = std::min(sizeof(T), bytes_.size());
-    std::memcpy(&value, bytes_.data(), size);
-    bytes_ = bytes_.subspan(size);
-    return value;
-  }
-  /// Finite: the exponent of infinity and NaN loses its first bit.
-  template <class T>
-  T take_number() {
-    const T x = take<T>();
-    if (std::isfinite(x)) return x;
-    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-    return std::bit_cast<T>(std::bit_cast<Bits>(x) & ~(Bits{1} << (sizeof(T) * 8 - 2)));
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-};
 
 template <class T>
 T one_step(T x, bool up) {

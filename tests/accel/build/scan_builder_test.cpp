@@ -172,6 +172,11 @@ TEST(ScanBuilder, ParallelScansChooseTheSamePlane) {
 TEST(ScanBuilder, CheckNamesTheParameterAndItsRange) {
   ScanBuilder builder;
   EXPECT_FALSE(builder.check());
+  builder.uniform_samples = 16;
+  EXPECT_FALSE(builder.check());
+  builder.uniform_samples = 17;
+  EXPECT_EQ(*builder.check(), "uniform_samples is 17, must lie in 2 to 16");
+  builder.axes = ScanAxes::kGuided;
   builder.uniform_samples = 9;
   EXPECT_EQ(*builder.check(), "uniform_samples is 9, must lie in 2 to 8");
 }

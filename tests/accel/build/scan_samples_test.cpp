@@ -19,6 +19,8 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "accel/build/scan_builder.h"
@@ -137,10 +139,10 @@ void for_all_soups(const Check& check) {
 TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
   for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
     const TrueCounts truth(refs, 0);
-    for (const std::uint32_t adaptive : {0u, 8u}) {
-      const Samples samples = sample(refs, cell, 8, adaptive);
-      ASSERT_GE(samples.size, 8u);
-      ASSERT_LE(samples.size, 8u + adaptive);
+    for (const auto& [uniform, adaptive] : {std::pair(8u, 0u), {8u, 8u}, {9u, 13u}, {16u, 16u}}) {
+      const Samples samples = sample(refs, cell, uniform, adaptive);
+      ASSERT_GE(samples.size, uniform);
+      ASSERT_LE(samples.size, uniform + adaptive);
       EXPECT_EQ(samples.at[0].position, static_cast<double>(cell.lo[0]));
       EXPECT_EQ(samples.at[samples.size - 1].position, static_cast<double>(cell.hi[0]));
       for (std::size_t i = 0; i < samples.size; ++i) {
@@ -163,10 +165,20 @@ TEST(ScanSamples, CountStrictlyAtTheFaces) {
   EXPECT_EQ(samples.at[1].right, 0);
 }
 
+TEST(ScanSamples, APassCountsEightPlanes) {
+  const std::vector<BoxRef> refs = tests::random_boxes(1000, 0.01, 1);
+  for (const auto& [uniform, adaptive, passes] :
+       {std::tuple(2u, 0u, 1u), {8u, 8u, 2u}, {9u, 8u, 3u}, {16u, 16u, 4u}}) {
+    BuildCounters counters;
+    (void)sample_axes(refs, kUnitCell, {}, uniform, adaptive, counters);
+    EXPECT_EQ(counters.touches, passes * refs.size());
+  }
+}
+
 TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
   for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
     const TrueCounts truth(refs, 0);
-    for (std::uint32_t n = 2; n <= 8; ++n) {
+    for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, 0);
       const double width = static_cast<double>(cell.hi[0]) - static_cast<double>(cell.lo[0]);
       const double per_rise = kRounding * width / (2 * (n - 1));
@@ -195,7 +207,7 @@ TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
 
 TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
   for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
-    for (std::uint32_t n = 2; n <= 8; ++n) {
+    for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, n);
       const double width = static_cast<double>(cell.hi[0]) - static_cast<double>(cell.lo[0]);
       for (const SampleSegment& segment : tests::segments(samples)) {

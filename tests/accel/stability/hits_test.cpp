@@ -12,10 +12,10 @@
 namespace sightline::tests {
 namespace {
 
-constexpr std::uint32_t kTriangles = 700;
-constexpr std::size_t kRays = 40 * kHardRayKinds;
+constexpr std::uint32_t kTriangles = 400;
+constexpr std::size_t kRays = 25 * kHardRayKinds;
 // Held against the oracle, which takes its time.
-constexpr std::size_t kSample = 12 * kHardRayKinds;
+constexpr std::size_t kSample = 8 * kHardRayKinds;
 constexpr std::uint64_t kSeed = 7;
 
 std::vector<std::string_view> names() {

@@ -189,6 +189,31 @@ TEST(AssimpImport, SaysWhatIsWrongWithAFile) {
   EXPECT_NE(error_of(import_scene(dir.write("text.xyz", "hello"))), "");
 }
 
+// Assimp takes a face of no corners for a polygon and looks for it in vain.
+TEST(AssimpImport, AFaceWithoutCornersKeepsItsNumber) {
+  const TempDir dir;
+  const auto scene = import_scene(dir.write("empty_face.ply", R"(ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+0
+3 0 1 2
+)"));
+  ASSERT_TRUE(scene) << error_of(scene);
+  ASSERT_EQ(scene->meshes.size(), 1u);
+  EXPECT_EQ(scene->meshes[0].faces,
+            (std::vector<Face>{{kNoVertex, kNoVertex, kNoVertex}, {0, 1, 2}}));
+  EXPECT_EQ(scene->meshes[0].triangles, 1u);
+}
+
 TEST(AssimpImport, RefusesAUnitThatIsNone) {
   const TempDir dir;
   const std::string file = dir.write("two.obj", kTwoObjects);

@@ -1,0 +1,23 @@
+// How deep and how many the nodes of a glTF file are, before Assimp follows them. Internal to the
+// importer.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "client/result.h"
+
+namespace sightline::client {
+
+inline constexpr std::size_t kDeepestJson = 256;        ///< Brackets in brackets.
+inline constexpr std::size_t kDeepestNode = 4096;       ///< Assimp follows children by recursion.
+inline constexpr std::uint64_t kMostNodes = 1U << 20U;  ///< But always as many as are listed.
+
+/// `json` is a .gltf file, or the first chunk of a .glb file. A node that is the child of several
+/// stands for as many nodes, and so a few lines may stand for more than there is memory for. What
+/// is no JSON, or refers to itself, is left to Assimp, which says so. Errors: kInvalidArgument,
+/// over these limits.
+Status check_gltf_nodes(std::string_view json);
+
+}  // namespace sightline::client

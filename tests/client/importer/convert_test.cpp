@@ -1,0 +1,114 @@
+// Scenes in Assimp's form that no good file makes.
+#include "client/importer/convert.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace sightline::client {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A root that carries a triangle.
+std::unique_ptr<aiScene> triangle() {
+  auto scene = std::make_unique<aiScene>();
+  scene->mNumMeshes = 1;
+  scene->mMeshes = new aiMesh* [1] { new aiMesh };
+  aiMesh& mesh = *scene->mMeshes[0];
+  mesh.mNumVertices = 3;
+  mesh.mVertices = new aiVector3D[3]{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.mNumFaces = 1;
+  mesh.mFaces = new aiFace[1];
+  mesh.mFaces[0].mNumIndices = 3;
+  mesh.mFaces[0].mIndices = new unsigned[3]{0, 1, 2};
+  scene->mRootNode = new aiNode("root");
+  scene->mRootNode->mNumMeshes = 1;
+  scene->mRootNode->mMeshes = new unsigned[1]{0};
+  return scene;
+}
+
+/// One that moves the root for two seconds and blends one shape, the first of as many as are said.
+std::unique_ptr<aiScene> moving_triangle(unsigned shape) {
+  auto scene = triangle();
+  aiMesh& mesh = *scene->mMeshes[0];
+  mesh.mNumAnimMeshes = 1;
+  mesh.mAnimMeshes = new aiAnimMesh* [1] { new aiAnimMesh };
+  mesh.mAnimMeshes[0]->mNumVertices = 3;
+  mesh.mAnimMeshes[0]->mVertices = new aiVector3D[3]{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  auto* const weights = new aiMeshMorphAnim;
+  weights->mName = "root";
+  weights->mNumKeys = 1;
+  weights->mKeys = new aiMeshMorphKey[1];
+  weights->mKeys[0].mNumValuesAndWeights = 2;
+  weights->mKeys[0].mValues = new unsigned[2]{0, shape};
+  weights->mKeys[0].mWeights = new double[2]{0.5, 0.25};
+  auto* const animation = new aiAnimation;
+  animation->mDuration = 2;
+  animation->mTicksPerSecond = 1;
+  animation->mNumMorphMeshChannels = 1;
+  animation->mMorphMeshChannels = new aiMeshMorphAnim* [1] { weights };
+  scene->mNumAnimations = 1;
+  scene->mAnimations = new aiAnimation* [1] { animation };
+  return scene;
+}
+
+template <class T>
+std::string error_of(const Result<T>& result) {
+  return result ? "" : result.error().message;
+}
+
+TEST(Convert, RefusesVerticesWithoutPositions) {
+  const auto scene = triangle();
+  delete[] scene->mMeshes[0]->mVertices;
+  scene->mMeshes[0]->mVertices = nullptr;
+  EXPECT_NE(error_of(convert_scene(*scene, "", {})).find("3 vertices and no positions"),
+            std::string::npos);
+}
+
+TEST(Convert, AnFbxUnitThatIsNoneIsUnknown) {
+  for (const double centimeters : {kInf, kNaN, -1.0, 0.0}) {
+    const auto scene = triangle();
+    scene->mMetaData = new aiMetadata;
+    scene->mMetaData->Add("UnitScaleFactor", centimeters);
+    const auto converted = convert_scene(*scene, "Autodesk FBX Importer", {{}, 0.5});
+    ASSERT_TRUE(converted) << error_of(converted);
+    EXPECT_EQ(converted->meters_per_unit, 0.5);
+    EXPECT_EQ(converted->nodes[0].parent_from_local, kIdentity) << centimeters;
+  }
+}
+
+TEST(Convert, RefusesATransformThatAnotherUnitMakesInfinite) {
+  const auto scene = triangle();
+  scene->mRootNode->mTransformation.a1 = 1e20f;
+  const ImportOptions tiny{{}, 1e-300};
+  EXPECT_NE(error_of(convert_scene(*scene, "glTF2 Importer", tiny)).find("node 'root'"),
+            std::string::npos);
+  EXPECT_FALSE(convert_animated_scene(*scene, "glTF2 Importer", tiny));
+  EXPECT_TRUE(convert_scene(*scene, "glTF2 Importer", {{}, 1e-200}));
+}
+
+TEST(Convert, AnAnimationEnds) {
+  for (const double duration : {kInf, kNaN}) {
+    const auto scene = moving_triangle(0);
+    scene->mAnimations[0]->mDuration = duration;
+    EXPECT_NE(error_of(convert_animated_scene(*scene, "", {})).find("lasts"), std::string::npos);
+  }
+  const auto scene = moving_triangle(0);
+  scene->mAnimations[0]->mTicksPerSecond = 1e-310;
+  EXPECT_FALSE(convert_animated_scene(*scene, "", {}));
+}
+
+TEST(Convert, WeightsOfShapesThatThereAreNotMoveNothing) {
+  const auto scene = moving_triangle(4000000000U);
+  const auto animated = convert_animated_scene(*scene, "", {});
+  ASSERT_TRUE(animated) << error_of(animated);
+  const auto& keys = animated->animations.at(0).deformations.at(0).weights.keys;
+  EXPECT_EQ(keys.at(0).value, std::vector<double>{0.5});
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,37 @@
+// Bytes as a mesh on which builders lose their way, a builder, and rays.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "accel/geometry/facing.h"
+#include "accel/geometry/mesh_view.h"
+#include "accel/geometry/ray.h"
+#include "accel/lazy/mesh_tree.h"
+#include "tests/fuzz/bytes.h"
+
+namespace sightline::tests {
+
+struct SoupCase {
+  std::string_view builder;  ///< Of accel::builder_names().
+  /// For set_parameter, which may refuse any.
+  std::vector<std::pair<std::string_view, std::string>> parameters;
+  accel::References references = accel::References::kRuns;
+  bool in_parallel = false;
+  accel::Culling culling = accel::Culling::kNone;
+  std::vector<accel::Vec3f> vertices;  ///< May be NaN or infinite.
+  std::vector<accel::Face> faces;      ///< Indices are good, or all kNoVertex.
+  std::vector<accel::Ray> rays;        ///< May be none that the hit rule takes.
+
+  accel::MeshView view() const { return {vertices, faces}; }
+};
+
+/// Any bytes make one: up to 60 triangles, and of some of them copies, moved by one step after the
+/// other or not at all, up to kMostFaces.
+SoupCase make_soup(Bytes bytes);
+
+inline constexpr std::size_t kMostFaces = 400;
+
+}  // namespace sightline::tests

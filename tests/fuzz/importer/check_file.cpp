@@ -1,0 +1,191 @@
+// Tried in a child, then read in earnest.
+#include "tests/fuzz/importer/check_file.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <ios>
+#include <string>
+#include <utility>
+
+#include "client/importer/assimp_file.h"
+#include "client/importer/assimp_import.h"
+#include "client/importer/damage.h"
+#include "tests/fuzz/importer/check_imported.h"
+
+/// Of sanitizers, where there is one.
+extern "C" [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)());
+
+namespace sightline::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPatienceMs = 5000;
+
+/// A folder of this process, removed at its end.
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("sightline-fuzz-" + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  fs::path put(const char* ending, std::span<const std::uint8_t> contents) const {
+    fs::path file = path_ / "case";
+    file.replace_extension(ending);
+    std::ofstream out(file, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(contents.data()),
+              static_cast<std::streamsize>(contents.size()));
+    return file;
+  }
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Death in the child is silent, and no finding of the fuzzer's.
+void die_quietly() {
+  if (__sanitizer_set_death_callback != nullptr) __sanitizer_set_death_callback(nullptr);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGILL, SIGFPE, SIGALRM, SIGINT, SIGTERM})
+    std::signal(signal, SIG_DFL);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  dup2(open("/dev/null", O_WRONLY | O_CLOEXEC), STDERR_FILENO);
+}
+
+void read_by_assimp(const fs::path& file) {
+  try {
+    (void)client::AssimpFile::read(file).ok();
+  } catch (const std::exception&) {  // It lives: that is all that is asked here.
+  }
+}
+
+/// A process that reads the file each time it is told to, and is replaced when it dies. Forking for
+/// each file would take most of the time.
+class Taster {
+ public:
+  explicit Taster(fs::path folder) : folder_(std::move(folder)) {}
+  ~Taster() { stop(); }
+  Taster(const Taster&) = delete;
+  Taster& operator=(const Taster&) = delete;
+
+  /// A child that has read many files may die of an earlier one: a fresh one has the last word.
+  bool survives(const fs::path& file) {
+    const bool is_fresh = child_ == 0;
+    return try_once(file) || (!is_fresh && try_once(file));
+  }
+
+ private:
+  bool try_once(const fs::path& file) {
+    if (child_ == 0) start();
+    const std::string name = file.filename().string() + "\n";
+    char answer = 0;
+    pollfd ready{answers_, POLLIN, 0};
+    if (write(questions_, name.data(), name.size()) == static_cast<ssize_t>(name.size()) &&
+        poll(&ready, 1, kPatienceMs) == 1 && read(answers_, &answer, 1) == 1)
+      return true;
+    stop();
+    return false;
+  }
+
+  void start() {
+    std::signal(SIGPIPE, SIG_IGN);
+    int to[2], from[2];
+    if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) std::abort();
+    child_ = fork();
+    if (child_ == 0) {
+      close(to[1]);
+      close(from[0]);
+      serve(to[0], from[1]);
+    }
+    close(to[0]);
+    close(from[1]);
+    questions_ = to[1];
+    answers_ = from[0];
+  }
+
+  [[noreturn]] void serve(int questions, int answers) const {
+    die_quietly();
+    std::string name;
+    for (char c = 0; read(questions, &c, 1) == 1;) {
+      if (c != '\n') {
+        name += c;
+        continue;
+      }
+      read_by_assimp(folder_ / name);
+      name.clear();
+      if (write(answers, "!", 1) != 1) break;
+    }
+    _exit(EXIT_SUCCESS);
+  }
+
+  void stop() {
+    if (child_ <= 0) return;
+    close(questions_);
+    close(answers_);
+    kill(child_, SIGKILL);
+    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    child_ = 0;
+  }
+
+  fs::path folder_;
+  pid_t child_ = 0;
+  int questions_ = -1, answers_ = -1;
+};
+
+template <class Scene>
+std::optional<std::string> refusal(const client::Result<Scene>& scene) {
+  if (scene.ok() || !scene.error().message.empty()) return {};
+  return "refused without a word";
+}
+
+FileReport import(const fs::path& file) {
+  const auto plain = client::import_scene(file);
+  const auto animated = client::import_animated_scene(file);
+  FileReport report{animated ? FileOutcome::kTaken : FileOutcome::kRefused, {}};
+  if ((report.wrong = refusal(plain)) || (report.wrong = refusal(animated))) return report;
+  if (!plain) {
+    if (animated) report.wrong = "only taken if animated";
+    return report;
+  }
+  if ((report.wrong = check_imported(*plain)) || !animated) return report;
+  report.wrong = difference(*plain, animated->scene);
+  if (!report.wrong) report.wrong = check_animated(*animated);
+  return report;
+}
+
+}  // namespace
+
+const char* ending_of(std::span<const std::uint8_t> bytes) {
+  static constexpr const char* kEndings[] = {"obj", "ply", "stl", "glb", "gltf",
+                                             "dae", "ac",  "fbx", "ifc"};
+  return kEndings[bytes.empty() ? 0 : bytes[0] % std::size(kEndings)];
+}
+
+FileReport check_file(std::span<const std::uint8_t> bytes) {
+  static const Folder folder;
+  static Taster taster(folder.path());
+  const fs::path file = folder.put(ending_of(bytes), bytes.empty() ? bytes : bytes.subspan(1));
+  if (client::check_damage(file) && !taster.survives(file)) return {FileOutcome::kAssimpDied, {}};
+  return import(file);
+}
+
+}  // namespace sightline::tests

@@ -1,0 +1,65 @@
+// What hard shapes are put together from.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+
+inline void add_triangle(TestMesh& mesh, const accel::Vec3d& a, const accel::Vec3d& b,
+                         const accel::Vec3d& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {accel::Vec3f(a), accel::Vec3f(b), accel::Vec3f(c)});
+  mesh.faces.push_back({first, first + 1, first + 2});
+}
+
+/// A lattice over the parallelogram at `corner`, exactly `triangles` faces, row by row.
+/// `place(point, i, j)` moves a lattice point.
+template <class Place>
+void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
+                 const accel::Vec3d& u, const accel::Vec3d& v, const Place& place) {
+  const std::uint32_t quads = (triangles + 1) / 2;
+  if (quads == 0) return;
+  const auto columns = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(quads)));
+  const std::uint32_t rows = (quads + columns - 1) / columns;
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (std::uint32_t j = 0; j <= rows; ++j) {
+    for (std::uint32_t i = 0; i <= columns; ++i) {
+      const accel::Vec3d p =
+          corner + u * (static_cast<double>(i) / columns) + v * (static_cast<double>(j) / rows);
+      mesh.vertices.push_back(accel::Vec3f(place(p, i, j)));
+    }
+  }
+  const std::size_t end = mesh.faces.size() + triangles;
+  for (std::uint32_t quad = 0; quad < quads; ++quad) {
+    const std::uint32_t a = first + quad / columns * (columns + 1) + quad % columns;
+    const std::uint32_t above = a + columns + 1;
+    mesh.faces.push_back({a, a + 1, above + 1});
+    if (mesh.faces.size() < end) mesh.faces.push_back({a, above + 1, above});
+  }
+}
+
+inline void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
+                        const accel::Vec3d& u, const accel::Vec3d& v) {
+  add_lattice(mesh, triangles, corner, u, v,
+              [](const accel::Vec3d& p, std::uint32_t, std::uint32_t) { return p; });
+}
+
+/// Triangles of a size that leaves room between them, in the cube of this width at `corner`.
+inline void add_scattered(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
+                          double width, Random& random) {
+  const double size = 0.5 * width / std::cbrt(1.0 + triangles);
+  const auto point = [&](double extent) {
+    return accel::Vec3d{random.uniform() * extent, random.uniform() * extent,
+                        random.uniform() * extent};
+  };
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    const accel::Vec3d at = corner + point(width - size);
+    add_triangle(mesh, at + point(size), at + point(size), at + point(size));
+  }
+}
+
+}  // namespace sightline::tests

@@ -1,0 +1,23 @@
+// Rays at which walks and tests fail: through vertices and edges, in planes, along axes, from
+// surfaces.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+
+/// The ways that make_hard_rays takes turns in.
+inline constexpr std::size_t kHardRayKinds = 8;
+
+/// Eight kinds in turns: through points of the box from afar, from within, at vertices, at points
+/// of edges, along the 26 directions to neighbours of a lattice through a vertex (zeros of both
+/// signs), the same from the vertex itself, from a plane through a vertex along that plane, and
+/// with limits that end at a vertex. All are valid; the mesh needs a finite vertex, else there are
+/// none.
+std::vector<accel::Ray> make_hard_rays(const TestMesh& mesh, std::size_t count, std::uint64_t seed);
+
+}  // namespace sightline::tests
