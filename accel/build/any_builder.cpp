@@ -48,7 +48,7 @@ const std::vector<Named>& all_builders() {
       {"scan-fast", KdBuilder(scan_fast())},
       {"scan-best", KdBuilder(scan_best())},
       {"bvh-sweep", BvhBuilder{.method = BvhMethod::kSweep}},
-      {"bvh-binned", BvhBuilder{.method = BvhMethod::kBinned}},
+      {"bvh-binned", BvhBuilder{.method = BvhMethod::kBinned, .leaf = {.split_small = true}}},
       {"bvh-esc", BvhBuilder{.method = BvhMethod::kEarly}},
       {"bvh-evh", BvhBuilder{.method = BvhMethod::kEdgeVolume}},
       {"sbvh", BvhBuilder{.method = BvhMethod::kSpatial}},
@@ -157,9 +157,11 @@ const Parameters<BvhBuilder>& parameters(const BvhBuilder& builder) {
   static const Parameters<B> kPreSplit = bvh_parameters({
       {"threshold", [](B& b) -> double& { return b.pre_split.threshold; }},
       {"budget", [](B& b) -> double& { return b.pre_split.budget; }},
+      {"repeats", [](B& b) -> bool& { return b.repeats; }},
   });
   static const Parameters<B> kSpatial = bvh_parameters({
       {"alpha", [](B& b) -> double& { return b.spatial.alpha; }},
+      {"node_overlap", [](B& b) -> double& { return b.spatial.node_overlap; }},
       {"spatial_bins", [](B& b) -> std::uint32_t& { return b.spatial.bins; }},
       {"unsplit", [](B& b) -> bool& { return b.spatial.unsplit; }},
       {"budget", [](B& b) -> double& { return b.spatial.budget; }},

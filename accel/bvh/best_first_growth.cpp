@@ -74,7 +74,7 @@ class BestFirstGrowth {
         leaf_(leaf),
         growth_(growth),
         closed_(search, leaf, growth, nullptr),
-        left_(budget) {}
+        unspent_(budget) {}
 
   BvhChild grow(const CenterLists& root, BuildCounters& counters) {
     nodes_.emplace_back(root, nullptr, 0);
@@ -179,8 +179,8 @@ class BestFirstGrowth {
       offers_.pop_back();
       PlanNode& node = nodes_[at];
       const std::size_t added = node.added();
-      if (added <= left_) {
-        left_ -= added;
+      if (added <= unspent_) {
+        unspent_ -= added;
       } else {
         node.state = State::kClosed;
       }
@@ -200,7 +200,7 @@ class BestFirstGrowth {
   const BvhLeafRule& leaf_;
   BvhGrowth& growth_;
   ListGrowth closed_;
-  std::size_t left_;  ///< Of the budget.
+  std::size_t unspent_;  ///< Of the budget.
   std::vector<PlanNode> nodes_;
   std::vector<Offer> offers_;  ///< A heap of the open nodes.
   ScratchPool scratches_;

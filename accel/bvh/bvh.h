@@ -55,7 +55,7 @@ struct alignas(64) BvhNode {
 static_assert(sizeof(BvhNode) == 64);
 
 /// Nodes stand in depth-first order, left children first; ids in the order of their leaves. A
-/// reference that was split is named by several leaves, by each once at most.
+/// triangle whose reference was split is named by several leaves.
 ///
 /// Boxes hold all of what of their triangles they are responsible for: every point of a triangle
 /// lies in the box of a leaf that names it, and in all boxes above that leaf.

@@ -28,7 +28,10 @@ struct BvhBuilder {
   /// kBinned: bins an axis, over the centers of what the node holds. Range 2 to 256.
   std::uint32_t bins = 32;
   PreSplitRule pre_split{};  ///< kEarly, kEdgeVolume.
-  SpatialRule spatial{};     ///< kSpatial.
+  /// kEarly, kEdgeVolume: a leaf names a triangle once for every piece of it, as Ernst and Greiner
+  /// have it, and Stich et al. count it.
+  bool repeats = false;
+  SpatialRule spatial{};  ///< kSpatial.
 
   bool operator==(const BvhBuilder&) const = default;
 

@@ -37,14 +37,15 @@ class Flattening {
 
 }  // namespace
 
-BvhGrowth::BvhGrowth(std::size_t references) : nodes_(references), ids_(references) {}
+BvhGrowth::BvhGrowth(std::size_t references, bool repeats)
+    : nodes_(references), ids_(references), repeats_(repeats) {}
 
 BvhChild BvhGrowth::leaf(std::span<const BoxRef> refs, const Aabb& box) {
   const std::size_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
   std::uint32_t* const begin = ids_.data() + first;
   std::uint32_t* end = begin;
   for (const BoxRef& ref : refs) {
-    if (std::find(begin, end, ref.id) == end) *end++ = ref.id;
+    if (repeats_ || std::find(begin, end, ref.id) == end) *end++ = ref.id;
   }
   return {.box = box,
           .first = static_cast<std::uint32_t>(first),

@@ -39,9 +39,11 @@ struct BvhLeafRule {
 class BvhGrowth {
  public:
   /// Room for a hierarchy over so many references, those made by splitting included. Below 2^32.
-  explicit BvhGrowth(std::size_t references);
+  /// `repeats`: leaves name what is listed twice twice.
+  explicit BvhGrowth(std::size_t references, bool repeats = false);
 
-  /// A leaf over these references, in that order; one that is listed twice is named once.
+  /// A leaf over these references, in that order; one that is listed twice is named once, unless
+  /// with `repeats`.
   BvhChild leaf(std::span<const BoxRef> refs, const Aabb& box);
 
   /// An inner node; its box is the union of its children's.
@@ -54,6 +56,7 @@ class BvhGrowth {
  private:
   Reservation<BvhNode> nodes_;
   Reservation<std::uint32_t> ids_;
+  bool repeats_;
   std::atomic<std::size_t> nodes_used_{0}, ids_used_{0};
 };
 

@@ -4,32 +4,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include "accel/build/box_ref.h"
+#include "accel/bvh/lanes.h"
 
 namespace sightline::accel {
 
-/// Bounds that take in a reference in two steps of four lanes; the fourth holds nothing of use.
-struct BinBox {
-  std::array<float, 4> lo, hi;
-
-  static BinBox none() {
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    return {{kInf, kInf, kInf, kInf}, {-kInf, -kInf, -kInf, -kInf}};
-  }
-  void grow(const std::array<float, 4>& l, const std::array<float, 4>& h) {
-    for (std::size_t i = 0; i < 4; ++i) lo[i] = l[i] < lo[i] ? l[i] : lo[i];
-    for (std::size_t i = 0; i < 4; ++i) hi[i] = h[i] > hi[i] ? h[i] : hi[i];
-  }
-  void grow(const BinBox& o) { grow(o.lo, o.hi); }
-  Aabb aabb() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
-};
-
 /// What a list spans: its boxes, and their centers.
 struct ListSpan {
-  BinBox boxes = BinBox::none(), centers = BinBox::none();
+  LaneBox boxes, centers;
 
   void add(const BoxRef& ref);
   void grow(const ListSpan& o) {
@@ -52,7 +36,7 @@ class CenterBins {
 
   /// `bins` bins an axis over these centers, 2 to kMaxBins. An axis along which they coincide has
   /// none.
-  CenterBins(const BinBox& centers, std::uint32_t bins);
+  CenterBins(const LaneBox& centers, std::uint32_t bins);
 
   void add(std::span<const BoxRef> refs);
   CenterBins& operator+=(const CenterBins& o);
@@ -63,7 +47,7 @@ class CenterBins {
 
  private:
   struct Bin {
-    BinBox box;
+    Lanes lo, hi;  // as in LaneBox
     std::uint32_t count;
   };
   std::uint32_t bin(float center, std::size_t axis) const {

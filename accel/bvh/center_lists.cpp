@@ -61,20 +61,32 @@ void for_each_axis(std::size_t size, Each&& each) {
   }
 }
 
-/// Those before `first_right` along `axis` to the front, the others behind them, both in order.
+/// Those before `first_right` along `axis`, `left` of them, to the front, the others behind them,
+/// both in order. The fewer of them are put aside meanwhile: `spare` has room for those and one
+/// more, as every one is written to both places, and counts in one.
 void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& first_right,
-                 Fragment* spare) {
-  Fragment* left = list.data();
-  Fragment* right = spare;
-  for (const Fragment& f : list) {
-    const Fragment copy = f;
-    const bool goes_left = precedes(copy, first_right, axis);
-    *left = copy;
-    *right = copy;
-    left += goes_left ? 1 : 0;
-    right += goes_left ? 0 : 1;
+                 std::size_t left, Fragment* spare) {
+  if (left > list.size() / 2) {
+    Fragment *front = list.data(), *aside = spare;
+    for (const Fragment& f : list) {
+      const Fragment copy = f;
+      const bool goes_left = precedes(copy, first_right, axis);
+      *front = *aside = copy;
+      front += goes_left ? 1 : 0;
+      aside += goes_left ? 0 : 1;
+    }
+    std::copy(spare, aside, front);
+  } else {
+    Fragment *back = list.data() + list.size(), *aside = spare + left + 1;
+    for (std::size_t i = list.size(); i-- > 0;) {
+      const Fragment copy = list[i];
+      const bool goes_left = precedes(copy, first_right, axis);
+      *(back - 1) = *(aside - 1) = copy;
+      aside -= goes_left ? 1 : 0;
+      back -= goes_left ? 0 : 1;
+    }
+    std::copy(aside, spare + left + 1, list.data());
   }
-  std::copy(spare, right, left);
 }
 
 }  // namespace
@@ -108,13 +120,12 @@ ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::si
                              FragmentStack& stack, BuildCounters& counters) {
   const std::size_t size = lists.size();
   const Fragment first_right = lists.along[axis][left];
-  // Two lists at most are divided at once. One item more: the last write may fall behind the end.
-  const std::size_t room = size - left + 1;
-  Fragment* const spare = stack.top(2 * room);
+  const std::size_t room = std::min(left, size - left) + 1;
+  Fragment* const spare = stack.top(2 * room);  // two lists are divided, maybe at once
   for_each_axis(size, [&](std::size_t a) {
     if (a == axis) return;
     const bool second = a == (axis + 2) % kAxes;
-    divide_list(lists.along[a], axis, first_right, spare + (second ? room : 0));
+    divide_list(lists.along[a], axis, first_right, left, spare + (second ? room : 0));
   });
   ListHalves halves;
   for (std::size_t a = 0; a < kAxes; ++a) {

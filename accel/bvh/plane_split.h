@@ -40,10 +40,10 @@ struct PlaneSplit {
 };
 
 /// Cuts straddlers at the plane, exactly: every point of a triangle that the fragment was
-/// responsible for stays in one of its parts. One of which there is nothing on one side goes to the
-/// other whole as it is there. With `unsplit`, those are kept whole, one after the other by their
-/// order, that cost less so, by the formula of section 4.4, for which boxes and numbers are those
-/// with all that were decided before.
+/// responsible for stays in one of its parts. A fragment whose triangle reaches to one side only
+/// goes there alone. With `unsplit`, straddlers stay whole where that costs less by the formula of
+/// section 4.4: they are decided one after the other by their order, with the boxes and numbers
+/// that came of those before.
 ///
 /// Touches: a pass over the list; touches_prepare: two boxes a straddler.
 void plan_plane_split(const MeshView& mesh, const CenterLists& node, const SpatialSplit& split,

@@ -9,6 +9,7 @@ namespace sightline::accel {
 
 std::optional<std::string> SpatialRule::check() const {
   if (auto e = out_of_range("alpha", alpha, 0.0, 1.0)) return e;
+  if (auto e = out_of_range("node_overlap", node_overlap, 0.0, 1.0)) return e;
   if (auto e = out_of_range("spatial_bins", bins, 2u, 256u)) return e;
   return out_of_range("budget", budget, 0.0, 63.0);
 }

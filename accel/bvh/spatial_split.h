@@ -14,6 +14,9 @@ struct SpatialRule {
   /// root's surface, a spatial split is looked for (section 4.5). 0: wherever they overlap; 1:
   /// nowhere. Range 0 to 1.
   double alpha = 1e-5;
+  /// ... and of at least this share of the node's own surface: below it, a spatial split seldom
+  /// pays. 0: as in the paper; 0.2 finds almost the same splits in half the time. Range 0 to 1.
+  double node_overlap = 0;
   std::uint32_t bins = 256;  ///< An axis (section 4.2). Range 2 to 256.
   /// References that straddle the plane go to one side alone where that is cheaper (section 4.4).
   bool unsplit = true;

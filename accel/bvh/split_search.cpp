@@ -46,7 +46,9 @@ const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
   // What no order separates are duplicates, or as good as that: planes would only double them.
   if (!(object.sum < half_area(node.box) * static_cast<double>(node.size()))) return nullptr;
   counters.touches += node.size();
-  if (!(overlap(node, object) > least_overlap_)) return nullptr;
+  const double common = overlap(node, object);
+  if (!(common > least_overlap_) || common < rule_.node_overlap * half_area(node.box))
+    return nullptr;
   const SpatialSplit split =
       best_spatial_split(*mesh_, node, rule_.bins, object.sum, scratch.corners, counters);
   if (!split.found()) return nullptr;

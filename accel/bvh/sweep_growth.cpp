@@ -16,12 +16,16 @@ BvhChild grow_by_sweep(const MeshView* mesh, std::vector<BoxRef> refs, const Bvh
   const std::size_t budget = spatial.most_references(refs.size()) - refs.size();
   {
     SplitScratch scratch;
-    const CenterLists root = sort_by_centers(refs, scratch.lists, counters);
+    BuildCounters counted;
+    const CenterLists root = sort_by_centers(refs, scratch.lists, counted);
     if (!spatial.splits()) refs = {};
-    ReferenceBudget left(budget);
-    const BvhChild grown = ListGrowth(SplitSearch(mesh, spatial, root.box), leaf, growth, &left)
-                               .grow(root, 0, scratch, counters);
-    if (!left.exceeded()) return grown;
+    ReferenceBudget added(budget);
+    const BvhChild grown = ListGrowth(SplitSearch(mesh, spatial, root.box), leaf, growth, &added)
+                               .grow(root, 0, scratch, counted);
+    if (!added.exceeded()) {
+      counters += counted;
+      return grown;
+    }
   }
   FragmentStack lists;
   const CenterLists root = sort_by_centers(refs, lists, counters);

@@ -23,9 +23,10 @@ std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
 /// Out: what is in `growth`, which has room for sweep_room(refs.size(), spatial).
 ///
 /// Source: Stich, Friedrich, Dietrich 2009; differs: the budget, and what no split separates.
-/// Touches: see best_object_split, divide_by_centers, best_spatial_split, divide_by_plane.
-/// Cost: O(n log n) and 160 bytes a reference while it grows. Parallel in the caller's arena; the
-/// result does not depend on it. Throws std::bad_alloc.
+/// Touches: see best_object_split, divide_by_centers, best_spatial_split, divide_by_plane; work
+/// that is dropped because the budget does not suffice is not counted, as it depends on threads.
+/// Cost: O(n log n), and up to 250 bytes a reference while it grows. Parallel in the caller's
+/// arena; the result does not depend on it. Throws std::bad_alloc.
 BvhChild grow_by_sweep(const MeshView* mesh, std::vector<BoxRef> refs, const BvhLeafRule& leaf,
                        const SpatialRule& spatial, BvhGrowth& growth, BuildCounters& counters);
 

@@ -122,7 +122,7 @@ def panel(axes, found, view, large):
     for p in found:
         if p.usual and (large or p.text in members or p.builder in OURS):
             one.name(p, 9 if large else 7)
-    if large:
+    if large and view["values"]:
         one.name_ends()
     axes.grid(color=LIGHT, lw=0.8, zorder=0)
     axes.set_axisbelow(True)
@@ -204,7 +204,7 @@ def cell(study, key):
 def work(data, folder, mean):
     return tradeoff(data, folder, mean, {
         "name": "speed_accuracy_work", "x": cell("build", "mtris_per_s"), "y": cell("trace", "work_over_sweep"),
-        "further": 1, "ceiling": 2.5, "mixed": False, "x_label": "million triangles built a second",
+        "further": 1, "ceiling": 2.5, "mixed": False, "values": True, "x_label": "million triangles built a second",
         "y_label": "work a ray (steps + 1.5 tests) over the exact sweep's",
         "hint": "faster to build, less work: better",
         "front": "best of kd-trees, best of BVHs (a BVH's step tests two boxes)",
@@ -214,7 +214,7 @@ def work(data, folder, mean):
 def time(data, folder, mean):
     return tradeoff(data, folder, mean, {
         "name": "speed_accuracy_time", "x": cell("build", "mtris_per_s"), "y": cell("trace", "trace_over_sweep"),
-        "further": 1, "ceiling": 2.5, "mixed": True, "x_label": "million triangles built a second",
+        "further": 1, "ceiling": 2.5, "mixed": True, "values": False, "x_label": "million triangles built a second",
         "y_label": "time to trace over the exact sweep's",
         "hint": "faster to build, faster to trace: better", "front": "best of ours",
         "title": "What building faster costs the rays: time"})
@@ -234,7 +234,7 @@ def cost(data, folder, mean):
         return 1e3 * row["build_ms"] / row["triangles"] if row["study"] == "build" else None
 
     return tradeoff(data, folder, mean, {
-        "name": "speed_accuracy_cost", "x": seconds, "y": relative, "further": -1, "ceiling": 3, "mixed": False,
+        "name": "speed_accuracy_cost", "x": seconds, "y": relative, "further": -1, "ceiling": 3, "mixed": False, "values": True,
         "x_label": "seconds to build a million triangles", "y_label": "SAH cost over the exact sweep's",
         "hint": "faster to build, cheaper tree: better",
         "front": "best of kd-trees, best of BVHs", "title": "What building time buys: expected cost"})

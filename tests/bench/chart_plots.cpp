@@ -48,7 +48,14 @@ Result<std::vector<fs::path>> draw_chart_plots(const fs::path& csv) {
   }
   std::vector<fs::path> written;
   std::istringstream lines(process.output());
-  for (std::string line; std::getline(lines, line);) written.emplace_back(line);
+  for (std::string line; std::getline(lines, line);) {
+    // Matplotlib may have warned.
+    if (fs::exists(line, ignored)) {
+      written.emplace_back(line);
+    } else {
+      fmt::print(stderr, "{}\n", line);
+    }
+  }
   return written;
 }
 

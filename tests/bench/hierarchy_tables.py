@@ -13,7 +13,7 @@ PAPER = {
 }
 SCENES = {"conference": ["conference"], "sibenik": ["sibenik"], "sponza turned": ["sponza", "--merge", "--rotate", "45,45,45"],
           "fairy_forest": ["fairy_forest"], "torcs_forza": ["torcs_forza", "--merge"]}
-METHODS = ["bvh-sweep", "sbvh", "bvh-esc", "bvh-evh"]
+METHODS = ["bvh-sweep", "sbvh", "bvh-esc", "bvh-evh", "bvh-esc, named once", "bvh-evh, named once"]
 RAYS = ["overview", "diffuse", "random"]
 
 
@@ -24,8 +24,8 @@ def builds(bench, where, builders, repeat):
 
 
 def at_equal_references(bench, where, method, wanted):
-    """The method with the budget that gives a tree of so many references: what a leaf names twice is named once there, so the
-    budget is larger."""
+    """The method with the budget that gives a tree of so many references. What a leaf would name twice is named once, so the
+    budget is larger than that."""
     low, high = 1.0, 64.0
     for _ in range(12):
         budget = round((low * high) ** 0.5, 3)
@@ -43,8 +43,9 @@ def table_1(bench, options):
     for title, where in SCENES.items():
         first = builds(bench, where, ["sbvh"], 1)["sbvh"]
         names = {"bvh-sweep": "bvh-sweep", "sbvh": "sbvh"}
-        for method in METHODS[2:]:
-            names[method] = at_equal_references(bench, where, method, first["references"])
+        for method in METHODS[2:4]:
+            names[method] = f"{method}?repeats=on&budget={first['references'] / first['triangles']:.4f}"
+            names[method + ", named once"] = at_equal_references(bench, where, method, first["references"])
         small = ["bvh-binned", "bvh-sweep?split_small=on", "sbvh?split_small=on"]
         others = small + ["scan-fast", "sah-sweep", "embree-high", "embree-medium"]
         built = builds(bench, where, [*names.values(), *others], options.repeat)
@@ -81,8 +82,10 @@ def table_1(bench, options):
 
 def slivers(bench, options):
     where = ["gen:slivers?triangles=100000"]
-    builders = ["bvh-sweep", *(f"sbvh?alpha=0&split_small=on&budget={b}" for b in (1, 3, 7, 15, 31, 63)), "sbvh", "scan-fast", "scan-best",
-                "sah-sweep?clip=off", "sah-sweep", "embree-high"]
+    budgets = (1, 2, 4, 8, 16, 32, 64)
+    builders = ["bvh-sweep", *(f"bvh-esc?split_small=on&budget={b}" for b in budgets), *(f"bvh-evh?split_small=on&budget={b}" for b in (2, 8, 32)),
+                *(f"sbvh?alpha=0&split_small=on&budget={b}" for b in (1, 7, 63)), "scan-fast", "scan-best", "sah-sweep?clip=off", "sah-sweep",
+                "embree-high"]
     built = {row["builder"]: row for row in bench.rows("build", "--scene", *where, "--builder", ",".join(builders), "--threads", 2, "--repeat", 1)}
     lines = []
     traced = {kind: {row["builder"]: row for row in bench.rows(

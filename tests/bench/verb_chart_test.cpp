@@ -86,8 +86,9 @@ TEST_F(ChartTest, MeasuresEveryConfigurationOverEveryScene) {
     if (row.at("configuration") == kExactSweep && row.contains("work_over_sweep")) {
       EXPECT_EQ(row.at("work_over_sweep"), "1");
     }
-    if (row.at("study") == "missed" && row.at("method") == "exact")
+    if (row.at("study") == "missed" && row.at("method") == "exact") {
       EXPECT_EQ(row.at("missed"), "0");
+    }
   }
   const std::size_t contenders = chart_contenders().size();
   EXPECT_EQ(studies["build"], 2 * contenders);

@@ -97,7 +97,9 @@ TEST(SetParameter, ReachesEveryBuilder) {
                                          {"bvh-binned", "bins", "16"},
                                          {"bvh-esc", "threshold", "0.01"},
                                          {"bvh-evh", "budget", "2"},
+                                         {"bvh-esc", "repeats", "on"},
                                          {"sbvh", "alpha", "0"},
+                                         {"sbvh", "node_overlap", "0.2"},
                                          {"sbvh", "spatial_bins", "64"},
                                          {"sbvh", "unsplit", "off"},
                                          {"sbvh", "budget", "1"}}) {

@@ -38,12 +38,15 @@ TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
   EXPECT_EQ(m.bytes, sizeof(BvhNode) + 3 * sizeof(std::uint32_t));
 }
 
-TEST(BvhGrowth, NamesATriangleOnceALeaf) {
+TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
   BvhGrowth growth(3);
   const Aabb box{{0, 0, 0}, {1, 1, 1}};
   const std::vector<BoxRef> thrice{ref(7, box), ref(3, box), ref(7, box)};
   const Bvh bvh = growth.finish(growth.leaf(thrice, box));
   EXPECT_EQ(bvh.ids, (std::vector<std::uint32_t>{7, 3}));
+  BvhGrowth repeating(3, true);
+  EXPECT_EQ(repeating.finish(repeating.leaf(thrice, box)).ids,
+            (std::vector<std::uint32_t>{7, 3, 7}));
 }
 
 TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {

@@ -43,6 +43,8 @@ TEST(SpatialRule, NamesWhatIsOutOfRange) {
   EXPECT_FALSE(SpatialRule{}.check());
   EXPECT_NE(SpatialRule{.alpha = -0.1}.check().value_or("").find("alpha"), std::string::npos);
   EXPECT_NE(SpatialRule{.alpha = 1.5}.check().value_or("").find("alpha"), std::string::npos);
+  EXPECT_NE(SpatialRule{.node_overlap = 2}.check().value_or("").find("node_overlap"),
+            std::string::npos);
   EXPECT_NE(SpatialRule{.bins = 1}.check().value_or("").find("spatial_bins"), std::string::npos);
   EXPECT_NE(SpatialRule{.bins = 257}.check().value_or("").find("256"), std::string::npos);
   EXPECT_NE(SpatialRule{.budget = -1}.check().value_or("").find("budget"), std::string::npos);
@@ -102,6 +104,8 @@ TEST(SweepGrowth, IsTheSameForAnyNumberOfThreads) {
         tbb::task_arena(threads).execute([&] { grown = grow(mesh, rule); });
         if (!first) first = grown;
         ASSERT_EQ(grown.bvh.ids, first->bvh.ids);
+        ASSERT_EQ(grown.counters.touches, first->counters.touches);
+        ASSERT_EQ(grown.counters.touches_prepare, first->counters.touches_prepare);
         ASSERT_EQ(grown.bvh.nodes.size(), first->bvh.nodes.size());
         for (std::size_t i = 0; i < grown.bvh.nodes.size(); ++i) {
           for (const std::size_t side : {0u, 1u}) {
@@ -137,6 +141,14 @@ TEST(SweepGrowth, SpatialSplitsLowerCostAndOverlapOfWhatIsTurned) {
       EXPECT_LT(split.sah_cost, 0.95 * sweep.sah_cost) << degrees;
     }
   }
+}
+
+TEST(SweepGrowth, LittleOverlapInTheNodeCanBeLetPass) {
+  const TestMesh mesh = tests::turned(tests::beams(7), 45);
+  const Grown all = grow(mesh, {}), some = grow(mesh, {.node_overlap = 0.2});
+  EXPECT_LT(some.counters.touches, all.counters.touches);
+  EXPECT_LT(measure(some.bvh).sah_cost, 1.05 * measure(all.bvh).sah_cost);
+  EXPECT_EQ(grow(mesh, {.node_overlap = 1}).bvh.ids, grow(mesh, kNever).bvh.ids);
 }
 
 TEST(SweepGrowth, AddsNoMoreReferencesThanTheBudget) {

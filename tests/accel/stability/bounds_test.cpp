@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <map>
+#include <string_view>
 
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/support/hard_meshes.h"
@@ -28,26 +29,26 @@ double touches_each(const TestMesh& mesh, std::string_view builder) {
          static_cast<double>(std::max<std::size_t>(mesh.faces.size(), 1));
 }
 
-TreeCost cost_of(const TestMesh& mesh, std::string_view builder) {
+/// What a builder's tree over a mesh comes to, and its work: steps and one and a half tests.
+struct Measured {
+  TreeCost cost;
+  double touches = 0, work = 0;
+};
+
+Measured measure(const TestMesh& mesh, std::span<const accel::Ray> rays, std::string_view builder) {
   AskedTree tree(mesh, builder);
   tree.build();
   const accel::TreeMetrics metrics = tree.metrics();
   const auto n = static_cast<double>(mesh.faces.size());
-  TreeCost cost;
-  cost.references = static_cast<double>(metrics.references) / n;
-  cost.given_up = static_cast<double>(metrics.given_up_cells);
-  cost.depth = levels_beyond_good(metrics.max_depth, mesh.faces.size());
-  cost.touches = static_cast<double>(tree.built().touches) / n /
-                 touches_each(hills(size_for(builder), kSeed), builder);
-  return cost;
-}
-
-/// Steps and one and a half tests.
-double work_of(const TestMesh& mesh, std::span<const accel::Ray> rays, std::string_view builder) {
-  AskedTree tree(mesh, builder);
-  tree.build();
+  Measured measured;
+  measured.touches = static_cast<double>(tree.built().touches) / n;
+  measured.cost.references = static_cast<double>(metrics.references) / n;
+  measured.cost.depth = levels_beyond_good(metrics.max_depth, mesh.faces.size());
+  measured.cost.given_up = static_cast<double>(metrics.given_up_cells);
   for (const accel::Ray& ray : rays) tree.nearest(ray);
-  return static_cast<double>(tree.walked().steps) + 1.5 * static_cast<double>(tree.walked().tests);
+  measured.work =
+      static_cast<double>(tree.walked().steps) + 1.5 * static_cast<double>(tree.walked().tests);
+  return measured;
 }
 
 /// Our own builders, whose failures no paper excuses: what is known and not mended yet. Boxes of
@@ -61,13 +62,21 @@ bool is_known(std::string_view mesh, std::string_view builder, Bound bound) {
 }
 
 TEST(HardMeshBounds, AreKeptByEveryBuilderThatIsNotMarked) {
+  std::map<std::string_view, double> compact;  // touches a triangle
+  for (const std::string_view builder : accel::builder_names()) {
+    compact[builder] = touches_each(hills(size_for(builder), kSeed), builder);
+  }
   for (const HardMesh& hard : hard_meshes()) {
+    std::map<std::uint32_t, double> sweep;  // work of the exact sweep's tree, by size
     for (const std::string_view builder : accel::builder_names()) {
-      const TestMesh mesh = hard.make(size_for(builder), kSeed);
+      const std::uint32_t size = size_for(builder);
+      const TestMesh mesh = hard.make(size, kSeed);
       const std::vector<accel::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, kSeed);
-      TreeCost cost = cost_of(mesh, builder);
-      cost.work = work_of(mesh, rays, builder) / work_of(mesh, rays, "sah-sweep");
-      for (const Breach& breach : breaches(hard, builder, cost)) {
+      if (!sweep.contains(size)) sweep[size] = measure(mesh, rays, "sah-sweep").work;
+      Measured measured = measure(mesh, rays, builder);
+      measured.cost.touches = measured.touches / compact[builder];
+      measured.cost.work = measured.work / sweep[size];
+      for (const Breach& breach : breaches(hard, builder, measured.cost)) {
         EXPECT_TRUE(!breach.by_design.empty() || is_known(hard.name, builder, breach.bound))
             << hard.name << ", " << builder << ": " << breach.text();
       }
@@ -77,9 +86,10 @@ TEST(HardMeshBounds, AreKeptByEveryBuilderThatIsNotMarked) {
 
 /// Of builders that are N log N: twice as many triangles are little more than twice the touches.
 TEST(HardMeshBounds, TouchesGrowLittleFasterThanTheMesh) {
+  constexpr std::uint32_t kFewer = 3000;
   const double power = std::log2(2.5);
   for (const HardMesh& hard : hard_meshes()) {
-    const TestMesh small = hard.make(kTriangles, kSeed), large = hard.make(2 * kTriangles, kSeed);
+    const TestMesh small = hard.make(kFewer, kSeed), large = hard.make(2 * kFewer, kSeed);
     const auto n = static_cast<double>(small.faces.size());
     const double times = static_cast<double>(large.faces.size()) / n;
     for (const std::string_view builder : accel::builder_names()) {
@@ -110,7 +120,7 @@ TEST(HardMeshBounds, DuplicatesAreNotCut) {
     const accel::TreeMetrics metrics = tree.metrics();
     EXPECT_EQ(metrics.references, mesh.faces.size()) << builder;
     const bool cells = builder.find("bvh") == std::string_view::npos;
-    EXPECT_LE(metrics.leaves, cells ? 1 : mesh.faces.size()) << builder;
+    EXPECT_LE(metrics.nonempty_leaves, cells ? 1 : mesh.faces.size()) << builder;
   }
 }
 
