@@ -7,16 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "client/transform.h"
 #include "client/up_axis.h"
 
 namespace sightline::client {
-
-/// Rows of [linear | translation], parent from local.
-using Transform = std::array<double, 12>;
-inline constexpr Transform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-
-/// How a node is expected to change.
-enum class Mobility : std::uint8_t { kStatic, kRigid, kDeforming };
 
 struct SceneInfo {
   std::string name;  ///< projects/{project}/scenes/{scene}

@@ -50,22 +50,24 @@ inline HalvedCell halve(const Aabb& cell, int axis, float position) {
   return halves;
 }
 
-/// The nearest floats at or beyond a double, downward and upward.
+/// The nearest floats at or beyond a double that are not denormal, downward and upward.
 inline float round_down(double x) {
+  constexpr float kTiny = std::numeric_limits<float>::min();
+  if (std::fabs(x) < static_cast<double>(kTiny)) return x < 0 ? -kTiny : 0.0f;
   const auto f = static_cast<float>(x);
   return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity())
                                     : f;
 }
-inline float round_up(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
+inline float round_up(double x) { return -round_down(-x) + 0.0f; }
 
-/// The upper bound that widen_flat gives a box flat at x. Finite x.
+/// The upper bound that widen_flat gives a box flat at x. Finite x, not denormal.
 inline float least_above(float x) {
+  constexpr float kTiny = std::numeric_limits<float>::min();
   const auto bits = std::bit_cast<std::uint32_t>(x + 0.0f);  // + 0: no negative zero
   const float next = std::bit_cast<float>(x < 0 ? bits - 1 : bits + 1);
-  return std::max(next, x + std::numeric_limits<float>::min());
+  const float sum = x + kTiny;
+  const float above = std::fabs(sum) < kTiny ? 0.0f : sum;
+  return std::fabs(next) < kTiny ? above : std::max(next, above);
 }
 
 /// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
@@ -80,9 +82,11 @@ inline Aabb widen_flat(Aabb b) {
   for (std::size_t a = 0; a < 3; ++a) {
     float& lo = b.lo[a];
     float& hi = b.hi[a];
-    const bool flat = lo == hi && (lo == 0 || std::fabs(lo) >= kTiny);
-    if (lo > -kTiny && lo < kTiny) lo = lo < 0 ? -kTiny : 0.0f;
-    if (hi > -kTiny && hi < kTiny) hi = hi > 0 ? kTiny : 0.0f;
+    // By bits: where denormals count as zero, comparing does not see them.
+    const auto zero = [](float x) { return std::bit_cast<std::uint32_t>(x) << 1 == 0; };
+    const bool flat = lo == hi && ((zero(lo) && zero(hi)) || std::fabs(lo) >= kTiny);
+    if (lo > -kTiny && lo < kTiny) lo = std::signbit(lo) && !zero(lo) ? -kTiny : 0.0f;
+    if (hi > -kTiny && hi < kTiny) hi = !std::signbit(hi) && !zero(hi) ? kTiny : 0.0f;
     if (!(hi - lo >= kTiny)) hi = least_above(lo);
     if (!flat && hi <= least_above(lo)) hi = least_above(least_above(lo));
   }

@@ -64,9 +64,20 @@ class Faces {
     const Tag d;
     const Four none = hn::Zero(d), tiny = hn::Set(d, std::numeric_limits<float>::min());
     const auto is_tiny = [&](Four x) { return hn::Lt(hn::Abs(x), tiny); };
-    const auto flat = hn::And(hn::Eq(lo, hi), hn::Or(hn::Eq(lo, none), hn::Not(is_tiny(lo))));
-    lo = hn::IfThenElse(is_tiny(lo), hn::IfThenElse(hn::Lt(lo, none), hn::Neg(tiny), none), lo);
-    hi = hn::IfThenElse(is_tiny(hi), hn::IfThenElse(hn::Gt(hi, none), tiny, none), hi);
+    // By bits: where denormals count as zero, comparing does not see them.
+    const hn::RebindToSigned<Tag> di;
+    const auto is_zero = [&](Four x) {
+      return hn::RebindMask(d, hn::Eq(hn::ShiftLeft<1>(hn::BitCast(di, x)), hn::Zero(di)));
+    };
+    const auto is_negative = [&](Four x) {
+      return hn::RebindMask(d, hn::Lt(hn::BitCast(di, x), hn::Zero(di)));
+    };
+    const auto flat =
+        hn::And(hn::Eq(lo, hi), hn::Or(hn::And(is_zero(lo), is_zero(hi)), hn::Not(is_tiny(lo))));
+    const auto below = hn::AndNot(is_zero(lo), is_negative(lo));
+    const auto beyond = hn::Not(hn::Or(is_zero(hi), is_negative(hi)));
+    lo = hn::IfThenElse(is_tiny(lo), hn::IfThenElse(below, hn::Neg(tiny), none), lo);
+    hi = hn::IfThenElse(is_tiny(hi), hn::IfThenElse(beyond, tiny, none), hi);
     const Four next = above(lo);
     hi = hn::IfThenElse(hn::Lt(hn::Sub(hi, lo), tiny), next, hi);
     hi = hn::IfThenElse(hn::AndNot(flat, hn::Le(hi, next)), above(next), hi);
@@ -80,7 +91,12 @@ class Faces {
     const auto one = hn::Set(du, 1);
     const auto below_zero = hn::RebindMask(du, hn::Lt(x, hn::Zero(d)));
     const auto next = hn::IfThenElse(below_zero, hn::Sub(bits, one), hn::Add(bits, one));
-    return hn::Max(hn::BitCast(d, next), hn::Add(x, hn::Set(d, std::numeric_limits<float>::min())));
+    const Four tiny = hn::Set(d, std::numeric_limits<float>::min());
+    const auto or_zero = [&](Four y) {
+      return hn::IfThenElse(hn::Lt(hn::Abs(y), tiny), hn::Zero(d), y);
+    };
+    const Four sum = or_zero(hn::Add(x, tiny)), neighbour = hn::BitCast(d, next);
+    return hn::IfThenElse(hn::Lt(hn::Abs(neighbour), tiny), sum, hn::Max(neighbour, sum));
   }
 
   HWY_INLINE Four vertex(std::uint32_t i) const {

@@ -29,18 +29,36 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   double reached_ = 0;
 };
 
-// Assimp takes a face without corners for a polygon, and stops the program if a mesh that is said
-// to hold polygons turns out to hold none.
-void settle_polygons(aiScene& scene) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    aiMesh& mesh = *scene.mMeshes[m];
-    const bool has_polygons = std::any_of(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
-                                          [](const aiFace& face) { return face.mNumIndices > 3; });
-    if (!has_polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
+
+Status check_polygon(const aiMesh& mesh, unsigned place) {
+  const aiFace& face = mesh.mFaces[place];
+  for (unsigned k = 0; k < face.mNumIndices; ++k) {
+    if (face.mIndices[k] < mesh.mNumVertices) continue;
+    return invalid(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
+                               mesh.mName.C_Str(), place, face.mIndices[k], mesh.mNumVertices));
   }
+  return {};
 }
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
+// Before they are cut: Assimp reads whatever vertices a polygon names. And it takes a face without
+// corners for a polygon, and stops the program if a mesh that is said to hold polygons, or nothing,
+// turns out to hold none.
+Status settle_polygons(aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    aiMesh& mesh = *scene.mMeshes[m];
+    bool has_polygons = false;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      if (mesh.mFaces[i].mNumIndices <= 3) continue;
+      if (Status good = check_polygon(mesh, i); !good) return good;
+      has_polygons = true;
+    }
+    if (has_polygons) continue;
+    mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+    if (mesh.mPrimitiveTypes == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -52,7 +70,8 @@ Result<AssimpFile> AssimpFile::read(const std::filesystem::path& file,
   }
   const aiScene* scene = importer->ReadFile(file.string(), 0);
   if (scene != nullptr) {
-    settle_polygons(const_cast<aiScene&>(*scene));
+    const Status good = settle_polygons(const_cast<aiScene&>(*scene));
+    if (!good) return invalid(fmt::format("{}: {}", file.string(), good.error().message));
     scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
   }
   if (scene == nullptr) {

@@ -16,7 +16,8 @@ namespace sightline::client {
 class AssimpFile {
  public:
   /// Reads it, triangulates and does nothing else. Errors: kInvalidArgument, with Assimp's own
-  /// words where it has some. May throw what Assimp throws.
+  /// words where it has some: unreadable, incomplete, a polygon of vertices that there are not. May
+  /// throw what Assimp throws.
   static Result<AssimpFile> read(const std::filesystem::path& file,
                                  const ImportProgress& progress = {});
 

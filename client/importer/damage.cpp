@@ -30,13 +30,15 @@ std::string read(std::ifstream& in, std::size_t bytes) {
   return text;
 }
 
+// The word begins a line, and is the whole of it or is followed by a blank.
 bool has_end_of_header(std::string_view text) {
-  constexpr std::string_view kEnd = "end_header";
-  const auto is_blank = [&](std::size_t i) {
-    return i >= text.size() || std::string_view(" \t\r\n").find(text[i]) != std::string_view::npos;
-  };
+  constexpr std::string_view kEnd = "end_header", kBlanks = " \t\r\n";
   for (std::size_t i = text.find(kEnd); i != std::string_view::npos; i = text.find(kEnd, i + 1)) {
-    if (i > 0 && is_blank(i - 1) && is_blank(i + kEnd.size())) return true;
+    const std::size_t before = text.substr(0, i).find_last_not_of(" \t");
+    const bool begins =
+        before != std::string_view::npos && kBlanks.find(text[before]) != kBlanks.npos;
+    const std::size_t after = i + kEnd.size();
+    if (begins && (after == text.size() || kBlanks.find(text[after]) != kBlanks.npos)) return true;
   }
   return false;
 }

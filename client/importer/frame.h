@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "client/importer/imported_scene.h"
-#include "client/scene_info.h"
+#include "client/transform.h"
 
 struct aiScene;
 

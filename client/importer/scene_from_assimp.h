@@ -7,7 +7,7 @@
 
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
-#include "client/scene_info.h"
+#include "client/transform.h"
 
 namespace sightline::client {
 

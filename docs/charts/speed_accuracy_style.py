@@ -113,8 +113,9 @@ def caption(figure, data, more):
     """Who measured, on what, when; below everything."""
     row = data.rows[0]
     turned = f" · turned by {row['rotate']}" if row.get("rotate") else ""
+    rounds = f"medians of {row['repeat']} rounds" if row["repeat"] > 1 else "one round"
     text = (f"{row['machine']}, {row['threads']} threads · {row['compiler']} · commit {row['commit']} · {row['date']} · "
-            f"medians of {row['repeat']} rounds{turned} · {more}")
+            f"{rounds}{turned} · {more}")
     figure.text(0.01, 0.008, text, fontsize=8, color="#555555", ha="left", va="bottom")
 
 

@@ -83,7 +83,7 @@ struct RobustOptions {
 
 struct StabilityOptions {
   std::string family{};                 ///< This one, or all whose name begins so; empty: all.
-  std::uint64_t triangles = 100'000;    ///< Of each family, about.
+  std::uint64_t triangles = 10'000;     ///< Of each family, about.
   std::size_t rays = 400;               ///< Over each family.
   std::vector<std::string> builders{};  ///< Empty: all of ours.
 };

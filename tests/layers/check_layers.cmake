@@ -10,7 +10,7 @@ set(own_scenegraph accel/ scenegraph/)
 set(own_server accel/ scenegraph/ server/ sightline/v1/ google/rpc/)
 set(own_client client/ sightline/v1/ google/rpc/)
 # Scene files are read apart from the connection: plain arrays and errors, no message, no call.
-set(own_client/importer client/importer/ client/mesh_arrays.h client/result.h client/up_axis.h)
+set(own_client/importer client/importer/ client/mesh_arrays.h client/result.h client/transform.h client/up_axis.h)
 
 # Which folders may include a package, by the first part of the header's path.
 set(packages
@@ -24,7 +24,7 @@ set(packages
   "spdlog=server"
   "openssl=server client"
   "CLI=server client"
-  "nlohmann=server client"
+  "nlohmann=server client client/importer"
   "png.h=client"
   "assimp=client/importer")
 

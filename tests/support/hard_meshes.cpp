@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, kBounds> kBoundNames{"references", "depth
                                                             "work", "cells given up"};
 
 TestMesh far_ball(std::uint32_t triangles, double distance, std::uint64_t seed) {
-  return ball(triangles, {distance, distance, distance}, 100, 0.05, seed);
+  return ball(triangles, {distance, distance, distance}, 100, 0.3, seed);
 }
 
 std::vector<HardMesh> make_table() {
@@ -47,7 +47,7 @@ std::vector<HardMesh> make_table() {
        [](N n, Seed) { return furnished_rooms(n); }},
       {"shell", "F12", "a ball with a rough surface",
        [](N n, Seed s) {
-         return ball(n, {0, 0, 0}, 1, 0.02, s);
+         return ball(n, {0, 0, 0}, 1, 1, s);
        }},
       {"halving", "F13", "sixty cubes in a corner, each half as wide as the one before",
        halving_staircase},
@@ -62,7 +62,7 @@ std::vector<HardMesh> make_table() {
        huge_and_tiny},
       {"denormal", "F18", "edges shorter than the least normal float",
        [](N n, Seed s) {
-         return ball(n, {0, 0, 0}, 1e-36, 0.05, s);
+         return ball(n, {0, 0, 0}, 1e-36, 0.3, s);
        }},
       {"nonfinite", "F19", "NaN and infinite vertices", with_nonfinite},
       {"zero-area", "F20", "one in a hundred a point or a line", with_zero_area},

@@ -16,7 +16,7 @@ TestMesh interleaved(std::uint32_t triangles, std::uint64_t seed) {
   TestMesh floor;
   add_lattice(floor, triangles / period, {-5, 0, -5}, {10, 0, 0}, {0, 0, 10});
   const auto rest = triangles - static_cast<std::uint32_t>(floor.faces.size());
-  TestMesh mesh = ball(rest, {4, 0.6, 4}, 0.5, 0.02, seed);
+  TestMesh mesh = ball(rest, {4, 0.6, 4}, 0.5, 0.3, seed);
   const std::vector<Face> object = mesh.faces;
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), floor.vertices.begin(), floor.vertices.end());
@@ -36,7 +36,7 @@ TestMesh with_nonfinite(std::uint32_t triangles, std::uint64_t seed) {
   constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
                             std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity()};
-  TestMesh mesh = ball(triangles, {0, 0, 0}, 1, 0.05, seed);
+  TestMesh mesh = ball(triangles, {0, 0, 0}, 1, 0.3, seed);
   Random random(seed);
   for (std::size_t i = 0; i < mesh.vertices.size() / 500; ++i) {
     mesh.vertices[random.below(mesh.vertices.size())][random.below(3)] = kOdd[i % 3];

@@ -35,9 +35,10 @@ TestMesh ball(std::uint32_t triangles, const Vec3d& center, double radius, doubl
               std::uint64_t seed) {
   TestMesh mesh = tiled_cube(triangles);
   Random random(seed);
+  const double width = std::min(1.0, 2 * std::sqrt(12 / (1.0 + triangles)));
   for (accel::Vec3f& vertex : mesh.vertices) {
     const Vec3d from_middle = Vec3d(vertex) - Vec3d{0.5, 0.5, 0.5};
-    const double far = radius * (1 + noise * random.uniform(-1, 1));
+    const double far = radius * (1 + noise * width * random.uniform(-0.5, 0.5));
     vertex = accel::Vec3f(center + from_middle * (far / length(from_middle)));
   }
   return mesh;
@@ -59,7 +60,7 @@ TestMesh ball_in_stadium(std::uint32_t triangles, std::uint64_t seed) {
                 [&](const Vec3d& p, std::uint32_t, std::uint32_t) { return turned(p); });
   }
   const auto rest = triangles - static_cast<std::uint32_t>(mesh.faces.size());
-  mesh.append(ball(rest, {0.5 + 0.1 * random.uniform(), kRadius, 0.5}, kRadius, 0.05, seed));
+  mesh.append(ball(rest, {0.5 + 0.1 * random.uniform(), kRadius, 0.5}, kRadius, 0.3, seed));
   return mesh;
 }
 
@@ -69,7 +70,7 @@ TestMesh nested_balls(std::uint32_t triangles, std::uint64_t seed) {
   double radius = 1;
   for (std::uint32_t scale = 0; scale < kScales; ++scale, radius *= 1e-3) {
     const std::uint32_t part = triangles / kScales + (scale < triangles % kScales ? 1 : 0);
-    mesh.append(ball(part, {0, 0, 0}, radius, 0.1, seed + scale));
+    mesh.append(ball(part, {0, 0, 0}, radius, 0.3, seed + scale));
   }
   return mesh;
 }
@@ -96,7 +97,7 @@ TestMesh huge_and_tiny(std::uint32_t triangles, std::uint64_t seed) {
   for (accel::Vec3f& v : ground.vertices) v = accel::Vec3f(Vec3d(v) * 1e3);
   mesh.append(ground);
   const auto rest = triangles - static_cast<std::uint32_t>(mesh.faces.size());
-  mesh.append(ball(rest, {0, 0, 0}, 1e-3, 0.05, seed));
+  mesh.append(ball(rest, {0, 0, 0}, 1e-3, 0.3, seed));
   return mesh;
 }
 

@@ -7,8 +7,8 @@
 
 namespace sightline::tests {
 
-// Each has about `triangles` faces (never more than an eighth more, where it is at least 64) and is
-// the same on every machine. Any number will do, 0 among them; very few triangles make fewer parts.
+// Each has at most `triangles` faces, and as many as its parts allow (a furnished room is made of
+// 204). Any number will do, 0 among them. They are the same on every machine.
 
 /// Hills over a square, the vertices out of line: what other meshes are held against.
 TestMesh hills(std::uint32_t triangles, std::uint64_t seed);
@@ -22,21 +22,23 @@ TestMesh walls_among_scattered(std::uint32_t triangles, std::uint32_t walls, std
 TestMesh sheet(std::uint32_t triangles);
 /// The six sides of the unit cube, each a lattice.
 TestMesh tiled_cube(std::uint32_t triangles);
-/// A cube of rooms: of the quads between neighbouring cells of a lattice seven in ten are there.
+/// A cube of rooms: of the quads between neighbouring cells of a lattice, an odd number an axis,
+/// seven in ten are there.
 TestMesh rooms(std::uint32_t triangles, std::uint64_t seed);
 /// Rooms with sixteen boxes each, four by four, that stand on the floor: 204 triangles a room.
 TestMesh furnished_rooms(std::uint32_t triangles);
 
 // hard_scales.cpp: large and small together, far away, near the least of floats.
 
-/// A tiled ball about `center`; its radius varies by `noise` of itself.
+/// A tiled ball about `center`; its radius varies by `noise` widths of its triangles.
 TestMesh ball(std::uint32_t triangles, const accel::Vec3d& center, double radius, double noise,
               std::uint64_t seed);
 /// Nine in ten of them a ball in a millionth of the box, the rest stands around it.
 TestMesh ball_in_stadium(std::uint32_t triangles, std::uint64_t seed);
 /// Ten balls about one point, each a thousandth of the size of the one before.
 TestMesh nested_balls(std::uint32_t triangles, std::uint64_t seed);
-/// Triangles in 60 cubes, each with a corner at the origin and half as wide as the one before.
+/// Triangles scattered in 60 cubes, each with a corner at the origin and half as wide as the one
+/// before.
 TestMesh halving_staircase(std::uint32_t triangles, std::uint64_t seed);
 /// A beam of 5.9e11 by 1.2e5, and by its middle hills of a kilometre and a ball of a millimetre.
 TestMesh huge_and_tiny(std::uint32_t triangles, std::uint64_t seed);

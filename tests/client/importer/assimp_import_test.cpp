@@ -192,7 +192,7 @@ TEST(AssimpImport, SaysWhatIsWrongWithAFile) {
 // Assimp takes a face of no corners for a polygon and looks for it in vain.
 TEST(AssimpImport, AFaceWithoutCornersKeepsItsNumber) {
   const TempDir dir;
-  const auto scene = import_scene(dir.write("empty_face.ply", R"(ply
+  const std::string text = R"(ply
 format ascii 1.0
 element vertex 3
 property float x
@@ -205,13 +205,38 @@ end_header
 1 0 0
 0 1 0
 0
-3 0 1 2
+)";
+  const Face none{kNoVertex, kNoVertex, kNoVertex};
+  const auto one = import_scene(dir.write("one.ply", text + "3 0 1 2\n"));
+  ASSERT_TRUE(one) << error_of(one);
+  EXPECT_EQ(one->meshes.at(0).faces, (std::vector<Face>{none, {0, 1, 2}}));
+  EXPECT_EQ(one->meshes[0].triangles, 1u);
+  const auto all = import_scene(dir.write("all.ply", text + "0\n"));
+  ASSERT_TRUE(all) << error_of(all);
+  EXPECT_EQ(all->meshes.at(0).faces, (std::vector<Face>{none, none}));
+  EXPECT_EQ(all->meshes[0].triangles, 0u);
+}
+
+TEST(AssimpImport, RefusesAPolygonOfVerticesThatThereAreNot) {
+  const TempDir dir;
+  const auto scene = import_scene(dir.write("far.ply", R"(ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+4 0 1 2 2000000000
 )"));
-  ASSERT_TRUE(scene) << error_of(scene);
-  ASSERT_EQ(scene->meshes.size(), 1u);
-  EXPECT_EQ(scene->meshes[0].faces,
-            (std::vector<Face>{{kNoVertex, kNoVertex, kNoVertex}, {0, 1, 2}}));
-  EXPECT_EQ(scene->meshes[0].triangles, 1u);
+  EXPECT_NE(error_of(scene).find("polygon 0 names vertex 2000000000, but there are 4"),
+            std::string::npos)
+      << error_of(scene);
 }
 
 TEST(AssimpImport, RefusesAUnitThatIsNone) {

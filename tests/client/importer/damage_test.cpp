@@ -63,6 +63,9 @@ TEST(Damage, AGoodFileHasNone) {
   EXPECT_EQ(
       error_of(check_damage(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
       "");
+  EXPECT_EQ(
+      error_of(check_damage(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
+      "");
   EXPECT_EQ(error_of(check_damage(dir.write("good.glb", glb(2, "{}")))), "");
   EXPECT_EQ(error_of(check_damage(dir.write("good.gltf", chain(3, 1)))), "");
   EXPECT_EQ(error_of(check_damage(dir.write("other.obj", "v 0 0 0\n"))), "");
@@ -71,7 +74,8 @@ TEST(Damage, AGoodFileHasNone) {
 
 TEST(Damage, APlyHeaderHasAnEnd) {
   const TempDir dir;
-  for (const char* end : {"", "end_headers", "the_end_header", "end"}) {
+  for (const char* end :
+       {"", "end_headers", "the_end_header", "end", "list end_header", "comment end_header"}) {
     const auto status = check_damage(dir.write("cut.ply", changed(kPly, "end_header", end)));
     EXPECT_NE(error_of(status).find("without end_header"), std::string::npos) << end;
   }

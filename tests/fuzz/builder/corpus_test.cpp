@@ -1,0 +1,39 @@
+// Replays what is kept of the fuzzer of builders: as it is, and by every builder.
+#include "tests/fuzz/corpus.h"
+
+#include <gtest/gtest.h>
+
+#include "accel/build/any_builder.h"
+#include "tests/fuzz/builder/check_soup.h"
+
+namespace sightline::tests {
+namespace {
+
+TEST(BuilderCorpus, HasNoFindings) {
+  const std::vector<KeptInput> inputs = kept_inputs("builder");
+  SoupTally tally;
+  for (const KeptInput& input : inputs) {
+    EXPECT_EQ(check_soup(make_soup(Bytes(input.bytes)), tally), std::nullopt) << input.name;
+  }
+  EXPECT_GT(inputs.size(), 20u);
+  EXPECT_GT(tally.rays, 100u);
+  EXPECT_GT(tally.hits, 100u);
+}
+
+// As the builders are when nobody sets a parameter.
+TEST(BuilderCorpus, EveryBuilderStandsEveryMesh) {
+  SoupTally tally;
+  for (const KeptInput& input : kept_inputs("builder")) {
+    SoupCase soup = make_soup(Bytes(input.bytes));
+    soup.parameters.clear();
+    if (soup.faces.size() > 100) continue;  // enough that all of it takes seconds
+    for (const std::string_view builder : accel::builder_names()) {
+      soup.builder = builder;
+      EXPECT_EQ(check_soup(soup, tally), std::nullopt) << input.name;
+    }
+  }
+  EXPECT_GT(tally.hits, 1000u);
+}
+
+}  // namespace
+}  // namespace sightline::tests
