@@ -266,7 +266,7 @@ TEST(SceneSource, RotatingTurnsTheVerticesOfMeshes) {
   SceneSource turned = city;
   const scenegraph::Affine turn = rotation(10, 20, 30);
   rotate(turned, turn);
-  EXPECT_NE(turned.meshes[0].vertices[0], city.meshes[0].vertices[0]);
+  EXPECT_NE(turned.meshes[0].vertices, city.meshes[0].vertices);
   const SceneGeometry before(city), after(turned);
   ASSERT_EQ(after.triangles(), before.triangles());
   for (std::uint64_t i = 0; i < before.triangles(); ++i) {
