@@ -19,11 +19,17 @@ constexpr double kPoorCut = 0.85;
 /// touches and no more time by two passes.
 constexpr std::uint32_t kGuidedExact = 48;
 
+/// References a triangle of our own builders. Good trees over compact meshes have four to eight.
+constexpr double kBudget = 16;
+
 ScanBuilder scan_fast() {
   return {.axes = ScanAxes::kGuided,
           .exact_below = kGuidedExact,
           .hybrid_below = 8,  // as many as are weighed at once, as sets of bits
-          .retry_above = kPoorCut};
+          .retry_above = kPoorCut,
+          .refine_all_axes = true,
+          .clip_crowds = true,
+          .budget = kBudget};
 }
 
 ScanBuilder scan_best() {
@@ -31,7 +37,8 @@ ScanBuilder scan_best() {
           .exact_below = kGuidedExact,
           .hybrid_below = kGuidedExact,
           .refine_all_axes = true,
-          .clip = true};
+          .clip = true,
+          .budget = kBudget};
 }
 
 const std::vector<Named>& all_builders() {
@@ -90,6 +97,8 @@ const Parameters<ScanBuilder>& parameters(const ScanBuilder&) {
       {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
       {"snap", [](B& b) -> bool& { return b.snap; }},
       {"clip", [](B& b) -> bool& { return b.clip; }},
+      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
+      {"budget", [](B& b) -> double& { return b.budget; }},
   };
   return kParameters;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 
 #include "accel/geometry/aabb.h"
@@ -74,9 +75,11 @@ inline bool is_planar(const BoxRef& ref, std::size_t axis) {
 struct CellPath {
   int depth = 0;           ///< Of the root: 0.
   int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Cut::at_a_loss).
+  /// How many references the cuts of this cell and below may add (reference_budget.h).
+  double spare = std::numeric_limits<double>::infinity();
 
   CellPath below(const Cut& cut) const {
-    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0)};
+    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), spare};
   }
   bool operator==(const CellPath&) const = default;
 };

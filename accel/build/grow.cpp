@@ -7,6 +7,7 @@
 #include "accel/build/clip_straddlers.h"
 #include "accel/build/fork.h"
 #include "accel/build/list_stack.h"
+#include "accel/build/reference_budget.h"
 #include "accel/build/sift.h"
 #include "accel/build/small_growth.h"
 
@@ -53,21 +54,28 @@ class Growth {
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
-    if (builder_.clips() && context_.mesh != nullptr) {
+    const std::size_t straddlers = n.left + n.right - refs.size();
+    if (!affords(path, straddlers)) {
+      put_back({right, n.right}, plane, refs.subspan(n.left));
+      return leaf(refs, cell, path);
+    }
+    if (context_.mesh != nullptr && builder_.clips(straddlers, refs.size())) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
+      scans.reset();  // of lists that are others now
     }
     lists.take(n.right);
     const Slot slot = Slot::binary(plane, *pair);
     AtomicSlot* children = context_.tree.children(slot);
-    const CellPath below = path.below(*cut);
+    const HalvedPath below = halve_path(path, *cut, halves, static_cast<double>(refs.size()),
+                                        static_cast<double>(n.left), static_cast<double>(n.right));
     const auto grow_left = [&] {
-      set(children[0], grow(refs.first(n.left), halves.left, below, scans ? &scans->left : nullptr,
-                            lists, counters));
+      set(children[0], grow(refs.first(n.left), halves.left, below.left,
+                            scans ? &scans->left : nullptr, lists, counters));
     };
     const auto grow_right = [&](BoxStack& own, BuildCounters& sum) {
-      set(children[1],
-          grow({right, n.right}, halves.right, below, scans ? &scans->right : nullptr, own, sum));
+      set(children[1], grow({right, n.right}, halves.right, below.right,
+                            scans ? &scans->right : nullptr, own, sum));
     };
     if (std::min(n.left, n.right) >= kForkFrom) {
       BuildCounters right_counters;
@@ -88,6 +96,14 @@ class Growth {
   /// Not published until the slot of the whole subtree is.
   static void set(AtomicSlot& slot, Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
+  }
+
+  /// Undoes a division: what went to the right alone goes behind the left list.
+  static void put_back(std::span<const BoxRef> right, const Plane& plane, std::span<BoxRef> out) {
+    const auto axis = static_cast<std::size_t>(plane.axis);
+    std::copy_if(right.begin(), right.end(), out.begin(), [&](const BoxRef& ref) {
+      return !(ref.lo[axis] < plane.position && ref.hi[axis] > plane.position);
+    });
   }
 
   std::optional<Cut> choose(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path,

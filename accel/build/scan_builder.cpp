@@ -93,6 +93,9 @@ std::optional<std::string> ScanBuilder::check() const {
   if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
   if (auto e = out_of_range("adaptive_samples", adaptive_samples, 0u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, kMaxExact)) return e;
+  if (budget != 0) {
+    if (auto e = out_of_range("budget", budget, 1.0, 64.0)) return e;
+  }
   if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
   if (auto e = out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
   if (auto e = out_of_range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;

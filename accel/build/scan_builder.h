@@ -54,8 +54,17 @@ struct ScanBuilder {
   bool refine_all_axes = false;
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
+  /// The same, but where one in kCrowd references of a list straddles alone: triangles that are
+  /// long against their cells, so that their boxes say little.
+  bool clip_crowds = false;
+  /// Cuts come to about so many references a triangle at most; where that is too few, each subtree
+  /// gets its share (reference_budget.h). 0: as many as there is room for. Range 0, 1 to 64.
+  double budget = 0;
 
   static constexpr std::uint32_t kMaxExact = kMaxBoundScan;
+  static constexpr std::size_t kCrowd = 3;
+  /// Lists of at least, and of fewer references than that are clipped as crowds.
+  static constexpr std::size_t kCrowdFrom = 32, kCrowdBelow = 8192;
 
   bool operator==(const ScanBuilder&) const = default;
 
@@ -68,6 +77,10 @@ struct ScanBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }
+  bool clips(std::size_t straddlers, std::size_t references) const {
+    return clip || (clip_crowds && references >= kCrowdFrom && references < kCrowdBelow &&
+                    straddlers * kCrowd >= references);
+  }
 
   /// Whether lists that come of sifting one of so many boxes are worth counting meanwhile
   /// (CellRefs::first): few that are not cut by their bounds come of short ones, and clipping

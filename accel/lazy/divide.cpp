@@ -1,17 +1,13 @@
 // Dividing: the rule, for lists of either kind.
 #include "accel/lazy/divide.h"
 
+#include "accel/build/reference_budget.h"
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/sieve.h"
 
 namespace sightline::accel {
 namespace {
-
-bool clips(const DivideContext& context) {
-  return context.mesh != nullptr &&
-         std::visit([](const auto& builder) { return builder.clips(); }, context.builder);
-}
 
 /// A list in one piece, with the same operations as LongList.
 class ShortList {
@@ -24,7 +20,8 @@ class ShortList {
     return choose_cut(context_.builder, list, counters_);
   }
 
-  std::size_t sift(const Sieve& sieve, Division& out) {
+  Straddling sift(Sieve& sieve, Division& out) {
+    sieve.whole = true;
     Sides sides = sift_spans(sieve, {&refs_, 1}, refs_.size(), counters_);
     out.left = {CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
     out.right = {CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
@@ -45,6 +42,8 @@ class ShortList {
   BuildCounters& counters_;
 };
 
+static_assert(ScanBuilder::kCrowdBelow == kLongList, "whole lists alone are clipped as crowds");
+
 template <class List>
 Division divide(const DivideContext& context, const DeferredCell& cell, List list) {
   Division division;
@@ -63,9 +62,12 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
                 halve(cell.box, cut->plane.axis, cut->plane.position),
                 scans_children(context.builder, cell.size),
                 cell.openable};
-    if (clips(context)) sieve.clipped = *context.mesh;
-    const std::size_t straddling = list.sift(sieve, division);
-    if (straddling > 0 && straddling * kStraddlersToOpen >= cell.size) return finer();
+    if (context.mesh != nullptr) sieve.clipped = *context.mesh;
+    const Straddling straddling = list.sift(sieve, division);
+    if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
+      return finer();
+    // Openable ones count for what they stand for: once they are opened, it is known what is added.
+    if (!cell.openable && !affords(cell.path, straddling.all)) return {};
     const bool separates =
         division.left.list.size() < cell.size || division.right.list.size() < cell.size;
     if (separates) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <new>
 #include <thread>
 #include <vector>
@@ -12,6 +14,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/build/grow.h"
+#include "accel/build/reference_budget.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/patience.h"
 #include "accel/tree/epoch.h"
@@ -22,6 +25,37 @@ namespace {
 /// Full builds cut cells above this weight one by one, with all threads, and give the others each
 /// to one thread.
 constexpr std::uint64_t kWholeBelow = 65536;
+
+std::uint64_t weight_of(const Part& part) {
+  if (!part.openable) return part.list.size();
+  std::uint64_t weight = 0;
+  part.list.any_part([&](std::span<const BoxRef> refs) {
+    for (const BoxRef& ref : refs) weight += ref.weight;
+    return false;
+  });
+  return weight;
+}
+
+/// What the cuts of a tree over so many references may add.
+double budget(const KdBuilder& builder, std::size_t references) {
+  const auto* scan = std::get_if<ScanBuilder>(&builder);
+  if (scan == nullptr || scan->budget == 0) return std::numeric_limits<double>::infinity();
+  return (scan->budget - 1) * static_cast<double>(references);
+}
+
+/// What the parts of a division may add, for each unit of their demands; infinite if as much as they
+/// will.
+double share_among(const Division& division, const DeferredCell& cell) {
+  if (std::isinf(cell.path.spare)) return cell.path.spare;
+  double demands = 0, references = 0;
+  for (std::size_t p = 0; p < division.parts.size(); ++p) {
+    const auto size = static_cast<double>(division.parts[p].list.size());
+    demands += demand(division.cuts->parts()[p].box, size);
+    references += size;
+  }
+  const double spare = left_over(cell.path, static_cast<double>(cell.size), references);
+  return demands > 0 ? spare / demands : 0;
+}
 
 /// Adds the time of its life.
 class Timed {
@@ -68,7 +102,7 @@ Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool&
 
 LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder,
                    ReferenceSource source, const MeshView* mesh)
-    : tree_(bounds, closed),
+    : tree_(bounds, closed, {.spare = budget(builder, closed)}),
       builder_(builder),
       source_(std::move(source)),
       closed_(closed),
@@ -184,14 +218,7 @@ Slot LazyTree::defer(Part part, const Aabb& box, const CellPath& path) {
   cell->path = path;
   cell->openable = part.openable;
   cell->size = part.list.size();
-  cell->weight = cell->size;
-  if (part.openable) {
-    cell->weight = 0;
-    part.list.any_part([&](std::span<const BoxRef> refs) {
-      for (const BoxRef& ref : refs) cell->weight += ref.weight;
-      return false;
-    });
-  }
+  cell->weight = weight_of(part);
   cell->first = part.first;
   cell->list = std::move(part.list);
   return tree_.defer(std::move(cell));
@@ -208,7 +235,7 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
     case Division::Kind::kFiner:
       return defer(std::move(division.left), cell.box, cell.path);
     case Division::Kind::kCuts:
-      return make_slot(division, division.cuts->nodes()[0]);
+      return make_slot(division, division.cuts->nodes()[0], share_among(division, cell));
     case Division::Kind::kCut:
       break;
   }
@@ -217,23 +244,30 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
   const Plane& plane = division.cut.plane;
   const Slot slot = Slot::binary(plane, *pair);
   const HalvedCell halves = halve(cell.box, plane.axis, plane.position);
-  const CellPath path = cell.path.below(division.cut);
+  const auto weight = [](const Part& part) { return static_cast<double>(weight_of(part)); };
+  const HalvedPath path =
+      halve_path(cell.path, division.cut, halves, static_cast<double>(cell.weight),
+                 weight(division.left), weight(division.right));
   AtomicSlot* children = tree_.children(slot);
-  children[0].store(defer(std::move(division.left), halves.left, path).bits(),
+  children[0].store(defer(std::move(division.left), halves.left, path.left).bits(),
                     std::memory_order_relaxed);
-  children[1].store(defer(std::move(division.right), halves.right, path).bits(),
+  children[1].store(defer(std::move(division.right), halves.right, path.right).bits(),
                     std::memory_order_relaxed);
   return slot;
 }
 
-Slot LazyTree::make_slot(Division& division, const CutTree::Node& node) {
+Slot LazyTree::make_slot(Division& division, const CutTree::Node& node, double spare) {
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
   const Slot slot = Slot::binary(node.cut.plane, *pair);
   const auto below = [&](const CutTree::Child& child) {
-    if (!child.is_part) return make_slot(division, division.cuts->nodes()[child.place]);
-    const CutTree::Part& part = division.cuts->parts()[child.place];
-    return defer(std::move(division.parts[child.place]), part.box, part.path);
+    if (!child.is_part) return make_slot(division, division.cuts->nodes()[child.place], spare);
+    const CutTree::Part& cut = division.cuts->parts()[child.place];
+    Part& part = division.parts[child.place];
+    CellPath path = cut.path;
+    if (!std::isinf(spare))
+      path.spare = spare * demand(cut.box, static_cast<double>(part.list.size()));
+    return defer(std::move(part), cut.box, path);
   };
   AtomicSlot* children = tree_.children(slot);
   children[0].store(below(node.left).bits(), std::memory_order_relaxed);

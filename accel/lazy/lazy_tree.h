@@ -30,8 +30,8 @@ class LazyTree {
   /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
   /// bound. `mesh`: what the closed ones are faces of, for builders that clip; null if they are
   /// not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder,
-           ReferenceSource source, const MeshView* mesh = nullptr);
+  LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder, ReferenceSource source,
+           const MeshView* mesh = nullptr);
 
   const KdTree& tree() const { return tree_; }
   AtomicSlot& root() { return tree_.root(); }
@@ -58,7 +58,7 @@ class LazyTree {
   Expanded lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
                 BuildCounters& counters);
   Slot make_slot(Division division, const DeferredCell& cell);
-  Slot make_slot(Division& division, const CutTree::Node& node);
+  Slot make_slot(Division& division, const CutTree::Node& node, double spare);
   Slot defer(Part part, const Aabb& box, const CellPath& path);
   Slot finish(const DeferredCell& cell, BuildCounters& counters,
               const std::atomic<bool>* cancelled);

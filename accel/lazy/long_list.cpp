@@ -44,7 +44,7 @@ std::optional<Cut> LongList::choose() {
   return choose_cut(context_.builder, refs, counters_);
 }
 
-std::size_t LongList::sift(const Sieve& sieve, Division& out) {
+Straddling LongList::sift(const Sieve& sieve, Division& out) {
   const Stage& stage = replay_.next(
       list_->slices(), [list = list_, sieve](std::size_t slice, BuildCounters& counters) {
         Sides sides = sift_spans(sieve, list->slice(slice), list->slice_size(slice), counters);
@@ -59,8 +59,11 @@ std::size_t LongList::sift(const Sieve& sieve, Division& out) {
       });
   out.left = gather(stage, &SliceResult::left, &SliceResult::left_scan);
   out.right = gather(stage, &SliceResult::right, &SliceResult::right_scan);
-  std::size_t straddling = 0;
-  for (std::size_t i = 0; i < stage.slices(); ++i) straddling += stage[i].straddling;
+  Straddling straddling;
+  for (std::size_t i = 0; i < stage.slices(); ++i) {
+    straddling.openable += stage[i].straddling.openable;
+    straddling.all += stage[i].straddling.all;
+  }
   return straddling;
 }
 

@@ -22,8 +22,8 @@ class LongList {
         counters_(counters) {}
 
   std::optional<Cut> choose();
-  /// Sets the sides of the division; returns how many openable references straddle.
-  std::size_t sift(const Sieve& sieve, Division& out);
+  /// Sets the sides of the division.
+  Straddling sift(const Sieve& sieve, Division& out);
   Part open();
 
  private:

@@ -30,9 +30,12 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> sp
   if (sieve.openable) {
     const auto axis = static_cast<std::size_t>(plane.axis);
     for (const BoxRef& ref : left.first(n.left))
-      sides.straddling += ref.openable() && ref.hi[axis] > plane.position ? 1u : 0u;
+      sides.straddling.openable += ref.openable() && ref.hi[axis] > plane.position ? 1u : 0u;
   }
-  if (sieve.clipped) {
+  sides.straddling.all = n.left + n.right - size;
+  const std::size_t seen = sieve.whole ? size : 0;  // one slice says nothing of all
+  if (sieve.clipped && clips(sieve.builder, sides.straddling.all, seen)) {
+    scans = {};
     n.left = clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
     n.right = clip_straddlers(*sieve.clipped, right.first(n.right), plane, sieve.halves.right);
   }

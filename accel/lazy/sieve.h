@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "accel/build/kd_builder.h"
 #include "accel/build/first_scan.h"
+#include "accel/build/kd_builder.h"
 #include "accel/geometry/mesh_view.h"
 #include "accel/tree/box_list.h"
 
@@ -15,17 +15,23 @@ namespace sightline::accel {
 /// What sifting needs to know of a cell; owns it, so that it may be done late.
 struct Sieve {
   KdBuilder builder;
-  std::optional<MeshView> clipped;  ///< What straddlers are clipped against.
+  std::optional<MeshView> clipped;  ///< What straddlers are clipped against, if they are.
   Cut cut;
   HalvedCell halves;
-  bool scans;     ///< The children's lists are scanned meanwhile.
-  bool openable;  ///< Straddlers that can be opened are to be counted.
+  bool scans;          ///< The children's lists are scanned meanwhile.
+  bool openable;       ///< Straddlers that can be opened are to be counted.
+  bool whole = false;  ///< The list comes in one piece: whether it is a crowd can be told.
+};
+
+/// References on both sides of a plane.
+struct Straddling {
+  std::size_t openable = 0, all = 0;
 };
 
 struct Sides {
   BoxList left, right;
   FirstScan left_scan, right_scan;
-  std::size_t straddling = 0;  ///< Openable ones.
+  Straddling straddling;  ///< Before clipping.
 };
 
 /// `size`: of all spans together. Throws std::bad_alloc.

@@ -11,6 +11,7 @@
 #include "accel/build/first_scan.h"
 #include "accel/build/list_pass.h"
 #include "accel/lazy/cut_tree.h"
+#include "accel/lazy/sieve.h"
 #include "accel/tree/box_list.h"
 
 namespace sightline::accel {
@@ -20,7 +21,7 @@ struct SliceResult {
   PassResult sums;                             ///< Scanning.
   std::shared_ptr<const BoxList> left, right;  ///< Sifting; opening and listing fill `left`.
   FirstScan left_scan, right_scan;             ///< Of the children's lists.
-  std::size_t straddling = 0;                  ///< Openable references on both sides.
+  Straddling straddling;                       ///< Of the division.
   bool openable = false;                       ///< There may be openable ones in the lists.
   std::optional<Cut> cut;                      ///< Choosing, where a builder takes no slices.
   std::shared_ptr<const CutTree> cuts;         ///< Choosing by a sample.

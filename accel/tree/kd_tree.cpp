@@ -27,11 +27,12 @@ void delete_cells(const KdTree& tree, Slot slot) {
 
 }  // namespace
 
-KdTree::KdTree(const Aabb& bounds, std::size_t references)
+KdTree::KdTree(const Aabb& bounds, std::size_t references, const CellPath& path)
     : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
   if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
+  root->path = path;
   root->listed = false;
   root->size = references;
   root->weight = references;

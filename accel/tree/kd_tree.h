@@ -27,7 +27,7 @@ inline constexpr int kMaxTreeDepth = 80;
 class KdTree {
  public:
   /// A tree that is one cell, not listed yet; an empty leaf for no references.
-  KdTree(const Aabb& bounds, std::size_t references);
+  KdTree(const Aabb& bounds, std::size_t references, const CellPath& path = {});
   ~KdTree();
   KdTree(const KdTree&) = delete;
   KdTree& operator=(const KdTree&) = delete;

@@ -92,6 +92,8 @@ TEST(SetParameter, ReachesEveryBuilder) {
                                          {"min-max-bins", "subsample", "off"},
                                          {"min-max-bins", "threads", "2"},
                                          {"scan-all-axes", "empty_bonus", "1"},
+                                         {"scan-all-axes", "clip_crowds", "1"},
+                                         {"scan-all-axes", "budget", "7.5"},
                                          {"bvh-sweep", "leaf_size", "4"},
                                          {"bvh-sweep", "split_small", "on"},
                                          {"bvh-binned", "bins", "16"},

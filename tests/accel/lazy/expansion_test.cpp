@@ -21,7 +21,7 @@ namespace {
 
 std::unique_ptr<SliceResult> counted(std::size_t references) {
   auto result = std::make_unique<SliceResult>();
-  result->straddling = references;
+  result->straddling.all = references;
   return result;
 }
 
@@ -39,7 +39,7 @@ TEST(Stage, KeepsTheFirstResultOfASlice) {
   stage.finish(counters);
   EXPECT_EQ(runs, 3);
   EXPECT_EQ(counters.touches, 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling, i + 10 * i);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling.all, i + 10 * i);
 }
 
 /// Holds up whoever comes to the gate first, until it is opened.
@@ -78,7 +78,7 @@ TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
   EXPECT_TRUE(stage.done());
   gate.open();
   stopped.join();
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling, i);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling.all, i);
 }
 
 TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
@@ -92,7 +92,7 @@ TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
         ++runs;
         return counted(k * slice);
       });
-      for (std::size_t i = 0; i < stage.slices(); ++i) sum += stage[i].straddling;
+      for (std::size_t i = 0; i < stage.slices(); ++i) sum += stage[i].straddling.all;
     }
     return sum;
   };

@@ -1,0 +1,70 @@
+// What cuts may add, and who may.
+#include "accel/build/reference_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "accel/build/any_builder.h"
+#include "accel/lazy/mesh_tree.h"
+#include "accel/tree/epoch.h"
+#include "tests/support/hard_meshes.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+const Aabb kCell{{0, 0, 0}, {2, 1, 1}};
+const Cut kCut{.plane = {0, 0.5f}};
+
+TEST(ReferenceBudget, IsSharedByAreaAndLength) {
+  const HalvedCell halves = halve(kCell, 0, 0.5f);
+  const HalvedPath below = halve_path({.depth = 3, .spare = 100}, kCut, halves, 50, 20, 40);
+  // 10 were added. Half areas are 2 and 4.
+  EXPECT_DOUBLE_EQ(below.left.spare, 90 * (2.0 * 20) / (2.0 * 20 + 4.0 * 40));
+  EXPECT_DOUBLE_EQ(below.left.spare + below.right.spare, 90);
+  EXPECT_EQ(below.left.depth, 4);
+  EXPECT_TRUE(affords(below.left, 18));
+  EXPECT_FALSE(affords(below.left, 19));
+}
+
+TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
+  const HalvedCell halves = halve(kCell, 0, 0.5f);
+  const HalvedPath over = halve_path({.spare = 5}, kCut, halves, 50, 50, 50);
+  EXPECT_EQ(over.left.spare + over.right.spare, 0);
+  const HalvedPath fewer = halve_path({.spare = 5}, kCut, halves, 50, 20, 20);
+  EXPECT_EQ(fewer.left.spare + fewer.right.spare, 5);
+  const HalvedPath flat = halve_path({.spare = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
+  EXPECT_EQ(flat.left.spare + flat.right.spare, 5);
+}
+
+TEST(ReferenceBudget, IsInfiniteUnlessSet) {
+  const HalvedPath below = halve_path({}, kCut, halve(kCell, 0, 0.5f), 50, 50, 50);
+  EXPECT_EQ(below.left.spare, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(below.right.spare, std::numeric_limits<double>::infinity());
+}
+
+TEST(ReferenceBudget, IsKeptByTrees) {
+  for (const std::string_view family : {"slivers", "fan", "rods", "stacks"}) {
+    const tests::TestMesh mesh = tests::find_hard_mesh(family)->make(2000, 1);
+    for (const std::string_view name : {"scan-all-axes", "scan-best"}) {
+      for (const auto& [text, most] : {std::pair("2", 2.0), {"8", 8.0}}) {
+        AnyBuilder builder = *make_builder(name);
+        ASSERT_TRUE(set_parameter(builder, "clip", "on"));
+        ASSERT_TRUE(set_parameter(builder, "budget", text));
+        MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, References::kSoup);
+        BuildCounters counters;
+        tree.expand_all(counters);
+        const EpochPin pin;
+        const TreeMetrics m = tree.metrics();
+        EXPECT_EQ(m.unbuilt_cells, 0u) << family << name;
+        EXPECT_LE(static_cast<double>(m.references), most * static_cast<double>(mesh.faces.size()))
+            << family << name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline::accel
