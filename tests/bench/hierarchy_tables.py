@@ -12,14 +12,14 @@ PAPER = {
                       "bvh-esc": (205, None, 172, None, None, 110, 139, 114), "bvh-evh": (205, None, 130.4, None, None, 114, 141, 107)},
 }
 SCENES = {"conference": ["conference"], "sibenik": ["sibenik"], "sponza turned": ["sponza", "--merge", "--rotate", "45,45,45"],
-          "fairy_forest": ["fairy_forest"], "torcs_forza": ["torcs_forza", "--merge"]}
+          "fairy_forest": ["fairy_forest"]}
 METHODS = ["bvh-sweep", "sbvh", "bvh-esc", "bvh-evh", "bvh-esc, named once", "bvh-evh, named once"]
 RAYS = ["overview", "diffuse", "random"]
 
 
-def builds(bench, where, builders, repeat):
+def builds(bench, where, builders, repeat, *more):
     """A row a builder, by its name."""
-    rows = bench.rows("build", "--scene", *where, "--builder", ",".join(builders), "--end-points", "--threads", 2, "--repeat", repeat)
+    rows = bench.rows("build", "--scene", *where, "--builder", ",".join(builders), "--threads", 2, "--repeat", repeat, *more)
     return {row["builder"]: row for row in rows}
 
 
@@ -48,7 +48,7 @@ def table_1(bench, options):
             names[method + ", named once"] = at_equal_references(bench, where, method, first["references"])
         small = ["bvh-binned", "bvh-sweep?split_small=on", "sbvh?split_small=on"]
         others = small + ["scan-fast", "sah-sweep", "embree-high", "embree-medium"]
-        built = builds(bench, where, [*names.values(), *others], options.repeat)
+        built = builds(bench, where, [*names.values(), *others], options.repeat, "--end-points")
         traced = {kind: {row["builder"]: row for row in bench.rows(
             "trace", "--scene", *where, "--builder", ",".join([*names.values(), *small, "scan-fast", "sah-sweep", "embree-high"]), "--rays", kind,
             "--count", options.count, "--threads", 1, "--repeat", options.repeat)} for kind in RAYS}
@@ -89,7 +89,7 @@ def slivers(bench, options):
     built = {row["builder"]: row for row in bench.rows("build", "--scene", *where, "--builder", ",".join(builders), "--threads", 2, "--repeat", 1)}
     lines = []
     traced = {kind: {row["builder"]: row for row in bench.rows(
-        "trace", "--scene", *where, "--builder", ",".join(builders), "--rays", kind, "--count", 20_000, "--threads", 1, "--repeat", 3)}
+        "trace", "--scene", *where, "--builder", ",".join(builders), "--rays", kind, "--count", 2_000, "--threads", 1, "--repeat", 2)}
         for kind in ("overview", "random")}
     for name in builders:
         if name not in built:

@@ -3,7 +3,7 @@
 #   cmake -D ROOT=<checkout> -P tests/docs/check_links.cmake
 cmake_minimum_required(VERSION 3.25)
 
-file(GLOB files "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/docs/decisions/*.md")
+file(GLOB files "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/docs/charts/*.md" "${ROOT}/docs/decisions/*.md")
 set(broken "")
 set(checked 0)
 foreach(file IN LISTS files)
