@@ -43,8 +43,8 @@ double budget(const KdBuilder& builder, std::size_t references) {
   return (scan->budget - 1) * static_cast<double>(references);
 }
 
-/// What the parts of a division may add, for each unit of their demands; infinite if as much as they
-/// will.
+/// What the parts of a division may add, for each unit of their demands; infinite if as much as
+/// they will.
 double share_among(const Division& division, const DeferredCell& cell) {
   if (std::isinf(cell.path.spare)) return cell.path.spare;
   double demands = 0, references = 0;

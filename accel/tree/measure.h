@@ -28,7 +28,7 @@ struct TreeMetrics {
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).
   double sah_cost = 0;                ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
-  double overlap = 0;   ///< Of siblings' boxes (accel/bvh/bvh_measure.h); cells do not overlap.
+  double overlap = 0;  ///< Of siblings' boxes (accel/bvh/bvh_measure.h); cells do not overlap.
   std::uint64_t bytes = 0;
 };
 

@@ -48,8 +48,8 @@ scenegraph::Affine rotation(double x, double y, double z);
 /// Moves the whole scene: its roots.
 void place(SceneSource& scene, const scenegraph::Affine& world_from_world);
 
-/// Turns the whole scene about the world's origin: the vertices of its meshes, which trees are built
-/// over, and nodes so that they fit. Rounds vertices to float.
+/// Turns the whole scene about the world's origin: the vertices of its meshes, which trees are
+/// built over, and nodes so that they fit. Rounds vertices to float.
 void rotate(SceneSource& scene, const scenegraph::Affine& turn);
 
 /// The same triangles, over all instances, as one mesh in the world's frame, rounded to float.

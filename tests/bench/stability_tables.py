@@ -66,7 +66,7 @@ def explained(rows):
 
 
 def print_all(bench, options):
-    rows = bench.rows("stability", "--triangles", 10_000, "--threads", 2, "--repeat", options.repeat,
+    rows = bench.rows("stability", "--triangles", 3_000, "--threads", 2, "--repeat", options.repeat,
                       *(["--builders", ",".join(options.builder)] if options.builder else []))
     families, builders = unique(r["family"] for r in rows), unique(r["builder"] for r in rows)
     answers = sum(r["wrong"] for r in rows)

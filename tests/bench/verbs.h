@@ -56,8 +56,8 @@ Result<std::vector<Row>> run_robust(const CommonOptions& common, const RobustOpt
 /// kNotFound: a scene; kFailedPrecondition: files that cannot be written.
 Result<std::vector<Row>> run_chart(const CommonOptions& common, const ChartOptions& options);
 
-/// Every builder over the meshes at which methods fail (tests/support/hard_meshes.h), trees full and
-/// growing: answers against the oracle, and what the trees cost against what they may, a row a
+/// Every builder over the meshes at which methods fail (tests/support/hard_meshes.h), trees full
+/// and growing: answers against the oracle, and what the trees cost against what they may, a row a
 /// family and builder. A failure is a row that is not `ok`, and no error.
 Result<std::vector<Row>> run_stability(const CommonOptions& common,
                                        const StabilityOptions& options);

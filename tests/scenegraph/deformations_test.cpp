@@ -57,9 +57,9 @@ TEST(Deformations, AreSharedByThoseNamedTogether) {
   EXPECT_EQ(height(scene, 1), 1);
   EXPECT_EQ(snapshot->find(3)->mesh, mesh);
   // In one batch: together, then one alone, which leaves the other where it was.
-  ASSERT_TRUE(scene.apply({PatchVertices{{1, 2}, 0, {{0, 0, 2}}},
-                           PatchVertices{{2}, 0, {{0, 0, 3}}},
-                           PatchVertices{{1}, 1, {{1, 1, 1}}}}));
+  ASSERT_TRUE(
+      scene.apply({PatchVertices{{1, 2}, 0, {{0, 0, 2}}}, PatchVertices{{2}, 0, {{0, 0, 3}}},
+                   PatchVertices{{1}, 1, {{1, 1, 1}}}}));
   EXPECT_EQ(height(scene, 1), 2);
   EXPECT_EQ(height(scene, 2), 3);
   EXPECT_EQ(scene.snapshot()->find(2)->mesh->view().vertices[1], (Vec3f{1, 0, 0}));

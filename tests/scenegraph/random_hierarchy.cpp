@@ -129,7 +129,8 @@ std::vector<accel::Ray> rays_through(const Snapshot& snapshot, std::size_t count
     }
     const scenegraph::Node& target = *targets[random.below(targets.size())];
     const accel::Aabb& box = target.mesh->bounds();
-    const Vec3d at = world_from_local(snapshot.hierarchy(), target).point(within(Vec3d(box.lo), Vec3d(box.hi)));
+    const Vec3d at =
+        world_from_local(snapshot.hierarchy(), target).point(within(Vec3d(box.lo), Vec3d(box.hi)));
     ray.origin = at + random.direction() * random.uniform(0.1, 20);
     ray.direction = at - ray.origin;
   }

@@ -51,9 +51,9 @@ Measured measure(const TestMesh& mesh, std::span<const accel::Ray> rays, std::st
   return measured;
 }
 
-/// Our own builders, whose failures no paper excuses: what is known and not mended yet. Triangles as
-/// long as their scene are split to the end of the budget, and every level touches all the pieces;
-/// of slivers the budget leaves more to test than trees without one do.
+/// Our own builders, whose failures no paper excuses: what is known and not mended yet. Triangles
+/// as long as their scene are split to the end of the budget, and every level touches all the
+/// pieces; of slivers the budget leaves more to test than trees without one do.
 bool is_known(std::string_view mesh, std::string_view builder, Bound bound) {
   if (builder != "scan-fast" && builder != "scan-best") return false;
   if (bound == Bound::kWork) return mesh == "slivers";
