@@ -3,18 +3,10 @@
 
 #include <algorithm>
 
+#include "accel/bvh/box_overlap.h"
+
 namespace sightline::accel {
 namespace {
-
-/// Half the surface of what both boxes hold; 0 if they are apart.
-double common_half_area(const Aabb& a, const Aabb& b) {
-  Aabb common;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
-    common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
-  }
-  return common.empty() ? 0 : half_area(common);
-}
 
 void measure_below(const Bvh& bvh, const BvhChild& at, int depth, double root_area,
                    TreeMetrics& m) {

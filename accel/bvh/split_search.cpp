@@ -3,21 +3,12 @@
 
 #include <algorithm>
 
+#include "accel/bvh/box_overlap.h"
 #include "accel/bvh/bvh.h"
 #include "accel/bvh/plane_search.h"
 
 namespace sightline::accel {
 namespace {
-
-/// Half the surface of what both hold; 0 if they are apart.
-double common_half_area(const Aabb& a, const Aabb& b) {
-  Aabb common;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
-    common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
-  }
-  return common.empty() ? 0 : half_area(common);
-}
 
 double overlap(const CenterLists& node, const ObjectSplit& split) {
   const std::span<const Fragment> list = node.along[split.axis];

@@ -1,0 +1,21 @@
+// What two boxes have in common.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "accel/geometry/aabb.h"
+
+namespace sightline::accel {
+
+/// Half the surface of what both hold; 0 if they are apart.
+inline double common_half_area(const Aabb& a, const Aabb& b) {
+  Aabb common;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+    common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
+  }
+  return common.empty() ? 0 : half_area(common);
+}
+
+}  // namespace sightline::accel
