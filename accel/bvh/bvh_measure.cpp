@@ -33,12 +33,11 @@ void measure_below(const Bvh& bvh, const BvhChild& at, int depth, double root_ar
 
 TreeMetrics measure(const Bvh& bvh) {
   TreeMetrics m;
-  // An empty box has no area, but infinite bounds.
-  const double root_area = bvh.root.box.empty() ? 0 : half_area(bvh.root.box);
-  if (bvh.root.box.empty()) {
+  if (bvh.root.box.empty()) {  // and has no area: its bounds are infinite
     m.nodes = m.leaves = 1;
     return m;
   }
+  const double root_area = half_area(bvh.root.box);
   measure_below(bvh, bvh.root, 0, root_area, m);
   m.sah_cost =
       kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
