@@ -2,10 +2,13 @@
 // which of two hits it wants.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
 
+#include "accel/geometry/certain_misses.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/intersect.h"
 #include "accel/lazy/face_boxes.h"
@@ -17,10 +20,14 @@ namespace sightline::accel {
 
 /// For one ray in one tree.
 struct LeafTest {
+  /// From so many triangles on, looking at all of them at once takes less time than one by one.
+  static constexpr std::size_t kFilterFrom = 4;
+
   const MeshView& mesh;
   MeshQuery& query;
   const TreeRay& ray;
   WalkCounters& walked;
+  std::optional<ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
 
   double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
@@ -59,8 +66,24 @@ struct LeafTest {
   }
 
   bool leaf(std::span<const std::uint32_t> ids) {
+    if (ids.size() >= kFilterFrom) return long_leaf(ids);
     for (const std::uint32_t id : ids) {
       if (test(id)) return true;
+    }
+    return false;
+  }
+
+  /// All at once, then one by one those that are not certainly missed.
+  bool long_leaf(std::span<const std::uint32_t> ids) {
+    if (!seen) seen = sheared(query.ray);
+    while (!ids.empty()) {
+      const auto batch = ids.first(std::min(ids.size(), kMissBatch));
+      ids = ids.subspan(batch.size());
+      std::uint64_t possible = possible_hits(mesh, *seen, batch);
+      walked.tests += batch.size() - static_cast<std::size_t>(std::popcount(possible));
+      for (; possible != 0; possible &= possible - 1) {
+        if (test(batch[static_cast<std::size_t>(std::countr_zero(possible))])) return true;
+      }
     }
     return false;
   }

@@ -10,6 +10,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "accel/geometry/certain_misses.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/ray.h"
@@ -99,6 +100,7 @@ class Check {
         tally_(tally),
         count_(tally.by_patch[static_cast<std::size_t>(hard.patch)]) {
     for (std::size_t i = 0; i < hard.vertex_count; ++i) exact_[i] = exactly(hard.vertex[i]);
+    std::copy(hard.vertex.begin(), hard.vertex.end(), vertices_.begin());
   }
 
   void patch() {
@@ -140,11 +142,18 @@ class Check {
     std::optional<double> t;
     Barycentric weights;
     int facing = 0;
+    bool possible = false;
     {
       const FlushDenormals flush(asking_.flush_denormals);
       t = accel::intersect(ray_, a, b, c);
       if (t) weights = accel::barycentric(ray_, *t, a, b, c);
       facing = accel::facing(ray_, a, b, c);
+      const std::uint32_t first = 0;
+      possible = accel::possible_hits({vertices_, {&face, 1}}, accel::sheared(ray_), {&first, 1});
+    }
+    if (expected && !possible) {
+      ++count_.wrong_misses;
+      found("taken for a certain miss", face);
     }
     if (t.has_value() != expected) {
       ++count_.wrong_hits;
@@ -197,6 +206,7 @@ class Check {
   Tally& tally_;
   PairCount& count_;
   ExactVertices exact_;
+  std::array<Vec3f, HardCase::kMaxVertices + 1> vertices_{};  ///< No face has the last.
 };
 
 }  // namespace
@@ -209,6 +219,7 @@ void PairCount::add(const PairCount& other) {
   one += other.one;
   folded += other.folded;
   wrong_hits += other.wrong_hits;
+  wrong_misses += other.wrong_misses;
   wrong_t += other.wrong_t;
   wrong_weights += other.wrong_weights;
   wrong_facing += other.wrong_facing;

@@ -21,6 +21,7 @@ struct PairCount {
   std::uint64_t folded = 0;  ///< Patches that must be hit twice or not at all.
 
   std::uint64_t wrong_hits = 0;
+  std::uint64_t wrong_misses = 0;   ///< Hits that possible_hits takes for certain misses.
   std::uint64_t wrong_t = 0;        ///< Beyond kHitError.
   std::uint64_t wrong_weights = 0;  ///< Below 0, above 1 together, or those of another point.
   std::uint64_t wrong_facing = 0;
@@ -28,7 +29,7 @@ struct PairCount {
 
   void add(const PairCount& other);
   std::uint64_t wrong() const {
-    return wrong_hits + wrong_t + wrong_weights + wrong_facing + wrong_sums;
+    return wrong_hits + wrong_misses + wrong_t + wrong_weights + wrong_facing + wrong_sums;
   }
 };
 

@@ -42,10 +42,11 @@ bool parse(int argc, char** argv, Options& options) {
 unsigned long long wide(std::uint64_t x) { return x; }
 
 void print_row(const char* name, const PairCount& c) {
-  std::printf("%-12s %11llu %11llu %11llu %11llu %10llu %10llu %8llu %8llu %8llu %8llu %8llu\n",
-              name, wide(c.pairs), wide(c.near), wide(c.hits), wide(c.zeros), wide(c.one),
-              wide(c.folded), wide(c.wrong_hits), wide(c.wrong_t), wide(c.wrong_weights),
-              wide(c.wrong_facing), wide(c.wrong_sums));
+  std::printf(
+      "%-12s %11llu %11llu %11llu %11llu %10llu %10llu %8llu %8llu %8llu %8llu %8llu %8llu\n", name,
+      wide(c.pairs), wide(c.near), wide(c.hits), wide(c.zeros), wide(c.one), wide(c.folded),
+      wide(c.wrong_hits), wide(c.wrong_misses), wide(c.wrong_t), wide(c.wrong_weights),
+      wide(c.wrong_facing), wide(c.wrong_sums));
 }
 
 }  // namespace
@@ -65,8 +66,9 @@ int main(int argc, char** argv) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
   // "zeros": a determinant is exactly zero. "one", "0 or 2": patches whose sum of hits is known.
-  std::printf("%-12s %11s %11s %11s %11s %10s %10s %8s %8s %8s %8s %8s\n", "patch", "pairs", "near",
-              "hits", "zeros", "one", "0 or 2", "wrong", "wrong t", "weights", "facing", "sums");
+  std::printf("%-12s %11s %11s %11s %11s %10s %10s %8s %8s %8s %8s %8s %8s\n", "patch", "pairs",
+              "near", "hits", "zeros", "one", "0 or 2", "wrong", "misses", "wrong t", "weights",
+              "facing", "sums");
   constexpr const char* kNames[] = {"triangle", "pair", "fan", "tetrahedron"};
   for (std::size_t i = 0; i < sightline::tests::kPatches; ++i) {
     print_row(kNames[i], tally.by_patch[i]);

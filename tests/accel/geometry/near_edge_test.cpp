@@ -11,6 +11,7 @@ namespace {
 void expect_right(const Tally& tally) {
   const PairCount total = tally.total();
   EXPECT_EQ(total.wrong_hits, 0u);
+  EXPECT_EQ(total.wrong_misses, 0u);
   EXPECT_EQ(total.wrong_t, 0u);
   EXPECT_EQ(total.wrong_weights, 0u);
   EXPECT_EQ(total.wrong_facing, 0u);
