@@ -42,6 +42,13 @@ inline BvhMeeting meet_children(const BvhNode& node, const TreeRay& ray, double 
   return meeting;
 }
 
+inline void fetch(const Bvh& bvh, std::uint32_t first, std::uint32_t count) {
+  const void* const at = count == BvhNode::kInner
+                             ? static_cast<const void*>(bvh.nodes.data() + first)
+                             : static_cast<const void*>(bvh.ids.data() + first);
+  __builtin_prefetch(at);
+}
+
 /// Visits the leaves whose boxes the ray meets, the nearer of two children first.
 ///
 /// `visit` supplies:
@@ -71,8 +78,11 @@ void walk(const Bvh& bvh, const TreeRay& ray, WalkCounters& counters, Visit& vis
       }
       const std::size_t next =
           both ? (meeting.t_in[1] < meeting.t_in[0] ? 1u : 0u) : (meeting.meets[1] ? 1u : 0u);
-      if (both)
+      if (both) {
         stack[waiting++] = {meeting.t_in[1 - next], node.first[1 - next], node.count[1 - next]};
+        // Asked for now, it is there when the walk comes back.
+        fetch(bvh, node.first[1 - next], node.count[1 - next]);
+      }
       first = node.first[next];
       count = node.count[next];
     }
