@@ -8,10 +8,16 @@
 #include "accel/build/bound_scan.h"
 #include "accel/build/guided_scan.h"
 #include "accel/build/out_of_range.h"
+#include "accel/build/reference_budget.h"
 #include "accel/build/scan_samples.h"
 
 namespace sightline::accel {
 namespace {
+
+/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; in a
+/// swollen cell, where they are long, from fewer on.
+constexpr std::size_t kCrowd = 3, kCrowdFrom = 32;
+constexpr std::size_t kSwollenCrowd = 10, kSwollenCrowdFrom = 16;
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
@@ -105,6 +111,13 @@ std::optional<std::string> ScanBuilder::check() const {
   return std::nullopt;
 }
 
+bool ScanBuilder::is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references) {
+  if (references >= kCrowdBelow) return false;
+  if (references >= kCrowdFrom && straddlers * kCrowd >= references) return true;
+  return references >= kSwollenCrowdFrom && straddlers * kSwollenCrowd >= references &&
+         is_swollen(path, references);
+}
+
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
   if (references > exact_below) return std::nullopt;
   BoundRule rule{.cost = cost, .retry_above = retry_above};
@@ -115,13 +128,16 @@ std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
 
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
-  if (const auto rule = bound_rule(list.size))
+  const bool swollen = axes == ScanAxes::kGuided && is_swollen(list.path, list.size);
+  if (const auto rule = bound_rule(list.size); rule && !swollen)
     return choose_bound(list.refs, list.box, *rule, counters);
   if (axes == ScanAxes::kGuided) {
-    return choose_guided(
-        list,
-        {.cost = cost, .uniform_samples = uniform_samples, .refine_all_axes = refine_all_axes},
-        counters);
+    return choose_guided(list,
+                         {.cost = cost,
+                          .uniform_samples = uniform_samples,
+                          .refine_all_axes = refine_all_axes,
+                          .once = swollen},
+                         counters);
   }
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);
