@@ -14,7 +14,7 @@ namespace sightline::accel {
 bool keeps_all(std::size_t before, std::size_t left, std::size_t right);
 
 /// Whether most of a list's faces, which cannot be opened, have a vertex in common, by position.
-/// One face is looked at for it: it is one of them, or they are not most.
+/// One face is taken for one of them, and compared with some of the others.
 bool meet_in_a_vertex(const MeshView& mesh, std::span<const BoxRef> faces);
 
 /// What is left of the path's budget to a cell of so many faces that meet in a vertex.
