@@ -14,11 +14,9 @@
 namespace sightline::accel {
 namespace {
 
-/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles. Where
-/// cuts have multiplied them by kLongSwell, fewer tell that they are long; in a swollen cell so do
-/// fewer of fewer.
-constexpr std::size_t kCrowd = 3, kCrowdFrom = 32;
-constexpr std::size_t kLongCrowd = 10, kSwollenCrowdFrom = 16;
+/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; fewer
+/// tell that they are long where cuts have multiplied them by kLongSwell.
+constexpr std::size_t kCrowdFrom = 32, kCrowd = 3, kLongCrowd = 5;
 constexpr double kLongSwell = 1.5;
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
@@ -114,11 +112,8 @@ std::optional<std::string> ScanBuilder::check() const {
 }
 
 bool ScanBuilder::is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references) {
-  if (references >= kCrowdBelow) return false;
-  if (references >= kCrowdFrom && straddlers * kCrowd >= references) return true;
-  if (straddlers * kLongCrowd < references) return false;
-  return references >= kCrowdFrom ? path.swell >= kLongSwell
-                                  : references >= kSwollenCrowdFrom && is_swollen(path, references);
+  if (references < kCrowdFrom || references >= kCrowdBelow) return false;
+  return straddlers * (path.swell >= kLongSwell ? kLongCrowd : kCrowd) >= references;
 }
 
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
