@@ -30,9 +30,11 @@ inline bool is_worth_cutting(const CellPath& path, std::size_t references) {
 }
 
 /// Whether a cut that leaves so many references on both sides may be made. The last cut of a path
-/// may take twice what is left: as many others find less than they need, and leave it.
+/// on which they have become many may take twice what is left: as many others find less than they
+/// need, and leave it.
 inline bool affords(const CellPath& path, std::size_t straddlers) {
-  return static_cast<double>(straddlers) <= 2 * path.spare;
+  constexpr double kMany = 4;
+  return static_cast<double>(straddlers) <= (path.swell >= kMany ? 2 : 1) * path.spare;
 }
 
 /// What a cell may still add after its list of `before` references became lists of `after`, all

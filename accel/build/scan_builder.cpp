@@ -19,6 +19,9 @@ namespace {
 constexpr std::size_t kCrowdFrom = 32, kCrowd = 3, kLongCrowd = 5;
 constexpr double kLongSwell = 1.5;
 
+/// Up to this many boxes all bounds are looked at even in swollen cells: sooner than samples are.
+constexpr std::size_t kExactAnyway = 12;
+
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
 /// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
@@ -126,7 +129,8 @@ std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
 
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
-  const bool swollen = axes == ScanAxes::kGuided && is_swollen(list.path, list.size);
+  const bool swollen =
+      axes == ScanAxes::kGuided && list.size > kExactAnyway && is_swollen(list.path, list.size);
   if (const auto rule = bound_rule(list.size); rule && !swollen)
     return choose_bound(list.refs, list.box, *rule, counters);
   if (axes == ScanAxes::kGuided) {

@@ -37,8 +37,10 @@ TEST(ReferenceBudget, IsSharedByLengthAloneWhereACutPartsMuch) {
 }
 
 TEST(ReferenceBudget, LetsTheLastCutTakeTwiceWhatIsLeft) {
-  EXPECT_TRUE(affords({.spare = 9}, 18));
-  EXPECT_FALSE(affords({.spare = 9}, 19));
+  EXPECT_TRUE(affords({.spare = 9, .swell = 4}, 18));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 4}, 19));
+  EXPECT_TRUE(affords({.spare = 9, .swell = 3}, 9));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 3}, 10));
 }
 
 TEST(ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
