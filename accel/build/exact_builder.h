@@ -46,7 +46,6 @@ struct ExactBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }
-  bool clips(std::size_t, std::size_t) const { return clip; }
 
   /// Sweep only: the subtree under a cell from one sorted list of events; nothing for other
   /// searches, or if there are more references than events can name. As `grow` of grow.h otherwise.

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "accel/build/clip_straddlers.h"
+#include "accel/build/common_vertex.h"
 #include "accel/build/fork.h"
 #include "accel/build/list_stack.h"
 #include "accel/build/reference_budget.h"
@@ -33,6 +34,7 @@ class Growth {
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
     }
+    if (!is_worth_cutting(path, refs.size())) return leaf(refs, cell, path);
     if constexpr (requires { builder_.bound_rule(kSmallList); }) {
       if (small_ && is_small(refs))
         return grow_small(context_, *small_, refs, cell, path, counters);
@@ -59,7 +61,7 @@ class Growth {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
-    if (context_.mesh != nullptr && builder_.clips(straddlers, refs.size())) {
+    if (context_.mesh != nullptr && clips_straddlers(builder_, path, straddlers, refs.size())) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
       scans.reset();  // of lists that are others now
@@ -67,7 +69,12 @@ class Growth {
     lists.take(n.right);
     const Slot slot = Slot::binary(plane, *pair);
     AtomicSlot* children = context_.tree.children(slot);
-    const HalvedPath below = halve_path(path, *cut, halves, static_cast<double>(refs.size()),
+    const std::span<const BoxRef> longer =
+        n.left >= n.right ? refs.first(n.left) : std::span<BoxRef>(right, n.right);
+    const bool meet = context_.mesh != nullptr && keeps_all(refs.size(), n.left, n.right) &&
+                      meet_in_a_vertex(*context_.mesh, longer);
+    const HalvedPath below = halve_path(meet ? with_less(path, refs.size()) : path, *cut, halves,
+                                        static_cast<double>(refs.size()),
                                         static_cast<double>(n.left), static_cast<double>(n.right));
     const auto grow_left = [&] {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,

@@ -166,7 +166,7 @@ std::optional<Cut> choose_guided(const CellRefs& list, const GuidedRule& rule,
   const std::size_t end = rule.refine_all_axes ? 3 : promising + 1;
   std::array<bool, 3> placed{};
   std::array<WideAxis, 3> wide;
-  for (std::size_t a = begin; a < end; ++a) {
+  for (std::size_t a = begin; a < end && !rule.once; ++a) {
     std::optional<float> known;
     if (best.children < kNever && best.plane.axis == static_cast<int>(a))
       known = best.plane.position;

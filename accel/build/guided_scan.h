@@ -16,6 +16,7 @@ struct GuidedRule {
   /// Planes an axis in the first pass, the cell's faces included. Range 2 to kFirstPlanes.
   std::uint32_t uniform_samples = 8;
   bool refine_all_axes = false;  ///< In the second pass; else the most promising.
+  bool once = false;             ///< No second pass.
 };
 
 /// The cheapest of the planes looked at, if it is cheaper than a leaf. Two passes, or one where the

@@ -8,8 +8,10 @@ std::optional<Cut> choose_cut(const KdBuilder& builder, const CellRefs& cell,
   return std::visit([&](const auto& b) { return b.choose(cell, counters); }, builder);
 }
 
-bool clips(const KdBuilder& builder, std::size_t straddlers, std::size_t references) {
-  return std::visit([&](const auto& b) { return b.clips(straddlers, references); }, builder);
+bool clips(const KdBuilder& builder, const CellPath& path, std::size_t straddlers,
+           std::size_t references) {
+  return std::visit(
+      [&](const auto& b) { return clips_straddlers(b, path, straddlers, references); }, builder);
 }
 
 bool runs_passes(const KdBuilder& builder) { return std::holds_alternative<ScanBuilder>(builder); }

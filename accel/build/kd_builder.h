@@ -20,9 +20,19 @@ using KdBuilder = std::variant<ScanBuilder, SpatialMedianBuilder, ObjectMedianBu
 std::optional<Cut> choose_cut(const KdBuilder& builder, const CellRefs& cell,
                               BuildCounters& counters);
 
-/// Whether straddlers of a cut are clipped that leaves so many of a list's references on both
+/// Whether straddlers of a cut are clipped that leaves so many of a cell's references on both
 /// sides.
-bool clips(const KdBuilder& builder, std::size_t straddlers, std::size_t references);
+template <class Builder>
+bool clips_straddlers(const Builder& builder, const CellPath& path, std::size_t straddlers,
+                      std::size_t references) {
+  if constexpr (requires { builder.clips(path, straddlers, references); }) {
+    return builder.clips(path, straddlers, references);
+  } else {
+    return builder.clips();
+  }
+}
+bool clips(const KdBuilder& builder, const CellPath& path, std::size_t straddlers,
+           std::size_t references);
 
 /// Whether the builder can look at a list through passes alone (CellRefs::run); the others need it
 /// whole and at hand.

@@ -38,7 +38,6 @@ struct SpatialMedianBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return false; }
-  bool clips(std::size_t, std::size_t) const { return false; }
 };
 
 /// The median of the centres of the boxes' parts in the cell, along its longest axis. A cut that
@@ -57,7 +56,6 @@ struct ObjectMedianBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return false; }
-  bool clips(std::size_t, std::size_t) const { return false; }
 };
 
 }  // namespace sightline::accel

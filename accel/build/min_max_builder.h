@@ -40,7 +40,6 @@ struct MinMaxBuilder {
 
   /// Boxes are left as they are: a straddler keeps its bounds on both sides.
   bool clips() const { return false; }
-  bool clips(std::size_t, std::size_t) const { return false; }
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const {

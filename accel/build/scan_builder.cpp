@@ -8,10 +8,19 @@
 #include "accel/build/bound_scan.h"
 #include "accel/build/guided_scan.h"
 #include "accel/build/out_of_range.h"
+#include "accel/build/reference_budget.h"
 #include "accel/build/scan_samples.h"
 
 namespace sightline::accel {
 namespace {
+
+/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; fewer
+/// tell that they are long where cuts have multiplied them by kLongSwell.
+constexpr std::size_t kCrowdFrom = 32, kCrowd = 3, kLongCrowd = 5;
+constexpr double kLongSwell = 1.5;
+
+/// Up to this many boxes all bounds are looked at even in swollen cells: sooner than samples are.
+constexpr std::size_t kExactAnyway = 12;
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
@@ -105,6 +114,11 @@ std::optional<std::string> ScanBuilder::check() const {
   return std::nullopt;
 }
 
+bool ScanBuilder::is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references) {
+  if (references < kCrowdFrom || references >= kCrowdBelow) return false;
+  return straddlers * (path.swell >= kLongSwell ? kLongCrowd : kCrowd) >= references;
+}
+
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
   if (references > exact_below) return std::nullopt;
   BoundRule rule{.cost = cost, .retry_above = retry_above};
@@ -115,13 +129,17 @@ std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
 
 std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
-  if (const auto rule = bound_rule(list.size))
+  const bool swollen =
+      axes == ScanAxes::kGuided && list.size > kExactAnyway && is_swollen(list.path, list.size);
+  if (const auto rule = bound_rule(list.size); rule && !swollen)
     return choose_bound(list.refs, list.box, *rule, counters);
   if (axes == ScanAxes::kGuided) {
-    return choose_guided(
-        list,
-        {.cost = cost, .uniform_samples = uniform_samples, .refine_all_axes = refine_all_axes},
-        counters);
+    return choose_guided(list,
+                         {.cost = cost,
+                          .uniform_samples = uniform_samples,
+                          .refine_all_axes = refine_all_axes,
+                          .once = swollen},
+                         counters);
   }
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);

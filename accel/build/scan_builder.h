@@ -62,9 +62,8 @@ struct ScanBuilder {
   double budget = 0;
 
   static constexpr std::uint32_t kMaxExact = kMaxBoundScan;
-  static constexpr std::size_t kCrowd = 3;
-  /// Lists of at least, and of fewer references than that are clipped as crowds.
-  static constexpr std::size_t kCrowdFrom = 32, kCrowdBelow = 8192;
+  /// Lists of so many references are never clipped as crowds.
+  static constexpr std::size_t kCrowdBelow = 8192;
 
   bool operator==(const ScanBuilder&) const = default;
 
@@ -77,9 +76,8 @@ struct ScanBuilder {
   std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
 
   bool clips() const { return clip; }
-  bool clips(std::size_t straddlers, std::size_t references) const {
-    return clip || (clip_crowds && references >= kCrowdFrom && references < kCrowdBelow &&
-                    straddlers * kCrowd >= references);
+  bool clips(const CellPath& path, std::size_t straddlers, std::size_t references) const {
+    return clip || (clip_crowds && is_crowd(path, straddlers, references));
   }
 
   /// Whether lists that come of sifting one of so many boxes are worth counting meanwhile
@@ -98,6 +96,9 @@ struct ScanBuilder {
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const;
+
+ private:
+  static bool is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references);
 };
 
 }  // namespace sightline::accel

@@ -1,6 +1,7 @@
 // Dividing: the rule, for lists of either kind.
 #include "accel/lazy/divide.h"
 
+#include "accel/build/common_vertex.h"
 #include "accel/build/reference_budget.h"
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
@@ -44,6 +45,16 @@ class ShortList {
 
 static_assert(ScanBuilder::kCrowdBelow == kLongList, "whole lists alone are clipped as crowds");
 
+/// Of short lists: a long one is cut to short ones first.
+bool meet_in_a_vertex(const DivideContext& context, const DeferredCell& cell,
+                      const Division& division) {
+  const CellList &left = division.left.list, &right = division.right.list;
+  if (context.mesh == nullptr || cell.size >= kLongList) return false;
+  if (!keeps_all(cell.size, left.size(), right.size())) return false;
+  return meet_in_a_vertex(*context.mesh,
+                          left.size() >= right.size() ? left.whole() : right.whole());
+}
+
 template <class List>
 Division divide(const DivideContext& context, const DeferredCell& cell, List list) {
   Division division;
@@ -54,11 +65,14 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
     return std::move(division);
   };
   if (cell.openable && cell.size <= kOpenBelow) return finer();
-  const std::optional<Cut> cut = cell.path.depth < context.max_depth ? list.choose() : std::nullopt;
+  const bool may_cut = cell.path.depth < context.max_depth &&
+                       (cell.openable || is_worth_cutting(cell.path, cell.size));
+  const std::optional<Cut> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
     Sieve sieve{context.builder,
                 std::nullopt,
                 *cut,
+                cell.path,
                 halve(cell.box, cut->plane.axis, cut->plane.position),
                 scans_children(context.builder, cell.size),
                 cell.openable};
@@ -73,6 +87,8 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
     if (separates) {
       division.kind = Division::Kind::kCut;
       division.cut = *cut;
+      division.path =
+          meet_in_a_vertex(context, cell, division) ? with_less(cell.path, cell.size) : cell.path;
       return division;
     }
   }

@@ -33,6 +33,7 @@ struct Division {
   enum class Kind { kLeaf, kCut, kCuts, kFiner };
   Kind kind = Kind::kLeaf;
   Cut cut;                              ///< kCut.
+  CellPath path;                        ///< kCut: the cell's, as the cut leaves it.
   Part left, right;                     ///< kCut; kFiner: `left` is the whole.
   std::shared_ptr<const CutTree> cuts;  ///< kCuts.
   std::vector<Part> parts;              ///< kCuts: cuts->parts().

@@ -43,20 +43,6 @@ double budget(const KdBuilder& builder, std::size_t references) {
   return (scan->budget - 1) * static_cast<double>(references);
 }
 
-/// What the parts of a division may add, for each unit of their demands; infinite if as much as
-/// they will.
-double share_among(const Division& division, const DeferredCell& cell) {
-  if (std::isinf(cell.path.spare)) return cell.path.spare;
-  double demands = 0, references = 0;
-  for (std::size_t p = 0; p < division.parts.size(); ++p) {
-    const auto size = static_cast<double>(division.parts[p].list.size());
-    demands += demand(division.cuts->parts()[p].box, size);
-    references += size;
-  }
-  const double spare = left_over(cell.path, static_cast<double>(cell.size), references);
-  return demands > 0 ? spare / demands : 0;
-}
-
 /// Adds the time of its life.
 class Timed {
  public:
@@ -99,6 +85,30 @@ Expansion& expansion_of(DeferredCell& cell, const ReferenceSource& source, bool&
 }
 
 }  // namespace
+
+/// What a division into several parts leaves to them.
+struct LazyTree::Shares {
+  double each = std::numeric_limits<double>::infinity();  ///< For a unit of demand.
+  bool parted_little = false;
+  double swell = 1;  ///< Of the parts.
+
+  Shares(const Division& division, const DeferredCell& cell) {
+    if (std::isinf(cell.path.spare)) return;
+    const auto before = static_cast<double>(cell.size);
+    double after = 0;
+    for (const Part& part : division.parts) after += static_cast<double>(part.list.size());
+    parted_little = parts_little(before, after);
+    swell = cell.path.swell * std::max(1.0, after / before);
+    double demands = 0;
+    for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);
+    each = demands > 0 ? left_over(cell.path, before, after) / demands : 0;
+  }
+
+  double of(const Division& division, std::size_t part) const {
+    return demand(division.cuts->parts()[part].box,
+                  static_cast<double>(division.parts[part].list.size()), parted_little);
+  }
+};
 
 LazyTree::LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder,
                    ReferenceSource source, const MeshView* mesh)
@@ -235,7 +245,7 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
     case Division::Kind::kFiner:
       return defer(std::move(division.left), cell.box, cell.path);
     case Division::Kind::kCuts:
-      return make_slot(division, division.cuts->nodes()[0], share_among(division, cell));
+      return make_slot(division, division.cuts->nodes()[0], Shares(division, cell));
     case Division::Kind::kCut:
       break;
   }
@@ -246,7 +256,7 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
   const HalvedCell halves = halve(cell.box, plane.axis, plane.position);
   const auto weight = [](const Part& part) { return static_cast<double>(weight_of(part)); };
   const HalvedPath path =
-      halve_path(cell.path, division.cut, halves, static_cast<double>(cell.weight),
+      halve_path(division.path, division.cut, halves, static_cast<double>(cell.weight),
                  weight(division.left), weight(division.right));
   AtomicSlot* children = tree_.children(slot);
   children[0].store(defer(std::move(division.left), halves.left, path.left).bits(),
@@ -256,17 +266,19 @@ Slot LazyTree::make_slot(Division division, const DeferredCell& cell) {
   return slot;
 }
 
-Slot LazyTree::make_slot(Division& division, const CutTree::Node& node, double spare) {
+Slot LazyTree::make_slot(Division& division, const CutTree::Node& node, const Shares& shares) {
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
   const Slot slot = Slot::binary(node.cut.plane, *pair);
   const auto below = [&](const CutTree::Child& child) {
-    if (!child.is_part) return make_slot(division, division.cuts->nodes()[child.place], spare);
+    if (!child.is_part) return make_slot(division, division.cuts->nodes()[child.place], shares);
     const CutTree::Part& cut = division.cuts->parts()[child.place];
     Part& part = division.parts[child.place];
     CellPath path = cut.path;
-    if (!std::isinf(spare))
-      path.spare = spare * demand(cut.box, static_cast<double>(part.list.size()));
+    if (!std::isinf(path.spare)) {
+      path.spare = shares.each * shares.of(division, child.place);
+      path.swell = shares.swell;
+    }
     return defer(std::move(part), cut.box, path);
   };
   AtomicSlot* children = tree_.children(slot);

@@ -58,7 +58,8 @@ class LazyTree {
   Expanded lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
                 BuildCounters& counters);
   Slot make_slot(Division division, const DeferredCell& cell);
-  Slot make_slot(Division& division, const CutTree::Node& node, double spare);
+  struct Shares;
+  Slot make_slot(Division& division, const CutTree::Node& node, const Shares& shares);
   Slot defer(Part part, const Aabb& box, const CellPath& path);
   Slot finish(const DeferredCell& cell, BuildCounters& counters,
               const std::atomic<bool>* cancelled);

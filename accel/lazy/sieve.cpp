@@ -34,7 +34,7 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const BoxRef>> sp
   }
   sides.straddling.all = n.left + n.right - size;
   const std::size_t seen = sieve.whole ? size : 0;  // one slice says nothing of all
-  if (sieve.clipped && clips(sieve.builder, sides.straddling.all, seen)) {
+  if (sieve.clipped && clips(sieve.builder, sieve.path, sides.straddling.all, seen)) {
     scans = {};
     n.left = clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
     n.right = clip_straddlers(*sieve.clipped, right.first(n.right), plane, sieve.halves.right);

@@ -17,6 +17,7 @@ struct Sieve {
   KdBuilder builder;
   std::optional<MeshView> clipped;  ///< What straddlers are clipped against, if they are.
   Cut cut;
+  CellPath path;
   HalvedCell halves;
   bool scans;          ///< The children's lists are scanned meanwhile.
   bool openable;       ///< Straddlers that can be opened are to be counted.

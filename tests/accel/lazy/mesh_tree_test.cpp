@@ -180,7 +180,7 @@ void check(const MeshTree& tree, const TestMesh& mesh, const AnyBuilder& builder
     return;
   }
   const KdBuilder& kd = std::get<KdBuilder>(builder);
-  const bool may_clip = clips(kd, 1000, 1000);
+  const bool may_clip = clips(kd, {}, 1000, 1000);
   if (may_clip || std::holds_alternative<ExactBuilder>(kd)) {
     tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
   } else {

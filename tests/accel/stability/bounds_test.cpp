@@ -51,16 +51,6 @@ Measured measure(const TestMesh& mesh, std::span<const accel::Ray> rays, std::st
   return measured;
 }
 
-/// Our own builders, whose failures no paper excuses: what is known and not mended yet. Triangles
-/// as long as their scene are split to the end of the budget, and every level touches all the
-/// pieces; of slivers the budget leaves more to test than trees without one do, and of rods what
-/// scan-fast does not clip, where fewer straddle.
-bool is_known(std::string_view mesh, std::string_view builder, Bound bound) {
-  if (builder != "scan-fast" && builder != "scan-best") return false;
-  if (bound == Bound::kWork) return mesh == "slivers" || (mesh == "rods" && builder == "scan-fast");
-  return bound == Bound::kTouches && (mesh == "slivers" || mesh == "rods" || mesh == "fan");
-}
-
 TEST(HardMeshBounds, AreKeptByEveryBuilderThatIsNotMarked) {
   std::map<std::string_view, double> compact;  // touches a triangle
   for (const std::string_view builder : accel::builder_names()) {
@@ -77,7 +67,7 @@ TEST(HardMeshBounds, AreKeptByEveryBuilderThatIsNotMarked) {
       measured.cost.touches = measured.touches / compact[builder];
       measured.cost.work = measured.work / sweep[size];
       for (const Breach& breach : breaches(hard, builder, measured.cost)) {
-        EXPECT_TRUE(!breach.by_design.empty() || is_known(hard.name, builder, breach.bound))
+        EXPECT_TRUE(!breach.by_design.empty())
             << hard.name << ", " << builder << ": " << breach.text();
       }
     }
@@ -94,8 +84,7 @@ TEST(HardMeshBounds, TouchesGrowLittleFasterThanTheMesh) {
     const double times = static_cast<double>(large.faces.size()) / n;
     for (const std::string_view builder : accel::builder_names()) {
       const auto excused = [&](Bound bound) {
-        return !design_failure(hard.name, builder, bound).empty() ||
-               is_known(hard.name, builder, bound);
+        return !design_failure(hard.name, builder, bound).empty();
       };
       if (is_quadratic(builder) || excused(Bound::kReferences) || excused(Bound::kTouches)) {
         continue;
