@@ -57,7 +57,7 @@ class Growth {
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
     const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!affords(path, straddlers)) {
+    if (!affords(path, refs.size(), straddlers)) {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }

@@ -10,14 +10,23 @@
 
 namespace sightline::accel {
 
-/// Whether cuts have multiplied a cell's references far beyond what they do of a surface: its
-/// triangles are long. Of n triangles of a surface about sqrt(n) lie across the border of what
-/// holds them, so that there a path's swell is 1 and a few sqrt(1 / n).
+/// By how much more than of a surface cuts have multiplied a cell's references. Of n triangles of a
+/// surface about sqrt(n) lie across the border of what holds them, so that there a path's swell is
+/// 1 and a few sqrt(1 / n), and this is a few at most.
+inline double excess(const CellPath& path, double references) {
+  return (path.swell - 1) * (path.swell - 1) * references;
+}
+
+/// Whether a cell's triangles are long, by its excess. Costs little if it is wrong.
 inline bool is_swollen(const CellPath& path, std::size_t references) {
-  constexpr double kLeastSwell = 2, kBorder = 16;
-  const double more = path.swell - 1;
-  return path.swell >= kLeastSwell &&
-         more * more * static_cast<double>(references) >= kBorder * kBorder;
+  constexpr double kLeastSwell = 2, kMost = 256;
+  return path.swell >= kLeastSwell && excess(path, static_cast<double>(references)) >= kMost;
+}
+
+/// Whether they are long for sure: worth what is spent on few cells of other meshes.
+inline bool is_long(const CellPath& path, double references) {
+  constexpr double kMost = 1024;
+  return excess(path, references) >= kMost;
 }
 
 /// Whether a cell is worth a search for a cut. A swollen one is not, if it is small or can afford
@@ -29,12 +38,13 @@ inline bool is_worth_cutting(const CellPath& path, std::size_t references) {
   return references > kSmall && path.spare >= kLeastSpare * static_cast<double>(references);
 }
 
-/// Whether a cut that leaves so many references on both sides may be made. The last cut of a path
-/// on which they have become many may take twice what is left: as many others find less than they
-/// need, and leave it.
-inline bool affords(const CellPath& path, std::size_t straddlers) {
+/// Whether a cut that leaves so many of a cell's references on both sides may be made. Of long
+/// triangles, once they have become many, the last cut of a path may take twice what is left: as
+/// many others find less than they need, and leave it.
+inline bool affords(const CellPath& path, std::size_t references, std::size_t straddlers) {
   constexpr double kMany = 4;
-  return static_cast<double>(straddlers) <= (path.swell >= kMany ? 2 : 1) * path.spare;
+  const bool twice = path.swell >= kMany && is_long(path, static_cast<double>(references));
+  return static_cast<double>(straddlers) <= (twice ? 2 : 1) * path.spare;
 }
 
 /// What a cell may still add after its list of `before` references became lists of `after`, all
@@ -43,11 +53,11 @@ inline double left_over(const CellPath& path, double before, double after) {
   return std::max(0.0, path.spare - std::max(0.0, after - before));
 }
 
-/// Whether a cut of a list of `before` references, or several, that left `after` of them all
+/// Whether a cut of a list of `before` long triangles, or several, that left `after` of them all
 /// together, parted them little.
-inline bool parts_little(double before, double after) {
-  constexpr double kLong = 32, kLittle = 1.05;
-  return before > kLong && after >= kLittle * before;
+inline bool parts_little(const CellPath& path, double before, double after) {
+  constexpr double kList = 32, kLittle = 1.05;
+  return before > kList && after >= kLittle * before && is_long(path, before);
 }
 
 /// How often a cell's references will be looked at: what its share is measured by. Where cuts part
@@ -66,7 +76,7 @@ inline HalvedPath halve_path(const CellPath& path, const Cut& cut, const HalvedC
   HalvedPath below{path.below(cut), path.below(cut)};
   if (std::isinf(path.spare)) return below;
   const double spare = left_over(path, before, left + right);
-  const bool little = parts_little(before, left + right);
+  const bool little = parts_little(path, before, left + right);
   const double to_left = demand(halves.left, left, little);
   const double to_right = demand(halves.right, right, little);
   const double share = to_left + to_right > 0 ? to_left / (to_left + to_right) : 0.5;

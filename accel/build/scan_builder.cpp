@@ -14,10 +14,9 @@
 namespace sightline::accel {
 namespace {
 
-/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; fewer
-/// tell that they are long where cuts have multiplied them by kLongSwell.
-constexpr std::size_t kCrowdFrom = 32, kCrowd = 3, kLongCrowd = 5;
-constexpr double kLongSwell = 1.5;
+/// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; where
+/// they are long, one in kLongCrowd.
+constexpr std::size_t kCrowdFrom = 32, kCrowd = 4, kLongCrowd = 5;
 
 /// Up to this many boxes all bounds are looked at even in swollen cells: sooner than samples are.
 constexpr std::size_t kExactAnyway = 12;
@@ -116,7 +115,8 @@ std::optional<std::string> ScanBuilder::check() const {
 
 bool ScanBuilder::is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references) {
   if (references < kCrowdFrom || references >= kCrowdBelow) return false;
-  return straddlers * (path.swell >= kLongSwell ? kLongCrowd : kCrowd) >= references;
+  const bool is_of_long = is_long(path, static_cast<double>(references));
+  return straddlers * (is_of_long ? kLongCrowd : kCrowd) >= references;
 }
 
 std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {

@@ -55,8 +55,9 @@ inline float round_down(double x) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   if (std::fabs(x) < static_cast<double>(kTiny)) return x < 0 ? -kTiny : 0.0f;
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity())
-                                    : f;
+  if (!(static_cast<double>(f) > x)) return f;
+  const auto bits = std::bit_cast<std::uint32_t>(f);
+  return std::bit_cast<float>(f < 0 ? bits + 1 : bits - 1);  // f is not zero
 }
 inline float round_up(double x) { return -round_down(-x) + 0.0f; }
 

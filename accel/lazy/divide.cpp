@@ -81,7 +81,7 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
       return finer();
     // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !affords(cell.path, straddling.all)) return {};
+    if (!cell.openable && !affords(cell.path, cell.size, straddling.all)) return {};
     const bool separates =
         division.left.list.size() < cell.size || division.right.list.size() < cell.size;
     if (separates) {

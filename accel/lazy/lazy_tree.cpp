@@ -97,7 +97,7 @@ struct LazyTree::Shares {
     const auto before = static_cast<double>(cell.size);
     double after = 0;
     for (const Part& part : division.parts) after += static_cast<double>(part.list.size());
-    parted_little = parts_little(before, after);
+    parted_little = parts_little(cell.path, before, after);
     swell = cell.path.swell * std::max(1.0, after / before);
     double demands = 0;
     for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);

@@ -23,24 +23,28 @@ TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   const HalvedCell halves = halve(kCell, 0, 0.5f);
   const HalvedPath below = halve_path({.depth = 3, .spare = 100}, kCut, halves, 50, 20, 40);
   // 10 were added. Half areas are 2 and 4.
-  const double left = 2.0 * 20 * std::sqrt(20.0), right = 4.0 * 40 * std::sqrt(40.0);
-  EXPECT_DOUBLE_EQ(below.left.spare, 90 * left / (left + right));
+  EXPECT_DOUBLE_EQ(below.left.spare, 90 * (2.0 * 20) / (2.0 * 20 + 4.0 * 40));
   EXPECT_DOUBLE_EQ(below.left.spare + below.right.spare, 90);
   EXPECT_EQ(below.left.depth, 4);
   EXPECT_DOUBLE_EQ(below.left.swell, 1.2);
 }
 
-TEST(ReferenceBudget, IsSharedByLengthAloneWhereACutPartsMuch) {
-  const HalvedPath below = halve_path({.spare = 100}, kCut, halve(kCell, 0, 0.5f), 50, 20, 30);
-  EXPECT_DOUBLE_EQ(below.left.spare, 100 * (2.0 * 20) / (2.0 * 20 + 4.0 * 30));
-  EXPECT_DOUBLE_EQ(below.left.swell, 1);
+TEST(ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTrianglesLittle) {
+  const CellPath swollen{.spare = 100, .swell = 6};
+  const HalvedPath below = halve_path(swollen, kCut, halve(kCell, 0, 0.5f), 50, 20, 40);
+  const double left = 2.0 * 20 * std::sqrt(20.0), right = 4.0 * 40 * std::sqrt(40.0);
+  EXPECT_DOUBLE_EQ(below.left.spare, 90 * left / (left + right));
+  const HalvedPath parted = halve_path(swollen, kCut, halve(kCell, 0, 0.5f), 50, 20, 30);
+  EXPECT_DOUBLE_EQ(parted.left.spare, 100 * (2.0 * 20) / (2.0 * 20 + 4.0 * 30));
+  EXPECT_DOUBLE_EQ(parted.left.swell, 6);
 }
 
-TEST(ReferenceBudget, LetsTheLastCutTakeTwiceWhatIsLeft) {
-  EXPECT_TRUE(affords({.spare = 9, .swell = 4}, 18));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 4}, 19));
-  EXPECT_TRUE(affords({.spare = 9, .swell = 3}, 9));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 3}, 10));
+TEST(ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhatIsLeft) {
+  EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 64, 18));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 64, 19));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 63, 10));
+  EXPECT_TRUE(affords({.spare = 9, .swell = 3}, 1000, 9));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 3}, 1000, 10));
 }
 
 TEST(ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
