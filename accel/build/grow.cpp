@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "accel/build/clip_straddlers.h"
 #include "accel/build/common_vertex.h"
@@ -69,12 +70,10 @@ class Growth {
     lists.take(n.right);
     const Slot slot = Slot::binary(plane, *pair);
     AtomicSlot* children = context_.tree.children(slot);
-    const std::span<const BoxRef> longer =
-        n.left >= n.right ? refs.first(n.left) : std::span<BoxRef>(right, n.right);
-    const bool meet = context_.mesh != nullptr && keeps_all(refs.size(), n.left, n.right) &&
-                      meet_in_a_vertex(*context_.mesh, longer);
-    const HalvedPath below = halve_path(meet ? with_less(path, refs.size()) : path, *cut, halves,
-                                        static_cast<double>(refs.size()),
+    const CellPath spent = meets(refs.first(n.left), {right, n.right}, refs.size(), path)
+                               ? with_less(path, refs.size())
+                               : path;
+    const HalvedPath below = halve_path(spent, *cut, halves, static_cast<double>(refs.size()),
                                         static_cast<double>(n.left), static_cast<double>(n.right));
     const auto grow_left = [&] {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,
@@ -103,6 +102,15 @@ class Growth {
   /// Not published until the slot of the whole subtree is.
   static void set(AtomicSlot& slot, Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
+  }
+
+  /// Whether what a cut left of `before` references meets in a vertex. Without a budget that is
+  /// nobody's concern.
+  bool meets(std::span<const BoxRef> left, std::span<const BoxRef> right, std::size_t before,
+             const CellPath& path) const {
+    return context_.mesh != nullptr && !std::isinf(path.spare) &&
+           keeps_all(before, left.size(), right.size()) &&
+           meet_in_a_vertex(*context_.mesh, left.size() >= right.size() ? left : right);
   }
 
   /// Undoes a division: what went to the right alone goes behind the left list.

@@ -1,6 +1,8 @@
 // Dividing: the rule, for lists of either kind.
 #include "accel/lazy/divide.h"
 
+#include <cmath>
+
 #include "accel/build/common_vertex.h"
 #include "accel/build/reference_budget.h"
 #include "accel/lazy/long_list.h"
@@ -49,7 +51,8 @@ static_assert(ScanBuilder::kCrowdBelow == kLongList, "whole lists alone are clip
 bool meet_in_a_vertex(const DivideContext& context, const DeferredCell& cell,
                       const Division& division) {
   const CellList &left = division.left.list, &right = division.right.list;
-  if (context.mesh == nullptr || cell.size >= kLongList) return false;
+  if (context.mesh == nullptr || std::isinf(cell.path.spare) || cell.size >= kLongList)
+    return false;
   if (!keeps_all(cell.size, left.size(), right.size())) return false;
   return meet_in_a_vertex(*context.mesh,
                           left.size() >= right.size() ? left.whole() : right.whole());
