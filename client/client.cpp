@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/channel.h"
-#include "client/connection.h"
-#include "client/rpc_error.h"
-#include "client/scene_codec.h"
-#include "client/update_carrier.h"
-#include "client/update_codec.h"
+#include "client/calls/channel.h"
+#include "client/calls/connection.h"
+#include "client/calls/rpc_error.h"
+#include "client/calls/update_stream_worker.h"
+#include "client/wire/scene_codec.h"
+#include "client/wire/update_codec.h"
 
 namespace sightline::client {
 namespace {

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "client/all_hits.h"
+#include "client/calls/mesh_blob.h"
+#include "client/calls/watch.h"
 #include "client/cast_options.h"
-#include "client/mesh_blob.h"
 #include "client/prefetch.h"
 #include "client/rays.h"
 #include "client/result.h"
 #include "client/scene_info.h"
 #include "client/update.h"
 #include "client/update_stream.h"
-#include "client/watch.h"
 
 namespace sightline::client {
 

@@ -1,11 +1,11 @@
 // One call that answers with its progress; for rays one for each message of them.
 #include <fmt/format.h>
 
-#include "client/cast_codec.h"
-#include "client/channel.h"
-#include "client/columns.h"
-#include "client/connection.h"
-#include "client/rpc_error.h"
+#include "client/calls/channel.h"
+#include "client/calls/columns.h"
+#include "client/calls/connection.h"
+#include "client/calls/rpc_error.h"
+#include "client/wire/cast_codec.h"
 
 namespace sightline::client {
 namespace {

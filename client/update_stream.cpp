@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "client/update_batch.h"
-#include "client/update_carrier.h"
+#include "client/calls/update_batch.h"
+#include "client/calls/update_stream_worker.h"
 
 namespace sightline::client {
 

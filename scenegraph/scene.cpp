@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "scenegraph/draft.h"
-#include "scenegraph/grow_alike.h"
+#include "scenegraph/instances/prebuild.h"
+#include "scenegraph/revision/draft.h"
 
 namespace sightline::scenegraph {
 

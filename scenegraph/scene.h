@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "scenegraph/rest.h"
-#include "scenegraph/snapshot.h"
-#include "scenegraph/update.h"
+#include "scenegraph/model/update.h"
+#include "scenegraph/revision/settle_policy.h"
+#include "scenegraph/revision/snapshot.h"
 
 namespace sightline::scenegraph {
 

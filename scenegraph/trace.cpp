@@ -5,8 +5,8 @@
 #include <atomic>
 #include <string>
 
-#include "scenegraph/ray_blocks.h"
-#include "scenegraph/ray_caster.h"
+#include "scenegraph/query/ray_blocks.h"
+#include "scenegraph/query/ray_caster.h"
 
 namespace sightline::scenegraph {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
-#include "scenegraph/build_progress.h"
-#include "scenegraph/snapshot.h"
+#include "scenegraph/query/build_progress.h"
+#include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph {

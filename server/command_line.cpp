@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "server/in_quotes.h"
+#include "server/exec/in_quotes.h"
 #include "server/listen_address.h"
 
 namespace sightline::server {

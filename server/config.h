@@ -7,7 +7,7 @@
 #include <string>
 
 #include "scenegraph/trace.h"
-#include "server/admission.h"
+#include "server/exec/admission.h"
 
 namespace sightline::server {
 

@@ -6,7 +6,7 @@
 
 #include <charconv>
 
-#include "server/in_quotes.h"
+#include "server/exec/in_quotes.h"
 
 namespace sightline::server {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "accel/geometry/expansion.h"
+#include "accel/geometry/exact_sum.h"
 
 namespace sightline::accel {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "accel/geometry/expansion.h"
+#include "accel/geometry/exact_sum.h"
 
 namespace sightline::accel {
 namespace {

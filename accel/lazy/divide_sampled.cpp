@@ -1,7 +1,7 @@
 // Dividing a long list, made already or not, by cuts that a sample of it suggests.
 #include <algorithm>
 
-#include "accel/lazy/divide.h"
+#include "accel/grow/divide.h"
 #include "accel/lazy/long_list.h"
 
 namespace sightline::accel {

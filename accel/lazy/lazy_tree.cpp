@@ -13,11 +13,11 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
-#include "accel/build/grow.h"
-#include "accel/build/reference_budget.h"
-#include "accel/lazy/opening.h"
-#include "accel/lazy/patience.h"
-#include "accel/tree/epoch.h"
+#include "accel/grow/grow.h"
+#include "accel/grow/opening.h"
+#include "accel/grow/reference_budget.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/lazy/stall_detector.h"
 
 namespace sightline::accel {
 namespace {

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "accel/lazy/divide.h"
-#include "accel/tree/kd_tree.h"
+#include "accel/grow/divide.h"
+#include "accel/kdtree/kd_tree.h"
 
 namespace sightline::accel {
 

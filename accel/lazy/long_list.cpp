@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "accel/lazy/opening.h"
+#include "accel/grow/opening.h"
 
 namespace sightline::accel {
 namespace {

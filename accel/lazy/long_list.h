@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "accel/lazy/divide.h"
-#include "accel/lazy/sieve.h"
+#include "accel/grow/divide.h"
+#include "accel/grow/sieve.h"
 
 namespace sightline::accel {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "accel/build/box_ref.h"
+#include "accel/kdtree/reference.h"
 
 namespace sightline::accel {
 

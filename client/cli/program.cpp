@@ -8,7 +8,7 @@
 
 #include "client/cli/exit_code.h"
 #include "client/cli/session.h"
-#include "client/cli/verbs.h"
+#include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli {
 namespace {

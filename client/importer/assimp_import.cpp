@@ -13,8 +13,8 @@
 
 #include "client/importer/assimp_file.h"
 #include "client/importer/convert.h"
-#include "client/importer/damage.h"
 #include "client/importer/lattice.h"
+#include "client/importer/preflight.h"
 
 namespace sightline::client {
 namespace {

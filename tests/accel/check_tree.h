@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "accel/tree/kd_tree.h"
+#include "accel/kdtree/kd_tree.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {

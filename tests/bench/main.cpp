@@ -12,11 +12,11 @@
 #include <optional>
 #include <thread>
 
-#include "accel/build/any_builder.h"
-#include "tests/bench/embree_peer.h"
-#include "tests/bench/generators.h"
-#include "tests/bench/robust_family.h"
-#include "tests/bench/verbs.h"
+#include "accel/published/any_builder.h"
+#include "tests/bench/embree/peer.h"
+#include "tests/bench/scenes/generators.h"
+#include "tests/bench/verbs/robust_family.h"
+#include "tests/bench/verbs/verbs.h"
 #include "tests/support/hard_meshes.h"
 
 namespace sightline::bench {

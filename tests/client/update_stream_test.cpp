@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "client/scene_upload.h"
-#include "tests/client/live_client.h"
-#include "tests/client/relay.h"
-#include "tests/client/silent_port.h"
+#include "client/calls/scene_upload.h"
+#include "tests/client/support/live_client.h"
+#include "tests/client/support/relay.h"
+#include "tests/client/support/silent_port.h"
 
 namespace sightline::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/live_server.h"
+#include "tests/server/support/live_server.h"
 #include "tests/support/plain_history.h"
 #include "tests/support/random_edits.h"
 #include "tests/support/random_questions.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/load_scene.h"
+#include "tests/bench/scenes/load_scene.h"
 #include "tests/e2e/served_scene.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/kinds.h"

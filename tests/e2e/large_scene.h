@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenegraph/update.h"
+#include "scenegraph/model/update.h"
 #include "tests/support/random_edits.h"
 
 namespace sightline::tests {

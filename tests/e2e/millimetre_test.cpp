@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "client/calls/scene_upload.h"
 #include "client/client.h"
 #include "client/importer/lattice.h"
-#include "client/scene_upload.h"
 #include "server/server.h"
 #include "tests/support/millimetres.h"
 

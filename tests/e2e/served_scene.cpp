@@ -6,9 +6,9 @@
 
 #include <cstdlib>
 
+#include "client/calls/scene_upload.h"
 #include "client/importer/assimp_import.h"
-#include "client/scene_upload.h"
-#include "tests/bench/ray_kinds.h"
+#include "tests/bench/scenes/ray_kinds.h"
 
 namespace sightline::tests {
 

@@ -13,7 +13,7 @@
 #include "accel/geometry/ray.h"
 #include "client/client.h"
 #include "server/server.h"
-#include "tests/bench/scene_source.h"
+#include "tests/bench/scenes/scene_source.h"
 #include "tests/support/brute_force.h"
 
 namespace sightline::tests {

@@ -20,8 +20,8 @@
 #include "sightline/v1/scene.grpc.pb.h"
 #include "tests/e2e/update_sender.h"
 #include "tests/e2e/wire_updates.h"
-#include "tests/server/api.h"
-#include "tests/server/live_server.h"
+#include "tests/server/support/api.h"
+#include "tests/server/support/live_server.h"
 #include "tests/support/random.h"
 
 namespace sightline::tests {

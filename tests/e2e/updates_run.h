@@ -4,7 +4,7 @@
 #include <string>
 
 #include "accel/result.h"
-#include "tests/bench/report.h"
+#include "tests/bench/verbs/report.h"
 #include "tests/e2e/large_scene.h"
 
 namespace sightline::tests {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "scenegraph/update.h"
+#include "scenegraph/model/update.h"
 #include "sightline/v1/scene.pb.h"
 
 namespace sightline::tests {

@@ -10,10 +10,10 @@
 #include <xmmintrin.h>
 #endif
 
-#include "accel/geometry/certain_misses.h"
 #include "accel/geometry/facing.h"
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/ray.h"
+#include "accel/geometry/triangle_prefilter.h"
 #include "tests/fuzz/expected_sum.h"
 
 namespace sightline::tests {

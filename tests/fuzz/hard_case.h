@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/geometry/mesh_view.h"
+#include "accel/geometry/triangle_mesh.h"
 #include "accel/geometry/vec3.h"
 
 namespace sightline::tests {

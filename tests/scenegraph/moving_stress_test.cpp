@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "scenegraph/instances/selection.h"
 #include "scenegraph/scene.h"
-#include "scenegraph/selection.h"
 #include "scenegraph/trace.h"
 #include "tests/support/plain_history.h"
 #include "tests/support/random_edits.h"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "scenegraph/mesh.h"
-#include "scenegraph/update.h"
+#include "scenegraph/model/mesh.h"
+#include "scenegraph/model/update.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {

@@ -12,8 +12,8 @@
 #include <string>
 #include <thread>
 
-#include "tests/server/garbage.h"
-#include "tests/server/live_server.h"
+#include "tests/server/support/garbage.h"
+#include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/codec.h"
-#include "tests/server/garbage.h"
-#include "tests/server/live_server.h"
+#include "server/queries/query_codec.h"
+#include "tests/server/support/garbage.h"
+#include "tests/server/support/live_server.h"
 #include "tests/support/child_process.h"
 #include "tests/support/scenes.h"
 

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
-#include "scenegraph/affine.h"
-#include "scenegraph/snapshot.h"
+#include "accel/geometry/triangle_mesh.h"
+#include "scenegraph/model/affine.h"
+#include "scenegraph/revision/snapshot.h"
 #include "tests/support/reference.h"
 
 namespace sightline::tests {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "accel/build/box_ref.h"
-#include "accel/build/sah.h"
-#include "accel/build/scan_samples.h"
+#include "accel/kdtree/reference.h"
+#include "accel/published/kd/scan_samples.h"
+#include "accel/split/cost_model.h"
 
 namespace sightline::tests {
 

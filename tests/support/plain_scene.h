@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scenegraph/update.h"
+#include "scenegraph/model/update.h"
 #include "tests/support/brute_force.h"
 
 namespace sightline::tests {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "accel/geometry/vec3.h"
-#include "scenegraph/affine.h"
+#include "scenegraph/model/affine.h"
 
 namespace sightline::tests {
 

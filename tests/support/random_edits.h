@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "accel/result.h"
-#include "scenegraph/update.h"
+#include "scenegraph/model/update.h"
 #include "tests/support/plain_scene.h"
 #include "tests/support/random.h"
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
+#include "accel/geometry/triangle_mesh.h"
 
 namespace sightline::tests {
 

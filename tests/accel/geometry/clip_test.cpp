@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "accel/build/box_ref.h"
-#include "accel/build/clip_straddlers.h"
+#include "accel/grow/clip_straddlers.h"
+#include "accel/kdtree/reference.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel {

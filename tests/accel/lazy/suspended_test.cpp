@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "accel/lazy/mesh_tree.h"
-#include "accel/tree/epoch.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
 #include "tests/support/scenes.h"
 
 extern "C" {

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "accel/build/any_builder.h"
-#include "accel/lazy/mesh_tree.h"
-#include "accel/tree/epoch.h"
-#include "accel/tree/measure.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/published/any_builder.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {

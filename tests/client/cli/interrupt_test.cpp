@@ -10,11 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include "client/scene_upload.h"
+#include "client/calls/scene_upload.h"
 #include "tests/client/importer/gltf_file.h"
-#include "tests/client/live_client.h"
-#include "tests/client/silent_port.h"
-#include "tests/client/temp_dir.h"
+#include "tests/client/support/live_client.h"
+#include "tests/client/support/silent_port.h"
+#include "tests/client/support/temp_dir.h"
 #include "tests/support/child_process.h"
 
 namespace sightline::client::cli {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/client/live_client.h"
-#include "tests/client/silent_port.h"
-#include "tests/client/temp_dir.h"
+#include "tests/client/support/live_client.h"
+#include "tests/client/support/silent_port.h"
+#include "tests/client/support/temp_dir.h"
 
 namespace sightline::client::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/client/temp_dir.h"
+#include "tests/client/support/temp_dir.h"
 
 namespace sightline::client {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "client/calls/mesh_blob.h"
 #include "client/importer/assimp_import.h"
-#include "client/mesh_blob.h"
-#include "tests/client/temp_dir.h"
+#include "tests/client/support/temp_dir.h"
 #include "tests/support/random.h"
 
 namespace sightline::client {

@@ -11,7 +11,7 @@
 #include "client/importer/affine.h"
 #include "client/importer/assimp_import.h"
 #include "tests/client/importer/gltf_file.h"
-#include "tests/client/temp_dir.h"
+#include "tests/client/support/temp_dir.h"
 
 namespace sightline::client {
 namespace {

@@ -11,11 +11,11 @@
 #include <memory>
 #include <vector>
 
-#include "accel/build/any_builder.h"
 #include "accel/geometry/intersect.h"
-#include "accel/lazy/face_boxes.h"
-#include "accel/lazy/mesh_survey.h"
-#include "accel/tree/epoch.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/face_boxes.h"
+#include "accel/mesh/mesh_stats.h"
+#include "accel/published/any_builder.h"
 #include "tests/support/rational_hit.h"
 
 namespace sightline::tests {

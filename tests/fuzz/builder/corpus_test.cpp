@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "accel/build/any_builder.h"
+#include "accel/published/any_builder.h"
 #include "tests/fuzz/builder/check_soup.h"
 
 namespace sightline::tests {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "accel/build/any_builder.h"
+#include "accel/published/any_builder.h"
 #include "tests/fuzz/hostile_number.h"
 
 namespace sightline::tests {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "accel/geometry/facing.h"
-#include "accel/geometry/mesh_view.h"
 #include "accel/geometry/ray.h"
-#include "accel/lazy/mesh_tree.h"
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/mesh/mesh_tree.h"
 #include "tests/fuzz/bytes.h"
 
 namespace sightline::tests {

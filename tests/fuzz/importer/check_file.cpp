@@ -20,7 +20,7 @@
 
 #include "client/importer/assimp_file.h"
 #include "client/importer/assimp_import.h"
-#include "client/importer/damage.h"
+#include "client/importer/preflight.h"
 #include "tests/fuzz/importer/check_imported.h"
 
 /// Of sanitizers, where there is one.

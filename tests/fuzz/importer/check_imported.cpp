@@ -10,8 +10,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "client/calls/scene_check.h"
 #include "client/importer/pose.h"
-#include "client/scene_check.h"
 
 namespace sightline::tests {
 

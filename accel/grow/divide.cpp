@@ -1,0 +1,122 @@
+// Dividing: the rule, for lists of either kind.
+#include "accel/grow/divide.h"
+
+#include <cmath>
+
+#include "accel/grow/common_vertex.h"
+#include "accel/grow/opening.h"
+#include "accel/grow/reference_budget.h"
+#include "accel/grow/sieve.h"
+#include "accel/lazy/long_list.h"
+
+namespace sightline::accel {
+namespace {
+
+/// A list in one piece, with the same operations as LongList.
+class ShortList {
+ public:
+  ShortList(const DivideContext& context, const DeferredCell& cell, BuildCounters& counters)
+      : context_(context), cell_(cell), refs_(cell.list.whole()), counters_(counters) {}
+
+  std::optional<Cut> choose() {
+    const CellRefs list{.refs = refs_, .box = cell_.box, .path = cell_.path, .first = &cell_.first};
+    return choose_cut(context_.builder, list, counters_);
+  }
+
+  Straddling sift(Sieve& sieve, Division& out) {
+    sieve.whole = true;
+    Sides sides = sift_spans(sieve, {&refs_, 1}, refs_.size(), counters_);
+    out.left = {CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
+    out.right = {CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
+    return sides.straddling;
+  }
+
+  Part open() {
+    BoxList list;
+    const bool openable = open_once(context_.source, {&refs_, 1}, cell_.box, list, counters_);
+    if (list.size() < kLongList) return {CellList(std::move(list)), {}, openable};
+    return {make_list({std::make_shared<const BoxList>(std::move(list))}), {}, openable};
+  }
+
+ private:
+  const DivideContext& context_;
+  const DeferredCell& cell_;
+  const std::span<const BoxRef> refs_;
+  BuildCounters& counters_;
+};
+
+static_assert(ScanBuilder::kCrowdBelow == kLongList, "whole lists alone are clipped as crowds");
+
+/// Of short lists: a long one is cut to short ones first.
+bool meet_in_a_vertex(const DivideContext& context, const DeferredCell& cell,
+                      const Division& division) {
+  const CellList &left = division.left.list, &right = division.right.list;
+  if (context.mesh == nullptr || std::isinf(cell.path.spare) || cell.size >= kLongList)
+    return false;
+  if (!keeps_all(cell.size, left.size(), right.size())) return false;
+  return meet_in_a_vertex(*context.mesh,
+                          left.size() >= right.size() ? left.whole() : right.whole());
+}
+
+template <class List>
+Division divide(const DivideContext& context, const DeferredCell& cell, List list) {
+  Division division;
+  const auto finer = [&] {
+    division.kind = Division::Kind::kFiner;
+    division.left = list.open();
+    division.right = {};
+    return std::move(division);
+  };
+  if (cell.openable && cell.size <= kOpenBelow) return finer();
+  const bool may_cut = cell.path.depth < context.max_depth &&
+                       (cell.openable || is_worth_cutting(cell.path, cell.size));
+  const std::optional<Cut> cut = may_cut ? list.choose() : std::nullopt;
+  if (cut) {
+    Sieve sieve{context.builder,
+                std::nullopt,
+                *cut,
+                cell.path,
+                halve(cell.box, cut->plane.axis, cut->plane.position),
+                scans_children(context.builder, cell.size),
+                cell.openable};
+    if (context.mesh != nullptr) sieve.clipped = *context.mesh;
+    const Straddling straddling = list.sift(sieve, division);
+    if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
+      return finer();
+    // Openable ones count for what they stand for: once they are opened, it is known what is added.
+    if (!cell.openable && !affords(cell.path, cell.size, straddling.all)) return {};
+    const bool separates =
+        division.left.list.size() < cell.size || division.right.list.size() < cell.size;
+    if (separates) {
+      division.kind = Division::Kind::kCut;
+      division.cut = *cut;
+      division.path =
+          meet_in_a_vertex(context, cell, division) ? with_less(cell.path, cell.size) : cell.path;
+      return division;
+    }
+  }
+  if (cell.openable) return finer();
+  return {};
+}
+
+}  // namespace
+
+Division divide_short(const DivideContext& context, const DeferredCell& cell,
+                      BuildCounters& counters) {
+  return divide(context, cell, ShortList(context, cell, counters));
+}
+
+Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
+                     BuildCounters& counters) {
+  if (std::optional<Division> division = divide_sampled(context, cell, replay, counters))
+    return std::move(*division);
+  if (!cell.listed) {
+    Division division;
+    division.kind = Division::Kind::kFiner;
+    division.left = list_root(context, replay, counters);
+    return division;
+  }
+  return divide(context, cell, LongList(context, cell, replay, counters));
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,20 @@
+// Opening the references of a list that stand for others.
+#pragma once
+
+#include <span>
+
+#include "accel/kdtree/reference_list.h"
+#include "accel/lazy/reference_source.h"
+
+namespace sightline::accel {
+
+/// Opens references once, and leaves out what does not reach into the cell. Returns whether any of
+/// what came out is openable. Throws std::bad_alloc.
+bool open_once(const ReferenceSource& source, std::span<const std::span<const BoxRef>> spans,
+               const Aabb& cell, BoxList& out, BuildCounters& counters);
+
+/// The same until nothing is openable.
+BoxList open_all(const ReferenceSource& source, BoxList list, const Aabb& cell,
+                 BuildCounters& counters);
+
+}  // namespace sightline::accel

@@ -1,0 +1,238 @@
+// Subtrees of a handful of boxes, compiled once per SIMD target and chosen at run time.
+#include "accel/grow/small_subtree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "accel/grow/small_subtree.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target.h comes before highway.h.
+#include <hwy/highway.h>
+
+#include "accel/split/bound_cost-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A set of boxes: bit i is the i-th.
+using Set = std::uint8_t;
+/// The bounds of one axis: lower ones first.
+constexpr std::size_t kBounds = 2 * kSmallList;
+
+class SmallGrowth {
+ public:
+  SmallGrowth(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
+              BuildCounters& counters)
+      : context_(context), rule_(rule), refs_(refs), counters_(counters) {
+    prepare();
+  }
+
+  Slot grow(Set set, const Aabb& cell, const CellPath& path) {
+    const auto size = static_cast<std::size_t>(std::popcount(set));
+    Choice cut;
+    if (path.depth < context_.max_depth && size > 0) cut = choose(set, size, cell);
+    if (!cut.found()) return leaf(set, cell, path);
+    const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
+    if (!pair) return defer(set, cell, path);
+    counters_.touches += size;
+    const Axis& axis = axes_[static_cast<std::size_t>(cut.plane.axis)];
+    const Set left = set & axis.below[cut.bound], right = set & axis.above[cut.bound];
+    if (left == set && right == set) return leaf(set, cell, path);  // separates nothing
+    const HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
+    const CellPath below = path.below(Cut{cut.plane});
+    const Slot slot = Slot::binary(cut.plane, *pair);
+    AtomicSlot* children = context_.tree.children(slot);
+    children[0].store(grow(left, halves.left, below).bits(), std::memory_order_relaxed);
+    children[1].store(grow(right, halves.right, below).bits(), std::memory_order_relaxed);
+    return slot;
+  }
+
+ private:
+  using Floats = hn::CappedTag<float, kBounds>;
+  static constexpr std::size_t kLanes = hn::MaxLanes(Floats());
+  static constexpr std::size_t kParts = kBounds / kLanes;
+
+  struct Axis {
+    alignas(64) std::array<float, kBounds> at;
+    alignas(16) std::array<Set, kBounds> below, above;  ///< Boxes with lo < at, with hi > at.
+  };
+
+  /// A cut, and the bound that it goes through.
+  struct Choice : BoundCut {
+    std::size_t bound = 0;
+  };
+
+  /// Positions of all axes first: a vector read waits for the single writes before it.
+  void prepare() {
+    for (Axis& axis : axes_) axis.at.fill(std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < refs_.size(); ++i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        axes_[a].at[i] = refs_[i].lo[a];
+        axes_[a].at[kSmallList + i] = refs_[i].hi[a];
+      }
+    }
+    for (std::size_t a = 0; a < 3; ++a) find_sides(axes_[a], a);
+  }
+
+  void find_sides(Axis& axis, std::size_t a) const {
+    const Floats df;
+    const hn::RebindToUnsigned<Floats> du;
+    const hn::Rebind<Set, Floats> ds;
+    for (std::size_t p = 0; p < kBounds; p += kLanes) {
+      const auto x = hn::LoadU(df, axis.at.data() + p);
+      auto below = hn::Zero(du), above = hn::Zero(du);
+      for (std::size_t i = 0; i < refs_.size(); ++i) {
+        const auto bit = hn::Set(du, std::uint32_t{1} << i);
+        const auto is_below = hn::RebindMask(du, hn::Lt(hn::Set(df, refs_[i].lo[a]), x));
+        const auto is_above = hn::RebindMask(du, hn::Gt(hn::Set(df, refs_[i].hi[a]), x));
+        below = hn::IfThenElse(is_below, hn::Or(below, bit), below);
+        above = hn::IfThenElse(is_above, hn::Or(above, bit), above);
+      }
+      hn::StoreU(hn::TruncateTo(ds, below), ds, axis.below.data() + p);
+      hn::StoreU(hn::TruncateTo(ds, above), ds, axis.above.data() + p);
+    }
+  }
+
+  /// What cuts along one axis cost; infinite where there is nothing to cut at.
+  struct Costs {
+    hn::Vec<Floats> at[kParts];
+    hn::Vec<Floats> least;  ///< Of the parts, lane by lane.
+  };
+
+  Choice choose(Set set, std::size_t size, const Aabb& cell) {
+    Costs costs[3];
+    const Floats df;
+    const auto weight = static_cast<double>(size);
+    const double per_whole = per_area(cell);
+    Choice best{best_bound(rule_, cell, size, weight, [&](AxisRange range) {
+      auto least = hn::Set(df, std::numeric_limits<float>::infinity());
+      for (int axis = range.begin; axis < range.end; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        weigh(axes_[a], set, size, BoundCosts(cell, a, per_whole, rule_.cost.empty_bonus),
+              costs[a]);
+        least = hn::Min(least, costs[a].least);
+      }
+      least = hn::MinOfLanes(df, least);
+      int axis = range.begin;
+      while (axis + 1 < range.end &&
+             hn::AllFalse(df, hn::Eq(costs[static_cast<std::size_t>(axis)].least, least)))
+        ++axis;
+      return BoundCut{.plane = {axis, 0}, .children = hn::GetLane(least)};
+    })};
+    if (!best.found() || !(best.cost(rule_.cost) < rule_.cost.intersect * weight)) return {};
+    locate(costs[static_cast<std::size_t>(best.plane.axis)], best);
+    return best;
+  }
+
+  void weigh(const Axis& axis, Set set, std::size_t size, const BoundCosts& rule, Costs& costs) {
+    const Floats df;
+    const hn::Rebind<Set, Floats> ds;
+    const hn::RebindToSigned<Floats> di;
+    const auto lo = hn::Set(df, rule.lo), hi = hn::Set(df, rule.hi);
+    const auto none = hn::Set(df, std::numeric_limits<float>::infinity());
+    costs.least = none;
+    std::size_t candidates = 0;
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto weight = [&](const std::array<Set, kBounds>& side) {
+        const auto common = hn::And(hn::LoadU(ds, side.data() + p * kLanes), hn::Set(ds, set));
+        return hn::ConvertTo(df, hn::PromoteTo(di, hn::PopulationCount(common)));
+      };
+      const auto owners = static_cast<std::uint16_t>(set * 0x101u >> (p * kLanes));
+      const std::uint8_t bits[8] = {static_cast<std::uint8_t>(owners),
+                                    static_cast<std::uint8_t>(owners >> 8)};
+      const auto x = hn::LoadU(df, axis.at.data() + p * kLanes);
+      const auto inside =
+          hn::And(hn::And(hn::Gt(x, lo), hn::Lt(x, hi)), hn::LoadMaskBits(df, bits));
+      candidates += hn::CountTrue(df, inside);
+      costs.at[p] = hn::IfThenElse(
+          inside, rule.children(df, x, weight(axis.below), weight(axis.above)), none);
+      costs.least = hn::Min(costs.least, costs.at[p]);
+    }
+    counters_.touches += (candidates + kScanWidth - 1) / kScanWidth * size;
+  }
+
+  /// Finds the least position of the cuts of that cost, and a bound there.
+  void locate(const Costs& costs, Choice& best) const {
+    const Floats df;
+    const Axis& axis = axes_[static_cast<std::size_t>(best.plane.axis)];
+    const auto wanted = hn::Set(df, best.children);
+    auto first = hn::Set(df, std::numeric_limits<float>::infinity());
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto x = hn::LoadU(df, axis.at.data() + p * kLanes);
+      first = hn::IfThenElse(hn::Eq(costs.at[p], wanted), hn::Min(first, x), first);
+    }
+    first = hn::MinOfLanes(df, first);
+    best.plane.position = hn::GetLane(first);
+    for (std::size_t p = 0; p < kParts; ++p) {
+      const auto there =
+          hn::FindFirstTrue(df, hn::Eq(hn::LoadU(df, axis.at.data() + p * kLanes), first));
+      if (there < 0) continue;
+      best.bound = p * kLanes + static_cast<std::size_t>(there);
+      return;
+    }
+  }
+
+  /// The set as a list, in order.
+  std::span<const BoxRef> listed(Set set) {
+    std::size_t n = 0;
+    for (unsigned rest = set; rest != 0; rest &= rest - 1)
+      list_[n++] = refs_[static_cast<std::size_t>(std::countr_zero(rest))];
+    return std::span(list_).first(n);
+  }
+
+  Slot leaf(Set set, const Aabb& cell, const CellPath& path) {
+    if (set == 0) return Slot::empty_leaf();
+    if (std::has_single_bit(set))
+      return Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
+    const std::optional<Slot> slot = context_.tree.make_leaf(listed(set));
+    return slot ? *slot : defer(set, cell, path);
+  }
+
+  Slot defer(Set set, const Aabb& cell, const CellPath& path) {
+    const std::span<const BoxRef> refs = listed(set);
+    BoxList list(refs.size());
+    std::copy(refs.begin(), refs.end(), list.all().begin());
+    return context_.tree.defer(std::move(list), cell, path, true);
+  }
+
+  const GrowContext& context_;
+  const BoundRule& rule_;
+  std::span<const BoxRef> refs_;
+  BuildCounters& counters_;
+  std::array<Axis, 3> axes_;
+  std::array<BoxRef, kSmallList> list_;
+};
+
+Slot small(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
+           const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+  const auto all = static_cast<Set>((1u << refs.size()) - 1);
+  return SmallGrowth(context, rule, refs, counters).grow(all, cell, path);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sightline::accel {
+
+HWY_EXPORT(small);
+
+bool is_small(std::span<const BoxRef> refs) {
+  return refs.size() <= kSmallList &&
+         std::all_of(refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.weight == 1; });
+}
+
+Slot grow_small(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
+                const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+  return HWY_DYNAMIC_DISPATCH(small)(context, rule, refs, cell, path, counters);
+}
+
+}  // namespace sightline::accel
+#endif  // HWY_ONCE

@@ -1,0 +1,67 @@
+// A cell that is not built yet: its box, its list, and what several threads build it with.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+
+#include "accel/kdtree/cell_memory.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/reference_list.h"
+#include "accel/split/child_scan.h"
+
+namespace sightline::accel {
+
+/// Work that threads join; freed by whoever leaves it last. See accel/lazy/cell_task.h.
+class SharedWork {
+ public:
+  void join() { users_.fetch_add(1, std::memory_order_relaxed); }
+  void leave() {
+    if (users_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
+  }
+
+ protected:
+  SharedWork() = default;
+  virtual ~SharedWork() = default;
+
+ private:
+  std::atomic<int> users_{1};
+};
+
+/// Immutable but for the atomics until it is retired; readers hold an epoch.
+struct alignas(8) DeferredCell : Retirable {
+  DeferredCell() = default;
+  DeferredCell(const DeferredCell&) = delete;
+  DeferredCell& operator=(const DeferredCell&) = delete;
+  ~DeferredCell() {
+    if (SharedWork* work = expansion.load(std::memory_order_acquire)) work->leave();
+  }
+
+  static void* operator new(std::size_t bytes) {
+    void* const memory = reallocate_cell_memory(nullptr, bytes);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+  }
+  static void operator delete(void* memory) { free_cell_memory(memory); }
+
+  Aabb box;
+  CellPath path;
+  /// The root's list is made from the geometry by whoever expands it; until then `list` is empty
+  /// and readers search all of the geometry.
+  bool listed = true;
+  /// Some references of the list may be openable.
+  bool openable = false;
+  CellList list;
+  std::size_t size = 0;      ///< References in the cell, listed or not.
+  std::uint64_t weight = 0;  ///< Of them all.
+  FirstScan first;           ///< Of the list, if it was made when the list was written.
+  /// Expanding failed for want of memory: the cell stays as it is and is searched.
+  std::atomic<bool> given_up{false};
+  /// Of a large cell that somebody has begun to expand.
+  std::atomic<SharedWork*> expansion{nullptr};
+
+  std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,52 @@
+// Cutting long lists into slices.
+#include "accel/kdtree/reference_list.h"
+
+#include <cassert>
+
+namespace sightline::accel {
+
+SlicedList::SlicedList(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+  std::size_t in_slice = 0;
+  for (const Piece& piece : pieces_) {
+    std::span<const BoxRef> rest = piece->all();
+    size_ += rest.size();
+    while (!rest.empty()) {
+      const std::size_t n = std::min(rest.size(), kBoxesPerSlice - in_slice);
+      spans_.push_back(rest.first(n));
+      rest = rest.subspan(n);
+      in_slice += n;
+      if (in_slice < kBoxesPerSlice) continue;
+      slice_ends_.push_back(spans_.size());
+      in_slice = 0;
+    }
+  }
+  if (in_slice > 0) slice_ends_.push_back(spans_.size());
+}
+
+std::span<const std::span<const BoxRef>> SlicedList::slice(std::size_t slice) const {
+  const std::size_t begin = slice == 0 ? 0 : slice_ends_[slice - 1];
+  return std::span(spans_).subspan(begin, slice_ends_[slice] - begin);
+}
+
+std::size_t SlicedList::slice_size(std::size_t slice) const {
+  return slice + 1 < slices() ? kBoxesPerSlice : size_ - (slices() - 1) * kBoxesPerSlice;
+}
+
+const BoxRef& SlicedList::operator[](std::size_t place) const {
+  std::size_t before = place / kBoxesPerSlice * kBoxesPerSlice;
+  for (const std::span<const BoxRef> part : slice(place / kBoxesPerSlice)) {
+    if (place - before < part.size()) return part[place - before];
+    before += part.size();
+  }
+  assert(false);
+  return spans_.back().back();
+}
+
+BoxList join(std::span<const std::span<const BoxRef>> spans, std::size_t size) {
+  BoxList list(size);
+  BoxRef* out = list.all().data();
+  for (const std::span<const BoxRef> part : spans) out = std::copy(part.begin(), part.end(), out);
+  return list;
+}
+
+}  // namespace sightline::accel

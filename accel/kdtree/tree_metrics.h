@@ -1,0 +1,46 @@
+// What a tree is like: one set of metrics for all builders. Callers are pinned to an epoch.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/kdtree/kd_tree.h"
+#include "accel/split/cost_model.h"
+
+namespace sightline::accel {
+
+/// Costs are always stated with these, whatever a builder optimised (Wald, Havran 2006: K_T = 1,
+/// K_I = 1.5).
+inline constexpr double kMeasuredTraverse = 1;
+inline constexpr double kMeasuredIntersect = 1.5;
+
+/// Expected values are for a random line that meets the tree's bounds: sums of SA(cell) /
+/// SA(bounds).
+struct TreeMetrics {
+  std::uint64_t nodes = 0;   ///< Inner nodes and leaves.
+  std::uint64_t leaves = 0;  ///< Empty ones included.
+  std::uint64_t nonempty_leaves = 0;
+  std::uint64_t references = 0;  ///< In leaves.
+  int max_depth = 0;             ///< Of a leaf; a lone root has 0.
+  std::uint64_t unbuilt_cells = 0;
+  std::uint64_t given_up_cells =
+      0;  ///< Of the unbuilt ones: for want of room, and searched for good.
+  double expected_traversals = 0;     ///< Inner nodes met (E_T).
+  double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
+  double expected_intersections = 0;  ///< References in the leaves met (E_I).
+  double sah_cost = 0;                ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
+  double overlap = 0;  ///< Of siblings' boxes (accel/published/bvh/bvh_measure.h); cells do not overlap.
+  std::uint64_t bytes = 0;
+};
+
+TreeMetrics measure(const KdTree& tree);
+
+/// How far a lazy tree has grown. `ids` is above every reference in it.
+struct GrowthMetrics {
+  std::uint64_t cells_built = 0;  ///< Inner nodes and leaves.
+  std::uint64_t cells_deferred = 0;
+  std::uint64_t references_built = 0;  ///< Distinct references in finished leaves.
+};
+
+GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids);
+
+}  // namespace sightline::accel

@@ -1,0 +1,40 @@
+// Claiming slices, and keeping the first result of each.
+#include "accel/lazy/shared_pass.h"
+
+namespace sightline::accel {
+
+Stage::Stage(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
+
+Stage::~Stage() {
+  for (std::atomic<SliceResult*>& result : results_) delete result.load(std::memory_order_relaxed);
+}
+
+std::size_t Stage::help(BuildCounters& counters) {
+  std::size_t helped = 0;
+  // Looked at before it is counted up: a stage may be asked for help any number of times.
+  while (begun_.load(std::memory_order_relaxed) < slices()) {
+    const std::size_t slice = begun_.fetch_add(1, std::memory_order_relaxed);
+    if (slice >= slices()) break;
+    run(slice, counters);
+    ++helped;
+  }
+  return helped;
+}
+
+void Stage::finish(BuildCounters& counters) {
+  help(counters);
+  for (std::size_t slice = 0; slice < slices(); ++slice) {
+    if (results_[slice].load(std::memory_order_acquire) == nullptr) run(slice, counters);
+  }
+}
+
+void Stage::run(std::size_t slice, BuildCounters& counters) {
+  std::unique_ptr<SliceResult> result = work_(slice, counters);
+  SliceResult* none = nullptr;
+  if (!results_[slice].compare_exchange_strong(none, result.get(), std::memory_order_acq_rel))
+    return;
+  result.release();
+  done_.fetch_add(1, std::memory_order_acq_rel);
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,74 @@
+// One pass over a long list, done in slices by whichever threads are there.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "accel/grow/sieve.h"
+#include "accel/kdtree/reference_list.h"
+#include "accel/lazy/split_tree.h"
+#include "accel/split/child_scan.h"
+#include "accel/split/scan_pass.h"
+
+namespace sightline::accel {
+
+/// What comes of one slice. Each kind of pass fills its part.
+struct SliceResult {
+  PassResult sums;                             ///< Scanning.
+  std::shared_ptr<const BoxList> left, right;  ///< Sifting; opening and listing fill `left`.
+  FirstScan left_scan, right_scan;             ///< Of the children's lists.
+  Straddling straddling;                       ///< Of the division.
+  bool openable = false;                       ///< There may be openable ones in the lists.
+  std::optional<Cut> cut;                      ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const CutTree> cuts;         ///< Choosing by a sample.
+  std::vector<std::shared_ptr<const BoxList>> parts;  ///< Sifting by these cuts.
+};
+
+/// Slices are pure functions of what the stage was made with, so it does not matter how often one
+/// is done, nor by whom: the first result is kept. No thread ever waits for another in here, and
+/// none that is stopped keeps the others from going on: see finish(). Threads: any.
+class Stage {
+ public:
+  /// Owns all that it reads. Adds what it did to the counters.
+  using Work = std::function<std::unique_ptr<SliceResult>(std::size_t slice, BuildCounters&)>;
+
+  Stage(std::size_t slices, Work work);
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// Does slices that nobody has begun until there is none left. Returns how many. Throws
+  /// std::bad_alloc.
+  std::size_t help(BuildCounters& counters);
+
+  /// Does the slices, too, that others have begun: for when those seem to be stopped. Every slice
+  /// is done then, even if done() does not say so yet.
+  void finish(BuildCounters& counters);
+
+  std::size_t slices() const { return results_.size(); }
+  /// At least so many.
+  std::size_t slices_done() const { return done_.load(std::memory_order_acquire); }
+  bool done() const { return slices_done() == results_.size(); }
+
+  /// Of a slice that is done.
+  const SliceResult& operator[](std::size_t slice) const {
+    return *results_[slice].load(std::memory_order_acquire);
+  }
+
+  /// The stage behind this one, or null.
+  std::atomic<Stage*> next{nullptr};
+
+ private:
+  void run(std::size_t slice, BuildCounters& counters);
+
+  Work work_;
+  std::vector<std::atomic<SliceResult*>> results_;
+  std::atomic<std::size_t> begun_{0};
+  std::atomic<std::size_t> done_{0};
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,67 @@
+// A few cuts at once, chosen from a sample of a long list, and dividing the list by them in one go.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/kdtree/reference_list.h"
+#include "accel/split/kd_builder.h"
+
+namespace sightline::accel {
+
+/// Lists of at least this many references are cut by samples, by builders that take them.
+inline constexpr std::size_t kSampleFrom = 8192;
+
+/// Whether the builder may decide by a sample. The papers' look at everything.
+bool takes_samples(const KdBuilder& builder);
+
+/// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
+/// at a place in it that follows no order a list might have. Ascending.
+std::vector<std::size_t> sample_places(std::size_t size);
+
+/// The topmost cuts of a cell.
+class CutTree {
+ public:
+  static constexpr int kMostLevels = 3;
+
+  /// A cut's side: another cut, or a part of the list.
+  struct Child {
+    bool is_part = true;
+    std::size_t place = 0;  ///< In cuts() or parts().
+  };
+  struct Node {
+    Cut cut;
+    Child left, right;
+  };
+  struct Part {
+    Aabb box;
+    CellPath path;
+  };
+
+  /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
+  CutTree(const KdBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
+          const CellPath& path, int levels, int max_depth, BuildCounters& counters);
+
+  bool empty() const { return nodes_.empty(); }
+  std::span<const Node> nodes() const { return nodes_; }  ///< The first is the topmost.
+  std::span<const Part> parts() const { return parts_; }
+
+  /// Room that divide() needs behind a list.
+  static std::size_t room(std::size_t size) { return size * kMostLevels; }
+
+  /// Divides some of the cell's references, which are used up. A list for every part.
+  std::vector<std::shared_ptr<const BoxList>> divide(std::span<BoxRef> refs, BoxRef* room,
+                                                     BuildCounters& counters) const;
+
+ private:
+  struct Growth;
+  Child grow(const Growth& growth, std::span<BoxRef> sample, BoxRef* room, const Aabb& box,
+             const CellPath& path, int levels, BuildCounters& counters);
+
+  std::vector<Node> nodes_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,101 @@
+// What every walk through a mesh's tree asks in leaves: the hit rule, the limits of the query, and
+// which of two hits it wants.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "accel/geometry/facing.h"
+#include "accel/geometry/intersect.h"
+#include "accel/geometry/triangle_prefilter.h"
+#include "accel/kdtree/tree_ray.h"
+#include "accel/mesh/face_boxes.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/mesh/runs.h"
+
+namespace sightline::accel {
+
+/// For one ray in one tree.
+struct LeafTest {
+  /// From so many triangles on, looking at all of them at once takes less time than one by one.
+  static constexpr std::size_t kFilterFrom = 4;
+
+  const MeshView& mesh;
+  MeshQuery& query;
+  const TreeRay& ray;
+  WalkCounters& walked;
+  std::optional<ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
+
+  double limit() const { return query.best_t / query.ray.unit + ray.slack; }
+
+  bool test(std::uint32_t id) {
+    ++walked.tests;
+    const Face& f = mesh.faces[id];
+    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+    const std::optional<double> local = intersect(query.ray, a, b, c);
+    if (!local) return false;
+    const double t = *local * query.ray.unit;
+    if (!(t >= query.tmin && t <= query.tmax) || t > query.best_t) return false;
+    if (is_culled(query.culling, query.ray, a, b, c)) return false;
+    if (query.collects()) {
+      collect(t, id);
+      return false;
+    }
+    if (t == query.best_t) {
+      if (query.node > query.best_node) return false;
+      if (query.node == query.best_node && id >= query.best_primitive) return false;
+    }
+    query.best_t = t;
+    query.best_node = query.node;
+    query.best_primitive = id;
+    query.best_instance = query.instance;
+    query.found = true;
+    return query.any;
+  }
+
+  void collect(double t, std::uint32_t id) {
+    query.found = true;
+    if (query.primitives != nullptr) {
+      query.primitives->add(id);
+    } else if (query.list->add({t, query.node, id, query.instance})) {
+      if (const ListedHit* last = query.list->greatest()) query.best_t = last->t;
+    }
+  }
+
+  bool leaf(std::span<const std::uint32_t> ids) {
+    if (ids.size() >= kFilterFrom) return long_leaf(ids);
+    for (const std::uint32_t id : ids) {
+      if (test(id)) return true;
+    }
+    return false;
+  }
+
+  /// All at once, then one by one those that are not certainly missed.
+  bool long_leaf(std::span<const std::uint32_t> ids) {
+    if (!seen) seen = sheared(query.ray);
+    while (!ids.empty()) {
+      const auto batch = ids.first(std::min(ids.size(), kMissBatch));
+      ids = ids.subspan(batch.size());
+      std::uint64_t possible = possible_hits(mesh, *seen, batch);
+      walked.tests += batch.size() - static_cast<std::size_t>(std::popcount(possible));
+      for (; possible != 0; possible &= possible - 1) {
+        if (test(batch[static_cast<std::size_t>(std::countr_zero(possible))])) return true;
+      }
+    }
+    return false;
+  }
+
+  /// For want of a tree. True: the walk is over.
+  bool search_faces(FaceRange faces) {
+    for (std::size_t i = faces.begin; i < faces.end; ++i) {
+      const std::optional<Aabb> box = face_bounds(mesh, i);
+      if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,125 @@
+// Asking a mesh's tree, and building it where it is asked.
+#include "accel/mesh/mesh_tree.h"
+
+#include <algorithm>
+
+#include "accel/kdtree/walk.h"
+#include "accel/mesh/face_references.h"
+#include "accel/mesh/leaf_test.h"
+#include "accel/mesh/runs.h"
+#include "accel/published/bvh/bvh_measure.h"
+#include "accel/published/bvh/bvh_walk.h"
+
+namespace sightline::accel {
+namespace {
+
+/// What a walk through a kd-tree asks, at cells that are not built, too.
+struct KdVisit : LeafTest {
+  LazyTree& lazy;
+  BuildCounters& built;
+
+  Unbuilt unbuilt(AtomicSlot& slot, const DeferredCell& cell) {
+    if (query.at_unbuilt == AtUnbuilt::kExpand) {
+      const Expanded expanded = lazy.expand(slot, query.at_busy, built);
+      if (expanded == Expanded::kAgain) return Unbuilt::kAgain;
+      if (expanded == Expanded::kBusy) {
+        query.put_aside = true;
+        query.progress = LazyTree::progress(slot);
+        return Unbuilt::kStop;
+      }
+    }
+    query.met_unbuilt = true;
+    if (query.at_unbuilt == AtUnbuilt::kSkip) return Unbuilt::kDone;
+    return search(cell) ? Unbuilt::kStop : Unbuilt::kDone;
+  }
+
+  bool search(const DeferredCell& cell) {
+    if (cell.listed)
+      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+    return search_faces({0, mesh.faces.size()});
+  }
+
+  bool search(std::span<const BoxRef> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+      if (!may_meet(ray, ref.bounds(), limit())) return false;
+      if (!ref.openable()) return test(ref.id);
+      return search_faces(faces_of_run(mesh, ref));
+    });
+  }
+};
+
+}  // namespace
+
+MeshTree::Tree MeshTree::make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
+                              const AnyBuilder& builder, References references,
+                              std::shared_ptr<const void> alive) {
+  if (const auto* bvh = std::get_if<BvhBuilder>(&builder))
+    return Tree(std::in_place_type<BvhTree>, mesh, *bvh);
+  const KdBuilder& kd = std::get<KdBuilder>(builder);
+  const bool may_run = references == References::kRuns && takes_runs(kd);
+  return Tree(std::in_place_type<LazyTree>, padded(survey.bounds), survey.finite_triangles, kd,
+              source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+}
+
+MeshTree::MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
+                   References references, std::shared_ptr<const void> alive)
+    : mesh_(mesh),
+      bounds_(padded(survey.bounds)),
+      finite_triangles_(survey.finite_triangles),
+      tree_(make(mesh, &mesh_, survey, builder, references, std::move(alive))) {}
+
+void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
+  TreeRay ray;
+  const double tmax = std::min(query.tmax, query.best_t);
+  if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
+  const LeafTest test{mesh_, query, ray, walked};
+  if (auto* lazy = std::get_if<LazyTree>(&tree_)) {
+    KdVisit visit{test, *lazy, built};
+    walk(lazy->tree(), ray, lazy->root(), walked, visit);
+  } else {
+    query_bvh(std::get<BvhTree>(tree_), test, built);
+  }
+}
+
+void MeshTree::query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built) {
+  const Bvh* bvh = tree.built();
+  if (bvh == nullptr && test.query.at_unbuilt == AtUnbuilt::kExpand) bvh = &tree.build(built);
+  if (bvh != nullptr) {
+    walk(*bvh, test.ray, test.walked, test);
+    return;
+  }
+  test.query.met_unbuilt = true;
+  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
+}
+
+void MeshTree::expand_all(BuildCounters& built, const std::atomic<bool>* cancelled) {
+  if (auto* lazy = std::get_if<LazyTree>(&tree_)) return lazy->expand_all(built, cancelled);
+  auto& bvh = std::get<BvhTree>(tree_);
+  if (bvh.built() == nullptr && (cancelled == nullptr || !cancelled->load())) bvh.build(built);
+}
+
+const KdTree* MeshTree::kd() const {
+  const auto* lazy = std::get_if<LazyTree>(&tree_);
+  return lazy != nullptr ? &lazy->tree() : nullptr;
+}
+
+bool MeshTree::untouched() const {
+  return kd() != nullptr ? load(kd()->root()).is_unbuilt() : bvh()->built() == nullptr;
+}
+
+std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : bvh()->bytes(); }
+
+TreeMetrics MeshTree::metrics() const {
+  if (kd() != nullptr) return measure(*kd());
+  if (const Bvh* built = bvh()->built()) return measure(*built);
+  return {.unbuilt_cells = 1};
+}
+
+GrowthMetrics MeshTree::growth() const {
+  if (kd() != nullptr) return measure_growth(*kd(), mesh_.faces.size());
+  const Bvh* built = bvh()->built();
+  if (built == nullptr) return {.cells_deferred = 1};
+  return {.cells_built = 2 * built->nodes.size() + 1, .references_built = finite_triangles_};
+}
+
+}  // namespace sightline::accel

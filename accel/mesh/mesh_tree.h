@@ -1,0 +1,107 @@
+// The tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest hit, for
+// any, or for every one.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <variant>
+
+#include "accel/geometry/facing.h"
+#include "accel/geometry/ray.h"
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/kdtree/tree_ray.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_stats.h"
+#include "accel/mesh/unique_hits.h"
+#include "accel/published/any_builder.h"
+#include "accel/published/bvh/bvh_tree.h"
+
+namespace sightline::accel {
+
+/// What a mesh's tree begins with.
+enum class References : std::uint8_t {
+  kSoup,  ///< Every triangle on its own, as in the paper.
+  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
+};
+
+/// What a walk does at a cell that is not built.
+enum class AtUnbuilt : std::uint8_t {
+  kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
+  kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
+  kSkip,    ///< Pass it over.
+};
+
+/// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
+/// ray's direction.
+///
+/// The nearest hit or any: a hit is taken if (t, node, primitive) is less than (best_t, best_node,
+/// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell it is
+/// met in; best_t is then only the t beyond which none is wanted.
+struct MeshQuery {
+  LocalRay ray;
+  double tmin = 0, tmax = kInfinity;
+  Culling culling = Culling::kNone;  ///< By the winding in the mesh's frame.
+  AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
+  AtBusy at_busy = AtBusy::kWait;
+  bool any = false;  ///< Stop at the first hit found.
+  std::uint64_t node = 0;
+  std::uint32_t instance = 0;  ///< The caller's; goes with the node.
+  double best_t = std::numeric_limits<double>::max();
+  std::uint64_t best_node = ~std::uint64_t{0};
+  std::uint32_t best_primitive = 0;
+  std::uint32_t best_instance = 0;
+  bool found = false;
+  bool met_unbuilt = false;  ///< A cell was passed over or searched.
+  /// With AtBusy::kLeave: the walk met a large cell that others are building, and was broken off.
+  /// Ask again, with a fresh query, when `progress` has grown.
+  bool put_aside = false;
+  std::uint64_t progress = 0;
+  Distinct<ListedHit>* list = nullptr;
+  Distinct<std::uint32_t>* primitives = nullptr;
+
+  bool collects() const { return list != nullptr || primitives != nullptr; }
+};
+
+struct LeafTest;
+
+/// A kd-tree that grows cell by cell, or a hierarchy that is built whole: by what the builder is.
+///
+/// Threads: all members, from any thread pinned to an epoch.
+class MeshTree {
+ public:
+  /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
+  /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
+  MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
+           References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
+
+  /// Looks for hits and updates the query.
+  void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
+
+  /// "Expand everything." A hierarchy that has begun is not cancelled.
+  void expand_all(BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
+
+  bool untouched() const;
+  std::uint64_t bytes() const;
+  TreeMetrics metrics() const;
+  GrowthMetrics growth() const;
+
+  /// The one that there is; the other is null.
+  const KdTree* kd() const;
+  const BvhTree* bvh() const { return std::get_if<BvhTree>(&tree_); }
+
+ private:
+  using Tree = std::variant<LazyTree, BvhTree>;
+  static Tree make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
+                   const AnyBuilder& builder, References references,
+                   std::shared_ptr<const void> alive);
+  void query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built);
+
+  MeshView mesh_;
+  Aabb bounds_;  ///< Holds all references.
+  std::uint64_t finite_triangles_ = 0;
+  Tree tree_;
+};
+
+}  // namespace sightline::accel

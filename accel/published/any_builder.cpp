@@ -1,0 +1,267 @@
+// Builders by name, parameters by name.
+#include "accel/published/any_builder.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace sightline::accel {
+namespace {
+
+struct Named {
+  std::string_view name;
+  AnyBuilder builder;
+};
+
+/// Above this share of a leaf's cost the longest axis is taken to have no good cut.
+constexpr double kPoorCut = 0.85;
+
+/// Lists up to this length are cut at their bounds by the guided builders: longer ones cost fewer
+/// touches and no more time by two passes.
+constexpr std::uint32_t kGuidedExact = 48;
+
+/// References a triangle of our own builders. Good trees over compact meshes have four to eight.
+constexpr double kBudget = 16;
+
+ScanBuilder scan_fast() {
+  return {.axes = ScanAxes::kGuided,
+          .exact_below = kGuidedExact,
+          .hybrid_below = 8,  // as many as are weighed at once, as sets of bits
+          .retry_above = kPoorCut,
+          .refine_all_axes = true,
+          .clip_crowds = true,
+          .budget = kBudget};
+}
+
+ScanBuilder scan_best() {
+  return {.axes = ScanAxes::kGuided,
+          .exact_below = kGuidedExact,
+          .hybrid_below = kGuidedExact,
+          .refine_all_axes = true,
+          .clip = true,
+          .budget = kBudget};
+}
+
+const std::vector<Named>& all_builders() {
+  static const std::vector<Named> kBuilders = {
+      {"spatial-median", KdBuilder(SpatialMedianBuilder{})},
+      {"object-median", KdBuilder(ObjectMedianBuilder{})},
+      {"sah-naive", KdBuilder(ExactBuilder{.search = ExactSearch::kNaive})},
+      {"sah-sort", KdBuilder(ExactBuilder{.search = ExactSearch::kSort})},
+      {"sah-sweep", KdBuilder(ExactBuilder{.search = ExactSearch::kSweep})},
+      {"min-max-bins", KdBuilder(MinMaxBuilder{})},
+      {"scan-one-axis", KdBuilder(ScanBuilder{.axes = ScanAxes::kOne})},
+      {"scan-hybrid", KdBuilder(ScanBuilder{.axes = ScanAxes::kHybrid})},
+      {"scan-all-axes", KdBuilder(ScanBuilder{.axes = ScanAxes::kAll})},
+      {"scan-fast", KdBuilder(scan_fast())},
+      {"scan-best", KdBuilder(scan_best())},
+      {"bvh-sweep", BvhBuilder{.method = BvhMethod::kSweep}},
+      {"bvh-binned", BvhBuilder{.method = BvhMethod::kBinned, .leaf = {.split_small = true}}},
+      {"bvh-esc", BvhBuilder{.method = BvhMethod::kEarly}},
+      {"bvh-evh", BvhBuilder{.method = BvhMethod::kEdgeVolume}},
+      {"sbvh", BvhBuilder{.method = BvhMethod::kSpatial}},
+  };
+  return kBuilders;
+}
+
+Error invalid(std::string message) {
+  return {Code::kInvalidArgument, std::move(message), "BUILDER_PARAMETER"};
+}
+
+/// A parameter by name, and where the builder keeps it. What it is, a number, a count or a switch,
+/// follows from its type. A name may stand for several.
+template <class Builder>
+struct Parameter {
+  template <class T>
+  using Field = T& (*)(Builder&);
+
+  std::string_view name;
+  std::variant<Field<double>, Field<std::uint32_t>, Field<bool>> field;
+};
+
+template <class Builder>
+using Parameters = std::vector<Parameter<Builder>>;
+
+const Parameters<ScanBuilder>& parameters(const ScanBuilder&) {
+  using B = ScanBuilder;
+  static const Parameters<B> kParameters = {
+      {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
+      {"uniform_samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"adaptive_samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
+      {"exact_below", [](B& b) -> std::uint32_t& { return b.exact_below; }},
+      {"hybrid_below", [](B& b) -> std::uint32_t& { return b.hybrid_below; }},
+      {"cost_traverse", [](B& b) -> double& { return b.cost.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
+      {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
+      {"retry_above", [](B& b) -> double& { return b.retry_above; }},
+      {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
+      {"snap", [](B& b) -> bool& { return b.snap; }},
+      {"clip", [](B& b) -> bool& { return b.clip; }},
+      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
+      {"budget", [](B& b) -> double& { return b.budget; }},
+  };
+  return kParameters;
+}
+
+template <class B>
+const Parameters<B>& median_parameters() {
+  static const Parameters<B> kParameters = {
+      {"leaf_size", [](B& b) -> std::uint32_t& { return b.stop.leaf_size; }},
+      {"max_depth", [](B& b) -> std::uint32_t& { return b.stop.max_depth; }},
+  };
+  return kParameters;
+}
+
+const Parameters<SpatialMedianBuilder>& parameters(const SpatialMedianBuilder&) {
+  return median_parameters<SpatialMedianBuilder>();
+}
+
+const Parameters<ObjectMedianBuilder>& parameters(const ObjectMedianBuilder&) {
+  return median_parameters<ObjectMedianBuilder>();
+}
+
+const Parameters<ExactBuilder>& parameters(const ExactBuilder&) {
+  using B = ExactBuilder;
+  static const Parameters<B> kParameters = {
+      {"cost_traverse", [](B& b) -> double& { return b.costs.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.costs.intersect; }},
+      {"lambda", [](B& b) -> double& { return b.costs.lambda; }},
+      {"bad_refines", [](B& b) -> std::uint32_t& { return b.bad_refines; }},
+      {"clip", [](B& b) -> bool& { return b.clip; }},
+  };
+  return kParameters;
+}
+
+const Parameters<MinMaxBuilder>& parameters(const MinMaxBuilder&) {
+  using B = MinMaxBuilder;
+  static const Parameters<B> kParameters = {
+      {"bins", [](B& b) -> std::uint32_t& { return b.bins; }},
+      {"subsample", [](B& b) -> bool& { return b.subsample; }},
+      {"threads", [](B& b) -> std::uint32_t& { return b.threads; }},
+      {"cost_traverse", [](B& b) -> double& { return b.cost.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
+      {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
+  };
+  return kParameters;
+}
+
+/// What all hierarchies know, then what one method knows.
+Parameters<BvhBuilder> bvh_parameters(Parameters<BvhBuilder> own) {
+  using B = BvhBuilder;
+  Parameters<B> parameters = {
+      {"leaf_size", [](B& b) -> std::uint32_t& { return b.leaf.leaf_size; }},
+      {"split_small", [](B& b) -> bool& { return b.leaf.split_small; }},
+      {"cost_traverse", [](B& b) -> double& { return b.leaf.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.leaf.intersect; }},
+  };
+  parameters.insert(parameters.end(), own.begin(), own.end());
+  return parameters;
+}
+
+const Parameters<BvhBuilder>& parameters(const BvhBuilder& builder) {
+  using B = BvhBuilder;
+  static const Parameters<B> kSweep = bvh_parameters({});
+  static const Parameters<B> kBinned =
+      bvh_parameters({{"bins", [](B& b) -> std::uint32_t& { return b.bins; }}});
+  static const Parameters<B> kPreSplit = bvh_parameters({
+      {"threshold", [](B& b) -> double& { return b.pre_split.threshold; }},
+      {"budget", [](B& b) -> double& { return b.pre_split.budget; }},
+      {"repeats", [](B& b) -> bool& { return b.repeats; }},
+  });
+  static const Parameters<B> kSpatial = bvh_parameters({
+      {"alpha", [](B& b) -> double& { return b.spatial.alpha; }},
+      {"node_overlap", [](B& b) -> double& { return b.spatial.node_overlap; }},
+      {"spatial_bins", [](B& b) -> std::uint32_t& { return b.spatial.bins; }},
+      {"unsplit", [](B& b) -> bool& { return b.spatial.unsplit; }},
+      {"budget", [](B& b) -> double& { return b.spatial.budget; }},
+  });
+  switch (builder.method) {
+    case BvhMethod::kSweep:
+      return kSweep;
+    case BvhMethod::kBinned:
+      return kBinned;
+    case BvhMethod::kEarly:
+    case BvhMethod::kEdgeVolume:
+      return kPreSplit;
+    case BvhMethod::kSpatial:
+      break;
+  }
+  return kSpatial;
+}
+
+/// Reads a value of the field's type. Returns what it had to be, if it is not.
+std::optional<std::string_view> read(std::string_view text, double& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(out))
+    return std::nullopt;
+  return "a number";
+}
+
+std::optional<std::string_view> read(std::string_view text, std::uint32_t& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (error == std::errc() && end == text.data() + text.size()) return std::nullopt;
+  return "a whole number of 0 to 4294967295";
+}
+
+std::optional<std::string_view> read(std::string_view text, bool& out) {
+  const bool on = text == "on" || text == "1";
+  if (!on && text != "off" && text != "0") return "on, off, 1 or 0";
+  out = on;
+  return std::nullopt;
+}
+
+template <class Builder>
+Status set(Builder& builder, std::string_view key, std::string_view value) {
+  Builder changed = builder;
+  bool known = false;
+  for (const Parameter<Builder>& parameter : parameters(builder)) {
+    if (parameter.name != key) continue;
+    known = true;
+    const auto expected =
+        std::visit([&](auto field) { return read(value, field(changed)); }, parameter.field);
+    if (expected) {
+      return invalid(std::string(key) + ": \"" + std::string(value) + "\" is not " +
+                     std::string(*expected));
+    }
+  }
+  if (!known) {
+    std::string message = "no parameter \"" + std::string(key) + "\"; there are:";
+    std::string_view last;
+    for (const Parameter<Builder>& parameter : parameters(builder)) {
+      if (parameter.name != last) message += " " + std::string(parameter.name);
+      last = parameter.name;
+    }
+    return invalid(std::move(message));
+  }
+  if (const auto complaint = changed.check()) return invalid(*complaint);
+  builder = changed;
+  return {};
+}
+
+}  // namespace
+
+KdBuilder default_builder() { return scan_fast(); }
+
+KdBuilder frame_builder() { return ScanBuilder{.axes = ScanAxes::kOne}; }
+
+std::vector<std::string_view> builder_names() {
+  std::vector<std::string_view> names;
+  for (const Named& named : all_builders()) names.push_back(named.name);
+  return names;
+}
+
+Result<AnyBuilder> make_builder(std::string_view name) {
+  for (const Named& named : all_builders()) {
+    if (named.name == name) return named.builder;
+  }
+  std::string message = "no builder \"" + std::string(name) + "\"; there are:";
+  for (const std::string_view known : builder_names()) message += " " + std::string(known);
+  return Error{Code::kInvalidArgument, std::move(message), "UNKNOWN_BUILDER"};
+}
+
+Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value) {
+  if (auto* bvh = std::get_if<BvhBuilder>(&builder)) return set(*bvh, key, value);
+  return std::visit([&](auto& b) { return set(b, key, value); }, std::get<KdBuilder>(builder));
+}
+
+}  // namespace sightline::accel

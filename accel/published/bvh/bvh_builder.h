@@ -1,0 +1,46 @@
+// The builders of bounding volume hierarchies, by their papers' names.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/published/bvh/bvh.h"
+#include "accel/published/bvh/bvh_growth.h"
+#include "accel/published/bvh/early_split.h"
+#include "accel/published/bvh/spatial_split.h"
+
+namespace sightline::accel {
+
+enum class BvhMethod : std::uint8_t {
+  kSweep,       ///< The cheapest of all splits by centers (Stich et al. 2009, section 2.1).
+  kBinned,      ///< The cheapest of a few (Wald 2007).
+  kEarly,       ///< Large boxes are split first (Ernst, Greiner 2007), then kSweep.
+  kEdgeVolume,  ///< Large triangles are split first (Dammertz, Keller 2008), then kSweep.
+  kSpatial,     ///< Spatial splits where children overlap (Stich et al. 2009).
+};
+
+/// A builder is a value: parameters, `check()`, and `build()`.
+struct BvhBuilder {
+  BvhMethod method = BvhMethod::kBinned;
+  BvhLeafRule leaf{};
+  /// kBinned: bins an axis, over the centers of what the node holds. Range 2 to 256.
+  std::uint32_t bins = 32;
+  PreSplitRule pre_split{};  ///< kEarly, kEdgeVolume.
+  /// kEarly, kEdgeVolume: a leaf names a triangle once for every piece of it, as Ernst and Greiner
+  /// have it, and Stich et al. count it.
+  bool repeats = false;
+  SpatialRule spatial{};  ///< kSpatial.
+
+  bool operator==(const BvhBuilder&) const = default;
+
+  /// Which parameter is out of range, and the range; nothing if all are fine.
+  std::optional<std::string> check() const;
+
+  /// The hierarchy over all faces with finite vertices. The same for any number of threads.
+  /// Parallel in the caller's arena. Throws std::bad_alloc.
+  Bvh build(const MeshView& mesh, BuildCounters& counters) const;
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,141 @@
+// Sorting by centers once, and keeping the order.
+#include "accel/published/bvh/center_lists.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "accel/grow/fork.h"
+#include "accel/published/kd/event.h"
+
+namespace sightline::accel {
+namespace {
+
+constexpr std::size_t kAxes = 3;
+
+/// Where a reference stands in the input, and its center as a number that orders alike.
+struct Place {
+  std::uint32_t key, order;
+};
+
+std::uint32_t ordered_bits(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x + 0.0f);  // + 0: no negative zero
+  return (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+/// Least digit first, so that places alike in key stay in their order.
+void sort_places(std::vector<Place>& places) {
+  constexpr std::size_t kDigits = 1u << 11;
+  std::vector<Place> other(places.size());
+  for (const int shift : {0, 11, 22}) {
+    const auto digit = [shift](const Place& p) { return p.key >> shift & (kDigits - 1); };
+    std::vector<std::size_t> start(kDigits);
+    for (const Place& p : places) ++start[digit(p)];
+    std::size_t next = 0;
+    for (std::size_t& s : start) next += std::exchange(s, next);
+    for (const Place& p : places) other[start[digit(p)]++] = p;
+    places.swap(other);
+  }
+}
+
+/// The places of references by ascending id, equal ids as they stand.
+std::vector<std::uint32_t> by_id(std::span<const BoxRef> refs) {
+  std::vector<std::uint32_t> order(refs.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) { return refs[a].id < refs[b].id; };
+  if (!std::is_sorted(order.begin(), order.end(), less))
+    std::stable_sort(order.begin(), order.end(), less);
+  return order;
+}
+
+/// Runs it for each axis, at once where lists are long.
+template <class Each>
+void for_each_axis(std::size_t size, Each&& each) {
+  if (size >= kForkFrom) {
+    tbb::parallel_for(std::size_t{0}, kAxes, each);
+  } else {
+    for (std::size_t axis = 0; axis < kAxes; ++axis) each(axis);
+  }
+}
+
+/// Those before `first_right` along `axis`, `left` of them, to the front, the others behind them,
+/// both in order. The fewer of them are put aside meanwhile: `spare` has room for those and one
+/// more, as every one is written to both places, and counts in one.
+void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& first_right,
+                 std::size_t left, Fragment* spare) {
+  if (left > list.size() / 2) {
+    Fragment *front = list.data(), *aside = spare;
+    for (const Fragment& f : list) {
+      const Fragment copy = f;
+      const bool goes_left = precedes(copy, first_right, axis);
+      *front = *aside = copy;
+      front += goes_left ? 1 : 0;
+      aside += goes_left ? 0 : 1;
+    }
+    std::copy(spare, aside, front);
+  } else {
+    Fragment *back = list.data() + list.size(), *aside = spare + left + 1;
+    for (std::size_t i = list.size(); i-- > 0;) {
+      const Fragment copy = list[i];
+      const bool goes_left = precedes(copy, first_right, axis);
+      *(back - 1) = *(aside - 1) = copy;
+      aside -= goes_left ? 1 : 0;
+      back -= goes_left ? 0 : 1;
+    }
+    std::copy(aside, spare + left + 1, list.data());
+  }
+}
+
+}  // namespace
+
+CenterLists sort_by_centers(std::span<const BoxRef> refs, FragmentStack& stack,
+                            BuildCounters& counters) {
+  const std::vector<std::uint32_t> order = by_id(refs);
+  CenterLists lists;
+  for (std::span<Fragment>& list : lists.along) {
+    list = {stack.top(refs.size()), refs.size()};
+    stack.take(refs.size());
+  }
+  for_each_axis(refs.size(), [&](std::size_t axis) {
+    std::vector<Place> places(refs.size());
+    for (std::uint32_t i = 0; i < refs.size(); ++i) {
+      const BoxRef& ref = refs[order[i]];
+      places[i] = {ordered_bits(0.5f * ref.lo[axis] + 0.5f * ref.hi[axis]), i};
+    }
+    sort_places(places);
+    std::transform(places.begin(), places.end(), lists.along[axis].begin(), [&](const Place& p) {
+      const BoxRef& ref = refs[order[p.order]];
+      return Fragment(ref.bounds(), ref.id, p.order);
+    });
+  });
+  lists.box = box_around(lists.along[0]);
+  counters.touches += kAxes * sort_touches(refs.size());
+  return lists;
+}
+
+ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::size_t left,
+                             FragmentStack& stack, BuildCounters& counters) {
+  const std::size_t size = lists.size();
+  const Fragment first_right = lists.along[axis][left];
+  const std::size_t room = std::min(left, size - left) + 1;
+  Fragment* const spare = stack.top(2 * room);  // two lists are divided, maybe at once
+  for_each_axis(size, [&](std::size_t a) {
+    if (a == axis) return;
+    const bool second = a == (axis + 2) % kAxes;
+    divide_list(lists.along[a], axis, first_right, left, spare + (second ? room : 0));
+  });
+  ListHalves halves;
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    halves.left.along[a] = lists.along[a].first(left);
+    halves.right.along[a] = lists.along[a].subspan(left);
+  }
+  halves.left.box = box_around(halves.left.along[axis]);
+  halves.right.box = box_around(halves.right.along[axis]);
+  counters.touches += 3 * size;
+  return halves;
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,108 @@
+// Bins along an axis, with the bounds of what of its triangles lies in each. Source: Stich et al.
+// 2009, section 4.2.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "accel/published/bvh/center_lists.h"
+#include "accel/published/bvh/lanes.h"
+
+namespace sightline::accel {
+
+/// A plane x[axis] = position. Made without arguments: none.
+struct SpatialSplit {
+  std::size_t axis = 0;
+  float position = 0;
+  std::size_t left = 0, right = 0;  ///< References that reach into either side.
+  /// Of half area times references, over both children.
+  double sum = std::numeric_limits<double>::infinity();
+
+  bool found() const { return left > 0; }
+};
+
+/// What lies on one side of a plane.
+struct SideSum {
+  LaneBox box;
+  std::size_t references = 0;
+  double area = 0;  ///< Half the surface of the box; 0 if there are no references.
+
+  double cost() const { return area * static_cast<double>(references); }
+};
+
+/// Bins between ascending planes; what lies below the first and above the last of them is left
+/// out. Bounds are those of cut triangles, but for roundings of a float: they weigh splits, and no
+/// hierarchy is made of them. Counts are exact: what begins at a plane is above, what ends at it
+/// below.
+class ChoppedAxis {
+ public:
+  static constexpr std::size_t kMostBins = 16;
+
+  /// `planes`: 2 to kMostBins + 1, finite.
+  ChoppedAxis(std::size_t axis, std::span<const float> planes);
+
+  std::size_t bins() const { return bins_; }
+  float plane(std::size_t i) const { return planes_[i]; }
+
+  /// Whether anything of a fragment lies in the bins.
+  bool meets(const Fragment& f) const {
+    return f.lo[axis_] < planes_[bins_] && f.hi[axis_] > planes_[0];
+  }
+  /// From where to where a fragment reaches: 0 is below the first plane, i between planes i - 1 and
+  /// i, bins() + 1 above the last.
+  struct Span {
+    std::size_t first, last;
+    bool is_cut() const { return first < last; }
+  };
+  Span span(const Fragment& f) const {
+    const std::size_t first = place_above(f.lo[axis_]);
+    return {first, std::max(first, place_below(f.hi[axis_]))};
+  }
+  /// Adds a fragment that meets the bins; `corners` of the part of its triangle, not looked at if
+  /// it is not cut.
+  void add(const Fragment& f, const Span& span, std::span<const Lanes> corners);
+  /// Adds what is in bins between the same planes.
+  void merge(const ChoppedAxis& o);
+
+  /// What each side of plane i has, given what lies beyond the bins.
+  struct Sides {
+    std::array<SideSum, kMostBins + 1> left, right;
+  };
+  Sides sides(const SideSum& beyond_left, const SideSum& beyond_right) const;
+
+  /// Bounds of what lies in a bin; empty for none.
+  LaneBox bounds(std::size_t bin) const;
+
+ private:
+  /// Of what begins at x, and of what ends there.
+  std::size_t place_above(float x) const {
+    std::size_t place = guess(x);
+    while (place > 0 && x < planes_[place - 1]) --place;
+    while (place <= bins_ && x >= planes_[place]) ++place;
+    return place;
+  }
+  std::size_t place_below(float x) const {
+    std::size_t place = guess(x);
+    while (place > 0 && x <= planes_[place - 1]) --place;
+    while (place <= bins_ && x > planes_[place]) ++place;
+    return place;
+  }
+  std::size_t guess(float x) const {
+    const float at = (x - planes_[0]) * per_width_ + 1;
+    return static_cast<std::size_t>(at > 0 ? (at < most_ ? at : most_) : 0.0f);
+  }
+  void chop(std::span<const Lanes> corners, const Span& span);
+
+  std::size_t axis_, bins_;
+  float per_width_, most_;
+  std::array<float, kMostBins + 1> planes_;
+  std::array<LaneBox, kMostBins + 2> inside_;  ///< Of corners and of whole fragments, by place.
+  std::array<LaneBox, kMostBins + 1> cuts_;    ///< Of edges, by plane.
+  std::array<std::uint32_t, kMostBins + 2> enter_{}, leave_{};  ///< By place.
+};
+
+}  // namespace sightline::accel

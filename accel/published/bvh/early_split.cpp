@@ -1,0 +1,85 @@
+// Boxes cut in the middle, and drawn tight.
+#include "accel/published/bvh/early_split.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "accel/geometry/clip.h"
+#include "accel/published/bvh/bvh_growth.h"
+#include "accel/published/bvh/largest_first.h"
+#include "accel/split/cost_model.h"
+
+namespace sightline::accel {
+namespace {
+
+struct BoxPiece {
+  Aabb box;
+  std::uint32_t source;  ///< The place of its reference in the list.
+};
+
+/// Where the box is cut; a bound of it if there is no float between.
+float middle(const Aabb& box, std::size_t axis) {
+  return 0.5f * box.lo[axis] + 0.5f * box.hi[axis];
+}
+
+/// Of boxes that no plane divides: 0.
+double size_of(const Aabb& box) {
+  const auto axis = static_cast<std::size_t>(longest_axis(box));
+  // A few floats wide: widen_flat might make the halves as wide again.
+  const float least = least_above(least_above(least_above(least_above(box.lo[axis]))));
+  return box.hi[axis] > least ? half_area(box) : 0;
+}
+
+class EarlySplit {
+ public:
+  EarlySplit(const MeshView& mesh, const std::vector<BoxRef>& refs) : mesh_(mesh), refs_(refs) {}
+
+  SplitPiece<BoxPiece> operator()(const BoxPiece& piece) const {
+    const int axis = longest_axis(piece.box);
+    const HalvedCell halves =
+        halve(piece.box, axis, middle(piece.box, static_cast<std::size_t>(axis)));
+    std::optional<Aabb> left = part_in(halves.left, piece), right = part_in(halves.right, piece);
+    // Rounding can leave a box that holds no point of the triangle. It may stay as it is.
+    if (!left && !right) left = halves.left;
+    if (!left) return {{*right, piece.source}, std::nullopt};
+    if (!right) return {{*left, piece.source}, std::nullopt};
+    return {{*left, piece.source}, BoxPiece{*right, piece.source}};
+  }
+
+ private:
+  std::optional<Aabb> part_in(const Aabb& half, const BoxPiece& piece) const {
+    const Face& f = mesh_.faces[refs_[piece.source].id];
+    return clipped_bounds(mesh_.vertices[f[0]], mesh_.vertices[f[1]], mesh_.vertices[f[2]], half);
+  }
+
+  const MeshView& mesh_;
+  const std::vector<BoxRef>& refs_;
+};
+
+}  // namespace
+
+std::vector<BoxRef> split_early(const MeshView& mesh, std::vector<BoxRef> refs,
+                                const PreSplitRule& rule, BuildCounters& counters) {
+  std::vector<BoxPiece> pieces;
+  pieces.reserve(refs.size());
+  for (std::uint32_t i = 0; i < refs.size(); ++i) pieces.push_back({refs[i].bounds(), i});
+  const double least = rule.budget > 0 ? 0 : rule.threshold * half_area(bounds_of(refs));
+  const EarlySplit split(mesh, refs);
+  split_largest_first(
+      pieces, least, rule.most_pieces(refs.size()),
+      [](const BoxPiece& piece) { return size_of(piece.box); },
+      [&](const BoxPiece& piece) {
+        counters.touches_prepare += 2;
+        return split(piece);
+      });
+  std::vector<BoxRef> out;
+  out.reserve(pieces.size());
+  for (const BoxPiece& piece : pieces) {
+    const BoxRef& ref = refs[piece.source];
+    out.push_back({piece.box.lo, ref.id, piece.box.hi, ref.weight});
+  }
+  return out;
+}
+
+}  // namespace sightline::accel

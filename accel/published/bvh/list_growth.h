@@ -1,0 +1,61 @@
+// Growing a hierarchy from sorted lists, depth first.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "accel/published/bvh/bvh_growth.h"
+#include "accel/published/bvh/split_search.h"
+
+namespace sightline::accel {
+
+/// How many references splits may add. Threads: any.
+class ReferenceBudget {
+ public:
+  explicit ReferenceBudget(std::size_t most) : most_(most) {}
+
+  /// Takes so many, or finds that all together want more than there are.
+  bool take(std::size_t references) {
+    if (taken_.fetch_add(references, std::memory_order_relaxed) + references <= most_) return true;
+    exceeded_.store(true, std::memory_order_relaxed);
+    return false;
+  }
+  bool exceeded() const { return exceeded_.load(std::memory_order_relaxed); }
+
+ private:
+  std::size_t most_;
+  std::atomic<std::size_t> taken_{0};
+  std::atomic<bool> exceeded_{false};
+};
+
+class ListGrowth {
+ public:
+  /// `budget` null: object splits only. All outlive it.
+  ListGrowth(const SplitSearch& search, const BvhLeafRule& leaf, BvhGrowth& growth,
+             ReferenceBudget* budget)
+      : search_(search), leaf_(leaf), growth_(growth), budget_(budget) {}
+
+  /// What is below a node. Once the budget is exceeded nothing of use: whether that happens depends
+  /// on all nodes together, not on the order in which they grow. Rearranges the lists.
+  BvhChild grow(const CenterLists& node, int depth, SplitScratch& scratch,
+                BuildCounters& counters) const;
+
+  /// A leaf, ids ascending.
+  BvhChild leaf(const CenterLists& node) const;
+
+ private:
+  BvhChild grow_children(const ListHalves& halves, int depth, SplitScratch& scratch,
+                         BuildCounters& counters) const;
+
+  const SplitSearch& search_;
+  const BvhLeafRule& leaf_;
+  BvhGrowth& growth_;
+  ReferenceBudget* budget_;
+};
+
+/// Whether a list is a leaf without asking what splitting it would cost.
+inline bool is_leaf_unasked(std::size_t references, const BvhLeafRule& rule) {
+  return references <= 1 || (references <= rule.leaf_size && !rule.split_small);
+}
+
+}  // namespace sightline::accel

@@ -1,0 +1,195 @@
+// Bins along all axes, then bins within bins.
+#include "accel/published/bvh/plane_search.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "accel/grow/fork.h"
+
+namespace sightline::accel {
+namespace {
+
+constexpr std::size_t kAxes = 3;
+
+/// The planes between bins of equal width; a few may coincide where floats are too coarse.
+class Grid {
+ public:
+  Grid(const Aabb& box, std::uint32_t bins) : box_(box), bins_(bins) {}
+
+  std::size_t bins() const { return bins_; }
+  float plane(std::size_t axis, std::size_t i) const {
+    if (i == bins_) return box_.hi[axis];
+    const auto lo = static_cast<double>(box_.lo[axis]), hi = static_cast<double>(box_.hi[axis]);
+    return static_cast<float>(lo + (hi - lo) * (static_cast<double>(i) / bins_));
+  }
+  /// How many planes apart those of the first pass are.
+  std::size_t stride() const {
+    return (bins_ + ChoppedAxis::kMostBins - 1) / ChoppedAxis::kMostBins;
+  }
+
+  /// Bins `stride` planes wide from plane `begin` to `end`.
+  ChoppedAxis chopped(std::size_t axis, std::size_t begin, std::size_t end,
+                      std::size_t stride) const {
+    std::array<float, ChoppedAxis::kMostBins + 1> planes;
+    std::size_t n = 0;
+    for (std::size_t i = begin; i < end; i += stride) planes[n++] = plane(axis, i);
+    planes[n++] = plane(axis, end);
+    return ChoppedAxis(axis, {planes.data(), n});
+  }
+
+ private:
+  const Aabb& box_;
+  std::uint32_t bins_;
+};
+
+/// What lies in between is on one side at least, wherever the plane: no sum between the planes is
+/// less.
+double least_sum(const SideSum& left, const SideSum& right, std::size_t size) {
+  const std::size_t beyond = left.references + right.references;
+  const double within = beyond < size ? static_cast<double>(size - beyond) : 0;
+  return left.cost() + right.cost() + std::min(left.area, right.area) * within;
+}
+
+/// Adds a list, of which `corners_of(i)` gives the outline of the i-th.
+template <std::size_t kCount, class Corners>
+void add_all(std::span<const Fragment> list, std::array<ChoppedAxis, kCount>& bins,
+             Corners&& corners_of) {
+  for (std::size_t at = 0; at < list.size(); ++at) {
+    const Fragment& f = list[at];
+    if (kCount == 1 && !bins[0].meets(f)) continue;
+    std::array<ChoppedAxis::Span, kCount> spans;
+    bool is_cut = false;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      spans[i] = bins[i].span(f);
+      is_cut = is_cut || spans[i].is_cut();
+    }
+    if (is_cut) {
+      const auto& corners = corners_of(at);
+      for (std::size_t i = 0; i < kCount; ++i) bins[i].add(f, spans[i], corners);
+    } else {
+      for (std::size_t i = 0; i < kCount; ++i) bins[i].add(f, spans[i], {});
+    }
+  }
+}
+
+/// The passes over the list of a node.
+class NodePasses {
+ public:
+  NodePasses(const MeshView& mesh, std::span<const Fragment> list, ListCorners& corners)
+      : mesh_(mesh), list_(list), corners_(corners) {
+    if (is_short()) corners_.set(mesh, list);
+  }
+
+  template <std::size_t kCount>
+  void fill(std::array<ChoppedAxis, kCount>& bins) const {
+    if (is_short()) return add_all(list_, bins, [&](std::size_t at) { return corners_.of(at); });
+    // In slices, whose number does not depend on threads.
+    constexpr std::size_t kSlices = 16;
+    std::vector<std::array<ChoppedAxis, kCount>> parts(kSlices, bins);
+    tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t i) {
+      const std::size_t begin = list_.size() * i / kSlices, end = list_.size() * (i + 1) / kSlices;
+      const std::span<const Fragment> slice = list_.subspan(begin, end - begin);
+      std::optional<FragmentCorners> corners;
+      add_all(slice, parts[i],
+              [&](std::size_t at) { return corners.emplace(mesh_, slice[at]).all(); });
+    });
+    for (const auto& part : parts) {
+      for (std::size_t i = 0; i < kCount; ++i) bins[i].merge(part[i]);
+    }
+  }
+
+ private:
+  /// So short that outlines are kept, and nobody else is asked to help.
+  bool is_short() const { return list_.size() < 2 * kForkFrom; }
+
+  const MeshView& mesh_;
+  std::span<const Fragment> list_;
+  ListCorners& corners_;
+};
+
+class PlaneSearch {
+ public:
+  PlaneSearch(const Aabb& box, std::uint32_t bins, std::size_t size, double below)
+      : grid_(box, bins), size_(size) {
+    best_.sum = below;
+  }
+
+  const SpatialSplit& best() const { return best_; }
+
+  /// Weighs every stride-th plane, and bounds what is between them.
+  void look_at_all(const NodePasses& passes) {
+    const auto along = [&](std::size_t axis) {
+      return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
+    };
+    std::array<ChoppedAxis, kAxes> bins{along(0), along(1), along(2)};
+    passes.fill(bins);
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      sides_[axis] = bins[axis].sides({}, {});
+      offer_all(bins[axis], axis, sides_[axis]);
+      if (grid_.stride() < 2) continue;
+      for (std::size_t i = 0; i < bins[axis].bins(); ++i) {
+        const double least = least_sum(sides_[axis].left[i], sides_[axis].right[i + 1], size_);
+        stretches_[open_++] = {axis, i, least};
+      }
+    }
+  }
+
+  /// Weighs all planes in the most promising stretch; false if none can be better than the best.
+  bool look_closer(const NodePasses& passes) {
+    const auto end = stretches_.begin() + static_cast<std::ptrdiff_t>(open_);
+    const auto next =
+        std::min_element(stretches_.begin(), end,
+                         [](const Stretch& a, const Stretch& b) { return a.least < b.least; });
+    if (next == end || !(next->least < best_.sum)) return false;
+    const Stretch s = *next;
+    *next = stretches_[--open_];
+    const std::size_t begin = s.bin * grid_.stride();
+    std::array<ChoppedAxis, 1> bins{
+        grid_.chopped(s.axis, begin, std::min(begin + grid_.stride(), grid_.bins()), 1)};
+    passes.fill(bins);
+    offer_all(bins[0], s.axis,
+              bins[0].sides(sides_[s.axis].left[s.bin], sides_[s.axis].right[s.bin + 1]));
+    return true;
+  }
+
+ private:
+  /// The planes between two neighbours of the first pass.
+  struct Stretch {
+    std::size_t axis, bin;
+    double least;  ///< No sum in between is below this.
+  };
+
+  void offer_all(const ChoppedAxis& bins, std::size_t axis, const ChoppedAxis::Sides& sides) {
+    for (std::size_t i = 1; i < bins.bins(); ++i) {
+      const SideSum &left = sides.left[i], &right = sides.right[i];
+      if (left.references == 0 || right.references == 0) continue;
+      const double sum = left.cost() + right.cost();
+      if (sum < best_.sum) best_ = {axis, bins.plane(i), left.references, right.references, sum};
+    }
+  }
+
+  Grid grid_;
+  std::size_t size_;
+  SpatialSplit best_;
+  std::array<ChoppedAxis::Sides, kAxes> sides_;
+  std::array<Stretch, kAxes * ChoppedAxis::kMostBins> stretches_;
+  std::size_t open_ = 0;  ///< Stretches that are left.
+};
+
+}  // namespace
+
+SpatialSplit best_spatial_split(const MeshView& mesh, const CenterLists& node, std::uint32_t bins,
+                                double below, ListCorners& corners, BuildCounters& counters) {
+  const NodePasses passes(mesh, node.along[0], corners);
+  PlaneSearch search(node.box, bins, node.size(), below);
+  search.look_at_all(passes);
+  counters.touches += node.size();
+  while (search.look_closer(passes)) counters.touches += node.size();
+  return search.best().found() ? search.best() : SpatialSplit{};
+}
+
+}  // namespace sightline::accel

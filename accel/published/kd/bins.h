@@ -1,0 +1,84 @@
+// Min-max binning: counting, bin by bin, where boxes start and where they end. Source: Shevtsov,
+// Soupikov, Kapustin 2007 (survey, section 7).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "accel/kdtree/reference.h"
+
+namespace sightline::accel {
+
+/// Counters of one axis: `bins` bins of equal width from lo to hi. A position belongs to the bin
+/// that it lies in; what lies outside, to the first or the last.
+class AxisBins {
+ public:
+  AxisBins() = default;
+  AxisBins(float lo, float hi, std::uint32_t bins);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(counts_.size()); }
+
+  void add(float lo, float hi, std::uint32_t weight) {
+    counts_[bin(lo)].starts += weight;
+    counts_[bin(hi)].ends += weight;
+  }
+  AxisBins& operator+=(const AxisBins& o);
+
+  std::uint32_t starts(std::uint32_t bin) const { return counts_[bin].starts; }
+  std::uint32_t ends(std::uint32_t bin) const { return counts_[bin].ends; }
+
+  /// Where bin i begins; boundary(size()) is hi.
+  float boundary(std::uint32_t i) const {
+    return i == size() ? hi_ : static_cast<float>(static_cast<double>(lo_) + i * width_);
+  }
+
+ private:
+  /// Next to each other: a box thin against the bins touches one cache line.
+  struct Counts {
+    std::uint32_t starts = 0, ends = 0;
+  };
+
+  std::size_t bin(float x) const {
+    const float at = (x - lo_) * per_width_;
+    return static_cast<std::size_t>(
+        static_cast<std::int32_t>(at > 0 ? (at < last_ ? at : last_) : 0.0f));
+  }
+
+  float lo_ = 0, hi_ = 0;
+  double width_ = 0;
+  float per_width_ = 0;
+  float last_ = 0;  ///< The last bin.
+  std::vector<Counts> counts_;
+};
+
+/// Bounds of the boxes' parts in the cell. Parallel for long lists.
+Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell);
+
+/// Every reference, or one of every `stride` consecutive ones, drawn from them by a hash: lists
+/// come in regular orders, and every l-th of "object, floor, object, floor" may be floor
+/// throughout.
+struct Sampling {
+  std::size_t stride = 1;
+
+  std::size_t size(std::size_t references) const { return (references + stride - 1) / stride; }
+  /// The k-th sample's place in the list.
+  std::size_t at(std::size_t k, std::size_t references) const {
+    if (stride == 1) return k;
+    const std::uint64_t hash = (k + 1) * 0x9e3779b97f4a7c15u;
+    const std::size_t drawn = k * stride + static_cast<std::size_t>((hash >> 32) * stride >> 32);
+    return drawn < references ? drawn : references - 1;
+  }
+};
+
+/// Counts the sampled references on all three axes in one pass. Whole numbers: the same however the
+/// work is cut. Parallel for long lists.
+void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
+                std::array<AxisBins, 3>& axes);
+
+/// Counts all references on one axis.
+void count_bins(std::span<const BoxRef> refs, std::size_t axis, AxisBins& bins);
+
+}  // namespace sightline::accel

@@ -1,0 +1,82 @@
+// Where a cell may be cut, what a cut costs, and which of two cuts is better: what the exact
+// builders agree on. Source: Wald, Havran 2006, sections 3.1 to 3.5.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <tuple>
+
+#include "accel/split/cost_model.h"
+
+namespace sightline::accel {
+
+/// Costs in units of the caller's choice; only ratios matter.
+struct ExactCosts {
+  double traverse = 1;     ///< K_T: visiting an inner node. Range 0 to 1e6.
+  double intersect = 1.5;  ///< K_I: testing one unit of weight. Range 1e-6 to 1e6.
+  double lambda =
+      0.8;  ///< Factor on the whole cost of a cut with an empty side (eq. 7). Range 1e-6 to 1.
+
+  bool operator==(const ExactCosts&) const = default;
+};
+
+/// A cut and what it leads to. Better is less in (cost, axis, position, planar_left): a total
+/// order, so that every way of looking for the best candidate finds the same one.
+struct Candidate {
+  double cost = std::numeric_limits<double>::infinity();
+  Cut cut;
+  std::uint32_t left = 0, right = 0;  ///< Weight on either side.
+
+  bool operator<(const Candidate& o) const {
+    return std::tie(cost, cut.plane.axis, cut.plane.position, cut.planar_left) <
+           std::tie(o.cost, o.cut.plane.axis, o.cut.plane.position, o.cut.planar_left);
+  }
+};
+
+/// The cuts of one cell along one axis.
+class AxisCuts {
+ public:
+  AxisCuts(const ExactCosts& costs, const Aabb& cell, int axis, std::uint32_t weight)
+      : costs_(costs),
+        areas_(cell, axis),
+        lo_(cell.lo[static_cast<std::size_t>(axis)]),
+        hi_(cell.hi[static_cast<std::size_t>(axis)]),
+        flat_(hi_ <= least_above(lo_)),
+        axis_(axis),
+        weight_(weight) {}
+
+  /// Strictly inside the cell.
+  bool inside(float x) const { return x > lo_ && x < hi_; }
+
+  /// Whether a cut leads anywhere. Inside the cell it must keep something out of one side. At the
+  /// cell's own face it must move boxes that lie in the face into a flat cell (with them, if lists
+  /// are not clipped, go boxes that reach beyond the face); a flat cell is not cut along its axis.
+  bool leads_somewhere(float x, bool planar_left, std::uint32_t left, std::uint32_t right) const {
+    if (inside(x)) return left < weight_ || right < weight_;
+    if (flat_) return false;
+    return x == lo_ ? planar_left && right < weight_ : x == hi_ && !planar_left && left < weight_;
+  }
+
+  /// The one formula (eq. 5 and 7), from whole numbers: equal cuts get equal bits.
+  double cost(float x, std::uint32_t left, std::uint32_t right) const {
+    const auto at = static_cast<double>(x);
+    const double children =
+        (areas_.left(at) * left + areas_.right(at) * right) * areas_.per_whole();
+    const double cost = costs_.traverse + costs_.intersect * children;
+    return left == 0 || right == 0 ? cost * costs_.lambda : cost;
+  }
+
+  Candidate candidate(float x, bool planar_left, std::uint32_t left, std::uint32_t right) const {
+    return {cost(x, left, right), {.plane = {axis_, x}, .planar_left = planar_left}, left, right};
+  }
+
+ private:
+  const ExactCosts& costs_;
+  CutAreas areas_;
+  float lo_, hi_;
+  bool flat_;
+  int axis_;
+  std::uint32_t weight_;
+};
+
+}  // namespace sightline::accel

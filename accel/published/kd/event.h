@@ -1,0 +1,70 @@
+// An end of a box along one axis, in 64 bits that sort in the order of the sweep. Source: Wald,
+// Havran 2006, section 4.2.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/kdtree/reference.h"
+
+namespace sightline::accel {
+
+/// At one position ends come first, then boxes that lie in the plane, then starts.
+enum class EventType : std::uint64_t { kEnd = 0, kPlanar = 1, kStart = 2 };
+
+/// Ordered by (position, type, reference):
+///
+///     bits 32..63 position, mapped so that whole numbers order as the floats do
+///     bits 30..31 type
+///     bits 0..29  the reference, by its place in a list
+class Event {
+ public:
+  static constexpr std::size_t kMaxReferences = std::size_t{1} << 30;
+
+  Event() = default;
+  Event(float position, EventType type, std::uint32_t reference)
+      : bits_(std::uint64_t{key(position)} << 32 | static_cast<std::uint64_t>(type) << 30 |
+              reference) {}
+
+  float position() const {
+    const auto k = static_cast<std::uint32_t>(bits_ >> 32);
+    return std::bit_cast<float>(k ^ ((k >> 31) != 0 ? 0x80000000u : 0xffffffffu));
+  }
+  EventType type() const { return static_cast<EventType>(bits_ >> 30 & 3); }
+  std::uint32_t reference() const {
+    return static_cast<std::uint32_t>(bits_) & (kMaxReferences - 1);
+  }
+  std::uint64_t bits() const { return bits_; }
+
+  bool operator<(const Event& o) const { return bits_ < o.bits_; }
+  bool operator==(const Event&) const = default;
+
+ private:
+  /// Adding zero makes one of the two zeros.
+  static std::uint32_t key(float position) {
+    const auto u = std::bit_cast<std::uint32_t>(position + 0.0f);
+    return u ^ ((u >> 31) != 0 ? 0xffffffffu : 0x80000000u);
+  }
+
+  std::uint64_t bits_;
+};
+static_assert(sizeof(Event) == 8);
+
+/// Writes the one or two events of [lo, hi] to `out` and returns the place behind them.
+inline Event* put_events(float lo, float hi, std::uint32_t reference, Event* out) {
+  if (hi == least_above(lo)) {
+    *out++ = Event(lo, EventType::kPlanar, reference);
+    return out;
+  }
+  *out++ = Event(lo, EventType::kStart, reference);
+  *out++ = Event(hi, EventType::kEnd, reference);
+  return out;
+}
+
+/// What a sort of so many events counts as, in touches.
+inline std::uint64_t sort_touches(std::size_t events) {
+  return events < 2 ? 0 : events * static_cast<std::uint64_t>(std::bit_width(events - 1));
+}
+
+}  // namespace sightline::accel

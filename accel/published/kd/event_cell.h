@@ -1,0 +1,87 @@
+// A cell as its sorted events, and how it is divided: classify, splice, merge. Source: Wald, Havran
+// 2006, section 4.3.1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/grow/list_stack.h"
+#include "accel/published/kd/event.h"
+
+namespace sightline::accel {
+
+/// The events of each reference of a cell, sorted, an array an axis. The references themselves are
+/// nowhere else.
+struct EventCell {
+  std::array<std::span<const Event>, 3> events;
+  std::size_t size = 0;      ///< References.
+  std::uint32_t weight = 0;  ///< Of all of them.
+  Aabb box;
+  CellPath path;
+};
+
+struct EventHalves {
+  EventCell left, right;
+};
+
+/// What a cut knows of itself before anything is divided: see Candidate.
+struct EventCut {
+  Cut cut;
+  std::uint32_t left = 0, right = 0;
+};
+
+/// Divides cells. Not shared between threads: every task has its own, for references with indices
+/// below `references`.
+class EventDivider {
+ public:
+  explicit EventDivider(std::size_t references)
+      : side_(std::make_unique_for_overwrite<std::uint8_t[]>(references)) {}
+
+  /// Where the children's events are put; the caller releases them when the children are done.
+  ListStack<Event>& events() { return events_; }
+
+  /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to either
+  /// half; who does not reach into a half is left out of it. `refs` says by index which face a
+  /// reference is, and what it weighs.
+  EventHalves divide(const EventCell& cell, const EventCut& cut, std::span<const BoxRef> refs,
+                     const MeshView* mesh, BuildCounters& counters);
+
+ private:
+  /// Growing room for events, written through `end`.
+  struct Room {
+    std::vector<Event> events;
+    Event* end = nullptr;
+
+    Event* begin() { return events.data(); }
+    std::size_t size() { return static_cast<std::size_t>(end - begin()); }
+    void clear(std::size_t capacity) {
+      if (events.size() < capacity) events.resize(capacity);
+      end = begin();
+    }
+  };
+  /// Writes side_ for every reference of the cell, and straddlers_. Returns how many are on the
+  /// left only.
+  std::size_t classify(std::span<const Event> events, const Cut& cut);
+  /// Makes the events of all straddlers in one half, and takes those out of its counts that only
+  /// touch it.
+  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const BoxRef> refs,
+            const MeshView& mesh);
+  /// Divides the events of one axis by side_, in order.
+  void splice(std::span<const Event> events);
+  /// Puts spliced events, merged with new ones, where they stay.
+  std::span<const Event> keep(Room& spliced, Room& fresh, BuildCounters& counters);
+
+  ListStack<Event> events_;
+  std::unique_ptr<std::uint8_t[]>
+      side_;  ///< By reference: on the left (bit 0), on the right (bit 1).
+  std::vector<std::uint32_t> straddlers_;  ///< The first straddling_ are.
+  std::size_t straddling_ = 0;
+  std::array<std::array<Room, 3>, 2> fresh_;  ///< Events of clipped straddlers, by side and axis.
+  std::array<Room, 2> spliced_;               ///< Events of one axis, by side.
+};
+
+}  // namespace sightline::accel

@@ -1,0 +1,21 @@
+// Two ways of finding the best candidate of one cell. Both find the same.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "accel/published/kd/candidate.h"
+
+namespace sightline::accel {
+
+/// Counts the list anew for each candidate. `weight`: of the whole list. An infinite cost: there is
+/// no candidate.
+Candidate search_naively(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
+                         std::uint32_t weight, BuildCounters& counters);
+
+/// Sorts the ends of the boxes along each axis and sweeps over them. At most Event::kMaxReferences
+/// references.
+Candidate search_sorted(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
+                        std::uint32_t weight, BuildCounters& counters);
+
+}  // namespace sightline::accel

@@ -1,0 +1,61 @@
+// Cutting in the middle, of space or of objects: what the heuristics are measured against. Source:
+// Wald, Havran 2006, section 2.1; for the object median the survey's section 4.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "accel/kdtree/reference.h"
+
+namespace sightline::accel {
+
+/// When median cuts end: nothing else tells them to.
+struct MedianStop {
+  /// Cells of at most this many references are leaves. Range 1 to 1e6.
+  std::uint32_t leaf_size = 8;
+  /// Cells this deep are leaves. Range 0 to 80; 0: 8 + 1.3 log2 N (Havran 2000).
+  std::uint32_t max_depth = 0;
+
+  bool operator==(const MedianStop&) const = default;
+
+  std::optional<std::string> check() const;
+  int depth_bound(std::size_t references) const;
+};
+
+/// The middle of the cell, along the axes in turn. An axis whose middle keeps nothing out of either
+/// half is passed over; if all are, the cell is a leaf.
+struct SpatialMedianBuilder {
+  MedianStop stop{};
+
+  bool operator==(const SpatialMedianBuilder&) const = default;
+
+  std::optional<std::string> check() const { return stop.check(); }
+  int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
+
+  /// Touches: one pass. Threads: any.
+  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+
+  bool clips() const { return false; }
+};
+
+/// The median of the centres of the boxes' parts in the cell, along its longest axis. A cut that
+/// leaves one side with everything is refused, and the next longer axis tried; if all are refused,
+/// the cell is a leaf.
+struct ObjectMedianBuilder {
+  MedianStop stop{};
+
+  bool operator==(const ObjectMedianBuilder&) const = default;
+
+  std::optional<std::string> check() const { return stop.check(); }
+  int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
+
+  /// Touches, an axis: one pass for the centres, two for selecting the median, one to count the
+  /// sides. Threads: any.
+  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+
+  bool clips() const { return false; }
+};
+
+}  // namespace sightline::accel

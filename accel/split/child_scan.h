@@ -1,0 +1,54 @@
+// The first pass over a cell's list, made while the list is written: a cell's uniform planes are
+// known before what lies in it is, so the sift of the cell above can count them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "accel/grow/sift.h"
+#include "accel/kdtree/reference.h"
+#include "accel/split/scan_kernel.h"
+
+namespace sightline::accel {
+
+/// The planes of a cell's first pass, on all three axes: n of them evenly from face to face, both
+/// included; the last is repeated in unused places.
+struct FirstPlanes {
+  std::array<std::array<float, kFirstPlanes>, 3> at;
+};
+
+/// n in 2 to kFirstPlanes. A pure function of the cell.
+FirstPlanes first_planes(const Aabb& cell, std::uint32_t n);
+
+/// What the first pass found in some of a cell's list. Adds up over disjoint pieces of it.
+struct FirstScan {
+  std::size_t references = 0;  ///< How many boxes were counted.
+  std::array<PlaneCounts<kFirstPlanes>, 3> axes;
+
+  /// Whether it stands for the whole of a list of that many boxes. Who changes a list after it was
+  /// counted (boxes opened, clipped, left out) has to forget the counts.
+  bool covers(std::size_t size) const { return size > 0 && references == size; }
+
+  FirstScan& operator+=(const FirstScan& o) {
+    references += o.references;
+    for (std::size_t a = 0; a < 3; ++a) axes[a] += o.axes[a];
+    return *this;
+  }
+  bool operator==(const FirstScan&) const = default;
+};
+
+/// A cell's two halves: where the first pass over each of them counts, and what it counted.
+struct FirstScans {
+  FirstPlanes left_planes, right_planes;
+  FirstScan left, right;
+};
+
+/// As sift by {plane}, and adds to the scans what the first pass over what was written would find.
+/// One touch a reference. Writes and counts the same on every SIMD target. May be called on one
+/// piece of a list after the other, or with scans of their own on several at once.
+Sifted sift_and_scan(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right,
+                     FirstScans& scans);
+
+}  // namespace sightline::accel

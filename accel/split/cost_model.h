@@ -1,0 +1,85 @@
+// The surface area heuristic for one cell, as a function of where it is cut. Source: Hunt et al.
+// 2006, section 2.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/kdtree/reference.h"
+
+namespace sightline::accel {
+
+/// Cost of the parts of a method, in units of one triangle test.
+struct SahConstants {
+  double traverse = 1;   ///< C_I: visiting an inner node. Range >= 0.
+  double intersect = 1;  ///< Testing one unit of weight. Range > 0.
+  double empty_bonus =
+      0.85;  ///< Factor on the children's cost if one of them is empty. Range (0, 1].
+
+  bool operator==(const SahConstants&) const = default;
+};
+
+/// The first of the axes along which the cell is longest.
+inline int longest_axis(const Aabb& cell) {
+  const Vec3f e = cell.hi - cell.lo;
+  return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+}
+
+/// 1 / SA(cell), half areas as in CutAreas; 0 for a cell without area.
+inline double per_area(const Aabb& cell) {
+  const double whole = half_area(cell);
+  return whole > 0 ? 1 / whole : 0;
+}
+
+/// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
+class CutAreas {
+ public:
+  CutAreas(const Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
+    const double whole = ends_ + slope_ * (hi_ - lo_);
+    per_whole_ = whole > 0 ? 1 / whole : 0;
+  }
+  /// Where 1 / SA(cell) is known already.
+  CutAreas(const Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
+    const auto a = static_cast<std::size_t>(axis);
+    const auto extent = [&](std::size_t i) {
+      return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
+    };
+    const double u = extent((a + 1) % 3), v = extent((a + 2) % 3);
+    lo_ = static_cast<double>(cell.lo[a]);
+    hi_ = static_cast<double>(cell.hi[a]);
+    ends_ = u * v;
+    slope_ = u + v;
+  }
+  double left(double x) const { return ends_ + slope_ * (x - lo_); }
+  double right(double x) const { return ends_ + slope_ * (hi_ - x); }
+  double per_whole() const { return per_whole_; }  ///< 1 / SA(cell).
+  double ends() const { return ends_; }
+  double slope() const { return slope_; }
+
+ private:
+  double lo_, hi_, ends_, slope_, per_whole_;
+};
+
+/// Cost of cutting at x with these weights on the sides.
+inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left,
+                       double right) {
+  double children = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
+  if (left == 0 || right == 0) children *= c.empty_bonus;
+  return c.traverse + c.intersect * children;
+}
+
+/// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of
+/// the method.
+struct BestCut {
+  Plane plane;
+  double cost = 0;
+  bool found = false;
+
+  void offer(const Plane& candidate, double candidate_cost) {
+    if (found && !(candidate_cost < cost)) return;
+    plane = candidate;
+    cost = candidate_cost;
+    found = true;
+  }
+};
+
+}  // namespace sightline::accel

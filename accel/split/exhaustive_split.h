@@ -1,0 +1,68 @@
+// The bottom of a build: every bound of a short list is a candidate, counted and weighed in one
+// go. Source: Hunt, Mark, Stoll 2006, section 6.2.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "accel/kdtree/reference.h"
+#include "accel/split/cost_model.h"
+#include "accel/split/scan_kernel.h"
+
+namespace sightline::accel {
+
+/// How a short list is cut: at the best bound strictly inside the cell, of least cost, then least
+/// axis, then least position, if that is cheaper than a leaf.
+struct BoundRule {
+  SahConstants cost;
+  /// Lists of at most so many boxes try all axes, longer ones the cell's longest.
+  std::size_t all_axes_up_to = std::numeric_limits<std::size_t>::max();
+  /// Where the longest axis offers no cut below this share of the leaf's cost, the other two are
+  /// tried as well. Infinite: never.
+  double retry_above = std::numeric_limits<double>::infinity();
+};
+
+/// Longest list that choose_bound takes.
+inline constexpr std::size_t kMaxBoundScan = 256;
+
+/// The rule's cut, or nothing. The same on every SIMD target. refs: 1 to kMaxBoundScan. Touches: a
+/// pass over the list for every kScanWidth candidates of an axis.
+std::optional<Cut> choose_bound(std::span<const BoxRef> refs, const Aabb& cell,
+                                const BoundRule& rule, BuildCounters& counters);
+
+/// The best of the bounds strictly inside a cell.
+struct BoundCut {
+  Plane plane;
+  /// Cost of the two children in units of weight, relative to the cell's area; infinite if no
+  /// bound lies inside.
+  float children = std::numeric_limits<float>::infinity();
+
+  bool found() const { return children < std::numeric_limits<float>::infinity(); }
+  double cost(const SahConstants& c) const {
+    return c.traverse + c.intersect * static_cast<double>(children);
+  }
+  void offer(const BoundCut& other) {
+    if (other.children < children) *this = other;
+  }
+};
+
+/// Tries the axes of the rule in its order. `best_of(AxisRange)` returns the best cut on them.
+template <class BestOf>
+BoundCut best_bound(const BoundRule& rule, const Aabb& cell, std::size_t size, double weight,
+                    const BestOf& best_of) {
+  if (!(rule.cost.traverse < rule.cost.intersect * weight)) return {};  // a leaf costs no more
+  if (size <= rule.all_axes_up_to) return best_of(AxisRange{});
+  const int longest = longest_axis(cell);
+  BoundCut best = best_of(AxisRange{longest, longest + 1});
+  const bool may_retry = rule.retry_above < std::numeric_limits<double>::infinity();
+  if (may_retry && !(best.cost(rule.cost) < rule.retry_above * rule.cost.intersect * weight)) {
+    for (const int axis : {(longest + 1) % 3, (longest + 2) % 3})
+      best.offer(best_of(AxisRange{axis, axis + 1}));
+  }
+  return best;
+}
+
+}  // namespace sightline::accel

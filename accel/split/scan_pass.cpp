@@ -1,0 +1,19 @@
+// Running a pass over a long list at hand.
+#include "accel/split/scan_pass.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+namespace sightline::accel {
+
+PassResult run_in_slices(std::span<const BoxRef> refs, const PassKernel& kernel) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), PassResult{},
+      [&](const tbb::blocked_range<std::size_t>& slice, PassResult sum) {
+        sum += kernel(refs.subspan(slice.begin(), slice.size()));
+        return sum;
+      },
+      [](PassResult a, const PassResult& b) { return a += b; });
+}
+
+}  // namespace sightline::accel

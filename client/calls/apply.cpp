@@ -1,0 +1,136 @@
+// Updates to messages: one for a batch, or as many as it takes, with aliases carried from one to
+// the next.
+#include <fmt/format.h>
+
+#include <thread>
+#include <utility>
+
+#include "client/calls/backoff.h"
+#include "client/calls/channel.h"
+#include "client/calls/connection.h"
+#include "client/calls/request_id.h"
+#include "client/calls/rpc_error.h"
+#include "client/wire/update_codec.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr int kAttempts = 4;
+
+Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.small_timeout());
+  v1::ApplyUpdatesResponse response;
+  const grpc::Status status = connection.scenes->ApplyUpdates(&context, request, &response);
+  if (!status.ok()) return rpc_error(status);
+  return Applied{response.revision().revision(),
+                 {response.nodes().begin(), response.nodes().end()},
+                 response.revision().token(),
+                 response.replayed()};
+}
+
+// Safe to repeat, as every request has an id.
+Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
+  Backoff backoff(kAttempts);
+  while (true) {
+    auto applied = send_once(connection, request);
+    if (applied || !is_broken_connection(applied.error().code) || !backoff.again()) return applied;
+    std::this_thread::sleep_for(backoff.pause());
+  }
+}
+
+// Fills messages with updates and sends them as they get full.
+class Batches {
+ public:
+  Batches(const Connection& connection, const std::string& scene, const ApplyOptions& options)
+      : connection_(connection),
+        id_(options.request_id.empty() ? random_request_id() : options.request_id) {
+    request_.set_scene(scene);
+    if (options.expected_revision) request_.set_expected_revision(*options.expected_revision);
+  }
+
+  Status add(const Update& update) {
+    v1::Update encoded = encode(update, aliases_);
+    std::size_t bytes = encoded.ByteSizeLong();
+    if (bytes_ > 0 && bytes_ + bytes > kMaxUpdateBytes) {
+      if (Status sent = flush(); !sent) return sent;
+      encoded = encode(update, aliases_);
+      bytes = encoded.ByteSizeLong();
+    }
+    if (const auto* put = std::get_if<PutNode>(&update)) puts_.push_back(put->node);
+    bytes_ += bytes + 8;
+    *request_.add_updates() = std::move(encoded);
+    return {};
+  }
+
+  Status flush() {
+    request_.set_request_id(sent_ == 0 ? id_ : fmt::format("{}/{}", id_, sent_));
+    ++sent_;
+    auto applied = send(connection_, request_);
+    if (!applied) return applied.error();
+    if (applied->nodes.size() != puts_.size()) {
+      return Error{
+          Code::kInternal,
+          fmt::format("the server named {} nodes for {} put", applied->nodes.size(), puts_.size()),
+          {}};
+    }
+    for (std::size_t i = 0; i < puts_.size(); ++i) {
+      if (puts_[i] < 0) aliases_.add(puts_[i], applied->nodes[i]);
+    }
+    total_.revision = applied->revision;
+    total_.token = std::move(applied->token);
+    total_.replayed = applied->replayed;
+    total_.nodes.insert(total_.nodes.end(), applied->nodes.begin(), applied->nodes.end());
+    if (request_.has_expected_revision()) request_.set_expected_revision(applied->revision);
+    request_.clear_updates();
+    puts_.clear();
+    bytes_ = 0;
+    return {};
+  }
+
+  Applied take() { return std::move(total_); }
+
+ private:
+  const Connection& connection_;
+  std::string id_;
+  int sent_ = 0;
+  v1::ApplyUpdatesRequest request_;
+  NodeAliases aliases_;
+  std::vector<NodeRef> puts_;  // of the message being filled
+  std::size_t bytes_ = 0;
+  Applied total_;
+};
+
+}  // namespace
+
+Result<Applied> apply(const Connection& connection, const std::string& scene,
+                      std::span<const Update> updates, const ApplyOptions& options) {
+  if (const Status checked = check(updates); !checked) return checked.error();
+  v1::ApplyUpdatesRequest request;
+  request.set_scene(scene);
+  request.set_request_id(options.request_id.empty() ? random_request_id() : options.request_id);
+  if (options.expected_revision) request.set_expected_revision(*options.expected_revision);
+  for (const Update& update : updates) *request.add_updates() = encode(update);
+  if (const std::size_t bytes = request.ByteSizeLong(); bytes > kMaxMessageBytes) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("{} updates are {} bytes, of {} that one message may have",
+                             updates.size(), bytes, kMaxMessageBytes),
+                 {}};
+  }
+  return send(connection, request);
+}
+
+Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
+                                 std::span<const Update> updates, const ApplyOptions& options) {
+  if (const Status checked = check(updates); !checked) return checked.error();
+  Batches batches(connection, scene, options);
+  for (const Update& update : updates) {
+    const Status added =
+        each_piece(update, [&](const Update& piece) { return batches.add(piece); });
+    if (!added) return added.error();
+  }
+  if (const Status sent = batches.flush(); !sent) return sent.error();
+  return batches.take();
+}
+
+}  // namespace sightline::client

@@ -1,0 +1,135 @@
+// Copies of rows.
+#include "client/calls/columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace sightline::client {
+namespace {
+
+Status check_column(const char* name, std::size_t values, std::size_t rows, std::size_t width) {
+  if (values == 0 || values == rows * width) return {};
+  return Error{
+      Code::kInvalidArgument,
+      fmt::format("{} holds {} values, but {} rays need {}", name, values, rows, rows * width),
+      {}};
+}
+
+template <class T>
+void copy_rows(std::span<const T> from, std::size_t first, std::size_t width, std::span<T> to) {
+  std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(first * width), to.size(), to.begin());
+}
+
+// A bound that the caller left out is filled in: the message has either both or none.
+template <class T>
+void copy_bound(std::span<const T> from, std::size_t first, T otherwise, std::span<T> to) {
+  if (from.empty()) {
+    std::fill(to.begin(), to.end(), otherwise);
+  } else {
+    copy_rows(from, first, 1, to);
+  }
+}
+
+template <class T>
+void put_rows(std::span<const T> from, std::size_t first, std::size_t width, std::span<T> to) {
+  if (!to.empty()) {
+    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(first * width));
+  }
+}
+
+}  // namespace
+
+HitFields fields_of(const HitColumns& hits) {
+  HitFields fields;
+  fields.t = !hits.t.empty();
+  fields.node = !hits.node.empty();
+  fields.primitive = !hits.primitive.empty();
+  fields.barycentric = !hits.barycentric.empty();
+  fields.normal = !hits.normal.empty();
+  fields.hit = !hits.hit.empty();
+  fields.work = !hits.work.empty();
+  fields.count = !hits.count.empty();
+  return fields;
+}
+
+Status check_kind(QueryKind kind) {
+  if (kind != QueryKind::kAll) return {};
+  return Error{
+      Code::kInvalidArgument, "all hits of a ray do not fit a row: use cast_all, or a sink", {}};
+}
+
+template <class Scalar>
+Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) {
+  const std::size_t n = rays.size();
+  struct Column {
+    const char* name;
+    std::size_t values;
+    std::size_t width;
+  };
+  if (rays.origins.size() != 3 * n || rays.directions.size() != 3 * n) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("origins hold {} values and directions {}: not 3 a ray",
+                             rays.origins.size(), rays.directions.size()),
+                 {}};
+  }
+  for (const Column& column :
+       {Column{"tmin", rays.tmin.size(), 1}, Column{"tmax", rays.tmax.size(), 1},
+        Column{"masks", rays.masks.size(), 1}, Column{"t", hits.t.size(), 1},
+        Column{"node", hits.node.size(), 1}, Column{"primitive", hits.primitive.size(), 1},
+        Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
+        Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
+        Column{"count", hits.count.size(), 1}}) {
+    if (Status checked = check_column(column.name, column.values, n, column.width); !checked) {
+      return checked;
+    }
+  }
+  return {};
+}
+
+template <class Scalar>
+void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
+               const RayColumns<Scalar>& room) {
+  copy_rows(rays.origins, first, 3, room.origins);
+  copy_rows(rays.directions, first, 3, room.directions);
+  copy_bound(rays.tmin, first, Scalar{0}, room.tmin);
+  copy_bound(rays.tmax, first, std::numeric_limits<Scalar>::infinity(), room.tmax);
+  if (!room.masks.empty()) copy_rows(rays.masks, first, 1, room.masks);
+}
+
+template <class Scalar>
+RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
+  return [&rays,
+          sent = std::size_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(room.size(), rays.size() - sent);
+    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
+    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
+    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
+    if (!room.masks.empty()) rows.masks = room.masks.first(n);
+    copy_rays(rays, sent, rows);
+    sent += n;
+    return n;
+  };
+}
+
+void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits) {
+  put_rows(answers.t, first, 1, hits.t);
+  put_rows(answers.node, first, 1, hits.node);
+  put_rows(answers.primitive, first, 1, hits.primitive);
+  put_rows(answers.barycentric, first, 2, hits.barycentric);
+  put_rows(answers.normal, first, 3, hits.normal);
+  put_rows(answers.hit, first, 1, hits.hit);
+  put_rows(answers.work, first, 1, hits.work);
+  put_rows(answers.count, first, 1, hits.count);
+}
+
+template Status check_rows(const RayColumns<const float>&, const HitColumns&);
+template Status check_rows(const RayColumns<const double>&, const HitColumns&);
+template void copy_rays(const RayColumns<const float>&, std::size_t, const RayColumns<float>&);
+template void copy_rays(const RayColumns<const double>&, std::size_t, const RayColumns<double>&);
+template RaySource<float> source_of(const RayColumns<const float>&);
+template RaySource<double> source_of(const RayColumns<const double>&);
+
+}  // namespace sightline::client

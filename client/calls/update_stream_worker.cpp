@@ -1,0 +1,279 @@
+// One thread opens the call and reads answers, a second, while a call lives, writes batches.
+#include "client/calls/update_stream_worker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "client/calls/rpc_error.h"
+#include "client/calls/update_batch.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr std::size_t kRejectsKept = 1024;
+
+StreamAck::Put decode(const v1::PutNodes& put) {
+  return {put.sequence(), {put.nodes().begin(), put.nodes().end()}};
+}
+
+Error closed() { return {Code::kFailedPrecondition, "the stream of updates is closed", {}}; }
+
+}  // namespace
+
+UpdateStream::Carrier::Carrier(std::unique_ptr<v1::SceneService::Stub> stub,
+                               const std::string& scene, const std::string& producer,
+                               UpdateStreamOptions options)
+    : stub_(std::move(stub)), options_(std::move(options)), backoff_(options_.attempts) {
+  v1::OpenProducer& open = *opening_.mutable_open();
+  open.set_scene(scene);
+  open.set_producer(producer);
+  open.set_latest_wins(options_.latest_wins);
+  thread_ = std::thread([this] { run(); });
+}
+
+UpdateStream::Carrier::~Carrier() {
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+    if (context_ != nullptr) context_->TryCancel();
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+Status UpdateStream::Carrier::open(std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  if (!changed_.wait_for(lock, patience, [this] { return opened_ || ended_; })) {
+    return Error{Code::kDeadlineExceeded,
+                 fmt::format("no stream of updates was opened in {} ms", patience.count()),
+                 {}};
+  }
+  return failed_ ? Status(*failed_) : Status();
+}
+
+Result<std::optional<std::uint64_t>> UpdateStream::Carrier::hand_over(Messages messages,
+                                                                      bool waits) {
+  std::unique_lock lock(mutex_);
+  const auto may_go_on = [this] {
+    return ended_ || closing_ || unanswered_.size() < state_.window;
+  };
+  if (waits) changed_.wait(lock, may_go_on);
+  if (failed_) return *failed_;
+  if (ended_ || closing_) return closed();
+  if (!may_go_on()) return std::optional<std::uint64_t>();
+  const std::uint64_t sequence = ++state_.last_sent;
+  set_sequence(sequence, messages);
+  unanswered_.push_back({sequence, std::make_shared<const Messages>(std::move(messages))});
+  lock.unlock();
+  changed_.notify_all();
+  return std::optional(sequence);
+}
+
+Status UpdateStream::Carrier::wait(std::uint64_t sequence) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return ended_ || state_.last_answered >= sequence; });
+  if (const auto reject = rejects_.find(sequence); reject != rejects_.end()) return reject->second;
+  if (state_.last_answered >= sequence) return {};
+  return failed_ ? *failed_ : closed();
+}
+
+Status UpdateStream::Carrier::flush() {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t sequence = state_.last_sent;
+  changed_.wait(lock, [&] { return ended_ || state_.last_answered >= sequence; });
+  if (failed_) return *failed_;
+  return state_.last_answered >= sequence ? Status() : Status(closed());
+}
+
+Status UpdateStream::Carrier::close() {
+  {
+    std::unique_lock lock(mutex_);
+    closing_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return ended_; });
+  }
+  return failed_ ? Status(*failed_) : Status();
+}
+
+UpdateStreamState UpdateStream::Carrier::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void UpdateStream::Carrier::run() {
+  while (true) {
+    grpc::ClientContext context;
+    {
+      const std::lock_guard lock(mutex_);
+      context_ = &context;
+      if (abandoned_) context.TryCancel();
+    }
+    const Status ended = carry(context);
+    std::unique_lock lock(mutex_);
+    context_ = nullptr;
+    if (!worth_another_try(ended)) {
+      ended_ = true;
+      lock.unlock();
+      changed_.notify_all();
+      return;
+    }
+    ++state_.reconnects;
+    changed_.wait_for(lock, backoff_.pause(), [this] { return abandoned_; });
+  }
+}
+
+// Sets failed_ where the answer is no, and the stream has not been closed.
+bool UpdateStream::Carrier::worth_another_try(const Status& ended) {
+  if (is_done()) return false;
+  if (abandoned_) {
+    failed_ = closed();
+    return false;
+  }
+  // A call that the server ended well before all was answered is as good as broken.
+  const Error error = ended
+                          ? Error{Code::kUnavailable, "the server ended the stream of updates", {}}
+                          : ended.error();
+  const bool is_transient = is_broken_connection(error.code) || error.code == Code::kCancelled;
+  if (std::exchange(moved_on_, false)) backoff_.reset();
+  if (opened_ && !failed_ && is_transient && backoff_.again()) return true;
+  if (!failed_) failed_ = error;
+  return false;
+}
+
+Status UpdateStream::Carrier::carry(grpc::ClientContext& context) {
+  const std::unique_ptr<Call> call = stub_->StreamUpdates(&context);
+  v1::StreamUpdatesResponse response;
+  if (!call->Write(opening_) || !call->Read(&response)) {
+    const grpc::Status status = call->Finish();
+    return status.ok() ? Status() : Status(rpc_error(status));
+  }
+  if (Status resumed = resume(response); !resumed) {
+    fail(resumed.error());
+    context.TryCancel();
+    static_cast<void>(call->Finish());
+    return resumed;
+  }
+  std::thread writing([&] { write_batches(*call); });
+  while (call->Read(&response)) take(response);
+  {
+    const std::lock_guard lock(mutex_);
+    linked_ = false;
+  }
+  changed_.notify_all();
+  writing.join();
+  const grpc::Status status = call->Finish();
+  return status.ok() ? Status() : Status(rpc_error(status));
+}
+
+// The server says what it has committed; what follows is to be sent.
+Status UpdateStream::Carrier::resume(const v1::StreamUpdatesResponse& first) {
+  if (!first.has_opened())
+    return Error{Code::kInternal, "the server answered before it opened a stream of updates", {}};
+  const v1::ProducerOpened& opened = first.opened();
+  const std::uint64_t committed = opened.last_committed();
+  std::unique_lock lock(mutex_);
+  if (!opened_) {
+    state_.last_sent = state_.last_answered = committed;
+  } else if (committed < state_.last_answered || committed > state_.last_sent) {
+    return Error{Code::kAborted,
+                 fmt::format("the server has {} batches of this producer, of "
+                             "{} that were sent and "
+                             "{} that it answered: the scene was made anew, or "
+                             "somebody else sends "
+                             "under the same name",
+                             committed, state_.last_sent, state_.last_answered),
+                 "PRODUCER_CHANGED"};
+  }
+  opened_ = linked_ = true;
+  moved_on_ = false;
+  state_.window = std::max(opened.window(), 1U);
+  coalesced_in_calls_ = state_.coalesced;
+  next_to_write_ = committed + 1;
+  // Answers that were lost with the connection.
+  StreamAck missed{committed, opened.revision().revision(), opened.revision().token(), {}};
+  for (const v1::PutNodes& put : opened.put()) {
+    if (put.sequence() > state_.last_answered) missed.put.push_back(decode(put));
+  }
+  const bool is_news = committed > state_.last_answered;
+  lock.unlock();
+  if (is_news && options_.on_ack) options_.on_ack(missed);
+  lock.lock();
+  reached(opened.revision());
+  answered(committed);
+  lock.unlock();
+  changed_.notify_all();
+  return {};
+}
+
+void UpdateStream::Carrier::write_batches(Call& call) {
+  while (const auto messages = next_to_write()) {
+    for (const v1::StreamUpdatesRequest& message : *messages) {
+      if (!call.Write(message)) return;
+      const std::lock_guard lock(mutex_);
+      state_.bytes_sent += message.ByteSizeLong();
+    }
+  }
+  call.WritesDone();
+}
+
+// Waits for it; nothing if the call is over, or there will be none.
+std::shared_ptr<const UpdateStream::Carrier::Messages> UpdateStream::Carrier::next_to_write() {
+  std::unique_lock lock(mutex_);
+  const auto all_written = [this] {
+    return unanswered_.empty() || next_to_write_ > unanswered_.back().sequence;
+  };
+  changed_.wait(lock, [&] { return !linked_ || closing_ || !all_written(); });
+  if (!linked_ || all_written()) return nullptr;
+  next_to_write_ = std::max(next_to_write_, unanswered_.front().sequence);
+  return unanswered_[next_to_write_++ - unanswered_.front().sequence].messages;
+}
+
+void UpdateStream::Carrier::take(const v1::StreamUpdatesResponse& response) {
+  if (response.has_ack()) take(response.ack());
+  if (response.has_reject()) take(response.reject());
+  changed_.notify_all();
+}
+
+void UpdateStream::Carrier::take(const v1::UpdateAck& ack) {
+  StreamAck told{ack.up_to_sequence(), ack.revision().revision(), ack.revision().token(), {}};
+  for (const v1::PutNodes& put : ack.put()) {
+    told.put.push_back(decode(put));
+  }
+  // Told first: who waits for the batch then knows what there was to tell.
+  if (options_.on_ack) options_.on_ack(told);
+  const std::lock_guard lock(mutex_);
+  state_.coalesced = coalesced_in_calls_ + ack.coalesced();
+  reached(ack.revision());
+  answered(ack.up_to_sequence());
+}
+
+void UpdateStream::Carrier::take(const v1::UpdateReject& reject) {
+  const Error error = rpc_error(reject.code(), reject.message(), reject.reason());
+  if (options_.on_reject) options_.on_reject({reject.sequence(), error});
+  const std::lock_guard lock(mutex_);
+  ++state_.rejected;
+  rejects_.insert_or_assign(reject.sequence(), error);
+  if (rejects_.size() > kRejectsKept) rejects_.erase(rejects_.begin());
+  answered(reject.sequence());  // as are all before it
+}
+
+void UpdateStream::Carrier::reached(const v1::SceneRevision& revision) {
+  state_.revision = revision.revision();
+  state_.token = revision.token();
+}
+
+void UpdateStream::Carrier::answered(std::uint64_t up_to) {
+  if (up_to <= state_.last_answered) return;
+  state_.last_answered = up_to;
+  moved_on_ = true;
+  while (!unanswered_.empty() && unanswered_.front().sequence <= up_to) unanswered_.pop_front();
+}
+
+void UpdateStream::Carrier::fail(const Error& error) {
+  const std::lock_guard lock(mutex_);
+  failed_ = error;
+}
+
+}  // namespace sightline::client

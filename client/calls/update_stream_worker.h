@@ -1,0 +1,89 @@
+// What an UpdateStream is made of: the batches on their way, and the thread that carries them.
+// Internal to the library.
+#pragma once
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/sync_stream.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "client/calls/backoff.h"
+#include "client/update_stream.h"
+#include "sightline/v1/scene.grpc.pb.h"
+
+namespace sightline::client {
+
+namespace v1 = ::sightline::v1;
+
+class UpdateStream::Carrier {
+ public:
+  using Messages = std::vector<v1::StreamUpdatesRequest>;
+
+  Carrier(std::unique_ptr<v1::SceneService::Stub> stub, const std::string& scene,
+          const std::string& producer, UpdateStreamOptions options);
+  ~Carrier();
+
+  /// Waits for the first opening. Errors: what it came to; kDeadlineExceeded.
+  Status open(std::chrono::milliseconds patience);
+  /// Takes the messages of one batch; nothing if the window is full and `waits` is not set.
+  Result<std::optional<std::uint64_t>> hand_over(Messages messages, bool waits);
+  Status wait(std::uint64_t sequence);
+  Status flush();
+  Status close();
+  UpdateStreamState state() const;
+
+ private:
+  using Call = grpc::ClientReaderWriter<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>;
+
+  struct Batch {
+    std::uint64_t sequence = 0;
+    std::shared_ptr<const Messages> messages;  // the writing thread may still be at them
+  };
+
+  void run();
+  Status carry(grpc::ClientContext& context);
+  Status resume(const v1::StreamUpdatesResponse& first);
+  void write_batches(Call& call);
+  std::shared_ptr<const Messages> next_to_write();
+  void take(const v1::StreamUpdatesResponse& response);
+  void take(const v1::UpdateAck& ack);
+  void take(const v1::UpdateReject& reject);
+  void reached(const v1::SceneRevision& revision);
+  void answered(std::uint64_t up_to);
+  bool is_done() const { return closing_ && unanswered_.empty(); }
+  bool worth_another_try(const Status& ended);
+  void fail(const Error& error);
+
+  const std::unique_ptr<v1::SceneService::Stub> stub_;
+  const UpdateStreamOptions options_;
+  v1::StreamUpdatesRequest opening_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  grpc::ClientContext* context_ = nullptr;  // of the call there is, to cancel it
+  bool opened_ = false;                     // once
+  bool linked_ = false;                     // now
+  bool closing_ = false;                    // no more is sent
+  bool abandoned_ = false;
+  bool ended_ = false;
+  bool moved_on_ = false;        // since the call was opened, something was answered
+  std::optional<Error> failed_;  // why it has ended
+  std::deque<Batch> unanswered_;
+  std::uint64_t next_to_write_ = 1;       // sequence
+  std::uint64_t coalesced_in_calls_ = 0;  // of the calls before this one
+  std::map<std::uint64_t, Error> rejects_;
+  UpdateStreamState state_;
+
+  Backoff backoff_;
+  std::thread thread_;  // the last member: it uses all others
+};
+
+}  // namespace sightline::client

@@ -1,0 +1,88 @@
+// A mesh on its way to the server, a chunk at a time.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "client/calls/channel.h"
+#include "client/calls/connection.h"
+#include "client/calls/rpc_error.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+constexpr int kAttempts = 4;
+constexpr std::chrono::milliseconds kFirstPause{100};
+
+Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
+                                                  const std::string& digest) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.small_timeout());
+  v1::GetUploadStatusRequest request;
+  request.set_digest(digest);
+  v1::GetUploadStatusResponse response;
+  const grpc::Status status = connection.blobs->GetUploadStatus(&context, request, &response);
+  if (!status.ok()) return rpc_error(status);
+  return response;
+}
+
+// Sends everything from `offset` on, in one call.
+Status send_from(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
+                 std::uint64_t offset, const UploadProgress& progress,
+                 const std::stop_token& stop) {
+  grpc::ClientContext context;
+  set_timeout(context, connection.options.timeout);
+  const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
+  v1::UploadBlobResponse response;
+  const auto writer = connection.blobs->UploadBlob(&context, &response);
+  v1::UploadBlobRequest chunk;
+  chunk.set_digest(digest);
+  bool open = true;
+  while (open && !chunk.finish()) {
+    const std::size_t n = std::min<std::uint64_t>(kChunkBytes, mesh.size() - offset);
+    chunk.set_offset(offset);
+    chunk.mutable_data()->resize(n);
+    mesh.copy(offset, std::as_writable_bytes(std::span(*chunk.mutable_data())));
+    offset += n;
+    chunk.set_finish(offset == mesh.size());
+    open = writer->Write(chunk);
+    chunk.clear_digest();
+    if (open && progress) progress(offset);
+  }
+  if (open) writer->WritesDone();
+  const grpc::Status status = writer->Finish();
+  return status.ok() ? Status() : Status(rpc_error(status));
+}
+
+bool worth_another_try(const Error& error) {
+  // Out of range: somebody else has added to the same upload meanwhile.
+  return error.code == Code::kUnavailable || error.code == Code::kOutOfRange;
+}
+
+// Takes up an earlier upload where it has stopped; a mesh of one chunk is sooner sent than asked
+// about.
+Status upload_once(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
+                   const UploadProgress& progress, const std::stop_token& stop) {
+  if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress, stop);
+  const auto status = upload_status(connection, digest);
+  if (!status) return status.error();
+  if (status->complete()) return {};
+  return send_from(connection, mesh, digest, std::min(status->committed_size(), mesh.size()),
+                   progress, stop);
+}
+
+}  // namespace
+
+Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
+                   const UploadProgress& progress, const std::stop_token& stop) {
+  auto pause = kFirstPause;
+  for (int attempt = 1;; ++attempt, pause *= 2) {
+    Status uploaded = upload_once(connection, mesh, digest, progress, stop);
+    if (uploaded || attempt == kAttempts || !worth_another_try(uploaded.error())) return uploaded;
+    std::this_thread::sleep_for(pause);
+  }
+}
+
+}  // namespace sightline::client

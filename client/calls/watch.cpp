@@ -1,0 +1,101 @@
+// One call that answers for as long as it is wanted, taken up again where it broke.
+#include "client/calls/watch.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "client/calls/backoff.h"
+#include "client/calls/connection.h"
+#include "client/calls/rpc_error.h"
+#include "client/wire/update_codec.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr int kAttempts = 8;
+
+// False if a stop was requested meanwhile.
+bool sleep(std::chrono::milliseconds pause, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  stopped.wait_for(lock, stop, pause, [] { return false; });
+  return !stop.stop_requested();
+}
+
+class Watch {
+ public:
+  Watch(const Connection& connection, const std::string& scene, std::optional<std::uint64_t> start,
+        const SceneChangeSink& sink, const std::stop_token& stop)
+      : connection_(connection), sink_(sink), stop_(stop) {
+    request_.set_scene(scene);
+    if (start) request_.set_start_revision(*start);
+  }
+
+  Status run() {
+    Backoff backoff(kAttempts);
+    while (true) {
+      const std::uint64_t seen = messages_;
+      Status ended = read();
+      if (unwanted_) return {};
+      if (ended) ended = Error{Code::kUnavailable, "the server ended the watch", {}};
+      if (messages_ > seen) backoff.reset();
+      if (!is_broken_connection(ended.error().code) || !backoff.again()) return ended;
+      if (!sleep(backoff.pause(), stop_)) return Error{Code::kCancelled, "cancelled", {}};
+    }
+  }
+
+ private:
+  Status read() {
+    grpc::ClientContext context;
+    const std::stop_callback cancel(stop_, [&] { context.TryCancel(); });
+    const auto reader = connection_.scenes->WatchScene(&context, request_);
+    Status good;
+    v1::WatchSceneResponse response;
+    change_ = {};
+    while (reader->Read(&response)) {
+      ++messages_;
+      if (good && !unwanted_) good = take(response);
+      if (!good || unwanted_) context.TryCancel();
+    }
+    const grpc::Status status = reader->Finish();
+    if (!good) return good;
+    return status.ok() ? Status() : Status(rpc_error(status));
+  }
+
+  Status take(const v1::WatchSceneResponse& response) {
+    for (const v1::Update& update : response.updates()) {
+      auto decoded = decode(update);
+      if (!decoded) return decoded.error();
+      change_.updates.push_back(*std::move(decoded));
+    }
+    if (response.more()) return {};
+    change_.revision = response.revision().revision();
+    change_.token = response.revision().token();
+    change_.is_progress = response.progress();
+    request_.set_start_revision(change_.revision);  // to go on with, if the connection breaks
+    unwanted_ = !sink_(change_);
+    change_ = {};
+    return {};
+  }
+
+  const Connection& connection_;
+  const SceneChangeSink& sink_;
+  const std::stop_token& stop_;
+  v1::WatchSceneRequest request_;
+  SceneChange change_;  // of which parts have come
+  std::uint64_t messages_ = 0;
+  bool unwanted_ = false;
+};
+
+}  // namespace
+
+Status watch(const Connection& connection, const std::string& scene,
+             std::optional<std::uint64_t> start, const SceneChangeSink& sink,
+             const std::stop_token& stop) {
+  return Watch(connection, scene, start, sink, stop).run();
+}
+
+}  // namespace sightline::client

@@ -1,0 +1,36 @@
+// The spacing of float32 against the size of a scene.
+#include "client/cli/verbs/origin_precision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace sightline::client::cli {
+
+RaySource<float> watch_reach(RaySource<float> source, float& reach) {
+  return [source = std::move(source), &reach](const RayColumns<float>& room) {
+    auto rows = source(room);
+    if (!rows) return rows;
+    for (const float x : room.origins.first(3 * *rows)) {
+      if (std::isfinite(x)) reach = std::max(reach, std::abs(x));
+    }
+    return rows;
+  };
+}
+
+std::string coarse_origins(float reach, const std::array<double, 6>& bounds) {
+  const double diagonal =
+      std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
+  const auto spacing =
+      static_cast<double>(std::nextafter(reach, std::numeric_limits<float>::infinity()) - reach);
+  if (!(spacing > kCoarse * diagonal)) return {};
+  return fmt::format(
+      "rays are float32 and begin up to {:.3g} from the origin, where float32 values are {:.2g} "
+      "apart; the scene's diagonal is {:.3g}: write them as float64",
+      reach, spacing, diagonal);
+}
+
+}  // namespace sightline::client::cli

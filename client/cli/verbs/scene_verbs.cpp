@@ -1,0 +1,180 @@
+// sightline scene import, ls, show, nodes, rm.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/files/update_json.h"
+#include "client/cli/playback/scene_nodes.h"
+#include "client/cli/verbs/import_verb.h"
+#include "client/cli/verbs/verbs.h"
+
+namespace sightline::client::cli {
+namespace {
+
+constexpr const char* kDefaultProject = "projects/default";
+
+Json json_of(const SceneInfo& scene) {
+  return {{"scene", scene.name},
+          {"revision", scene.revision},
+          {"nodes", scene.nodes},
+          {"instances", scene.instances},
+          {"meshes", scene.meshes},
+          {"triangles_unique", scene.triangles_unique},
+          {"triangles_instanced", scene.triangles_instanced},
+          {"triangles_nonfinite", scene.triangles_nonfinite},
+          {"bounds", scene.bounds ? Json(*scene.bounds) : Json(nullptr)},
+          {"bytes_geometry", scene.bytes_geometry},
+          {"up_axis", json_of_axis(scene.up_axis)},
+          {"meters_per_unit", json_of_unit(scene.meters_per_unit)}};
+}
+
+const char* axis_name(UpAxis axis) {
+  if (axis == UpAxis::kY) return "y";
+  if (axis == UpAxis::kZ) return "z";
+  return "unknown";
+}
+
+void print_table(const SceneInfo& scene) {
+  fmt::print("{} at revision {}\n", scene.name, scene.revision);
+  fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
+  fmt::print("  meshes     {}\n", scene.meshes);
+  fmt::print("  triangles  {} unique, {} instanced", scene.triangles_unique,
+             scene.triangles_instanced);
+  if (scene.triangles_nonfinite > 0)
+    fmt::print(", {} with a vertex that is not finite", scene.triangles_nonfinite);
+  fmt::print("\n  bytes      {} geometry\n", scene.bytes_geometry);
+  if (scene.bounds) {
+    const auto& b = *scene.bounds;
+    fmt::print("  bounds     {:.12g} {:.12g} {:.12g} to {:.12g} {:.12g} {:.12g}\n", b[0], b[1],
+               b[2], b[3], b[4], b[5]);
+  }
+  fmt::print("  up         {}\n", axis_name(scene.up_axis));
+  if (scene.meters_per_unit > 0) {
+    fmt::print("  unit       {:g} m\n", scene.meters_per_unit);
+  } else {
+    fmt::print("  unit       unknown\n");
+  }
+}
+
+// Scenes of the default project under the names that this command takes, others in full.
+std::string short_name(const std::string& name) {
+  const std::string prefix = std::string(kDefaultProject) + "/scenes/";
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+ExitCode list(const Session& session) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto scenes = client->list_scenes(kDefaultProject);
+  if (!scenes) return fail(scenes.error());
+  if (session.json) {
+    Json rows = Json::array();
+    for (const SceneInfo& scene : *scenes) rows.push_back(json_of(scene));
+    print_json({{"scenes", rows}});
+    return kOk;
+  }
+  fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", "SCENE", "REVISION", "NODES", "INSTANCES",
+             "UNIQUE", "INSTANCED");
+  for (const SceneInfo& scene : *scenes) {
+    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", short_name(scene.name), scene.revision,
+               scene.nodes, scene.instances, scene.triangles_unique, scene.triangles_instanced);
+  }
+  return kOk;
+}
+
+ExitCode show(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto scene = client->get_scene(name);
+  if (!scene) return fail(scene.error());
+  if (session.json) {
+    print_json(json_of(*scene));
+  } else {
+    print_table(*scene);
+  }
+  return kOk;
+}
+
+Json json_of(const NodeInfo& node) {
+  return {{"id", node.id},
+          {"parent", node.parent},
+          {"name", node.name},
+          {"transform", node.parent_from_local},
+          {"mobility", name_of(node.mobility)},
+          {"mask", node.mask},
+          {"mesh_digest", node.mesh_digest},
+          {"patched", node.patched}};
+}
+
+ExitCode show_nodes(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto nodes = list_nodes(*client, name);
+  if (!nodes) return fail(nodes.error());
+  if (session.json) {
+    Json rows = Json::array();
+    for (const NodeInfo& node : *nodes) rows.push_back(json_of(node));
+    print_json({{"scene", name}, {"nodes", rows}});
+    return kOk;
+  }
+  fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", "NODE", "PARENT", "MOBILITY", "MESH", "NAME");
+  for (const NodeInfo& node : *nodes) {
+    const char* const mesh = node.mesh_digest.empty() ? "-" : node.patched ? "patched" : "yes";
+    fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent, name_of(node.mobility), mesh,
+               node.name);
+  }
+  return kOk;
+}
+
+ExitCode remove(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  if (const Status gone = client->delete_scene(name); !gone) return fail(gone.error());
+  if (session.json) {
+    print_json({{"scene", name}, {"deleted", true}});
+  } else {
+    fmt::print("{} deleted\n", name);
+  }
+  return kOk;
+}
+
+CLI::App& add_verb_of_one_scene(CLI::App& group, const std::string& name, const std::string& help,
+                                Session& session,
+                                ExitCode (*run)(const Session&, const std::string&)) {
+  CLI::App& verb = *group.add_subcommand(name, help);
+  const auto scene = std::make_shared<std::string>();
+  add_scene_argument(verb, *scene);
+  verb.callback([&session, scene, run] { session.exit = run(session, *scene); });
+  return verb;
+}
+
+}  // namespace
+
+void add_scene_verbs(CLI::App& program, Session& session) {
+  CLI::App& group = *program.add_subcommand("scene", "Import, list, show and remove scenes");
+  require_verb(group);
+  group.footer(
+      "Examples:\n"
+      "  sightline scene import engine 2CylinderEngine.glb\n"
+      "  sightline scene show engine");
+  add_import_verb(group, session);
+
+  CLI::App& ls = *group.add_subcommand("ls", "List the scenes of the default project");
+  ls.footer(
+      "Examples:\n  sightline scene ls\n  sightline scene ls --json | jq -r '.scenes[].scene'");
+  ls.callback([&session] { session.exit = list(session); });
+
+  add_verb_of_one_scene(group, "show", "What a scene holds", session, show)
+      .footer(
+          "Examples:\n  sightline scene show engine\n  sightline scene show engine --json | jq "
+          ".bounds");
+  add_verb_of_one_scene(group, "nodes", "The nodes of a scene, by id", session, show_nodes)
+      .footer(
+          "Examples:\n  sightline scene nodes engine\n  sightline scene nodes engine --json | jq "
+          "'.nodes[] | select(.name == \"piston\") | .id'");
+  add_verb_of_one_scene(group, "rm", "Remove a scene", session, remove)
+      .footer("Examples:\n  sightline scene rm engine");
+}
+
+}  // namespace sightline::client::cli

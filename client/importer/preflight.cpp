@@ -1,0 +1,111 @@
+// Only the beginnings of files are looked at.
+#include "client/importer/preflight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <ios>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "client/importer/gltf_nodes.h"
+
+namespace sightline::client {
+namespace {
+
+constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20;
+constexpr std::size_t kGlbHeader = 12, kGlbChunkHeader = 8;
+
+Error damaged(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
+
+std::string read(std::ifstream& in, std::size_t bytes) {
+  std::string text(bytes, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+// The word begins a line, and is the whole of it or is followed by a blank.
+bool has_end_of_header(std::string_view text) {
+  constexpr std::string_view kEnd = "end_header", kBlanks = " \t\r\n";
+  for (std::size_t i = text.find(kEnd); i != std::string_view::npos; i = text.find(kEnd, i + 1)) {
+    const std::size_t before = text.substr(0, i).find_last_not_of(" \t");
+    const bool begins =
+        before != std::string_view::npos && kBlanks.find(text[before]) != kBlanks.npos;
+    const std::size_t after = i + kEnd.size();
+    if (begins && (after == text.size() || kBlanks.find(text[after]) != kBlanks.npos)) return true;
+  }
+  return false;
+}
+
+// What the lines "element NAME COUNT" of the header announce together.
+std::uint64_t announced(std::istringstream header) {
+  std::uint64_t sum = 0;
+  for (std::string line; std::getline(header, line) && !line.starts_with("end_header");) {
+    std::istringstream words(line);
+    std::string keyword, name;
+    std::uint64_t count = 0;
+    if (words >> keyword >> name >> count && keyword == "element")
+      sum += std::min<std::uint64_t>(count, std::uint64_t{1} << 40U);
+  }
+  return sum;
+}
+
+Status check_ply(std::ifstream& in, std::uint64_t size) {
+  const std::string text = read(in, kLongestPlyHeader);
+  if (!has_end_of_header(text))
+    return damaged(fmt::format("a PLY file without end_header in its first {} bytes", text.size()));
+  const std::uint64_t elements = announced(std::istringstream(text));
+  if (elements <= size) return {};
+  return damaged(
+      fmt::format("the PLY header announces {} elements, the file has {} bytes", elements, size));
+}
+
+std::uint32_t little_endian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = value << 8U | static_cast<std::uint8_t>(bytes[i]);
+  return value;
+}
+
+Status check_glb(std::ifstream& in, std::uint64_t size) {
+  std::uint64_t at = kGlbHeader;
+  while (at + kGlbChunkHeader <= size) {
+    in.seekg(static_cast<std::streamoff>(at));
+    const std::string header = read(in, kGlbChunkHeader);
+    if (header.size() < kGlbChunkHeader) return {};
+    const std::uint32_t length = little_endian(header);
+    const bool is_first = at == kGlbHeader;
+    at += kGlbChunkHeader;
+    if (length > size - at) {
+      return damaged(
+          fmt::format("a chunk of {} bytes is said to begin at byte {} of {}", length, at, size));
+    }
+    if (is_first) {
+      if (Status good = check_gltf_nodes(read(in, length)); !good) return good;
+    }
+    at += length;
+  }
+  return {};
+}
+
+}  // namespace
+
+Status check_damage(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0));
+  in.seekg(0);
+  const std::string magic = read(in, 4);
+  in.clear();
+  in.seekg(0);
+  if (magic.starts_with("ply")) return check_ply(in, size);
+  if (magic == "glTF") return check_glb(in, size);
+  if (file.extension() == ".gltf") return check_gltf_nodes(read(in, size));
+  return {};
+}
+
+}  // namespace sightline::client

@@ -1,0 +1,200 @@
+// Columns are the bytes of the arrays.
+#include "client/wire/cast_codec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <type_traits>
+
+#include "client/wire/update_codec.h"
+
+namespace sightline::client {
+namespace {
+
+v1::Culling encode(Culling culling) {
+  switch (culling) {
+    case Culling::kNone:
+      return v1::CULLING_NONE;
+    case Culling::kBack:
+      return v1::CULLING_BACK;
+    case Culling::kFront:
+      return v1::CULLING_FRONT;
+  }
+  return v1::CULLING_UNSPECIFIED;
+}
+
+v1::BuildMode encode(BuildMode build) {
+  switch (build) {
+    case BuildMode::kServerPolicy:
+      return v1::BUILD_MODE_UNSPECIFIED;
+    case BuildMode::kLazy:
+      return v1::BUILD_MODE_LAZY;
+    case BuildMode::kFull:
+      return v1::BUILD_MODE_FULL;
+    case BuildMode::kNone:
+      return v1::BUILD_MODE_NONE;
+    case BuildMode::kBuiltOnly:
+      return v1::BUILD_MODE_BUILT_ONLY;
+  }
+  return v1::BUILD_MODE_UNSPECIFIED;
+}
+
+template <class T>
+std::span<T> resize(std::size_t rows, std::size_t width, std::string& column) {
+  column.resize(rows * width * sizeof(T));
+  return {reinterpret_cast<T*>(column.data()), rows * width};
+}
+
+const std::string* find(const v1::CastRaysResponse& response, v1::HitField field) {
+  for (const v1::HitColumn& column : response.columns()) {
+    if (column.field() == field) return &column.data();
+  }
+  return nullptr;
+}
+
+Error incomplete(std::size_t n) {
+  return {Code::kInternal,
+          fmt::format("the server's answer to {} rays lacks a column, or rows of one", n),
+          {}};
+}
+
+// Sets `out` to a column if it was asked for; false if the answer does not have it, n rows long.
+template <class T>
+bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField field,
+                 std::size_t values, std::span<const T>& out) {
+  if (!asked) return true;
+  const std::string* data = find(response, field);
+  if (data == nullptr || data->size() != values * sizeof(T)) return false;
+  out = {reinterpret_cast<const T*>(data->data()), values};
+  return true;
+}
+
+bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
+               HitView& hits) {
+  return view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
+         view_column(response, fields.work, v1::HIT_FIELD_WORK, n, hits.work) &&
+         view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count);
+}
+
+bool view_surfaces(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
+                   HitView& hits) {
+  return view_column(response, fields.t, v1::HIT_FIELD_T, n, hits.t) &&
+         view_column(response, fields.node, v1::HIT_FIELD_NODE, n, hits.node) &&
+         view_column(response, fields.primitive, v1::HIT_FIELD_PRIMITIVE, n, hits.primitive) &&
+         view_column(response, fields.barycentric, v1::HIT_FIELD_BARYCENTRIC, 2 * n,
+                     hits.barycentric) &&
+         view_column(response, fields.normal, v1::HIT_FIELD_NORMAL, 3 * n, hits.normal);
+}
+
+}  // namespace
+
+v1::QueryKind encode(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::kClosest:
+      return v1::QUERY_KIND_CLOSEST;
+    case QueryKind::kAny:
+      return v1::QUERY_KIND_ANY;
+    case QueryKind::kCount:
+      return v1::QUERY_KIND_COUNT;
+    case QueryKind::kAll:
+      return v1::QUERY_KIND_ALL;
+  }
+  return v1::QUERY_KIND_UNSPECIFIED;
+}
+
+void describe(const std::string& scene, HitFields fields, const CastOptions& options,
+              v1::CastRaysRequest& request) {
+  request.set_scene(scene);
+  request.set_kind(encode(options.kind));
+  request.set_build(encode(options.build));
+  request.set_culling(encode(options.culling));
+  request.set_root(options.root);
+  request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
+  request.set_max_hits(options.max_hits);
+  *request.mutable_consistency() = encode(options.consistency);
+  // Without any field the server would send its usual ones.
+  if (options.kind == QueryKind::kAll) fields.hit = true;
+  if (fields.t) request.add_fields(v1::HIT_FIELD_T);
+  if (fields.node) request.add_fields(v1::HIT_FIELD_NODE);
+  if (fields.primitive) request.add_fields(v1::HIT_FIELD_PRIMITIVE);
+  if (fields.barycentric) request.add_fields(v1::HIT_FIELD_BARYCENTRIC);
+  if (fields.normal) request.add_fields(v1::HIT_FIELD_NORMAL);
+  if (fields.hit) request.add_fields(v1::HIT_FIELD_HIT);
+  if (fields.work) request.add_fields(v1::HIT_FIELD_WORK);
+  if (fields.count) request.add_fields(v1::HIT_FIELD_COUNT);
+}
+
+template <class Scalar>
+RayColumns<Scalar> make_room(std::size_t n, RayShape shape, v1::Rays& rays) {
+  rays.set_float64(std::is_same_v<Scalar, double>);
+  RayColumns<Scalar> room;
+  room.origins = resize<Scalar>(n, 3, *rays.mutable_origins());
+  room.directions = resize<Scalar>(n, 3, *rays.mutable_directions());
+  if (shape.interval) {
+    room.tmin = resize<Scalar>(n, 1, *rays.mutable_tmin());
+    room.tmax = resize<Scalar>(n, 1, *rays.mutable_tmax());
+  }
+  if (shape.masks) room.masks = resize<std::uint32_t>(n, 1, *rays.mutable_masks());
+  return room;
+}
+
+template <class Scalar>
+void trim(std::size_t n, RayShape shape, v1::Rays& rays) {
+  make_room<Scalar>(n, shape, rays);
+}
+
+Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n) {
+  HitView hits;
+  if (!view_rays(response, fields, n, hits) || !view_surfaces(response, fields, n, hits))
+    return incomplete(n);
+  return hits;
+}
+
+Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fields,
+                              std::size_t first, std::size_t n) {
+  HitView hits;
+  const std::string* column = find(response, v1::HIT_FIELD_OFFSET);
+  const std::size_t rays = column == nullptr ? 0 : column->size() / sizeof(std::uint32_t) - 1;
+  if (rays > n || !view_column(response, true, v1::HIT_FIELD_OFFSET, rays + 1, hits.offsets))
+    return incomplete(n);
+  const bool is_in_place = response.first_ray() == first && rays <= n - first &&
+                           response.more() == (first + rays < n) && hits.offsets.front() == 0 &&
+                           std::is_sorted(hits.offsets.begin(), hits.offsets.end());
+  if (!is_in_place) {
+    return Error{Code::kInternal,
+                 fmt::format("the server answered {} rays from {} on, instead of from {} to {}",
+                             rays, response.first_ray(), first, n),
+                 {}};
+  }
+  fields.hit = true;
+  if (!view_rays(response, fields, rays, hits) ||
+      !view_surfaces(response, fields, hits.offsets.back(), hits))
+    return incomplete(n);
+  return hits;
+}
+
+void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
+  const v1::CastStats& stats = response.stats();
+  report.revision = response.served().revision();
+  report.token = response.served().token();
+  report.rays += stats.rays();
+  report.hits += stats.hits();
+  report.invalid += stats.invalid();
+  report.hits_found += stats.hits_found();
+  report.rays_cut_off += stats.rays_cut_off();
+  report.traversal_steps += stats.traversal_steps();
+  report.triangle_tests += stats.triangle_tests();
+  report.instances_entered += stats.instances_entered();
+  report.cells_expanded += stats.cells_expanded();
+  report.queue_us += stats.queue_us();
+  report.build_us += stats.build_us();
+  report.trace_us += stats.trace_us();
+}
+
+template RayColumns<float> make_room(std::size_t, RayShape, v1::Rays&);
+template RayColumns<double> make_room(std::size_t, RayShape, v1::Rays&);
+template void trim<float>(std::size_t, RayShape, v1::Rays&);
+template void trim<double>(std::size_t, RayShape, v1::Rays&);
+
+}  // namespace sightline::client

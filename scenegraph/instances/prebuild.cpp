@@ -1,0 +1,67 @@
+// From each leaf of the one down the other.
+#include "scenegraph/instances/prebuild.h"
+
+#include <vector>
+
+#include "accel/kdtree/epoch.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::Aabb;
+using accel::Slot;
+
+/// So many leaves are gone through between two epochs.
+constexpr std::size_t kLeavesPerPin = 256;
+
+struct Cell {
+  Slot slot;
+  Aabb box;
+};
+
+/// The middles of the leaves that hold something, in scene coordinates.
+std::vector<Vec3d> built_places(const Instances& grown) {
+  const accel::EpochPin pin;
+  const accel::KdTree& tree = grown.tree().tree();
+  std::vector<Vec3d> places;
+  std::vector<Cell> waiting{{accel::load(tree.root()), tree.bounds()}};
+  while (!waiting.empty()) {
+    const auto [slot, box] = waiting.back();
+    waiting.pop_back();
+    if (slot.is_binary()) {
+      const accel::HalvedCell halves = accel::halve(box, slot.axis(), slot.position());
+      waiting.push_back({accel::load(tree.children(slot)[0]), halves.left});
+      waiting.push_back({accel::load(tree.children(slot)[1]), halves.right});
+    } else if (!slot.is_unbuilt() && slot.leaf_count() > 0) {
+      places.push_back((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 + grown.center());
+    }
+  }
+  return places;
+}
+
+void grow_at(accel::LazyTree& tree, const Vec3d& place) {
+  accel::BuildCounters built;
+  for (accel::AtomicSlot* at = &tree.root();;) {
+    const Slot slot = accel::load(*at);
+    if (slot.is_unbuilt()) {
+      if (tree.expand(*at, accel::AtBusy::kWait, built) == accel::Expanded::kAgain) continue;
+      return;
+    }
+    if (!slot.is_binary()) return;
+    const bool right = place[slot.axis()] >= static_cast<double>(slot.position());
+    at = &tree.tree().children(slot)[right ? 1 : 0];
+  }
+}
+
+}  // namespace
+
+void grow_alike(const Instances& grown, const Instances& fresh) {
+  const std::vector<Vec3d> places = built_places(grown);
+  for (std::size_t first = 0; first < places.size(); first += kLeavesPerPin) {
+    const accel::EpochPin pin;
+    for (std::size_t i = first; i < std::min(first + kLeavesPerPin, places.size()); ++i)
+      grow_at(fresh.tree(), places[i] - fresh.center());
+  }
+}
+
+}  // namespace sightline::scenegraph

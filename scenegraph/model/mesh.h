@@ -1,0 +1,69 @@
+// A mesh: immutable triangles in float about their own origin, and the one kd-tree that grows over
+// them. Instances, revisions and scenes share it by content.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/geometry/aabb.h"
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/result.h"
+
+namespace sightline::scenegraph {
+
+/// Face slots of one mesh; keeps every place in its tree below the limits of a slot.
+inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
+
+class Mesh {
+ public:
+  /// Checks the arrays and takes them over.
+  /// Errors: kInvalidArgument, naming the face and the index, where an index is not below the
+  /// vertex count (and the face is not all kNoVertex); kResourceExhausted over kMaxFacesPerMesh.
+  /// Faces with a non-finite vertex are accepted, counted and never hit.
+  /// `builder` is what its tree will be grown by, `references` what it begins with.
+  static Result<std::shared_ptr<const Mesh>> make(
+      std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
+      const accel::AnyBuilder& builder = accel::default_builder(),
+      accel::References references = accel::References::kRuns);
+
+  /// The same faces about other vertices, as many: only the tree begins anew, by the builder of the
+  /// mesh if that is not the default, else by accel::frame_builder(), as it may last for one
+  /// revision. Errors: kInvalidArgument, a count that differs.
+  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::Vec3f> vertices) const;
+
+  accel::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
+  /// Holds the finite triangles, closely; of positive extent, empty if there is none.
+  const accel::Aabb& bounds() const { return bounds_; }
+  std::uint64_t faces() const {
+    return arrays_->faces->size();
+  }  ///< Numbered slots, lines and points included.
+  std::uint64_t triangles() const { return triangles_; }  ///< Slots that hold a triangle.
+  std::uint64_t nonfinite() const {
+    return nonfinite_;
+  }                             ///< Triangles with a NaN or infinite vertex.
+  std::uint64_t bytes() const;  ///< Vertex and index arrays.
+
+  /// Grows while rays are traced; every member of the tree is safe to call from any thread.
+  accel::MeshTree& tree() const { return *tree_; }
+
+ private:
+  struct Arrays {
+    std::vector<accel::Vec3f> vertices;
+    std::shared_ptr<const std::vector<accel::Face>> faces;  // shared with deformed meshes
+  };
+  Mesh(std::shared_ptr<const Arrays> arrays, const accel::MeshSurvey& survey,
+       const accel::AnyBuilder& builder, accel::References references);
+
+  std::shared_ptr<const Arrays> arrays_;
+  accel::Aabb bounds_;
+  std::uint64_t triangles_ = 0;
+  std::uint64_t nonfinite_ = 0;
+  accel::AnyBuilder builder_;
+  accel::References references_;
+  std::unique_ptr<accel::MeshTree> tree_;
+};
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,55 @@
+// What can be done to a scene. A batch of updates is applied whole or not at all and makes one
+// revision.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scenegraph/model/node.h"
+
+namespace sightline::scenegraph {
+
+/// In a batch, a node is named by its id (> 0) or, if an earlier PutNode of the same batch made it,
+/// by the negative alias that PutNode gave it. 0 means "no node" where that is allowed.
+using NodeRef = std::int64_t;
+
+/// Creates a node (`node` is a fresh negative alias) or replaces all that is said of an existing
+/// one (`node` is its id, or an alias of the same batch), its place in the hierarchy included. Its
+/// children stay.
+struct PutNode {
+  NodeRef node = 0;
+  NodeRef parent = 0;  ///< 0: a root.
+  std::string name;
+  Affine parent_from_local;
+  std::shared_ptr<const Mesh> mesh;
+  std::string mesh_digest;
+  Mobility mobility = Mobility::kStatic;
+  std::uint32_t mask = accel::kAllMasks;
+};
+
+/// New local transforms for many nodes at once.
+struct SetTransforms {
+  std::vector<NodeRef> nodes;
+  std::vector<Affine> parent_from_local;  ///< As many as nodes.
+};
+
+/// Errors: kFailedPrecondition if the node has children and `subtree` is not set.
+struct DeleteNode {
+  NodeRef node = 0;
+  bool subtree = false;
+};
+
+/// New places for `positions.size()` vertices from `first` on. The nodes must carry one and the
+/// same mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
+struct PatchVertices {
+  std::vector<NodeRef> nodes;
+  std::uint32_t first = 0;
+  std::vector<accel::Vec3f> positions;  ///< In the mesh's frame.
+};
+
+using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,87 @@
+// Rays in blocks: a block is one task, on one thread, pinned to one epoch.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <deque>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/lazy/stall_detector.h"
+#include "scenegraph/query/ray_caster.h"
+#include "scenegraph/trace.h"
+
+namespace sightline::scenegraph {
+
+inline bool is_cancelled(const std::atomic<bool>* cancelled) {
+  return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+}
+
+/// A range of rays.
+struct RayBlock {
+  std::size_t first = 0, end = 0;
+};
+
+/// Answers the rays of a block: answer(ray, AtBusy) returns false if the ray is to be put aside.
+/// Those come again when all others are answered; then they wait, without spinning, for the threads
+/// whose work they need, and do it themselves in the end.
+template <class Answer>
+void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
+  std::deque<std::size_t> aside;
+  for (std::size_t ray = block.first; ray < block.end; ++ray) {
+    if (!answer(ray, accel::AtBusy::kLeave)) aside.push_back(ray);
+  }
+  accel::AtBusy at_busy = accel::AtBusy::kLeave;
+  accel::Patience patience;
+  for (std::size_t in_vain = 0; !aside.empty();) {
+    const std::size_t ray = aside.front();
+    aside.pop_front();
+    if (answer(ray, at_busy)) {
+      in_vain = 0;
+      patience = {};
+      continue;
+    }
+    aside.push_back(ray);
+    constexpr std::size_t kTries = 8;
+    if (++in_vain < std::min(kTries, aside.size())) continue;
+    in_vain = 0;
+    if (!patience.wait(caster.progress())) at_busy = accel::AtBusy::kWait;
+  }
+}
+
+/// Cuts rays into blocks and has each answered: answer(caster, block), in parallel, in any order.
+/// Errors: kCancelled.
+template <class Answer>
+Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
+                                    std::size_t rays_per_block, const TraceOptions& options,
+                                    const Answer& answer) {
+  TraceStats total;
+  if (options.growth == Growth::kFull) {
+    const Result<TraceStats> built = build_all(snapshot, options.cancelled, options.progress);
+    if (!built) return built.error();
+    total += *built;
+  }
+  const TwoTrees trees = snapshot.trees();
+  total += tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, (rays + rays_per_block - 1) / rays_per_block, 1),
+      TraceStats{},
+      [&](const tbb::blocked_range<std::size_t>& blocks, TraceStats stats) {
+        for (std::size_t b = blocks.begin(); b != blocks.end() && !is_cancelled(options.cancelled);
+             ++b) {
+          const accel::EpochPin pin;
+          RayCaster caster(trees, options);
+          answer(caster, RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
+          stats += caster.stats();
+        }
+        return stats;
+      },
+      [](TraceStats a, const TraceStats& b) { return a += b; });
+  if (is_cancelled(options.cancelled))
+    return Error{Code::kCancelled, "cancelled while tracing", "CANCELLED"};
+  return total;
+}
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,284 @@
+// The scene level of a ray's way.
+#include "scenegraph/query/ray_caster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "accel/kdtree/walk.h"
+#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/surface.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::AtUnbuilt;
+using accel::BoxRef;
+using accel::Hit;
+using accel::HitState;
+using accel::MeshQuery;
+using accel::Ray;
+
+AtUnbuilt at_unbuilt(Growth growth) {
+  switch (growth) {
+    case Growth::kNone:
+      return AtUnbuilt::kSearch;
+    case Growth::kBuiltOnly:
+      return AtUnbuilt::kSkip;
+    case Growth::kFirstTouch:
+    case Growth::kFull:
+      break;
+  }
+  return AtUnbuilt::kExpand;
+}
+
+}  // namespace
+
+/// What a walk of one of the scene's trees asks at its leaves and unbuilt cells.
+struct RayCaster::Visit {
+  RayCaster& caster;
+  const Ray& ray;
+  const Entry& entry;
+  MeshQuery& query;
+  RecentlyEntered recent;
+
+  double limit() const { return query.best_t / entry.centered.unit + entry.ray.slack; }
+
+  bool leaf(std::span<const std::uint32_t> ids) {
+    for (const std::uint32_t id : ids) {
+      if (enter(id)) return true;
+    }
+    return false;
+  }
+
+  accel::Unbuilt unbuilt(accel::AtomicSlot& slot, const accel::DeferredCell& cell) {
+    if (query.at_unbuilt == AtUnbuilt::kExpand) {
+      const accel::Expanded expanded =
+          entry.instances->tree().expand(slot, query.at_busy, *entry.built);
+      if (expanded == accel::Expanded::kAgain) return accel::Unbuilt::kAgain;
+      if (expanded == accel::Expanded::kBusy) {
+        query.put_aside = true;
+        query.progress = accel::LazyTree::progress(slot);
+        return accel::Unbuilt::kStop;
+      }
+    }
+    query.met_unbuilt = true;
+    if (query.at_unbuilt == AtUnbuilt::kSkip) return accel::Unbuilt::kDone;
+    return search(cell) ? accel::Unbuilt::kStop : accel::Unbuilt::kDone;
+  }
+
+  bool search(const accel::DeferredCell& cell) {
+    if (cell.listed)
+      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+    return search(entry.instances->coarsest());
+  }
+
+  bool search(std::span<const BoxRef> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+      return ref.openable() ? search_below(ref) : enter(ref.id);
+    });
+  }
+
+  /// Through what the ray may meet of the hierarchy.
+  bool search_below(const BoxRef& ref) {
+    std::vector<BoxRef>& waiting = caster.waiting_;
+    waiting.assign(1, ref);
+    while (!waiting.empty()) {
+      const BoxRef next = waiting.back();
+      waiting.pop_back();
+      if (!next.openable()) {
+        if (enter(next.id)) return true;
+      } else if (accel::may_meet(entry.ray, next.bounds(), limit())) {
+        entry.instances->open(next, waiting);
+      }
+    }
+    return false;
+  }
+
+  /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
+  /// here.
+  bool enter(std::uint32_t id) {
+    const Instance& instance = (*entry.instances)[id];
+    const std::uint32_t place = entry.first + id;
+    if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
+    if (!is_seen(id, place)) return false;
+    if (!accel::may_meet(entry.ray, instance.box, limit())) return false;
+    if (query.collects() && !caster.entered_.add(place)) return false;
+    caster.enter_instance(ray, instance, place, *entry.built, query);
+    return query.put_aside || (query.any && query.found);
+  }
+
+  bool is_seen(std::uint32_t id, std::uint32_t place) const {
+    if (entry.departed != nullptr && entry.departed->has(id)) return false;
+    const Selection* selection = caster.options_.selection;
+    return selection == nullptr || selection->selects(place);
+  }
+};
+
+RayCaster::RayCaster(const TwoTrees& trees, const TraceOptions& options)
+    : trees_(trees),
+      options_(options),
+      at_unbuilt_(at_unbuilt(options.growth)),
+      list_(std::size_t{options.max_hits} + 1) {
+  still_.instances = &trees_.still;
+  still_.departed = trees_.departed;
+  still_.built = &built_;
+  moving_.instances = &trees_.moving;
+  moving_.built = &built_moving_;
+  moving_.first = static_cast<std::uint32_t>(trees_.still.size());
+}
+
+bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
+  MeshQuery query;
+  query.at_busy = at_busy;
+  query.any = options_.kind == QueryKind::kAny;
+  const Search searched = search(ray, query);
+  if (searched == Search::kPutAside) return false;
+  hit = Hit();
+  if (searched == Search::kInvalid) {
+    hit.t = std::numeric_limits<double>::quiet_NaN();
+    hit.state = HitState::kInvalid;
+    return true;
+  }
+  if (query.found) {
+    set_hit(trees_[query.best_instance], ray, query.best_t, query.best_primitive,
+            options_.surface && !query.any, hit);
+  }
+  hit.work = work_of(query);
+  return true;
+}
+
+std::optional<RayTally> RayCaster::count(const Ray& ray, accel::AtBusy at_busy) {
+  MeshQuery query;
+  query.at_busy = at_busy;
+  query.primitives = &primitives_;
+  counted_ = 0;
+  const Search searched = search(ray, query);
+  if (searched == Search::kPutAside) return std::nullopt;
+  if (searched == Search::kInvalid)
+    return RayTally{.count = kInvalidCount, .state = HitState::kInvalid};
+  stats_.hits_found += counted_;
+  return RayTally{.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
+                  .work = work_of(query),
+                  .state = query.found ? HitState::kHit : HitState::kMiss};
+}
+
+/// One more than may be kept is looked for: whether there is one is then known exactly, and does
+/// not depend on where the walk has stopped.
+RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
+  MeshQuery query;
+  query.list = &list_;
+  list_.clear();
+  if (search(ray, query) == Search::kInvalid) return {.state = HitState::kInvalid};
+  std::span<const accel::ListedHit> found = list_.sorted();
+  RayTally tally{.work = work_of(query),
+                 .state = query.found ? HitState::kHit : HitState::kMiss,
+                 .cut_off = found.size() > options_.max_hits};
+  if (tally.cut_off) {
+    found = found.first(options_.max_hits);
+    ++stats_.cut_off;
+  }
+  for (const accel::ListedHit& hit : found) {
+    set_hit(trees_[hit.instance], ray, hit.t, hit.primitive, options_.surface, hits.emplace_back());
+  }
+  tally.count = static_cast<std::uint32_t>(found.size());
+  stats_.hits_found += found.size();
+  return tally;
+}
+
+RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
+  ++stats_.rays;
+  entered_.clear();
+  frame_ = nullptr;
+  work_before_ = walked_.steps + walked_.tests;
+  if (!accel::set_local_ray(ray.origin - trees_.still.center(), ray.direction, still_.centered) ||
+      std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
+    ++stats_.invalid;
+    return Search::kInvalid;
+  }
+  query.tmin = ray.tmin;
+  query.tmax = ray.tmax;
+  query.at_unbuilt = at_unbuilt_;
+  walk_trees(ray, query);
+  if (query.put_aside) {
+    --stats_.rays;  // it comes again
+    progress_ = query.progress;
+    return Search::kPutAside;
+  }
+  if (query.found) ++stats_.hits;
+  return Search::kDone;
+}
+
+/// First the tree that the ray comes to first: what is hit there bounds the walk of the other.
+void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
+  const bool still = trees_.still.size() > 0 && enter_tree(ray, still_);
+  bool moving = false;
+  if (trees_.moving.size() > 0) {
+    moving_.centered.direction = still_.centered.direction;
+    moving_.centered.unit = still_.centered.unit;
+    moving = accel::set_local_origin(ray.origin - trees_.moving.center(), moving_.centered) &&
+             enter_tree(ray, moving_);
+  }
+  const bool moving_first =
+      still && moving &&
+      moving_.ray.t_in * moving_.centered.unit < still_.ray.t_in * still_.centered.unit;
+  const Entry* order[] = {still ? &still_ : nullptr, moving ? &moving_ : nullptr};
+  if (moving_first) std::swap(order[0], order[1]);
+  for (const Entry* entry : order) {
+    if (entry != nullptr && !query.put_aside && !(query.any && query.found))
+      walk_tree(ray, *entry, query);
+  }
+}
+
+bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
+  return accel::enter(entry.centered, entry.instances->tree().tree().bounds(),
+                      ray.tmin / entry.centered.unit, ray.tmax / entry.centered.unit, entry.ray);
+}
+
+void RayCaster::walk_tree(const Ray& ray, const Entry& entry, MeshQuery& query) {
+  accel::LazyTree& tree = entry.instances->tree();
+  Visit visit{*this, ray, entry, query, {}};
+  accel::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
+}
+
+std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
+  const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(work, accel::kWorkUnbuilt - 1)) |
+         (query.met_unbuilt ? accel::kWorkUnbuilt : 0);
+}
+
+void RayCaster::enter_instance(const Ray& ray, const Instance& instance, std::uint32_t place,
+                               accel::BuildCounters& built, MeshQuery& query) {
+  // Most instances of a scene share a few frames.
+  if (frame_ == nullptr || *frame_ != instance.local_from_world) {
+    frame_ = &instance.local_from_world;
+    in_frame_ = accel::set_local_ray(frame_->point(ray.origin), frame_->direction(ray.direction),
+                                     query.ray);
+  }
+  if (!in_frame_) return;
+  ++stats_.instances_entered;
+  if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
+    instance.entered->store(true, std::memory_order_relaxed);
+  }
+  query.node = instance.node;
+  query.instance = place;
+  query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
+  if (query.primitives != nullptr) query.primitives->clear();
+  instance.mesh->tree().query(query, walked_, built);
+  if (query.primitives != nullptr) counted_ += query.primitives->sorted().size();
+}
+
+TraceStats RayCaster::stats() const {
+  TraceStats stats = stats_;
+  stats.traversal_steps = walked_.steps;
+  stats.triangle_tests = walked_.tests;
+  stats.cells_expanded = built_.cells_expanded + built_moving_.cells_expanded;
+  stats.touches = built_.touches + built_moving_.touches;
+  stats.touches_prepare = built_.touches_prepare + built_moving_.touches_prepare;
+  stats.dynamic_touches = built_moving_.touches + built_moving_.touches_prepare;
+  stats.build_seconds = built_.seconds + built_moving_.seconds;
+  return stats;
+}
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,35 @@
+// Weights and normals of hits.
+#include "scenegraph/query/surface.h"
+
+#include <cmath>
+#include <optional>
+
+#include "accel/geometry/intersect.h"
+
+namespace sightline::scenegraph {
+
+void set_hit(const Instance& instance, const accel::Ray& ray, double t, std::uint32_t primitive,
+             bool surface, accel::Hit& hit) {
+  hit.state = accel::HitState::kHit;
+  hit.t = t;
+  hit.node = instance.node;
+  hit.primitive = primitive;
+  if (!surface) return;
+  const accel::MeshView mesh = instance.mesh->view();
+  const accel::Face& f = mesh.faces[primitive];
+  const accel::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+  const std::optional<accel::LocalRay> local =
+      accel::make_local_ray(instance.local_from_world.point(ray.origin),
+                            instance.local_from_world.direction(ray.direction));
+  const accel::Barycentric weights = accel::barycentric(*local, t / local->unit, a, b, c);
+  hit.u = static_cast<float>(weights.u);
+  hit.v = static_cast<float>(weights.v);
+  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
+  // where space is mirrored.
+  const Vec3d normal =
+      instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+  const double size = instance.mirrored ? -length(normal) : length(normal);
+  if (size != 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
+}
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,122 @@
+// Looking things up in a revision, and summing it up.
+#include "scenegraph/revision/snapshot.h"
+
+#include <limits>
+#include <unordered_set>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/tree_metrics.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+/// Bounds are taken over vertices up to this many triangles, beyond that over the meshes' boxes.
+constexpr std::uint64_t kExactBoundsTriangles = 50'000'000;
+
+void grow_by_triangles(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
+  const accel::MeshView view = mesh.view();
+  for (std::size_t i = 0; i < view.faces.size(); ++i) {
+    if (!accel::face_bounds(view, i)) continue;
+    for (const std::uint32_t v : view.faces[i]) bounds.grow(world.point(Vec3d(view.vertices[v])));
+  }
+}
+
+void grow_by_box(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
+  if (mesh.bounds().empty()) return;
+  const DoubleBox box = mapped(world, DoubleBox(mesh.bounds()));
+  bounds.grow(box.lo);
+  bounds.grow(box.hi);
+}
+
+}  // namespace
+
+Snapshot::Snapshot(std::uint64_t revision, const Hierarchy& hierarchy)
+    : Snapshot(revision, hierarchy,
+               {std::make_shared<const SceneHalf>(Half::kStatic, hierarchy),
+                std::make_shared<const SceneHalf>(Half::kDynamic, hierarchy), nullptr}) {}
+
+TwoTrees Snapshot::trees() const {
+  return {halves_.still->instances(), halves_.moving->instances(), halves_.departed.get()};
+}
+
+std::vector<const Mesh*> Snapshot::meshes() const {
+  std::vector<const Mesh*> meshes;
+  std::unordered_set<const Mesh*> seen;
+  nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh != nullptr && seen.insert(mesh).second) meshes.push_back(mesh);
+  });
+  return meshes;
+}
+
+const WorldBounds& Snapshot::bounds() const {
+  std::call_once(bounds_once_, [this] {
+    const std::uint64_t triangles = hierarchy_.subtree(0).triangles;
+    nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+      if (node->mesh == nullptr) return;
+      const Affine world = world_from_local(hierarchy_, *node);
+      if (triangles <= kExactBoundsTriangles) {
+        grow_by_triangles(bounds_, *node->mesh, world);
+      } else {
+        grow_by_box(bounds_, *node->mesh, world);
+      }
+    });
+  });
+  return bounds_;
+}
+
+SceneSummary summarize(const Snapshot& snapshot) {
+  SceneSummary s;
+  s.revision = snapshot.revision();
+  s.nodes = snapshot.node_count();
+  const Subtree all = snapshot.hierarchy().subtree(0);
+  s.instances = all.mesh_nodes;
+  s.triangles_instanced = all.triangles;
+  std::unordered_set<const Mesh*> seen;
+  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh == nullptr || !seen.insert(mesh).second) return;
+    ++s.meshes;
+    s.triangles_unique += mesh->triangles();
+    s.triangles_nonfinite += mesh->nonfinite();
+    s.bytes_geometry += mesh->bytes();
+  });
+  const WorldBounds& b = snapshot.bounds();
+  s.bounds = {b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z};
+  if (b.empty()) s.bounds.fill(std::numeric_limits<double>::quiet_NaN());
+  return s;
+}
+
+BuildSummary summarize_build(const Snapshot& snapshot) {
+  BuildSummary s;
+  const Subtree all = snapshot.hierarchy().subtree(0);
+  s.instances_total = all.mesh_nodes;
+  for (const NodeId id : topmost_movers(snapshot.hierarchy()))
+    s.dynamic_instances += snapshot.hierarchy().subtree(id).mesh_nodes;
+  s.static_instances = all.mesh_nodes - s.dynamic_instances;
+  std::unordered_set<const Mesh*> seen;
+  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    const Mesh* mesh = node->mesh.get();
+    if (mesh == nullptr) return;
+    if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
+    if (!seen.insert(mesh).second) return;
+    const accel::EpochPin pin;
+    const accel::GrowthMetrics growth = mesh->tree().growth();
+    s.trees_built += growth.references_built > 0 ? 1 : 0;
+    s.cells_deferred += growth.cells_deferred;
+    s.cells_expanded += growth.cells_built;
+    s.triangles_built += growth.references_built;
+    s.triangles_total += mesh->triangles();
+    s.bytes_geometry += mesh->bytes();
+    s.bytes_trees += mesh->tree().bytes();
+  });
+  const accel::EpochPin pin;
+  if (const Instances* still = snapshot.halves().still->instances_so_far())
+    s.bytes_static_tree = still->tree().tree().bytes();
+  if (const Instances* moving = snapshot.halves().moving->instances_so_far())
+    s.bytes_dynamic_tree = moving->tree().tree().bytes();
+  s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
+  return s;
+}
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,95 @@
+// One revision of a scene: immutable, shares all that did not change with the revision before it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "scenegraph/hierarchy/summary_update.h"
+#include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/model/node.h"
+
+namespace sightline::scenegraph {
+
+/// In world space.
+using WorldBounds = DoubleBox;
+
+/// The trees of a revision, as far as they are shared with others.
+struct Halves {
+  std::shared_ptr<const SceneHalf> still, moving;
+  std::shared_ptr<const Departed> departed;  ///< From `still`; null: none.
+};
+
+class Snapshot {
+ public:
+  Snapshot(std::uint64_t revision, Hierarchy hierarchy, Halves halves)
+      : revision_(revision), hierarchy_(std::move(hierarchy)), halves_(std::move(halves)) {}
+  /// With trees of its own.
+  Snapshot(std::uint64_t revision, const Hierarchy& hierarchy);
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
+
+  std::uint64_t revision() const { return revision_; }
+  std::size_t node_count() const { return hierarchy_.nodes.size(); }
+  /// Null if there is no such node in this revision.
+  const Node* find(NodeId id) const { return hierarchy_.find(id); }
+  const NodeMap& nodes() const { return hierarchy_.nodes; }
+  const std::vector<NodeId>& roots() const { return *hierarchy_.roots; }
+  const Hierarchy& hierarchy() const { return hierarchy_; }
+
+  /// The nodes that carry a mesh, in world space, and the kd-trees over them. Opened by whoever
+  /// asks first; nobody waits for that.
+  TwoTrees trees() const;
+  const Halves& halves() const { return halves_; }
+  /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
+  std::vector<const Mesh*> meshes() const;
+
+  /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
+  /// scenes. Made by whoever asks first.
+  const WorldBounds& bounds() const;
+
+ private:
+  std::uint64_t revision_ = 0;
+  Hierarchy hierarchy_;
+  Halves halves_;
+  mutable std::once_flag bounds_once_;
+  mutable WorldBounds bounds_;
+};
+
+/// What `scene show` and `stats` tell of a revision.
+struct SceneSummary {
+  std::uint64_t revision = 0;
+  std::uint64_t nodes = 0;
+  std::uint64_t instances = 0;            ///< Nodes that carry a mesh.
+  std::uint64_t meshes = 0;               ///< Distinct meshes in use.
+  std::uint64_t triangles_unique = 0;     ///< Over distinct meshes.
+  std::uint64_t triangles_instanced = 0;  ///< Over instances.
+  std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones, never hit.
+  std::uint64_t bytes_geometry = 0;       ///< Vertex and index arrays of distinct meshes.
+  std::array<double, 6>
+      bounds{};  ///< World: min x y z, max x y z. All NaN for a scene without triangles.
+};
+SceneSummary summarize(const Snapshot& snapshot);
+
+/// How much of the trees exists. Walks the built part of every distinct mesh's tree.
+struct BuildSummary {
+  std::uint64_t instances_total = 0;
+  std::uint64_t instances_entered =
+      0;                          ///< Whose mesh tree rays have entered or a full build has made.
+  std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.
+  std::uint64_t cells_deferred = 0;
+  std::uint64_t cells_expanded = 0;   ///< Inner nodes and leaves.
+  std::uint64_t triangles_built = 0;  ///< Distinct triangles in finished leaves.
+  std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
+  std::uint64_t bytes_geometry = 0;
+  std::uint64_t bytes_trees = 0;
+  std::uint64_t static_instances = 0;  ///< In the static tree.
+  std::uint64_t dynamic_instances =
+      0;  ///< In the dynamic tree: what moves, and what hangs under it.
+  std::uint64_t bytes_static_tree = 0;  ///< Of bytes_trees, apart from those of meshes.
+  std::uint64_t bytes_dynamic_tree = 0;
+};
+BuildSummary summarize_build(const Snapshot& snapshot);
+
+}  // namespace sightline::scenegraph

@@ -1,0 +1,49 @@
+// The bytes of an uploaded mesh, read as they arrive. proto/sightline/v1/blob.proto documents the
+// layout.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/result.h"
+#include "scenegraph/model/mesh.h"
+
+namespace sightline::server {
+
+inline constexpr std::size_t kMeshBlobHeader = 24;  ///< Bytes before the positions.
+
+class MeshBlobReader {
+ public:
+  /// Of a blob of `size` bytes in all.
+  explicit MeshBlobReader(std::uint64_t size) : size_(size) {}
+
+  /// Takes the next bytes. Resident memory grows with what has arrived, not with what the header
+  /// promises.
+  /// Errors: kInvalidArgument (not a mesh, or its counts disagree with its size, or bytes beyond
+  /// its end), kResourceExhausted (too many faces). After an error the reader is of no further use.
+  Status append(std::span<const std::byte> bytes);
+
+  std::uint64_t received() const { return received_; }
+
+  /// The mesh, once all has arrived; the arrays move into it.
+  /// Errors: kInvalidArgument (bytes are missing, an index is out of range), as
+  /// scenegraph::Mesh::make.
+  Result<std::shared_ptr<const scenegraph::Mesh>> finish();
+
+ private:
+  Status read_header();
+
+  const std::uint64_t size_;
+  std::uint64_t received_ = 0;
+  std::array<std::byte, kMeshBlobHeader> header_{};
+  std::uint64_t positions_end_ = 0;  // offset in the blob
+  std::vector<accel::Vec3f> vertices_;
+  std::vector<accel::Face> faces_;
+};
+
+}  // namespace sightline::server

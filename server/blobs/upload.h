@@ -1,0 +1,58 @@
+// One upload of a blob under way: what has arrived, its running checksum, and the mesh it becomes.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+
+#include "accel/result.h"
+#include "scenegraph/model/mesh.h"
+#include "server/blobs/blob_digest.h"
+#include "server/blobs/mesh_blob.h"
+#include "server/blobs/sha256.h"
+
+namespace sightline::server {
+
+class Upload {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Upload(const BlobDigest& digest)
+      : digest_(digest), content_(std::in_place, digest.size) {}
+
+  const BlobDigest& digest() const { return digest_; }
+  std::uint64_t committed() const { return committed_.load(); }  ///< Bytes taken so far.
+  Clock::time_point last_active() const { return last_active_.load(); }
+
+  /// Takes the bytes at `offset`, which must be what is committed.
+  /// Errors: kOutOfRange (another offset), kAborted (dropped meanwhile), as MeshBlobReader::append.
+  Status append(std::uint64_t offset, std::span<const std::byte> bytes);
+
+  /// Errors: kDataLoss (the bytes are not what the digest says), kAborted, as
+  /// MeshBlobReader::finish.
+  Result<std::shared_ptr<const scenegraph::Mesh>> finish();
+
+  /// Frees what has arrived, unless a thread is at work on it just now. Returns whether it is
+  /// freed.
+  bool drop();
+
+ private:
+  struct Content {
+    explicit Content(std::uint64_t size) : reader(size) {}
+    MeshBlobReader reader;
+    Sha256 sum;
+  };
+
+  const BlobDigest digest_;
+  std::atomic<std::uint64_t> committed_{0};
+  std::atomic<Clock::time_point> last_active_{Clock::now()};
+  std::mutex mutex_;                // held while content is worked on
+  std::optional<Content> content_;  // empty once dropped
+};
+
+}  // namespace sightline::server

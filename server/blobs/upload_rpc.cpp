@@ -1,0 +1,138 @@
+// BlobService.UploadBlob: the chunks of one mesh, in order.
+#include "server/blobs/upload_rpc.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "server/exec/guarded.h"
+#include "server/exec/in_quotes.h"
+#include "server/exec/rpc_log.h"
+#include "server/exec/rpc_status.h"
+
+namespace sightline::server {
+namespace {
+
+/// Whether a later call may go on where this one failed.
+bool leaves_upload_whole(Code code) {
+  return code == Code::kOutOfRange || code == Code::kCancelled;
+}
+
+/// One chunk at a time: read, then checked and copied in the arena, then the next is read.
+class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
+ public:
+  UploadReactor(SceneStore& scenes, BlobStore& blobs, Compute& compute,
+                v1::UploadBlobResponse& reply)
+      : scenes_(scenes), blobs_(blobs), compute_(compute), reply_(reply) {}
+
+  void start() { StartRead(&chunk_); }
+
+  void OnReadDone(bool ok) override {
+    // Without `finish` the client has stopped half way, by choice or by accident: it may go on
+    // later.
+    if (!ok) return end({});
+    compute_.enqueue([this] {
+      const Status taken = guarded([this] { return take(); });
+      if (!taken || done_) return end(taken);
+      StartRead(&chunk_);
+    });
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  Status take() {
+    if (chunk_.data().size() > kMaxBlobChunk) {
+      return Error{
+          Code::kResourceExhausted,
+          fmt::format("a chunk has {} bytes, the limit is {}", chunk_.data().size(), kMaxBlobChunk),
+          "CHUNK_TOO_LARGE"};
+    }
+    if (digest_text_.empty()) {
+      if (Status begun = begin(); !begun || done_) return begun;
+    } else if (!chunk_.digest().empty() && chunk_.digest() != digest_text_) {
+      return Error{Code::kInvalidArgument,
+                   fmt::format("a chunk of {} in the upload of {}", in_quotes(chunk_.digest()),
+                               digest_text_),
+                   "DIGEST_CHANGED"};
+    }
+    if (Status added = upload_->append(chunk_.offset(), std::as_bytes(std::span(chunk_.data())));
+        !added)
+      return added;
+    return chunk_.finish() ? finish() : Status();
+  }
+
+  Status begin() {
+    const auto digest = BlobDigest::parse(chunk_.digest());
+    if (!digest) return digest.error();
+    digest_text_ = chunk_.digest();
+    if (const auto mesh = blobs_.find(*digest)) {
+      report(*mesh, digest->size);
+      return {};
+    }
+    auto upload = blobs_.begin(*digest, chunk_.offset());
+    if (!upload && upload.error().reason == "MEMORY_BUDGET") {
+      scenes_.forget_old_revisions();  // they may be all that holds some mesh
+      upload = blobs_.begin(*digest, chunk_.offset());
+    }
+    if (!upload) return upload.error();
+    upload_ = std::move(*upload);
+    return {};
+  }
+
+  Status finish() {
+    const auto mesh = blobs_.complete(upload_);
+    if (!mesh) return mesh.error();
+    report(**mesh, upload_->digest().size);
+    spdlog::info("event=mesh_uploaded digest={} triangles={} nonfinite={}", digest_text_,
+                 (*mesh)->triangles(), (*mesh)->nonfinite());
+    return {};
+  }
+
+  void report(const scenegraph::Mesh& mesh, std::uint64_t size) {
+    reply_.set_committed_size(size);
+    reply_.set_triangles(mesh.triangles());
+    reply_.set_triangles_nonfinite(mesh.nonfinite());
+    done_ = true;
+  }
+
+  void end(const Status& status) {
+    if (upload_ && !done_) {
+      reply_.set_committed_size(upload_->committed());
+      if (status.ok() || leaves_upload_whole(status.error().code)) {
+        blobs_.set_aside(upload_);
+      } else {
+        blobs_.abandon(upload_);
+      }
+    }
+    reply_.set_digest(digest_text_);
+    const grpc::Status answer = to_grpc(status);
+    log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
+    Finish(answer);
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  SceneStore& scenes_;
+  BlobStore& blobs_;
+  Compute& compute_;
+  v1::UploadBlobResponse& reply_;
+  v1::UploadBlobRequest chunk_;
+  std::string digest_text_;
+  std::shared_ptr<Upload> upload_;
+  bool done_ = false;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(SceneStore& scenes, BlobStore& blobs,
+                                                             Compute& compute,
+                                                             v1::UploadBlobResponse& reply) {
+  auto* reactor = new UploadReactor(scenes, blobs, compute, reply);
+  reactor->start();
+  return reactor;
+}
+
+}  // namespace sightline::server

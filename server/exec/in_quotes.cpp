@@ -1,0 +1,19 @@
+// Text that a caller sent, made fit for an error message or a log line.
+#include "server/exec/in_quotes.h"
+
+#include <fmt/format.h>
+
+namespace sightline::server {
+
+std::string in_quotes(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text.substr(0, kMaxQuoted)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c >= ' ' && c <= '~' ? c : '?';
+  }
+  out += '"';
+  if (text.size() > kMaxQuoted) out += fmt::format("... ({} bytes)", text.size());
+  return out;
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,79 @@
+// Our errors as gRPC sees them.
+#include "server/exec/rpc_status.h"
+
+#include <string>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace sightline::server {
+namespace {
+
+struct GrpcCode {
+  grpc::StatusCode code;
+  const char* name;
+};
+
+GrpcCode grpc_code(Code code) {
+  switch (code) {
+    case Code::kInvalidArgument:
+      return {grpc::StatusCode::INVALID_ARGUMENT, "INVALID_ARGUMENT"};
+    case Code::kNotFound:
+      return {grpc::StatusCode::NOT_FOUND, "NOT_FOUND"};
+    case Code::kAlreadyExists:
+      return {grpc::StatusCode::ALREADY_EXISTS, "ALREADY_EXISTS"};
+    case Code::kFailedPrecondition:
+      return {grpc::StatusCode::FAILED_PRECONDITION, "FAILED_PRECONDITION"};
+    case Code::kAborted:
+      return {grpc::StatusCode::ABORTED, "ABORTED"};
+    case Code::kOutOfRange:
+      return {grpc::StatusCode::OUT_OF_RANGE, "OUT_OF_RANGE"};
+    case Code::kResourceExhausted:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED, "RESOURCE_EXHAUSTED"};
+    case Code::kCancelled:
+      return {grpc::StatusCode::CANCELLED, "CANCELLED"};
+    case Code::kDeadlineExceeded:
+      return {grpc::StatusCode::DEADLINE_EXCEEDED, "DEADLINE_EXCEEDED"};
+    case Code::kUnavailable:
+      return {grpc::StatusCode::UNAVAILABLE, "UNAVAILABLE"};
+    case Code::kDataLoss:
+      return {grpc::StatusCode::DATA_LOSS, "DATA_LOSS"};
+    case Code::kUnimplemented:
+      return {grpc::StatusCode::UNIMPLEMENTED, "UNIMPLEMENTED"};
+    case Code::kInternal:
+      return {grpc::StatusCode::INTERNAL, "INTERNAL"};
+  }
+  return {grpc::StatusCode::INTERNAL, "INTERNAL"};
+}
+
+/// Cut between UTF-8 characters: the text goes into a protobuf string.
+std::string cut(const std::string& message) {
+  if (message.size() <= kMaxStatusMessage) return message;
+  std::size_t end = kMaxStatusMessage;
+  while (end > 0 && (static_cast<unsigned char>(message[end]) & 0xc0u) == 0x80u) --end;
+  return message.substr(0, end) + "...";
+}
+
+}  // namespace
+
+std::string reason_of(const Error& error) {
+  return error.reason.empty() ? grpc_code(error.code).name : error.reason;
+}
+
+grpc::Status to_grpc(const Error& error) {
+  const grpc::StatusCode code = grpc_code(error.code).code;
+  google::rpc::ErrorInfo info;
+  info.set_reason(reason_of(error));
+  info.set_domain(kErrorDomain);
+  google::rpc::Status status;
+  status.set_code(code);
+  status.set_message(cut(error.message));
+  status.add_details()->PackFrom(info);
+  return {code, status.message(), status.SerializeAsString()};
+}
+
+grpc::Status to_grpc(const Status& status) {
+  return status.ok() ? grpc::Status::OK : to_grpc(status.error());
+}
+
+}  // namespace sightline::server

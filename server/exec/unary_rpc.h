@@ -1,0 +1,41 @@
+// Unary calls whose work is done in the arena: all that neither wait nor end early when cancelled.
+#pragma once
+
+#include <google/protobuf/message.h>
+#include <grpcpp/server_context.h>
+
+#include <string_view>
+#include <utility>
+
+#include "server/exec/admission.h"
+#include "server/exec/compute.h"
+#include "server/exec/guarded.h"
+#include "server/exec/rpc_log.h"
+#include "server/exec/rpc_status.h"
+
+namespace sightline::server {
+
+/// Answers a call with what work(), a Status, comes to on a worker. The request counts in the
+/// queue's bytes.
+template <class Work>
+grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
+                                          grpc::CallbackServerContext& context,
+                                          const google::protobuf::Message& request,
+                                          Compute& compute, Admission& admission, Work work) {
+  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+  auto admitted = admission.admit(0, request.SpaceUsedLong());
+  if (!admitted) {
+    reactor->Finish(to_grpc(admitted.error()));
+    return reactor;
+  }
+  compute.enqueue([=, begun = LogClock::now(), ticket = std::move(*admitted),
+                   work = std::move(work)]() mutable {
+    const grpc::Status status = to_grpc(guarded(work));
+    ticket = {};
+    log_rpc(method, status, begun);
+    reactor->Finish(status);
+  });
+  return reactor;
+}
+
+}  // namespace sightline::server

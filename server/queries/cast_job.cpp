@@ -1,0 +1,143 @@
+// One batch of rays on its way through the server.
+#include "server/queries/cast_job.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "server/queries/query_codec.h"
+#include "server/scenes/names.h"
+
+namespace sightline::server {
+namespace {
+
+/// With every field asked for.
+constexpr std::size_t kReplyBytesPerRay = 48;
+
+std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+}
+
+}  // namespace
+
+Status CastJob::open(const v1::CastRaysRequest& request) {
+  if (Status good = check_scene_name(request.scene()); !good) return good;
+  auto query = decode_query(request, services_.policy);
+  if (!query) return query.error();
+  auto scene = services_.scenes.get(request.scene());
+  if (!scene) return scene.error();
+  query_ = std::move(*query);
+  scene_ = std::move(*scene);
+  return {};
+}
+
+void CastJob::pin(std::shared_ptr<const scenegraph::Snapshot> snapshot) {
+  revision_ = scene_->token(snapshot->revision());
+  snapshot_ = std::move(snapshot);
+  scene_.reset();
+}
+
+Status CastJob::take(const v1::Rays& rays) {
+  if (Status decoded = decode_rays(rays, rays_); !decoded) return decoded;
+  const bool lists = query_.kind == scenegraph::QueryKind::kAll;
+  if (lists && replies_ == Replies::kOne && rays_.size() * query_.max_hits > kMaxHitsPerReply) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
+                             "one reply "
+                             "is {}; send fewer, lower max_hits or use StreamCastRays",
+                             rays_.size(), query_.max_hits, rays_.size() * query_.max_hits,
+                             kMaxHitsPerReply),
+                 "TOO_MANY_HITS"};
+  }
+  const std::size_t bytes_per_ray = sizeof(accel::Ray) + sizeof(accel::Hit) + kReplyBytesPerRay;
+  std::size_t bytes = rays.ByteSizeLong() + rays_.size() * bytes_per_ray;
+  if (lists) {
+    bytes += bytes_of_lister(rays_.size(), query_.max_hits, services_.compute.threads());
+    auto listing = services_.listing.admit(rays_.size(), bytes);
+    if (!listing) return listing.error();
+    listing_ticket_ = std::move(*listing);
+  }
+  auto ticket = services_.admission.admit(rays_.size(), bytes);
+  if (!ticket) return ticket.error();
+  ticket_ = std::move(*ticket);
+  taken_ = Clock::now();
+  begun_ = false;
+  return {};
+}
+
+Status CastJob::run(v1::CastRaysResponse& reply) {
+  // Given back before the last reply is written: a client that is slow to read must not hold up
+  // the others.
+  Admission::Ticket ticket = std::move(ticket_), listing = std::move(listing_ticket_);
+  const auto begun = Clock::now();
+  if (Status selected = select(); !selected) return selected;
+  const scenegraph::TraceOptions options{.kind = query_.kind,
+                                         .growth = query_.growth,
+                                         .surface = query_.surface,
+                                         .culling = query_.culling,
+                                         .selection = selection_ ? &*selection_ : nullptr,
+                                         .max_hits = query_.max_hits,
+                                         .cancelled = &cancelled_};
+  if (!begun_) {
+    queued_ = begun - taken_;
+    traced_ = {};
+    if (query_.kind == scenegraph::QueryKind::kAll) lister_.begin(rays_);
+    begun_ = true;
+  }
+  if (Status answered = answer(options, reply); !answered) return answered;
+  traced_ += Clock::now() - begun;
+  encode_revision(revision_, *reply.mutable_served());
+  if (reply.more()) {
+    ticket_ = std::move(ticket);
+    listing_ticket_ = std::move(listing);
+    reply.clear_stats();
+    return {};
+  }
+  v1::CastStats& stats = *reply.mutable_stats();
+  encode_stats(stats_, stats);
+  stats.set_queue_us(microseconds(queued_));
+  stats.set_trace_us(microseconds(traced_));
+  return {};
+}
+
+/// On a worker, as it may be the first to need the revision's instances.
+Status CastJob::select() {
+  if (!query_.selects() || selection_) return {};
+  auto selection = scenegraph::Selection::make(snapshot_, query_.root, query_.excluded);
+  if (!selection) return selection.error();
+  selection_.emplace(std::move(*selection));
+  return {};
+}
+
+Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply) {
+  reply.clear_first_ray();
+  reply.clear_more();
+  if (query_.kind == scenegraph::QueryKind::kAll) {
+    const Status made = lister_.next(*snapshot_, options, query_.fields, reply);
+    stats_ = lister_.stats();
+    return made;
+  }
+  if (query_.kind == scenegraph::QueryKind::kCount) {
+    tallies_.resize(rays_.size());
+    const auto counted = scenegraph::count_hits(*snapshot_, rays_, tallies_, options);
+    if (!counted) return counted.error();
+    encode_tallies(tallies_, {}, query_.fields, reply);
+    stats_ = *counted;
+    return {};
+  }
+  hits_.resize(rays_.size());
+  const auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options);
+  if (!traced) return traced.error();
+  encode_hits(hits_, query_.fields, reply);
+  stats_ = *traced;
+  return {};
+}
+
+void CastJob::close() {
+  selection_.reset();
+  scene_.reset();
+  snapshot_.reset();
+}
+
+}  // namespace sightline::server

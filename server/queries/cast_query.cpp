@@ -1,0 +1,183 @@
+// What a cast asks for: each word known, and of the kind.
+#include "server/queries/cast_query.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <string>
+
+namespace sightline::server {
+namespace {
+
+using accel::Culling;
+using scenegraph::Growth;
+using scenegraph::QueryKind;
+
+Error invalid(std::string message, std::string reason) {
+  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
+}
+
+Result<QueryKind> decode_kind(v1::QueryKind kind) {
+  switch (kind) {
+    case v1::QUERY_KIND_UNSPECIFIED:
+    case v1::QUERY_KIND_CLOSEST:
+      return QueryKind::kClosest;
+    case v1::QUERY_KIND_ANY:
+      return QueryKind::kAny;
+    case v1::QUERY_KIND_COUNT:
+      return QueryKind::kCount;
+    case v1::QUERY_KIND_ALL:
+      return QueryKind::kAll;
+    default:
+      return invalid(fmt::format("query kind {} is not known", static_cast<int>(kind)),
+                     "UNKNOWN_KIND");
+  }
+}
+
+Result<Growth> decode_growth(v1::BuildMode build, Growth policy) {
+  switch (build) {
+    case v1::BUILD_MODE_UNSPECIFIED:
+      return policy;
+    case v1::BUILD_MODE_LAZY:
+      return Growth::kFirstTouch;
+    case v1::BUILD_MODE_FULL:
+      return Growth::kFull;
+    case v1::BUILD_MODE_NONE:
+      return Growth::kNone;
+    case v1::BUILD_MODE_BUILT_ONLY:
+      return Growth::kBuiltOnly;
+    default:
+      return invalid(fmt::format("build mode {} is not known", static_cast<int>(build)),
+                     "UNKNOWN_BUILD_MODE");
+  }
+}
+
+Result<Culling> decode_culling(v1::Culling culling) {
+  switch (culling) {
+    case v1::CULLING_UNSPECIFIED:
+    case v1::CULLING_NONE:
+      return Culling::kNone;
+    case v1::CULLING_BACK:
+      return Culling::kBack;
+    case v1::CULLING_FRONT:
+      return Culling::kFront;
+    default:
+      return invalid(fmt::format("culling {} is not known", static_cast<int>(culling)),
+                     "UNKNOWN_CULLING");
+  }
+}
+
+/// What a kind answers: `always` comes first, asked for or not; `standard` where nothing is asked.
+struct FieldsOfKind {
+  std::vector<v1::HitField> always, standard, optional;
+};
+
+const FieldsOfKind& fields_of(QueryKind kind) {
+  static const FieldsOfKind closest{
+      {},
+      {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
+      {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind any{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind count{
+      {v1::HIT_FIELD_COUNT}, {}, {v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind all{
+      {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT},
+      {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
+      {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK}};
+  switch (kind) {
+    case QueryKind::kAny:
+      return any;
+    case QueryKind::kCount:
+      return count;
+    case QueryKind::kAll:
+      return all;
+    case QueryKind::kClosest:
+      break;
+  }
+  return closest;
+}
+
+bool contains(std::span<const v1::HitField> fields, v1::HitField field) {
+  return std::find(fields.begin(), fields.end(), field) != fields.end();
+}
+
+Status check_field(v1::HitField field, const FieldsOfKind& of_kind, v1::QueryKind kind,
+                   std::span<const v1::HitField> before) {
+  if (!v1::HitField_IsValid(field) || field == v1::HIT_FIELD_UNSPECIFIED) {
+    return invalid(fmt::format("hit field {} is not known", static_cast<int>(field)),
+                   "UNKNOWN_FIELD");
+  }
+  if (contains(before, field))
+    return invalid(fmt::format("{} is asked for twice", v1::HitField_Name(field)), "FIELD_TWICE");
+  if (!contains(of_kind.always, field) && !contains(of_kind.standard, field) &&
+      !contains(of_kind.optional, field)) {
+    const std::string name =
+        v1::QueryKind_Name(kind == v1::QUERY_KIND_UNSPECIFIED ? v1::QUERY_KIND_CLOSEST : kind);
+    return invalid(fmt::format("{} has no {}", name, v1::HitField_Name(field)),
+                   "FIELD_NOT_OF_KIND");
+  }
+  return {};
+}
+
+Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
+  const FieldsOfKind& of_kind = fields_of(query.kind);
+  std::vector<v1::HitField> asked;
+  for (const int number : request.fields()) {
+    const auto field = static_cast<v1::HitField>(number);
+    if (Status good = check_field(field, of_kind, request.kind(), asked); !good) return good;
+    asked.push_back(field);
+  }
+  for (const v1::HitField field : of_kind.always) {
+    if (!contains(asked, field)) query.fields.push_back(field);
+  }
+  const std::vector<v1::HitField>& others = asked.empty() ? of_kind.standard : asked;
+  query.fields.insert(query.fields.end(), others.begin(), others.end());
+  query.surface = contains(query.fields, v1::HIT_FIELD_BARYCENTRIC) ||
+                  contains(query.fields, v1::HIT_FIELD_NORMAL);
+  return {};
+}
+
+Status decode_max_hits(const v1::CastRaysRequest& request, CastQuery& query) {
+  if (request.max_hits() == 0) return {};
+  if (query.kind != QueryKind::kAll) {
+    return invalid(
+        fmt::format("max_hits is {}, but only QUERY_KIND_ALL has it", request.max_hits()),
+        "LIMIT_NOT_OF_KIND");
+  }
+  if (request.max_hits() > kMaxMaxHits) {
+    return invalid(fmt::format("max_hits is {}, the limit is {}", request.max_hits(), kMaxMaxHits),
+                   "MAX_HITS_TOO_LARGE");
+  }
+  query.max_hits = request.max_hits();
+  return {};
+}
+
+Status decode_nodes(const v1::CastRaysRequest& request, CastQuery& query) {
+  if (request.exclude_size() > kMaxExclusions) {
+    return invalid(fmt::format("{} nodes are excluded, the limit is {}; exclude a parent of them",
+                               request.exclude_size(), kMaxExclusions),
+                   "TOO_MANY_EXCLUSIONS");
+  }
+  query.root = request.root();
+  query.excluded.assign(request.exclude().begin(), request.exclude().end());
+  return {};
+}
+
+}  // namespace
+
+Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy) {
+  const auto kind = decode_kind(request.kind());
+  if (!kind) return kind.error();
+  const auto growth = decode_growth(request.build(), policy);
+  if (!growth) return growth.error();
+  const auto culling = decode_culling(request.culling());
+  if (!culling) return culling.error();
+  CastQuery query{.kind = *kind, .growth = *growth, .culling = *culling};
+  if (Status good = decode_fields(request, query); !good) return good.error();
+  if (Status good = decode_max_hits(request, query); !good) return good.error();
+  if (Status good = decode_nodes(request, query); !good) return good.error();
+  return query;
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,40 @@
+// What a cast asks for, but for its rays.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "accel/geometry/facing.h"
+#include "accel/result.h"
+#include "scenegraph/model/node.h"
+#include "scenegraph/trace_options.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server {
+
+inline constexpr std::uint32_t kDefaultMaxHits = 256;
+/// So many hits fit one message with every field asked for.
+inline constexpr std::uint32_t kMaxMaxHits = 16384;
+inline constexpr int kMaxExclusions = 4096;
+
+struct CastQuery {
+  scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
+  scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
+  accel::Culling culling = accel::Culling::kNone;
+  scenegraph::NodeId root = 0;                 ///< 0: the whole scene.
+  std::vector<scenegraph::NodeId> excluded{};  ///< Not looked up yet.
+  std::uint32_t max_hits = kDefaultMaxHits;
+  std::vector<v1::HitField> fields{};  ///< Columns of the reply, in this order; no field twice.
+  bool surface = false;                ///< Whether barycentrics or normals are among them.
+
+  bool selects() const { return root != 0 || !excluded.empty(); }
+};
+
+/// `policy` is what an unspecified build mode means.
+/// Errors: kInvalidArgument (a kind, field, build mode or culling that is not known, a field asked
+/// for twice, a field or limit that the kind does not have, kMaxMaxHits or kMaxExclusions
+/// exceeded).
+Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
+
+}  // namespace sightline::server

@@ -1,0 +1,91 @@
+// RayQueryService, and its unary call.
+#include "server/queries/cast_rpc.h"
+
+#include <memory>
+#include <utility>
+
+#include "server/exec/guarded.h"
+#include "server/exec/rpc_log.h"
+#include "server/exec/rpc_status.h"
+#include "server/queries/prefetch_rpc.h"
+#include "server/queries/stream_cast_rpc.h"
+
+namespace sightline::server {
+namespace {
+
+/// Lives until its task in the arena has called Finish, however early the client has gone.
+class CastRaysReactor final : public grpc::ServerUnaryReactor {
+ public:
+  CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
+      : compute_(services.compute),
+        job_(services, Replies::kOne),
+        wait_(std::make_shared<RevisionWait>(services.waiting)),
+        reply_(reply) {}
+
+  void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
+    if (const Status opened = guarded([&] { return job_.open(request); }); !opened)
+      return end(opened);
+    wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
+                [this, &request](Result<RevisionWait::SnapshotPointer> pinned) {
+                  if (!pinned) return end(pinned.error());
+                  job_.pin(std::move(*pinned));
+                  cast(request);
+                });
+  }
+
+  void OnCancel() override {
+    job_.cancel();
+    wait_->cancel();
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void cast(const v1::CastRaysRequest& request) {
+    if (const Status taken = guarded([&] { return job_.take(request.rays()); }); !taken)
+      return end(taken);
+    compute_.enqueue([this] {
+      const Status done = guarded([this] { return job_.run(reply_); });
+      job_.close();
+      end(done);
+    });
+  }
+
+  void end(const Status& status) {
+    const grpc::Status answer = to_grpc(status);
+    log_rpc("CastRays", answer, begun_);
+    Finish(answer);  // this reactor may be gone when it returns
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  Compute& compute_;
+  CastJob job_;
+  const std::shared_ptr<RevisionWait> wait_;
+  v1::CastRaysResponse& reply_;
+};
+
+}  // namespace
+
+RayQueryRpc::RayQueryRpc(const CastServices& services, std::size_t max_prefetches)
+    : services_(services), prefetches_(max_prefetches) {
+  SetMessageAllocatorFor_CastRays(&messages_);
+}
+
+grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* context,
+                                                const v1::CastRaysRequest* request,
+                                                v1::CastRaysResponse* reply) {
+  auto* reactor = new CastRaysReactor(services_, *reply);
+  reactor->start(*context, *request);
+  return reactor;
+}
+
+grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
+RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
+  return start_cast_stream(services_, *context, open_streams_, kMaxCastStreams);
+}
+
+grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
+    grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
+  return start_prefetch(services_, prefetches_, *request);
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,118 @@
+// One prefetch on its way through the server.
+#include "server/queries/prefetch_job.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "scenegraph/instances/scene_half.h"
+#include "scenegraph/instances/selection.h"
+#include "server/queries/query_codec.h"
+#include "server/scenes/names.h"
+
+namespace sightline::server {
+namespace {
+
+/// As a cast asks it; its rays see one root at most.
+v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
+  v1::CastRaysRequest query;
+  query.set_kind(request.kind());
+  query.set_build(v1::BUILD_MODE_LAZY);
+  if (request.roots_size() == 1) query.set_root(request.roots(0));
+  *query.mutable_exclude() = request.exclude();
+  return query;
+}
+
+std::uint64_t bytes_of_tree(const scenegraph::SceneHalf& half) {
+  const scenegraph::Instances* instances = half.instances_so_far();
+  return instances != nullptr && instances->begun() ? instances->tree().tree().bytes() : 0;
+}
+
+}  // namespace
+
+Status PrefetchJob::open(const v1::PrefetchRequest& request) {
+  if (Status good = check_scene_name(request.scene()); !good) return good;
+  if (Status good = check_roots(request); !good) return good;
+  auto query = decode_query(query_of(request), services_.policy);
+  if (!query) return query.error();
+  query_ = std::move(*query);
+  roots_.assign(request.roots().begin(), request.roots().end());
+  has_rays_ = request.has_rays();
+  if (Status decoded = decode_rays(request.rays(), rays_); !decoded) return decoded;
+  const auto scene = services_.scenes.get(request.scene());
+  if (!scene) return scene.error();
+  auto ticket = services_.admission.admit(
+      rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::Ray));
+  if (!ticket) return ticket.error();
+  ticket_ = std::move(*ticket);
+  snapshot_ = (*scene)->snapshot();
+  revision_ = (*scene)->token(snapshot_->revision());
+  return {};
+}
+
+Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
+  const int limit = request.has_rays() ? 1 : kMaxPrefetchRoots;
+  if (request.roots_size() <= limit) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("the request has {} roots, the limit is {}{}", request.roots_size(),
+                           limit, request.has_rays() ? " where it has rays" : ""),
+               "TOO_MANY_ROOTS"};
+}
+
+Status PrefetchJob::run() { return has_rays_ ? grow() : build(); }
+
+Status PrefetchJob::build() {
+  const auto nodes = scenegraph::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
+  if (!nodes) return nodes.error();
+  meshes_ = scenegraph::meshes_of(*nodes);
+  known_.store(true, std::memory_order_release);
+  if (Status built = scenegraph::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
+    return built;
+  return roots_.empty() ? scenegraph::build_scene_tree(*snapshot_, progress_, &cancelled_)
+                        : Status();
+}
+
+Status PrefetchJob::grow() {
+  std::optional<scenegraph::Selection> selection;
+  if (query_.selects()) {
+    auto made = scenegraph::Selection::make(snapshot_, query_.root, query_.excluded);
+    if (!made) return made.error();
+    selection.emplace(std::move(*made));
+  }
+  const scenegraph::TraceOptions options{.kind = query_.kind,
+                                         .growth = query_.growth,
+                                         .selection = selection ? &*selection : nullptr,
+                                         .cancelled = &cancelled_};
+  return scenegraph::grow_for_rays(*snapshot_, rays_, options, progress_);
+}
+
+void PrefetchJob::report(v1::PrefetchResponse& response) {
+  encode_revision(revision_, *response.mutable_served());
+  response.set_meshes_done(progress_.trees.meshes_done);
+  response.set_meshes_total(progress_.trees.meshes_total);
+  response.set_triangles_done(progress_.triangles_reached());
+  response.set_triangles_total(progress_.trees.triangles_total);
+  response.set_rays_done(progress_.rays_done);
+  response.set_rays_total(rays_.size());
+  response.set_cells_expanded(progress_.cells_expanded);
+  response.set_build_us(progress_.build_us);
+  response.set_elapsed_us(static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begun_).count()));
+  if (!known_.load(std::memory_order_acquire)) return;
+  std::uint64_t bytes = 0;
+  if (roots_.empty()) {
+    const scenegraph::Halves& halves = snapshot_->halves();
+    bytes = bytes_of_tree(*halves.still) + bytes_of_tree(*halves.moving);
+  }
+  for (const scenegraph::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
+  response.set_bytes_trees(bytes);
+}
+
+void PrefetchJob::close() {
+  ticket_ = {};
+  meshes_ = {};
+  snapshot_.reset();
+}
+
+}  // namespace sightline::server

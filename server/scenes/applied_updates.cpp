@@ -1,0 +1,164 @@
+// A batch of updates after it was applied.
+#include "server/scenes/applied_updates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "scenegraph/instances/scene_half.h"
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::DeleteNode;
+using scenegraph::Mesh;
+using scenegraph::Node;
+using scenegraph::NodeId;
+using scenegraph::NodeRef;
+using scenegraph::PatchVertices;
+using scenegraph::PutNode;
+using scenegraph::SetTransforms;
+using scenegraph::Snapshot;
+
+/// A node, and its share of the blocks of the map that were copied for it.
+constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
+/// What a group or an instance that was placed takes.
+constexpr std::uint64_t kBytesPerPlaced = 256;
+
+class Resolver {
+ public:
+  explicit Resolver(const std::vector<NodeId>& put) : put_(put) {}
+
+  void operator()(PutNode& put) {
+    resolve(put.parent);
+    if (put.node < 0) aliases_.emplace(put.node, put_[next_]);
+    put.node = static_cast<NodeRef>(put_[next_++]);
+    put.mesh.reset();
+  }
+  void operator()(SetTransforms& set) {
+    for (NodeRef& ref : set.nodes) resolve(ref);
+  }
+  void operator()(DeleteNode& removal) { resolve(removal.node); }
+  void operator()(PatchVertices& patch) {
+    for (NodeRef& ref : patch.nodes) resolve(ref);
+  }
+
+ private:
+  void resolve(NodeRef& ref) const {
+    if (ref < 0) ref = static_cast<NodeRef>(aliases_.at(ref));
+  }
+
+  const std::vector<NodeId>& put_;
+  std::size_t next_ = 0;
+  std::unordered_map<NodeRef, NodeId> aliases_;
+};
+
+class ReplacedBytes {
+ public:
+  explicit ReplacedBytes(const Snapshot& before) : before_(before) {}
+
+  void operator()(const PutNode& put) { add(put.node); }
+  void operator()(const SetTransforms& set) { bytes_ += set.nodes.size() * kBytesPerNode; }
+  void operator()(const DeleteNode& removal) {
+    std::vector<NodeId> below{static_cast<NodeId>(removal.node)};
+    while (!below.empty()) {
+      const Node* node = before_.find(below.back());
+      below.pop_back();
+      if (node == nullptr) continue;  // made by this batch
+      add(*node);
+      below.insert(below.end(), node->children.begin(), node->children.end());
+    }
+  }
+  void operator()(const PatchVertices& patch) {
+    for (const NodeRef ref : patch.nodes) add(ref);
+  }
+
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  void add(NodeRef ref) {
+    if (const Node* node = before_.find(static_cast<NodeId>(ref))) add(*node);
+  }
+  void add(const Node& node) {
+    bytes_ += kBytesPerNode;
+    // Meshes as they were uploaded are held by the store of blobs.
+    if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
+    bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree().bytes();
+  }
+
+  const Snapshot& before_;
+  std::uint64_t bytes_ = 0;
+  std::unordered_set<const Mesh*> meshes_;
+};
+
+class Deformed {
+ public:
+  explicit Deformed(const Snapshot& before) : before_(before) {}
+
+  void operator()(const PutNode& put) {
+    if (put.mesh != nullptr) put_[put.node] = put.mesh.get();
+  }
+  void operator()(const PatchVertices& patch) {
+    if (patch.nodes.empty() || patch.nodes == last_) return;
+    last_ = patch.nodes;
+    if (const Mesh* mesh = mesh_of(patch.nodes.front()))
+      bytes_ += mesh->view().vertices.size_bytes();
+  }
+  void operator()(const SetTransforms&) {}
+  void operator()(const DeleteNode&) {}
+
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  const Mesh* mesh_of(NodeRef ref) const {
+    const auto put = put_.find(ref);
+    if (put != put_.end()) return put->second;
+    const Node* node = ref > 0 ? before_.find(static_cast<NodeId>(ref)) : nullptr;
+    return node == nullptr ? nullptr : node->mesh.get();
+  }
+
+  const Snapshot& before_;
+  std::unordered_map<NodeRef, const Mesh*> put_;
+  std::vector<NodeRef> last_;
+  std::uint64_t bytes_ = 0;
+};
+
+bool patches(const scenegraph::Update& update) {
+  return std::holds_alternative<PatchVertices>(update);
+}
+
+}  // namespace
+
+Status check_deformed(const Snapshot& before, const std::vector<scenegraph::Update>& updates) {
+  if (std::ranges::none_of(updates, patches)) return {};
+  Deformed deformed(before);
+  for (const scenegraph::Update& update : updates) std::visit(deformed, update);
+  if (deformed.bytes() <= kMaxDeformedBytes) return {};
+  return Error{Code::kResourceExhausted,
+               fmt::format("the meshes that are patched have {} bytes of vertices, the limit of a "
+                           "batch is {}",
+                           deformed.bytes(), kMaxDeformedBytes),
+               "TOO_MUCH_DEFORMED"};
+}
+
+void resolve(std::vector<scenegraph::Update>& updates, const std::vector<NodeId>& put) {
+  Resolver resolver(put);
+  for (scenegraph::Update& update : updates) std::visit(resolver, update);
+}
+
+std::uint64_t bytes_replaced(const Snapshot& before,
+                             const std::vector<scenegraph::Update>& updates) {
+  ReplacedBytes replaced(before);
+  for (const scenegraph::Update& update : updates) std::visit(replaced, update);
+  return replaced.bytes() + bytes_of(*before.halves().moving);
+}
+
+std::uint64_t bytes_of(const scenegraph::SceneHalf& half) {
+  const scenegraph::Instances* instances = half.instances_so_far();
+  if (instances == nullptr || !instances->begun()) return 0;
+  return instances->placed() * kBytesPerPlaced + instances->tree().tree().bytes();
+}
+
+}  // namespace sightline::server

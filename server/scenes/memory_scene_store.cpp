@@ -1,0 +1,73 @@
+// Scenes in memory: gone when the process ends.
+#include "server/scenes/memory_scene_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace sightline::server {
+Result<std::shared_ptr<StoredScene>> MemorySceneStore::create(SceneInfo info) {
+  const std::lock_guard lock(mutex_);
+  if (scenes_.contains(info.name)) {
+    return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", info.name),
+                 "SCENE_EXISTS"};
+  }
+  if (scenes_.size() >= kMaxScenes) {
+    return Error{
+        Code::kResourceExhausted,
+        fmt::format("the server holds {} scenes, the limit is {}", scenes_.size(), kMaxScenes),
+        "TOO_MANY_SCENES"};
+  }
+  auto scene = std::make_shared<StoredScene>(std::move(info));
+  scenes_.emplace(scene->info().name, scene);
+  return scene;
+}
+
+Result<std::shared_ptr<StoredScene>> MemorySceneStore::get(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = scenes_.find(name);
+  if (found == scenes_.end()) return unknown_scene(name);
+  return found->second;
+}
+
+ScenePage MemorySceneStore::list(const std::string& project, const std::string& after,
+                                 std::size_t limit) const {
+  const std::string prefix = project + "/";
+  const std::lock_guard lock(mutex_);
+  ScenePage page;
+  for (auto it = scenes_.upper_bound(std::max(prefix, after)); it != scenes_.end(); ++it) {
+    if (!it->first.starts_with(prefix)) break;
+    if (page.scenes.size() == limit) {
+      page.next = page.scenes.back()->info().name;
+      break;
+    }
+    page.scenes.push_back(it->second);
+  }
+  return page;
+}
+
+Status MemorySceneStore::remove(const std::string& name) {
+  std::shared_ptr<StoredScene> removed;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = scenes_.find(name);
+    if (found == scenes_.end()) return unknown_scene(name);
+    removed = std::move(found->second);
+    scenes_.erase(found);
+  }
+  removed->remove();
+  return {};  // its trees, which may be large, go with it
+}
+
+void MemorySceneStore::forget_old_revisions() {
+  std::vector<std::shared_ptr<StoredScene>> scenes;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, scene] : scenes_) scenes.push_back(scene);
+  }
+  for (const auto& scene : scenes) scene->forget_old_revisions();
+}
+
+}  // namespace sightline::server

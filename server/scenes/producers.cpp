@@ -1,0 +1,47 @@
+// Who streams updates into a scene.
+#include "server/scenes/producers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/exec/in_quotes.h"
+
+namespace sightline::server {
+
+void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::NodeId>& nodes) {
+  if (!nodes.empty()) put.push_back({sequence, nodes});
+  last_committed = sequence;
+  std::size_t ids = 0;
+  for (const Put& kept : put) ids += kept.nodes.size();
+  while (!put.empty() && (put.front().sequence + kPutsKept <= sequence || ids > kPutIdsKept)) {
+    ids -= put.front().nodes.size();
+    put.pop_front();
+  }
+}
+
+Result<Producer*> Producers::open(const std::string& name) {
+  if (!producers_.contains(name) && producers_.size() >= limit_) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("the scene has had {} producers, the limit is {}; "
+                             "use their names again",
+                             producers_.size(), limit_),
+                 "TOO_MANY_PRODUCERS"};
+  }
+  return &producers_[name];
+}
+
+Status check_producer_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  if (!name.empty() && name.size() <= kMaxProducerName && std::ranges::all_of(name, allowed))
+    return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}", in_quotes(name),
+                           kMaxProducerName),
+               "BAD_PRODUCER"};
+}
+
+}  // namespace sightline::server

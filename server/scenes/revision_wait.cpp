@@ -1,0 +1,97 @@
+// Reads of a revision that may not be there yet.
+#include "server/scenes/revision_wait.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace sightline::server {
+namespace {
+
+Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELLED"}; }
+
+}  // namespace
+
+void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
+                        Deadline deadline, std::size_t bytes, Done done) {
+  if (consistency.requirement_case() == v1::Consistency::kExactRevision)
+    return done(scene->at(consistency.exact_revision()));
+  if (consistency.requirement_case() != v1::Consistency::kAtLeast) return done(scene->snapshot());
+  const auto token = RevisionToken::parse(consistency.at_least());
+  if (!token) return done(token.error());
+  if (token->incarnation != scene->token(0).incarnation) {
+    return done(Error{Code::kInvalidArgument,
+                      fmt::format("the token {} is not of this scene {}: it may be of one that was "
+                                  "deleted",
+                                  token->text(), scene->info().name),
+                      "BAD_TOKEN"});
+  }
+  auto head = scene->snapshot();
+  if (head->revision() >= token->revision) return done(std::move(head));
+  scene_ = std::move(scene);
+  done_ = std::move(done);
+  wait(token->revision, deadline, bytes);
+}
+
+void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t bytes) {
+  revision_ = revision;
+  waiting_.store(true);
+  std::unique_lock lock(mutex_);
+  if (const Status entered = enter(bytes); !entered) {
+    ticket_ = {};
+    lock.unlock();
+    if (waiting_.exchange(false)) std::exchange(done_, nullptr)(entered.error());
+    return;
+  }
+  listener_ = scene_->events().subscribe([this] { look(); });
+  const auto latest = std::chrono::system_clock::now() + kMaxReadWait;
+  // The clock keeps what it calls for as long as it lives, and this owns the clock.
+  clock_.emplace().Set(std::min(deadline, latest), [self = shared_from_this()](bool) mutable {
+    const auto wait = std::move(self);
+    wait->end(Error{Code::kUnavailable,
+                    fmt::format("revision {} is not there in time", wait->revision_),
+                    "REVISION_NOT_THERE"});
+  });
+  if (cancelled_.load()) end(cancelled());
+  look();
+}
+
+Status RevisionWait::enter(std::size_t bytes) {
+  auto ticket = services_.admission.admit(0, bytes);
+  if (!ticket) return ticket.error();
+  ticket_ = std::move(*ticket);
+  return services_.waits.enter(this, [this] { end(stopping()); });
+}
+
+void RevisionWait::look() {
+  if (scene_->snapshot()->revision() >= revision_) return end(std::nullopt);
+  if (scene_->removed()) end(scene_->gone());
+}
+
+void RevisionWait::cancel() {
+  cancelled_.store(true);
+  end(cancelled());
+}
+
+/// Hands over to a worker: whoever calls holds locks of those that are to be left.
+void RevisionWait::end(std::optional<Error> error) {
+  if (!waiting_.exchange(false)) return;
+  services_.compute.enqueue(
+      [self = shared_from_this(), error = std::move(error)] { self->finish(error); });
+}
+
+void RevisionWait::finish(const std::optional<Error>& error) {
+  std::unique_lock lock(mutex_);
+  scene_->events().unsubscribe(listener_);
+  services_.waits.leave(this);
+  if (clock_) clock_->Cancel();
+  ticket_ = {};
+  const auto scene = std::move(scene_);
+  const Done done = std::exchange(done_, nullptr);
+  lock.unlock();
+  if (error) return done(*error);
+  done(scene->snapshot());
+}
+
+}  // namespace sightline::server

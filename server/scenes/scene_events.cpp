@@ -1,0 +1,24 @@
+// Who wants to know that something has happened to a scene.
+#include "server/scenes/scene_events.h"
+
+#include <utility>
+
+namespace sightline::server {
+
+std::uint64_t SceneEvents::subscribe(Listener listener) {
+  const std::lock_guard lock(mutex_);
+  listeners_.emplace(next_, std::move(listener));
+  return next_++;
+}
+
+void SceneEvents::unsubscribe(std::uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  listeners_.erase(id);
+}
+
+void SceneEvents::notify() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, listener] : listeners_) listener();
+}
+
+}  // namespace sightline::server

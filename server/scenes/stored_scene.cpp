@@ -1,0 +1,75 @@
+// A scene with what was said of it when it was created.
+#include "server/scenes/stored_scene.h"
+
+#include <fmt/format.h>
+
+#include "server/scenes/applied_updates.h"
+
+namespace sightline::server {
+
+Error unknown_scene(const std::string& name) {
+  return {Code::kNotFound, fmt::format("there is no scene {}", name), "SCENE_NOT_FOUND"};
+}
+
+Result<std::shared_ptr<const scenegraph::Snapshot>> StoredScene::at(std::uint64_t revision) const {
+  auto head = scene_.snapshot();
+  if (revision == head->revision()) return head;
+  if (auto kept = recent_.find(revision)) return kept;
+  return Error{Code::kOutOfRange,
+               fmt::format("revision {} is not kept; kept are {} to {}", revision,
+                           recent_.oldest_or(head->revision()), head->revision()),
+               "REVISION_NOT_KEPT"};
+}
+
+scenegraph::SceneSummary StoredScene::summary() {
+  const auto snapshot = scene_.snapshot();
+  {
+    const std::lock_guard lock(summary_mutex_);
+    if (summarized_revision_ == snapshot->revision()) return summary_;
+  }
+  const auto summary = scenegraph::summarize(*snapshot);
+  const std::lock_guard lock(summary_mutex_);
+  summarized_revision_ = summary.revision;
+  summary_ = summary;
+  return summary;
+}
+
+Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::Update> updates,
+                                               std::optional<std::uint64_t> expected_revision,
+                                               Compute& compute) {
+  if (removed()) return gone();
+  std::vector<RecentRevisions::SnapshotPointer> dropped;
+  auto before = scene_.snapshot();
+  if (Status good = check_deformed(*before, updates); !good) return good.error();
+  auto unsettled = recent_.keep(before);
+  auto applied = scene_.apply(updates, expected_revision);
+  if (applied) {
+    resolve(updates, applied->nodes);
+    std::uint64_t replaced = bytes_replaced(*before, updates);
+    if (unsettled != nullptr && unsettled->halves().still != before->halves().still)
+      replaced += bytes_of(*unsettled->halves().still);
+    dropped = recent_.charge(replaced);
+    log_.add(std::move(updates));
+    events_.notify();
+  }
+  dropped.push_back(std::move(unsettled));
+  dropped.push_back(std::move(before));
+  // After an update: what neither its writer nor a reader is to wait for.
+  compute.enqueue_apart([self = shared_from_this(), settle = applied && applied->settle,
+                         dropped = std::move(dropped)]() mutable {
+    dropped.clear();
+    if (settle) self->scene_.settle();
+  });
+  return applied;
+}
+
+void StoredScene::remove() {
+  removed_.store(true, std::memory_order_release);
+  events_.notify();
+}
+
+Error StoredScene::gone() const { return unknown_scene(info_.name); }
+
+void StoredScene::forget_old_revisions() { recent_.forget().clear(); }
+
+}  // namespace sightline::server

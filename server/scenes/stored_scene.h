@@ -1,0 +1,93 @@
+// A scene with what was said of it when it was created, and all that its readers, writers and
+// followers share.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/revision/snapshot.h"
+#include "scenegraph/scene.h"
+#include "server/exec/compute.h"
+#include "server/exec/strand.h"
+#include "server/scenes/producers.h"
+#include "server/scenes/recent_revisions.h"
+#include "server/scenes/request_answers.h"
+#include "server/scenes/revision_token.h"
+#include "server/scenes/scene_events.h"
+#include "server/scenes/update_log.h"
+
+namespace sightline::server {
+
+enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
+
+/// Recorded as given; nothing is converted by it.
+struct SceneInfo {
+  std::string name;  ///< Resource name.
+  UpAxis up_axis = UpAxis::kUnspecified;
+  double meters_per_unit = 0;  ///< 0: unknown.
+};
+
+/// Made by std::make_shared. Writers take turns: apply(), answers() and producers() are for tasks
+/// of turns() alone. Threads: any, for every other member.
+class StoredScene : public std::enable_shared_from_this<StoredScene> {
+ public:
+  explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}
+
+  const SceneInfo& info() const { return info_; }
+  RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
+
+  /// The newest revision.
+  std::shared_ptr<const scenegraph::Snapshot> snapshot() const { return scene_.snapshot(); }
+  /// Errors: kOutOfRange, naming the oldest revision that is kept and the newest.
+  Result<std::shared_ptr<const scenegraph::Snapshot>> at(std::uint64_t revision) const;
+  /// Of the current revision. Walks the scene once per revision.
+  scenegraph::SceneSummary summary();
+
+  SerialQueue& turns() { return turns_; }
+  /// As Scene::apply; and kNotFound after remove(), kResourceExhausted as check_deformed(). The
+  /// next revision is in the log, and listeners know, when it returns. What is left to do is done
+  /// apart from queries.
+  Result<scenegraph::Applied> apply(std::vector<scenegraph::Update> updates,
+                                    std::optional<std::uint64_t> expected_revision,
+                                    Compute& compute);
+  RequestAnswers& answers() { return answers_; }
+  Producers& producers() { return producers_; }
+
+  const UpdateLog& log() const { return log_; }
+  SceneEvents& events() { return events_; }
+
+  /// The scene takes no more updates; listeners are told.
+  void remove();
+  bool removed() const { return removed_.load(std::memory_order_acquire); }
+  /// What is answered after remove().
+  Error gone() const;
+
+  /// Lets go of all revisions but the newest, for the meshes that they alone hold.
+  void forget_old_revisions();
+
+ private:
+  const SceneInfo info_;
+  const std::uint64_t incarnation_ = new_incarnation();
+  scenegraph::Scene scene_;
+  RecentRevisions recent_;
+  UpdateLog log_;
+  SceneEvents events_;
+  std::atomic<bool> removed_{false};
+  SerialQueue turns_;
+  RequestAnswers answers_;
+  Producers producers_;
+  std::mutex summary_mutex_;
+  std::optional<std::uint64_t> summarized_revision_;
+  scenegraph::SceneSummary summary_;
+};
+
+/// Errors: kNotFound.
+Error unknown_scene(const std::string& name);
+
+}  // namespace sightline::server

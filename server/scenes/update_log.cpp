@@ -1,0 +1,68 @@
+// What made the last revisions of a scene.
+#include "server/scenes/update_log.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::DeleteNode;
+using scenegraph::PatchVertices;
+using scenegraph::PutNode;
+using scenegraph::SetTransforms;
+
+std::uint64_t held_by(const PutNode& put) { return put.name.size() + put.mesh_digest.size(); }
+std::uint64_t held_by(const SetTransforms& set) {
+  return set.nodes.size() * sizeof(scenegraph::NodeRef) +
+         set.parent_from_local.size() * sizeof(scenegraph::Affine);
+}
+std::uint64_t held_by(const DeleteNode&) { return 0; }
+std::uint64_t held_by(const PatchVertices& patch) {
+  return patch.nodes.size() * sizeof(scenegraph::NodeRef) +
+         patch.positions.size() * sizeof(accel::Vec3f);
+}
+
+}  // namespace
+
+std::uint64_t bytes_of(const std::vector<scenegraph::Update>& updates) {
+  std::uint64_t bytes = sizeof(updates) + updates.size() * sizeof(scenegraph::Update);
+  for (const scenegraph::Update& update : updates)
+    bytes += std::visit([](const auto& kind) { return held_by(kind); }, update);
+  return bytes;
+}
+
+void UpdateLog::add(std::vector<scenegraph::Update> updates) {
+  const std::uint64_t bytes = bytes_of(updates);
+  Entry entry{std::make_shared<const std::vector<scenegraph::Update>>(std::move(updates)), bytes};
+  std::vector<Updates> dropped;  // freed after the lock is released
+  const std::lock_guard lock(mutex_);
+  entries_.push_back(std::move(entry));
+  ++last_;
+  bytes_ += bytes;
+  while (entries_.size() > limits_.revisions || (entries_.size() > 1 && bytes_ > limits_.bytes)) {
+    bytes_ -= entries_.front().bytes;
+    dropped.push_back(std::move(entries_.front().updates));
+    entries_.pop_front();
+  }
+}
+
+std::uint64_t UpdateLog::last() const {
+  const std::lock_guard lock(mutex_);
+  return last_;
+}
+
+Result<UpdateLog::Updates> UpdateLog::find(std::uint64_t revision) const {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t first = last_ - entries_.size() + 1;
+  if (revision >= first && revision <= last_) return entries_[revision - first].updates;
+  return Error{Code::kOutOfRange,
+               fmt::format("what made revision {} is not kept; kept are {} to "
+                           "{}: read the scene, "
+                           "then watch from its revision",
+                           revision, first, last_),
+               "REVISION_NOT_KEPT"};
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,131 @@
+// SceneService.ApplyUpdates: one batch, applied in the scene's turn.
+#include "server/updates/apply_rpc.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/exec/guarded.h"
+#include "server/exec/rpc_log.h"
+#include "server/exec/rpc_status.h"
+#include "server/updates/update_codec.h"
+
+namespace sightline::server {
+namespace {
+
+/// A change of what is in the scene, not merely of where it is: rare enough for the log.
+bool changes_content(const v1::ApplyUpdatesRequest& request) {
+  return std::any_of(
+      request.updates().begin(), request.updates().end(),
+      [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
+}
+
+/// Decoded on any worker, then applied in turn. Requests of one id meet there: the second finds the
+/// first one's answer.
+class ApplyCall final : public grpc::ServerUnaryReactor {
+ public:
+  ApplyCall(const UpdateServices& services, const v1::ApplyUpdatesRequest& request,
+            v1::ApplyUpdatesResponse& reply)
+      : services_(services), request_(request), reply_(reply) {}
+
+  void start() {
+    auto ticket = services_.admission.admit(0, request_.SpaceUsedLong());
+    if (!ticket) return end(ticket.error());
+    ticket_ = std::move(*ticket);
+    services_.compute.enqueue_update([this] {
+      if (const Status ready = guarded([this] { return prepare(); }); !ready) return end(ready);
+      scene_->turns().post(services_.compute, [this] { end(guarded([this] { return apply(); })); });
+    });
+  }
+
+  void OnCancel() override { cancelled_.store(true, std::memory_order_relaxed); }
+  void OnDone() override { delete this; }
+
+ private:
+  Status prepare() {
+    auto scene = services_.find(request_.scene());
+    if (!scene) return scene.error();
+    if (Status good = check_request_id(request_.request_id()); !good) return good;
+    scene_ = std::move(*scene);
+    // Not an error yet: a request that was answered before is answered again.
+    updates_.emplace(decode_updates(request_.updates(), services_.blobs));
+    if (!request_.request_id().empty())
+      content_ = std::hash<std::string>()(request_.SerializeAsString());
+    return {};
+  }
+
+  Status apply() {
+    if (cancelled_.load(std::memory_order_relaxed))
+      return Error{Code::kCancelled, "the call was cancelled", "CANCELLED"};
+    const std::string& id = request_.request_id();
+    if (!id.empty()) {
+      const auto before = scene_->answers().find(id, content_);
+      if (!before) return before.error();
+      if (*before != nullptr) {
+        answer(**before);
+        reply_.set_replayed(true);
+        return {};
+      }
+    }
+    if (!*updates_) return updates_->error();
+    const std::size_t count = (*updates_)->size();
+    auto applied = scene_->apply(std::move(**updates_), expected(), services_.compute);
+    if (!applied) return applied.error();
+    answer(*applied);
+    log(applied->revision, count);
+    if (!id.empty()) scene_->answers().keep(id, content_, std::move(*applied));
+    return {};
+  }
+
+  std::optional<std::uint64_t> expected() const {
+    if (!request_.has_expected_revision()) return std::nullopt;
+    return request_.expected_revision();
+  }
+
+  void answer(const scenegraph::Applied& applied) {
+    encode_revision(scene_->token(applied.revision), *reply_.mutable_revision());
+    reply_.mutable_nodes()->Assign(applied.nodes.begin(), applied.nodes.end());
+  }
+
+  void log(std::uint64_t revision, std::size_t count) const {
+    spdlog::log(changes_content(request_) ? spdlog::level::info : spdlog::level::debug,
+                "event=scene_updated scene={} revision={} updates={}", scene_->info().name,
+                revision, count);
+  }
+
+  void end(const Status& status) {
+    const grpc::Status answer = to_grpc(status);
+    ticket_ = {};
+    updates_.reset();
+    scene_.reset();
+    log_rpc("ApplyUpdates", answer, begun_);
+    Finish(answer);  // this reactor may be gone when it returns
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  const UpdateServices& services_;
+  const v1::ApplyUpdatesRequest& request_;
+  v1::ApplyUpdatesResponse& reply_;
+  Admission::Ticket ticket_;
+  std::shared_ptr<StoredScene> scene_;
+  std::optional<Result<std::vector<scenegraph::Update>>> updates_;
+  std::uint64_t content_ = 0;
+  std::atomic<bool> cancelled_{false};
+};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
+                                      const v1::ApplyUpdatesRequest& request,
+                                      v1::ApplyUpdatesResponse& reply) {
+  auto* call = new ApplyCall(services, request, reply);
+  call->start();
+  return call;
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,16 @@
+// SceneService.ApplyUpdates: one batch, applied in the scene's turn.
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include "server/updates/update_services.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::server {
+
+/// The reactor of a new call; it frees itself. All arguments outlive the call.
+grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
+                                      const v1::ApplyUpdatesRequest& request,
+                                      v1::ApplyUpdatesResponse& reply);
+
+}  // namespace sightline::server

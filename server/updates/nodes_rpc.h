@@ -1,0 +1,20 @@
+// SceneService.BatchGetNodes: nodes of one revision, by id.
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include "server/updates/update_services.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::server {
+
+inline constexpr int kMaxNodesPerRequest =
+    512;  ///< Their names are up to 1 KiB: the reply stays below 1 MiB.
+
+/// The reactor of a new call; it frees itself. All arguments outlive the call.
+grpc::ServerUnaryReactor* start_get_nodes(const UpdateServices& services,
+                                          const grpc::CallbackServerContext& context,
+                                          const v1::BatchGetNodesRequest& request,
+                                          v1::BatchGetNodesResponse& reply);
+
+}  // namespace sightline::server

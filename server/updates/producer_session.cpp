@@ -1,0 +1,76 @@
+// Applies the batches of one producer.
+#include "server/updates/producer_session.h"
+
+#include <utility>
+
+#include "server/updates/coalesce.h"
+
+namespace sightline::server {
+namespace {
+
+/// Of the server, not of the batch: it may succeed when it is sent again.
+bool is_our_fault(const Error& error) {
+  return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY";
+}
+
+}  // namespace
+
+Error taken_over() {
+  return {Code::kAborted, "the producer was opened by another call, which goes on for it",
+          "PRODUCER_TAKEN_OVER"};
+}
+
+void ProducerTurn::take_over() {
+  if (producer_.call.exchange(call_) != nullptr) scene_.events().notify();
+}
+
+void ProducerTurn::leave() {
+  const void* mine = call_;
+  producer_.call.compare_exchange_strong(mine, nullptr);
+}
+
+Result<std::vector<BatchOutcome>> ProducerTurn::apply_some(std::deque<UpdateBatch>& batches) {
+  if (scene_.removed()) return scene_.gone();
+  if (producer_.call.load() != call_) return taken_over();
+  std::vector<BatchOutcome> outcomes;
+  if (latest_wins_ && alone_ == 0 && apply_together(batches, outcomes)) return outcomes;
+  if (alone_ > 0) --alone_;
+  if (Status done = apply_first(batches, outcomes); !done) return done.error();
+  return outcomes;
+}
+
+/// False, and nothing is done, if there are not two, or if together they fail.
+bool ProducerTurn::apply_together(std::deque<UpdateBatch>& batches,
+                                  std::vector<BatchOutcome>& outcomes) {
+  const std::size_t count = count_to_coalesce(batches);
+  if (count < 2) return false;
+  auto applied = scene_.apply(coalesce(batches, count), std::nullopt, compute_);
+  if (!applied) {
+    alone_ = count;
+    return false;
+  }
+  coalesced_ += count - 1;
+  for (std::size_t i = 0; i < count; ++i) commit(batches, *applied, outcomes);
+  return true;
+}
+
+Status ProducerTurn::apply_first(std::deque<UpdateBatch>& batches,
+                                 std::vector<BatchOutcome>& outcomes) {
+  UpdateBatch& batch = batches.front();
+  Result<scenegraph::Applied> applied =
+      batch.bad ? Result<scenegraph::Applied>(*batch.bad)
+                : scene_.apply(std::move(batch.updates), std::nullopt, compute_);
+  if (!applied && is_our_fault(applied.error())) return applied.error();
+  commit(batches, std::move(applied), outcomes);
+  return {};
+}
+
+void ProducerTurn::commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
+                          std::vector<BatchOutcome>& outcomes) {
+  const UpdateBatch& batch = batches.front();
+  producer_.commit(batch.sequence, applied ? applied->nodes : std::vector<scenegraph::NodeId>());
+  outcomes.push_back({batch.sequence, batch.bytes, std::move(applied)});
+  batches.pop_front();
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,105 @@
+// Scenes and nodes between the wire and the scene graph.
+#include "server/updates/scene_codec.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "server/scenes/names.h"
+
+namespace sightline::server {
+namespace {
+
+Error invalid(std::string message, std::string reason) {
+  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
+}
+
+}  // namespace
+
+Result<SceneInfo> decode_scene(const v1::Scene& scene) {
+  if (const Status good = check_scene_name(scene.name()); !good) return good.error();
+  SceneInfo info{scene.name(), UpAxis::kUnspecified, scene.meters_per_unit()};
+  if (!std::isfinite(info.meters_per_unit) || info.meters_per_unit < 0) {
+    return invalid(fmt::format("meters_per_unit is {}, expected a positive "
+                               "number, or 0 for unknown",
+                               info.meters_per_unit),
+                   "BAD_UNIT");
+  }
+  switch (scene.up_axis()) {
+    case v1::UP_AXIS_UNSPECIFIED:
+      break;
+    case v1::UP_AXIS_Y:
+      info.up_axis = UpAxis::kY;
+      break;
+    case v1::UP_AXIS_Z:
+      info.up_axis = UpAxis::kZ;
+      break;
+    default:
+      return invalid(fmt::format("up axis {} is not known", static_cast<int>(scene.up_axis())),
+                     "UNKNOWN_UP_AXIS");
+  }
+  return info;
+}
+
+v1::Mobility encode_mobility(scenegraph::Mobility mobility) {
+  switch (mobility) {
+    case scenegraph::Mobility::kRigid:
+      return v1::MOBILITY_RIGID;
+    case scenegraph::Mobility::kDeforming:
+      return v1::MOBILITY_DEFORMING;
+    case scenegraph::Mobility::kStatic:
+      break;
+  }
+  return v1::MOBILITY_STATIC;
+}
+
+void encode_scene(const SceneInfo& info, const RevisionToken& head,
+                  const scenegraph::SceneSummary& summary, v1::Scene& scene) {
+  scene.set_name(info.name);
+  encode_revision(head, *scene.mutable_head());
+  scene.set_up_axis(info.up_axis == UpAxis::kY   ? v1::UP_AXIS_Y
+                    : info.up_axis == UpAxis::kZ ? v1::UP_AXIS_Z
+                                                 : v1::UP_AXIS_UNSPECIFIED);
+  scene.set_meters_per_unit(info.meters_per_unit);
+  scene.set_nodes(summary.nodes);
+  scene.set_instances(summary.instances);
+  scene.set_meshes(summary.meshes);
+  scene.set_triangles_unique(summary.triangles_unique);
+  scene.set_triangles_instanced(summary.triangles_instanced);
+  scene.set_triangles_nonfinite(summary.triangles_nonfinite);
+  scene.set_bytes_geometry(summary.bytes_geometry);
+  if (!std::isnan(summary.bounds[0]))
+    scene.mutable_bounds()->Assign(summary.bounds.begin(), summary.bounds.end());
+}
+
+void encode_node(const scenegraph::Node& node, v1::Node& out) {
+  out.set_id(node.id);
+  out.set_parent(node.parent);
+  out.set_name(node.name);
+  out.mutable_transform()->mutable_matrix()->Assign(node.parent_from_local.m.begin(),
+                                                    node.parent_from_local.m.end());
+  out.set_mesh_digest(node.mesh_digest);
+  out.set_mobility(encode_mobility(node.mobility));
+  out.set_mask(node.mask);
+  out.set_patched(node.patched);
+}
+
+void encode_stats(const RevisionToken& revision, const scenegraph::BuildSummary& summary,
+                  v1::GetSceneStatsResponse& reply) {
+  encode_revision(revision, *reply.mutable_revision());
+  reply.set_instances_total(summary.instances_total);
+  reply.set_instances_entered(summary.instances_entered);
+  reply.set_trees_built(summary.trees_built);
+  reply.set_cells_deferred(summary.cells_deferred);
+  reply.set_cells_expanded(summary.cells_expanded);
+  reply.set_triangles_built(summary.triangles_built);
+  reply.set_triangles_total(summary.triangles_total);
+  reply.set_bytes_geometry(summary.bytes_geometry);
+  reply.set_bytes_trees(summary.bytes_trees);
+  reply.set_static_instances(summary.static_instances);
+  reply.set_dynamic_instances(summary.dynamic_instances);
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,53 @@
+// SceneService.
+#pragma once
+
+#include "server/updates/nodes_rpc.h"
+#include "server/updates/update_services.h"
+#include "sightline/v1/scene.grpc.pb.h"
+
+namespace sightline::server {
+
+inline constexpr int kDefaultPage = 100;
+inline constexpr int kMaxPage = 1000;
+
+class SceneRpc final : public v1::SceneService::CallbackService {
+ public:
+  explicit SceneRpc(const UpdateServices& services) : services_(services) {}
+
+  grpc::ServerUnaryReactor* CreateScene(grpc::CallbackServerContext* context,
+                                        const v1::CreateSceneRequest* request,
+                                        v1::CreateSceneResponse* reply) override;
+  grpc::ServerUnaryReactor* GetScene(grpc::CallbackServerContext* context,
+                                     const v1::GetSceneRequest* request,
+                                     v1::GetSceneResponse* reply) override;
+  grpc::ServerUnaryReactor* ListScenes(grpc::CallbackServerContext* context,
+                                       const v1::ListScenesRequest* request,
+                                       v1::ListScenesResponse* reply) override;
+  grpc::ServerUnaryReactor* DeleteScene(grpc::CallbackServerContext* context,
+                                        const v1::DeleteSceneRequest* request,
+                                        v1::DeleteSceneResponse* reply) override;
+  grpc::ServerUnaryReactor* BatchGetNodes(grpc::CallbackServerContext* context,
+                                          const v1::BatchGetNodesRequest* request,
+                                          v1::BatchGetNodesResponse* reply) override;
+  grpc::ServerUnaryReactor* ApplyUpdates(grpc::CallbackServerContext* context,
+                                         const v1::ApplyUpdatesRequest* request,
+                                         v1::ApplyUpdatesResponse* reply) override;
+  grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* StreamUpdates(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::WatchSceneResponse>* WatchScene(
+      grpc::CallbackServerContext* context, const v1::WatchSceneRequest* request) override;
+  grpc::ServerUnaryReactor* GetSceneStats(grpc::CallbackServerContext* context,
+                                          const v1::GetSceneStatsRequest* request,
+                                          v1::GetSceneStatsResponse* reply) override;
+
+ private:
+  Status create(const v1::CreateSceneRequest& request, v1::CreateSceneResponse& reply);
+  Status get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply);
+  Status list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply);
+  Status remove(const v1::DeleteSceneRequest& request);
+  Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
+
+  const UpdateServices services_;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,43 @@
+// What a producer is to be told, in order, until it has read it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/model/node.h"
+#include "server/scenes/producers.h"
+#include "server/scenes/revision_token.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::server {
+
+/// Acks that follow each other are made one, as long as it stays a small message. So there are at
+/// most twice as many as batches that they answer.
+class UpdateAnswers {
+ public:
+  void opened(const Producer& producer, std::uint32_t window, const RevisionToken& revision);
+  /// Of one batch; or, with `batches` 0, of one that came again. `put`: ids of its PutNodes' nodes.
+  void ack(std::uint64_t sequence, const RevisionToken& revision, std::uint64_t coalesced,
+           const std::vector<scenegraph::NodeId>& put, std::size_t batches = 1);
+  void reject(std::uint64_t sequence, const Error& error);
+
+  bool empty() const { return answers_.empty(); }
+  void clear() { answers_.clear(); }
+  /// The next. Returns how many batches it answers.
+  std::size_t take(v1::StreamUpdatesResponse& out);
+
+ private:
+  struct Answer {
+    v1::StreamUpdatesResponse message;
+    std::size_t batches = 0;
+    std::size_t ids = 0;
+  };
+  Answer& open_ack(std::size_t ids);
+
+  std::deque<Answer> answers_;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,246 @@
+// Updates between the wire and the scene graph.
+#include "server/updates/update_codec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "server/updates/scene_codec.h"
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::Affine;
+using scenegraph::Mobility;
+
+constexpr std::size_t kMatrixBytes = sizeof(Affine::m);
+constexpr std::size_t kMaxNodeBytes = 10;  // of a node's number on the wire
+constexpr std::size_t kMissingNamed = 4;   // as many digests as fit an error message
+
+Error invalid(std::string message, std::string reason) {
+  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
+}
+
+Result<Affine> decode_transform(const v1::Transform& transform) {
+  Affine affine;
+  if (static_cast<std::size_t>(transform.matrix_size()) != affine.m.size()) {
+    return invalid(fmt::format("a matrix has {} numbers, expected 12", transform.matrix_size()),
+                   "MATRIX_LENGTH");
+  }
+  std::copy(transform.matrix().begin(), transform.matrix().end(), affine.m.begin());
+  return affine;
+}
+
+Result<Mobility> decode_mobility(v1::Mobility mobility) {
+  switch (mobility) {
+    case v1::MOBILITY_UNSPECIFIED:
+    case v1::MOBILITY_STATIC:
+      return Mobility::kStatic;
+    case v1::MOBILITY_RIGID:
+      return Mobility::kRigid;
+    case v1::MOBILITY_DEFORMING:
+      return Mobility::kDeforming;
+    default:
+      return invalid(fmt::format("mobility {} is not known", static_cast<int>(mobility)),
+                     "UNKNOWN_MOBILITY");
+  }
+}
+
+/// Decodes one batch, and gathers the digests that no mesh was uploaded for.
+class UpdateDecoder {
+ public:
+  explicit UpdateDecoder(const BlobStore& blobs) : blobs_(blobs) {}
+
+  Result<scenegraph::Update> decode(const v1::Update& update) {
+    switch (update.update_case()) {
+      case v1::Update::kPutNode:
+        return decode_put(update.put_node());
+      case v1::Update::kSetTransforms:
+        return decode_set(update.set_transforms());
+      case v1::Update::kDeleteNode:
+        return scenegraph::Update(
+            scenegraph::DeleteNode{update.delete_node().node(), update.delete_node().subtree()});
+      case v1::Update::kPatchVertices:
+        return decode_patch(update.patch_vertices());
+      case v1::Update::UPDATE_NOT_SET:
+        break;
+    }
+    return invalid("it says nothing that this server knows", "EMPTY_UPDATE");
+  }
+
+  Status check_missing() const {
+    if (missing_.empty()) return {};
+    std::string list;
+    std::size_t named = 0;
+    for (auto it = missing_.begin(); it != missing_.end() && named < kMissingNamed; ++it, ++named)
+      list += " " + *it;
+    if (missing_.size() > named) list += fmt::format(" and {} more", missing_.size() - named);
+    return Error{Code::kFailedPrecondition,
+                 fmt::format("{} meshes were not uploaded or are gone, upload them first:{}",
+                             missing_.size(), list),
+                 "MESHES_MISSING"};
+  }
+
+ private:
+  Result<scenegraph::Update> decode_put(const v1::PutNode& put) {
+    scenegraph::PutNode node;
+    node.node = put.node();
+    node.parent = put.parent();
+    node.name = put.name();
+    if (put.has_transform()) {
+      const auto transform = decode_transform(put.transform());
+      if (!transform) return transform.error();
+      node.parent_from_local = *transform;
+    }
+    const auto mobility = decode_mobility(put.mobility());
+    if (!mobility) return mobility.error();
+    node.mobility = *mobility;
+    if (put.has_mask()) node.mask = put.mask();
+    if (!put.mesh_digest().empty()) {
+      const auto digest = BlobDigest::parse(put.mesh_digest());
+      if (!digest) return digest.error();
+      node.mesh = blobs_.find(*digest);
+      node.mesh_digest = put.mesh_digest();
+      if (node.mesh == nullptr) missing_.insert(put.mesh_digest());
+    }
+    return scenegraph::Update(std::move(node));
+  }
+
+  static Result<scenegraph::Update> decode_set(const v1::SetTransforms& set) {
+    const auto count = static_cast<std::size_t>(set.nodes_size());
+    if (set.matrices().size() != count * kMatrixBytes) {
+      return invalid(fmt::format("column matrices has {} bytes, expected {} "
+                                 "({} nodes of {} bytes)",
+                                 set.matrices().size(), count * kMatrixBytes, count, kMatrixBytes),
+                     "COLUMN_LENGTH");
+    }
+    scenegraph::SetTransforms transforms;
+    transforms.nodes.assign(set.nodes().begin(), set.nodes().end());
+    transforms.parent_from_local.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::memcpy(transforms.parent_from_local[i].m.data(),
+                  set.matrices().data() + i * kMatrixBytes, kMatrixBytes);
+    }
+    return scenegraph::Update(std::move(transforms));
+  }
+
+  static Result<scenegraph::Update> decode_patch(const v1::PatchVertices& patch) {
+    const std::size_t bytes = patch.positions().size();
+    if (bytes % sizeof(accel::Vec3f) != 0) {
+      return invalid(fmt::format("column positions has {} bytes, expected a multiple of {}", bytes,
+                                 sizeof(accel::Vec3f)),
+                     "COLUMN_LENGTH");
+    }
+    if (patch.nodes_size() > kMaxNodesPerPatch) {
+      return invalid(fmt::format("a patch of {} nodes, the limit is {}", patch.nodes_size(),
+                                 kMaxNodesPerPatch),
+                     "TOO_MANY_NODES");
+    }
+    scenegraph::PatchVertices vertices;
+    vertices.nodes.assign(patch.nodes().begin(), patch.nodes().end());
+    vertices.first = patch.first();
+    vertices.positions.resize(bytes / sizeof(accel::Vec3f));
+    std::memcpy(vertices.positions.data(), patch.positions().data(), bytes);
+    return scenegraph::Update(std::move(vertices));
+  }
+
+  const BlobStore& blobs_;
+  std::set<std::string> missing_;
+};
+
+/// One for each kind of update; see encode_update().
+struct Encoder {
+  std::size_t first;
+  std::size_t bytes;
+  v1::Update& out;
+
+  std::size_t operator()(const scenegraph::PutNode& put) const {
+    v1::PutNode& node = *out.mutable_put_node();
+    node.set_node(put.node);
+    node.set_parent(put.parent);
+    node.set_name(put.name);
+    node.mutable_transform()->mutable_matrix()->Assign(put.parent_from_local.m.begin(),
+                                                       put.parent_from_local.m.end());
+    node.set_mesh_digest(put.mesh_digest);
+    node.set_mobility(encode_mobility(put.mobility));
+    node.set_mask(put.mask);
+    return 0;
+  }
+
+  std::size_t operator()(const scenegraph::SetTransforms& set) const {
+    const std::size_t end = end_of_rows(set.nodes.size(), bytes, kMatrixBytes + kMaxNodeBytes);
+    v1::SetTransforms& rows = *out.mutable_set_transforms();
+    const auto at = [](const auto& column, std::size_t row) {
+      return column.begin() + static_cast<std::ptrdiff_t>(row);
+    };
+    rows.mutable_nodes()->Assign(at(set.nodes, first), at(set.nodes, end));
+    std::string& matrices = *rows.mutable_matrices();
+    matrices.reserve((end - first) * kMatrixBytes);
+    for (std::size_t row = first; row < end; ++row) {
+      matrices.append(reinterpret_cast<const char*>(set.parent_from_local[row].m.data()),
+                      kMatrixBytes);
+    }
+    return end == set.nodes.size() ? 0 : end;
+  }
+
+  std::size_t operator()(const scenegraph::DeleteNode& removal) const {
+    out.mutable_delete_node()->set_node(removal.node);
+    out.mutable_delete_node()->set_subtree(removal.subtree);
+    return 0;
+  }
+
+  std::size_t operator()(const scenegraph::PatchVertices& patch) const {
+    const std::size_t nodes = patch.nodes.size() * kMaxNodeBytes;
+    const std::size_t end =
+        end_of_rows(patch.positions.size(), bytes - std::min(bytes, nodes), sizeof(accel::Vec3f));
+    v1::PatchVertices& rows = *out.mutable_patch_vertices();
+    rows.mutable_nodes()->Assign(patch.nodes.begin(), patch.nodes.end());
+    rows.set_first(patch.first + static_cast<std::uint32_t>(first));
+    rows.set_positions(patch.positions.data() + first, (end - first) * sizeof(accel::Vec3f));
+    return end == patch.positions.size() ? 0 : end;
+  }
+
+ private:
+  std::size_t end_of_rows(std::size_t rows, std::size_t room, std::size_t bytes_per_row) const {
+    return std::min(rows, first + std::max<std::size_t>(1, room / bytes_per_row));
+  }
+};
+
+}  // namespace
+
+Result<std::vector<scenegraph::Update>> decode_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const BlobStore& blobs,
+    std::size_t first) {
+  const auto count = static_cast<std::size_t>(updates.size());
+  if (first + count > static_cast<std::size_t>(kMaxUpdatesPerBatch)) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("the batch has {} updates, the limit is {}", first + count,
+                             kMaxUpdatesPerBatch),
+                 "TOO_MANY_UPDATES"};
+  }
+  UpdateDecoder decoder(blobs);
+  std::vector<scenegraph::Update> decoded;
+  decoded.reserve(count);
+  for (const v1::Update& update : updates) {
+    auto one = decoder.decode(update);
+    if (!one) {
+      Error error = one.error();
+      error.message = fmt::format("update {}: {}", first + decoded.size(), error.message);
+      return error;
+    }
+    decoded.push_back(std::move(*one));
+  }
+  if (const Status found = decoder.check_missing(); !found) return found.error();
+  return decoded;
+}
+
+std::size_t encode_update(const scenegraph::Update& update, std::size_t first, std::size_t bytes,
+                          v1::Update& out) {
+  return std::visit(Encoder{first, bytes, out}, update);
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,33 @@
+// Updates between the wire and the scene graph.
+#pragma once
+
+#include <google/protobuf/repeated_field.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/model/update.h"
+#include "server/blobs/blob_store.h"
+#include "sightline/v1/scene.pb.h"
+
+namespace sightline::server {
+
+inline constexpr int kMaxUpdatesPerBatch = 65536;
+inline constexpr int kMaxNodesPerPatch = 65536;
+
+/// Looks every mesh up by its digest. `first` is the place of the first of them in its batch.
+/// Errors name the update's place in the batch: kInvalidArgument (an empty update, not 12 numbers
+/// to a matrix, columns that disagree, an unknown mobility, a bad digest, too many nodes to a
+/// patch), kFailedPrecondition (listing the digests that are missing), kResourceExhausted over
+/// kMaxUpdatesPerBatch. What only the scene can know is left to Scene::apply.
+Result<std::vector<scenegraph::Update>> decode_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const BlobStore& blobs,
+    std::size_t first = 0);
+
+/// Part of an update: from row `first` of its columns on, as many rows as `bytes` hold and one at
+/// least; an update without columns whole. Returns the row that is next, 0 if none is left.
+std::size_t encode_update(const scenegraph::Update& update, std::size_t first, std::size_t bytes,
+                          v1::Update& out);
+
+}  // namespace sightline::server

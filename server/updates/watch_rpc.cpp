@@ -1,0 +1,169 @@
+// SceneService.WatchScene: every revision of a scene as it is made.
+#include "server/updates/watch_rpc.h"
+
+#include <fmt/format.h>
+#include <grpcpp/alarm.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/exec/guarded.h"
+#include "server/exec/rpc_log.h"
+#include "server/exec/rpc_status.h"
+#include "server/updates/watch_cursor.h"
+
+namespace sightline::server {
+namespace {
+
+/// Encodes a message on a worker, writes it, and only then encodes the next: one message is kept,
+/// and a client that does not read falls behind in the log, not in memory.
+class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
+ public:
+  explicit Watch(const UpdateServices& services) : services_(services) {}
+
+  void start(const v1::WatchSceneRequest& request) {
+    const Status ready = guarded([&] { return open(request); });
+    go_on([&] {
+      starting_ = false;
+      if (!ready) return end(ready);
+      set_clock();
+    });
+  }
+
+  void OnWriteDone(bool ok) override {
+    go_on([&] {
+      writing_ = false;
+      if (!ok) end(Error{Code::kCancelled, "the message could not be written", "CANCELLED"});
+    });
+  }
+
+  void OnCancel() override {
+    go_on([this] { end(Error{Code::kCancelled, "the call was cancelled", "CANCELLED"}); });
+  }
+
+  void OnDone() override {
+    services_.compute.enqueue([this] {
+      services_.watches.leave(this);
+      if (listener_ != 0) scene_->events().unsubscribe(listener_);
+      delete this;
+    });
+  }
+
+ private:
+  Status open(const v1::WatchSceneRequest& request) {
+    auto scene = services_.find(request.scene());
+    if (!scene) return scene.error();
+    scene_ = std::move(*scene);
+    const std::uint64_t head = scene_->snapshot()->revision();
+    const std::uint64_t from = request.has_start_revision() ? request.start_revision() : head;
+    if (from > head) {
+      return Error{Code::kOutOfRange,
+                   fmt::format("revision {} is not there yet, the newest is {}", from, head),
+                   "REVISION_NOT_KEPT"};
+    }
+    cursor_.emplace(*scene_, from);
+    if (Status entered =
+            services_.watches.enter(this, [this] { go_on([this] { end(stopping()); }); });
+        !entered)
+      return entered;
+    listener_ = scene_->events().subscribe([this] { look(); });
+    if (scene_->removed()) return scene_->gone();
+    return {};
+  }
+
+  void look() {
+    go_on([this] {
+      if (scene_->removed()) end(scene_->gone());
+    });
+  }
+
+  /// On a worker.
+  void encode() {
+    const Status encoded = guarded([this]() -> Status {
+      if (std::exchange(begun_telling_, true) && cursor_->behind()) return cursor_->next(message_);
+      cursor_->progress(message_);
+      return {};
+    });
+    go_on([&] {
+      working_ = false;
+      if (!encoded) end(encoded);
+      if (ending_) return;
+      told_ = true;
+      progress_due_ = false;
+      writing_ = true;
+      StartWrite(&message_);
+    });
+  }
+
+  // Those below hold the mutex.
+
+  void end(const Status& status) {
+    if (ending_) return;
+    ending_ = status;
+    if (ticking_) clock_.Cancel();
+  }
+
+  void set_clock() {
+    ticking_ = true;
+    clock_.Set(std::chrono::system_clock::now() + kWatchProgress / 2, [this](bool rang) {
+      go_on([&] {
+        ticking_ = false;
+        if (!rang || ending_) return;
+        progress_due_ = !std::exchange(told_, false);
+        set_clock();
+      });
+    });
+  }
+
+  /// Sets going what can go after the change. This may be gone when it returns.
+  template <class Change>
+  void go_on(const Change& change) {
+    grpc::Status status;
+    {
+      const std::lock_guard lock(mutex_);
+      change();
+      if (starting_ || ended_ || working_ || writing_) return;
+      if (!ending_) {
+        if (!progress_due_ && !cursor_->behind()) return;
+        working_ = true;
+        return services_.compute.enqueue_update([this] { encode(); });
+      }
+      if (ticking_) return;
+      ended_ = true;
+      status = to_grpc(*ending_);
+      log_rpc("WatchScene", status, begun_,
+              fmt::format("revision={}", cursor_ ? cursor_->reached() : 0));
+    }
+    Finish(status);
+  }
+
+  const LogClock::time_point begun_ = LogClock::now();
+  const UpdateServices& services_;
+  std::shared_ptr<StoredScene> scene_;
+  std::uint64_t listener_ = 0;
+  std::optional<WatchCursor> cursor_;  // while encoding, as the next two
+  bool begun_telling_ = false;
+  v1::WatchSceneResponse message_;
+
+  std::mutex mutex_;  // of all below
+  bool starting_ = true;
+  bool working_ = false, writing_ = false, ticking_ = false;  // under way
+  bool told_ = false;         // a message has gone since the clock ticked
+  bool progress_due_ = true;  // where it begins
+  std::optional<Status> ending_;
+  bool ended_ = false;
+  grpc::Alarm clock_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(
+    const UpdateServices& services, const v1::WatchSceneRequest& request) {
+  auto* watch = new Watch(services);
+  watch->start(request);
+  return watch;
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,135 @@
+// The subtrees of handfuls against cutting cell by cell, on every SIMD target of this machine.
+#include "accel/grow/small_subtree.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <string>
+#include <vector>
+
+#include "accel/published/any_builder.h"
+#include "tests/accel/boxes.h"
+
+namespace sightline::accel {
+namespace {
+
+class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+/// Walks the tree and makes every cut again, by the rule alone.
+class Recut {
+ public:
+  Recut(const KdTree& tree, const BoundRule& rule, int max_depth)
+      : tree_(tree), rule_(rule), max_depth_(max_depth) {}
+
+  void expect(Slot slot, const std::vector<BoxRef>& refs, const Aabb& cell, int depth) {
+    std::optional<Cut> cut;
+    if (!refs.empty() && depth < max_depth_) cut = choose_bound(refs, cell, rule_, counters);
+    std::vector<BoxRef> left, right;
+    if (cut) {
+      const auto a = static_cast<std::size_t>(cut->plane.axis);
+      for (const BoxRef& r : refs) {
+        if (r.lo[a] < cut->plane.position) left.push_back(r);
+        if (r.hi[a] > cut->plane.position) right.push_back(r);
+      }
+      counters.touches += refs.size();
+    }
+    if (!cut || (left.size() == refs.size() && right.size() == refs.size()))
+      return expect_leaf(slot, refs);
+    ASSERT_TRUE(slot.is_binary());
+    ASSERT_EQ(slot.axis(), cut->plane.axis);
+    ASSERT_EQ(slot.position(), cut->plane.position);
+    const HalvedCell halves = halve(cell, cut->plane.axis, cut->plane.position);
+    expect(load(tree_.children(slot)[0]), left, halves.left, depth + 1);
+    expect(load(tree_.children(slot)[1]), right, halves.right, depth + 1);
+  }
+
+  BuildCounters counters;
+
+ private:
+  void expect_leaf(Slot slot, const std::vector<BoxRef>& refs) {
+    ASSERT_TRUE(slot.is_leaf());
+    ASSERT_EQ(slot.leaf_count(), refs.size());
+    std::uint32_t storage;
+    const auto ids = tree_.leaf(slot, storage);
+    for (std::size_t i = 0; i < refs.size(); ++i) ASSERT_EQ(ids[i], refs[i].id);
+  }
+
+  const KdTree& tree_;
+  const BoundRule& rule_;
+  int max_depth_;
+};
+
+void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell, int max_depth = 20) {
+  const KdBuilder builder = default_builder();  // not asked for anything
+  for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
+                                BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
+                                BoundRule{.cost = {}, .all_axes_up_to = 4},
+                                BoundRule{.cost = {0, 1, 1}}, BoundRule{.cost = {1, 50, 0.8}}}) {
+    KdTree tree(cell, refs.size());
+    tree.reserve(1000);
+    BuildCounters counters;
+    const Slot root = grow_small({.tree = tree, .builder = builder, .max_depth = max_depth}, rule,
+                                 refs, cell, {}, counters);
+    Recut recut(tree, rule, max_depth);
+    recut.expect(root, refs, cell, 0);
+    ASSERT_EQ(counters.touches, recut.counters.touches);
+  }
+}
+
+TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const auto refs = tests::random_boxes(1 + seed % kSmallList, seed % 2 == 0 ? 0.1 : 0.6, seed);
+    expect_same(refs, tests::bounds_of(refs));
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
+  }
+}
+
+TEST_P(SmallGrowth, ResolvesTiesAlike) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed)
+    expect_same(tests::lattice_boxes(1 + seed % kSmallList, 1, seed), {{0, 0, 0}, {5, 5, 5}});
+}
+
+TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
+  const auto refs = tests::random_boxes(kSmallList, 0.1, 7);
+  for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
+}
+
+TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
+  const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
+  const Aabb cell = tests::bounds_of(refs);
+  KdTree tree(cell, refs.size());  // nothing reserved
+  const KdBuilder builder = default_builder();
+  BuildCounters counters;
+  const Slot root =
+      grow_small({.tree = tree, .builder = builder, .max_depth = 20}, {}, refs, cell, {}, counters);
+  ASSERT_TRUE(root.is_unbuilt());
+  EXPECT_TRUE(root.cell()->given_up);
+  EXPECT_EQ(root.cell()->size, refs.size());
+  delete root.cell();
+}
+
+TEST(IsSmall, NeedsFewBoxesThatWeighOne) {
+  EXPECT_TRUE(is_small({}));
+  EXPECT_TRUE(is_small(tests::random_boxes(kSmallList, 0.1, 1)));
+  EXPECT_FALSE(is_small(tests::random_boxes(kSmallList + 1, 0.1, 1)));
+  EXPECT_FALSE(is_small(std::vector{tests::box_ref({0, 0, 0}, {1, 1, 1}, 0, 2)}));
+}
+
+std::vector<std::int64_t> targets_here() {
+  std::vector<std::int64_t> all;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
+    all.push_back(left & -left);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryTarget, SmallGrowth, ::testing::ValuesIn(targets_here()),
+                         [](const auto& target) {
+                           return std::string(hwy::TargetName(target.param));
+                         });
+
+}  // namespace
+}  // namespace sightline::accel

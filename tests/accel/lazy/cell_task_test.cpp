@@ -1,0 +1,215 @@
+// Threads that expand one cell together: equal cuts, little work twice, and nobody waits for a
+// thread that has stopped.
+#include "accel/lazy/cell_task.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/published/any_builder.h"
+#include "tests/accel/boxes.h"
+#include "tests/accel/check_tree.h"
+
+namespace sightline::accel {
+namespace {
+
+std::unique_ptr<SliceResult> counted(std::size_t references) {
+  auto result = std::make_unique<SliceResult>();
+  result->straddling.all = references;
+  return result;
+}
+
+TEST(Stage, KeepsTheFirstResultOfASlice) {
+  std::atomic<int> runs{0};
+  Stage stage(3, [&](std::size_t slice, BuildCounters& counters) {
+    ++counters.touches;
+    return counted(slice + 10 * static_cast<std::size_t>(runs++));
+  });
+  BuildCounters counters;
+  EXPECT_FALSE(stage.done());
+  EXPECT_EQ(stage.help(counters), 3u);
+  EXPECT_TRUE(stage.done());
+  EXPECT_EQ(stage.help(counters), 0u);
+  stage.finish(counters);
+  EXPECT_EQ(runs, 3);
+  EXPECT_EQ(counters.touches, 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling.all, i + 10 * i);
+}
+
+/// Holds up whoever comes to the gate first, until it is opened.
+class Gate {
+ public:
+  void pass() {
+    bool open = false;
+    if (!taken_.compare_exchange_strong(open, true)) return;
+    open_.wait(false);
+  }
+  bool taken() const { return taken_; }
+  void open() {
+    open_ = true;
+    open_.notify_all();
+  }
+
+ private:
+  std::atomic<bool> taken_{false}, open_{false};
+};
+
+TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
+  Gate gate;
+  Stage stage(8, [&](std::size_t slice, BuildCounters&) {
+    gate.pass();
+    return counted(slice);
+  });
+  std::thread stopped([&] {
+    BuildCounters counters;
+    stage.help(counters);
+  });
+  while (!gate.taken()) std::this_thread::yield();
+  BuildCounters counters;
+  stage.help(counters);
+  EXPECT_FALSE(stage.done());
+  stage.finish(counters);
+  EXPECT_TRUE(stage.done());
+  gate.open();
+  stopped.join();
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling.all, i);
+}
+
+TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
+  auto* expansion = new Expansion(nullptr);
+  std::atomic<int> runs{0};
+  const auto follow = [&](BuildCounters& counters) {
+    Replay replay(*expansion, counters);
+    std::size_t sum = 0;
+    for (std::size_t k = 1; k <= 4; ++k) {
+      const Stage& stage = replay.next(k, [&runs, k](std::size_t slice, BuildCounters&) {
+        ++runs;
+        return counted(k * slice);
+      });
+      for (std::size_t i = 0; i < stage.slices(); ++i) sum += stage[i].straddling.all;
+    }
+    return sum;
+  };
+  BuildCounters counters;
+  const std::size_t first = follow(counters);
+  EXPECT_EQ(runs, 1 + 2 + 3 + 4);
+  const std::uint64_t progress = expansion->progress();
+  EXPECT_EQ(follow(counters), first);
+  EXPECT_EQ(runs, 1 + 2 + 3 + 4);
+  EXPECT_EQ(expansion->progress(), progress);
+  expansion->leave();
+}
+
+/// A tree over many small boxes whose list is made in slices.
+struct ManyBoxes {
+  std::shared_ptr<const std::vector<BoxRef>> refs;
+  std::function<void()> at_slice = [] {};
+
+  explicit ManyBoxes(std::size_t count)
+      : refs(std::make_shared<const std::vector<BoxRef>>(tests::random_boxes(count, 0.002, 5))) {}
+
+  std::unique_ptr<LazyTree> tree() const {
+    ReferenceSource source;
+    source.coarsest = [places = refs->size()](BuildCounters&) {
+      return ReferenceSource::Coarsest{.places = places};
+    };
+    source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
+                                                     BoxRef* out, BuildCounters&) {
+      at_slice();
+      std::copy(refs->data() + begin, refs->data() + end, out);
+      return end - begin;
+    };
+    source.alive = refs;
+    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), default_builder(),
+                                      source);
+  }
+};
+
+/// Expands what lies on the way to the first reference, as a ray would.
+BuildCounters descend(LazyTree& tree, const Vec3f& point) {
+  const EpochPin pin;
+  BuildCounters counters;
+  AtomicSlot* at = &tree.root();
+  for (Slot slot = load(*at); !slot.is_leaf(); slot = load(*at)) {
+    if (slot.is_unbuilt()) {
+      if (tree.expand(*at, AtBusy::kWait, counters) == Expanded::kSearch) break;
+      continue;
+    }
+    const auto axis = static_cast<std::size_t>(slot.axis());
+    at = &tree.tree().children(slot)[point[axis] < slot.position() ? 0 : 1];
+  }
+  return counters;
+}
+
+std::uint64_t descend_with(int threads, LazyTree& tree, const Vec3f& point) {
+  std::atomic<std::uint64_t> touches{0};
+  std::vector<std::thread> pool;
+  for (int i = 0; i < threads; ++i)
+    pool.emplace_back([&] { touches += descend(tree, point).touches; });
+  for (std::thread& t : pool) t.join();
+  return touches;
+}
+
+TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
+  const ManyBoxes boxes(400'000);
+  const Vec3f point = (*boxes.refs)[0].lo;
+  const auto alone = boxes.tree(), together = boxes.tree();
+  const auto one = static_cast<double>(descend_with(1, *alone, point));
+  const auto many = static_cast<double>(descend_with(16, *together, point));
+  EXPECT_GE(many, one);
+  EXPECT_LE(many, 1.05 * one);
+  std::vector<Aabb> bounds;
+  for (const BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
+  const EpochPin pin;
+  EXPECT_EQ(load(together->root()).position(), load(alone->root()).position());
+  const auto cells = [](const LazyTree& t) {
+    return measure_growth(t.tree(), 400'000).cells_built;
+  };
+  EXPECT_EQ(cells(*together), cells(*alone));
+}
+
+TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
+  for (int stopped_at : {0, 7, 40}) {
+    auto gate = std::make_shared<Gate>();
+    ManyBoxes boxes(200'000);
+    auto slices = std::make_shared<std::atomic<int>>(0);
+    boxes.at_slice = [gate, slices, stopped_at] {
+      if ((*slices)++ == stopped_at) gate->pass();
+    };
+    const Vec3f point = (*boxes.refs)[0].lo;
+    const auto tree = boxes.tree();
+    std::vector<std::thread> threads;
+    std::atomic<int> through{0};
+    for (int i = 0; i < 4; ++i) {
+      threads.emplace_back([&] {
+        descend(*tree, point);
+        ++through;
+        through.notify_all();
+      });
+    }
+    // All but the one at the gate; the test would hang otherwise.
+    for (int now = through; now < 3; now = through) through.wait(now);
+    gate->open();
+    for (std::thread& t : threads) t.join();
+    EXPECT_EQ(through, 4);
+  }
+}
+
+TEST(Expansion, OutlivesItsTree) {
+  // Threads called to help may come when the tree is gone.
+  for (int i = 0; i < 20; ++i) {
+    const ManyBoxes boxes(70'000);
+    const auto tree = boxes.tree();
+    descend(*tree, (*boxes.refs)[0].lo);
+  }
+  reclaim();
+}
+
+}  // namespace
+}  // namespace sightline::accel

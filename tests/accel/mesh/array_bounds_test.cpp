@@ -1,0 +1,79 @@
+// Streams through arrays: the same as one by one, at every length, on every SIMD target.
+#include "accel/mesh/array_bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/support/random.h"
+
+namespace sightline::accel {
+namespace {
+
+class ArrayBoundsOnTarget : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(ArrayBoundsOnTarget, GreatestIndexIsFoundWhereverItStands) {
+  tests::Random random(1);
+  EXPECT_EQ(greatest_index({}), 0u);
+  for (std::size_t count = 1; count < 70; ++count) {
+    std::vector<Face> faces(count);
+    for (std::size_t at = 0; at < 3 * count; ++at) {
+      for (Face& face : faces) {
+        for (std::uint32_t& v : face) v = static_cast<std::uint32_t>(random.below(1000));
+      }
+      faces[at / 3][at % 3] = at % 2 == 0 ? 1000 : kNoVertex;
+      ASSERT_EQ(greatest_index(faces), faces[at / 3][at % 3]) << count << " " << at;
+    }
+  }
+}
+
+TEST_P(ArrayBoundsOnTarget, BoundsHoldEveryVertexAndNoMore) {
+  tests::Random random(2);
+  EXPECT_FALSE(bounds_of_vertices({}));
+  for (std::size_t count = 1; count < 200; ++count) {
+    std::vector<Vec3f> vertices(count);
+    Aabb expected;
+    for (Vec3f& v : vertices) {
+      v = Vec3f(Vec3d{random.uniform(-3, 1), random.uniform(5, 6), random.uniform(-1, 1e30)});
+      expected.grow(v);
+    }
+    const auto box = bounds_of_vertices(vertices);
+    ASSERT_TRUE(box);
+    ASSERT_EQ(*box, expected);
+    constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
+                              std::numeric_limits<float>::infinity(),
+                              -std::numeric_limits<float>::infinity()};
+    for (std::size_t at = 0; at < 3 * count; ++at) {
+      const float before = vertices[at / 3][at % 3];
+      vertices[at / 3][at % 3] = kOdd[at % std::size(kOdd)];
+      ASSERT_FALSE(bounds_of_vertices(vertices)) << count << " " << at;
+      vertices[at / 3][at % 3] = before;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, ArrayBoundsOnTarget,
+                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) {
+                           return std::string(hwy::TargetName(target.param));
+                         });
+
+TEST(ArrayBounds, OfEveryFewFaces) {
+  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {9, 9, 9}};
+  const std::vector<Face> faces{{0, 1, 2}, {0, 1, 3}, {2, 1, 0}};
+  EXPECT_EQ(bounds_of_faces({vertices, faces}, 2), (Aabb{{0, 0, 0}, {1, 2, 0}}));
+  EXPECT_EQ(bounds_of_faces({vertices, faces}, 1), (Aabb{{0, 0, 0}, {9, 9, 9}}));
+}
+
+}  // namespace
+}  // namespace sightline::accel

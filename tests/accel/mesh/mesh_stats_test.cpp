@@ -1,0 +1,84 @@
+// What a survey says of meshes with and without oddities.
+#include "accel/mesh/mesh_stats.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+using tests::TestMesh;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr Face kNoFace{kNoVertex, kNoVertex, kNoVertex};
+
+/// Face by face.
+MeshSurvey slowly(const TestMesh& mesh) {
+  MeshSurvey survey;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const FaceSum face = sum_faces(mesh.view(), i, i + 1);
+    survey.triangles += face.triangles;
+    survey.finite_triangles += face.finite;
+    survey.first_bad_face = std::min(survey.first_bad_face, face.first_bad);
+    if (face.finite > 0) survey.bounds.grow(face.box);
+  }
+  return survey;
+}
+
+void expect_right(const TestMesh& mesh, const MeshSurvey& survey) {
+  const MeshSurvey expected = slowly(mesh);
+  EXPECT_EQ(survey.triangles, expected.triangles);
+  EXPECT_EQ(survey.finite_triangles, expected.finite_triangles);
+  EXPECT_EQ(survey.first_bad_face, expected.first_bad_face);
+  const Aabb bounds = padded(survey.bounds);
+  Aabb both = bounds;
+  if (expected.finite_triangles > 0) both.grow(expected.bounds);
+  EXPECT_EQ(both, bounds);
+}
+
+TEST(MeshSurvey, SaysTheSameAsFaceByFace) {
+  for (const std::uint32_t side : {1u, 5u, 40u, 300u}) {
+    TestMesh mesh = tests::planar_sheet(side);
+    const MeshSurvey survey = survey_mesh(mesh.view());
+    expect_right(mesh, survey);
+    EXPECT_EQ(survey.bounds.hi.x, static_cast<float>(side));
+    mesh.faces.push_back(kNoFace);
+    expect_right(mesh, survey_mesh(mesh.view()));
+    mesh.faces.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size())});
+    expect_right(mesh, survey_mesh(mesh.view()));
+    mesh.faces.resize(mesh.faces.size() - 2);
+    mesh.vertices[side].y = kNan;
+    expect_right(mesh, survey_mesh(mesh.view()));
+  }
+}
+
+TEST(MeshSurvey, OfNothing) {
+  expect_right({}, survey_mesh({}));
+  EXPECT_TRUE(survey_mesh({}).bounds.empty());
+  const TestMesh points{{{0, 0, 0}, {1, 1, 1}}, {kNoFace}};
+  expect_right(points, survey_mesh(points.view()));
+  EXPECT_TRUE(survey_mesh(points.view()).bounds.empty());
+}
+
+TEST(MeshSurvey, VerticesFarFromTheFacesDoNotCount) {
+  TestMesh mesh = tests::planar_sheet(60);
+  mesh.vertices.push_back({60000, 60000, 60000});
+  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
+  mesh.vertices.back() = {kNan, 0, 0};
+  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
+  EXPECT_EQ(survey_mesh(mesh.view()).finite_triangles, mesh.faces.size());
+}
+
+TEST(MeshSurvey, FewLargeFacesAmongManySmallOnesCount) {
+  TestMesh mesh = tests::planar_sheet(60);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {{-9000, 0, 0}, {9000, 0, 0}, {0, 5000, 9000}});
+  mesh.faces.insert(mesh.faces.begin() + 7, {first, first + 1, first + 2});
+  expect_right(mesh, survey_mesh(mesh.view()));
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,337 @@
+// Lazy, full, searched: all the same hits, for every builder and shape of input.
+#include "accel/mesh/mesh_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/task_arena.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/tree_metrics.h"
+#include "tests/accel/check_tree.h"
+#include "tests/accel/published/bvh/check_hierarchy.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+using tests::TestMesh;
+
+struct Answer {
+  double t = kInfinity;
+  std::uint32_t primitive = 0;
+  bool operator==(const Answer&) const = default;
+};
+
+std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh,
+                                    const AnyBuilder& builder = default_builder(),
+                                    References references = References::kRuns) {
+  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
+}
+
+MeshQuery query_of(const Ray& ray) {
+  MeshQuery query;
+  query.ray = *make_local_ray(ray.origin, ray.direction);
+  query.tmin = ray.tmin;
+  query.tmax = ray.tmax;
+  query.node = 1;
+  return query;
+}
+
+Answer ask(MeshTree& tree, const Ray& ray, AtUnbuilt at_unbuilt = AtUnbuilt::kExpand) {
+  const EpochPin pin;
+  MeshQuery query = query_of(ray);
+  query.at_unbuilt = at_unbuilt;
+  WalkCounters walked;
+  BuildCounters built;
+  tree.query(query, walked, built);
+  return query.found ? Answer{query.best_t, query.best_primitive} : Answer{};
+}
+
+/// The hit rule over every triangle, with no tree. (The independent oracle is in tests/e2e.)
+Answer search(const TestMesh& mesh, const Ray& ray) {
+  const LocalRay local = *make_local_ray(ray.origin, ray.direction);
+  Answer best;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    if (!face_bounds(mesh.view(), i)) continue;
+    const Face& f = mesh.faces[i];
+    const auto t = intersect(local, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+    if (!t) continue;
+    const double world = *t * local.unit;
+    if (world >= ray.tmin && world <= ray.tmax && world < best.t)
+      best = {world, static_cast<std::uint32_t>(i)};
+  }
+  return best;
+}
+
+std::vector<Aabb> reference_bounds(const TestMesh& mesh) {
+  std::vector<Aabb> bounds;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i)
+    bounds.push_back(face_bounds(mesh.view(), i).value_or(Aabb{}));
+  return bounds;
+}
+
+struct Case {
+  std::string name;
+  std::function<TestMesh()> make;
+};
+
+/// One triangle poisoned, one slot without a triangle, some without area.
+TestMesh damaged() {
+  TestMesh mesh = tests::icosphere(2);
+  mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+  mesh.vertices.push_back({0, std::numeric_limits<float>::infinity(), 0});
+  const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.faces.push_back({0, 1, n - 1});
+  mesh.faces.push_back({0, 1, n - 2});
+  mesh.faces.push_back({kNoVertex, kNoVertex, kNoVertex});
+  mesh.faces.push_back({3, 3, 3});
+  mesh.faces.push_back({3, 4, 3});
+  return mesh;
+}
+
+/// Flat triangles in one plane among others that rise from it by a single float, or fall.
+TestMesh thin() {
+  TestMesh mesh = tests::planar_sheet(6);
+  const float above = least_above(1), below = std::nextafter(1.0f, 0.0f);
+  for (Vec3f& v : mesh.vertices) v.z = 1;
+  tests::Random random(4);
+  for (int i = 0; i < 60; ++i) {
+    const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int k = 0; k < 3; ++k) {
+      const auto x = [&] { return static_cast<float>(random.below(13)) / 2; };
+      mesh.vertices.push_back({x(), x(), random.below(2) == 0 ? 1.0f : i % 2 == 0 ? above : below});
+    }
+    mesh.faces.push_back({n, n + 1, n + 2});
+  }
+  mesh.append(tests::box({2, 2, 1}, {4, 4, 3}));
+  return mesh;
+}
+
+/// Corners on a lattice: many flat triangles, and planes through the corners of others.
+TestMesh lattice() {
+  TestMesh mesh;
+  tests::Random random(5);
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const auto x = [&] { return static_cast<float>(random.below(6)); };
+      mesh.vertices.push_back({x(), x(), x()});
+    }
+    mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all{
+      {"triangle", tests::single_triangle},
+      {"cube", [] { return tests::cube(); }},
+      {"staircase", [] { return tests::staircase(40); }},
+      {"sheet", [] { return tests::planar_sheet(20); }},
+      {"walls", [] { return tests::flat_walls(50); }},
+      {"duplicates", [] { return tests::duplicates(300); }},
+      {"fan", [] { return tests::fan(256); }},
+      {"soup", [] { return tests::random_soup(2000, 0.05, 1); }},
+      {"large_soup", [] { return tests::random_soup(300, 0.8, 2); }},
+      {"sphere", [] { return tests::icosphere(4); }},
+      {"thin", thin},
+      {"lattice", lattice},
+      {"damaged", damaged},
+      {"empty", [] { return TestMesh{}; }},
+  };
+  for (std::uint32_t n = 2; n <= 40; ++n) {
+    all.push_back({"soup_of_" + std::to_string(n), [n] { return tests::random_soup(n, 0.3, n); }});
+  }
+  return all;
+}
+
+/// Random rays, and rays that meet vertices, edges, planes and grid lines exactly.
+std::vector<Ray> rays_for(const TestMesh& mesh, std::size_t count) {
+  if (mesh.faces.empty()) return {Ray{{0, 0, 0}, {1, 0, 0}}};
+  std::vector<Ray> rays = tests::rays_at(mesh, count, 99);
+  tests::Random random(5);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d v(mesh.vertices[random.below(mesh.vertices.size())]);
+    const Vec3d w(mesh.vertices[random.below(mesh.vertices.size())]);
+    if (!is_finite(v) || !is_finite(w)) continue;
+    rays.push_back({v - Vec3d{0, 0, 5}, {0, 0, 1}});
+    rays.push_back({v + Vec3d{5, 0, 0}, {-1, -0.0, 0}});
+    rays.push_back(
+        {v, {0, 1, 0}});  // starts on the surface, often on a split plane, along a grid line
+    rays.push_back({w, {1, 1, 0}, -3, 3});
+    const Vec3d from = v + random.direction() * 3.0;
+    rays.push_back({from, v - from, 0.25, 1});  // ends on the vertex: both limits are closed
+    rays.push_back({from, (v + w) * 0.5 - from});
+  }
+  // Around a mesh with a vertex at infinity not every ray is one.
+  std::erase_if(rays, [](const Ray& ray) { return !make_local_ray(ray.origin, ray.direction); });
+  return rays;
+}
+
+void check(const MeshTree& tree, const TestMesh& mesh, const AnyBuilder& builder) {
+  const EpochPin pin;
+  if (const BvhTree* bvh = tree.bvh()) {
+    if (bvh->built() != nullptr) tests::check_hierarchy(*bvh->built(), mesh);
+    return;
+  }
+  const KdBuilder& kd = std::get<KdBuilder>(builder);
+  const bool may_clip = clips(kd, {}, 1000, 1000);
+  if (may_clip || std::holds_alternative<ExactBuilder>(kd)) {
+    tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
+  } else {
+    tests::check_tree(*tree.kd(), reference_bounds(mesh));
+  }
+}
+
+/// Searching naively takes the square of the size.
+bool takes_too_long(std::string_view builder, const TestMesh& mesh) {
+  return builder == "sah-naive" && mesh.faces.size() > 1000;
+}
+
+class EveryShape : public ::testing::TestWithParam<Case> {};
+
+TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
+  const TestMesh mesh = GetParam().make();
+  const std::vector<Ray> rays = rays_for(mesh, 60);
+  for (const std::string_view name : builder_names()) {
+    if (takes_too_long(name, mesh)) continue;
+    const AnyBuilder builder = *make_builder(name);
+    const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
+               unbuilt = make_tree(mesh, builder);
+    BuildCounters counters;
+    full->expand_all(counters);
+    {
+      const EpochPin pin;
+      const TreeMetrics m = full->metrics();
+      EXPECT_EQ(m.unbuilt_cells, m.given_up_cells);
+    }
+    check(*full, mesh, builder);
+    for (const Ray& ray : rays) {
+      const Answer expected = search(mesh, ray);
+      ASSERT_EQ(ask(*lazy, ray), expected) << name;
+      ASSERT_EQ(ask(*full, ray), expected) << name;
+      ASSERT_EQ(ask(*unbuilt, ray, AtUnbuilt::kSearch), expected) << name;
+      ASSERT_EQ(ask(*lazy, ray, AtUnbuilt::kSearch), expected) << name;
+    }
+    EXPECT_TRUE(mesh.faces.empty() || unbuilt->untouched());
+    check(*lazy, mesh, builder);
+  }
+}
+
+TEST_P(EveryShape, AnyHitIsThereIfAndOnlyIfTheNearestIs) {
+  const TestMesh mesh = GetParam().make();
+  const auto tree = make_tree(mesh);
+  for (const Ray& ray : rays_for(mesh, 40)) {
+    const EpochPin pin;
+    MeshQuery any = query_of(ray);
+    any.any = true;
+    WalkCounters walked;
+    BuildCounters built;
+    tree->query(any, walked, built);
+    ASSERT_EQ(any.found, search(mesh, ray).t < kInfinity);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, ::testing::ValuesIn(cases()),
+                         [](const auto& shape) { return shape.param.name; });
+
+TEST(MeshTree, GrowsOnlyWhereRaysLook) {
+  const TestMesh mesh = tests::icosphere(5);  // 20,480 triangles
+  const auto tree = make_tree(mesh);
+  WalkCounters walked;
+  BuildCounters first, again;
+  std::vector<Ray> rays;
+  tests::Random random(2);
+  for (int i = 0; i < 500; ++i) {
+    rays.push_back(
+        {{0, 0, 3}, Vec3d{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}, 0, 2.5});
+  }
+  const EpochPin pin;
+  for (const Ray& ray : rays) {
+    MeshQuery query = query_of(ray);
+    tree->query(query, walked, first);
+  }
+  EXPECT_GT(first.cells_expanded, 0u);
+  EXPECT_GE(first.touches_prepare, mesh.faces.size());
+  EXPECT_LT(first.touches_prepare, 2 * mesh.faces.size());
+  const GrowthMetrics growth = tree->growth();
+  EXPECT_GT(growth.references_built, 0u);
+  EXPECT_LT(growth.references_built, mesh.faces.size() / 5);
+  for (const Ray& ray : rays) {
+    MeshQuery query = query_of(ray);
+    tree->query(query, walked, again);
+  }
+  EXPECT_EQ(again.cells_expanded, 0u);
+  EXPECT_EQ(again.touches, 0u);
+}
+
+TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
+  const TestMesh mesh = tests::random_soup(5000, 0.03, 3);
+  const auto full = make_tree(mesh), lazy = make_tree(mesh);
+  BuildCounters counters;
+  full->expand_all(counters);
+  for (const Ray& ray : tests::rays_at(mesh, 50, 1)) ask(*lazy, ray);
+  lazy->expand_all(counters);
+  const EpochPin pin;
+  const TreeMetrics a = full->metrics(), b = lazy->metrics();
+  EXPECT_EQ(a.nodes, b.nodes);
+  EXPECT_EQ(a.references, b.references);
+  EXPECT_EQ(a.max_depth, b.max_depth);
+  EXPECT_DOUBLE_EQ(a.sah_cost, b.sah_cost);
+  EXPECT_EQ(b.unbuilt_cells, 0u);
+}
+
+TEST(MeshTree, CancelledBuildsStayUsable) {
+  const TestMesh mesh = tests::random_soup(20000, 0.02, 4);
+  const auto tree = make_tree(mesh);
+  const std::atomic<bool> cancelled{true};
+  BuildCounters counters;
+  tree->expand_all(counters, &cancelled);
+  {
+    const EpochPin pin;
+    EXPECT_GT(tree->metrics().unbuilt_cells, 0u);
+  }
+  for (const Ray& ray : tests::rays_at(mesh, 20, 1)) EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
+  tree->expand_all(counters);
+  const EpochPin pin;
+  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+}
+
+TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
+  // Large enough that the first cells are joined and the later ones raced for.
+  const TestMesh mesh = tests::random_soup(60000, 0.01, 6);
+  const std::vector<Ray> rays = tests::rays_at(mesh, 1500, 8);
+  const auto reference = make_tree(mesh);
+  BuildCounters counters;
+  reference->expand_all(counters);
+  std::vector<Answer> expected;
+  for (const Ray& ray : rays) expected.push_back(ask(*reference, ray));
+  const auto tree = make_tree(mesh);
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&, i] {
+      if (i == 7) {
+        BuildCounters own;
+        tree->expand_all(own);
+        return;
+      }
+      for (std::size_t k = 0; k < rays.size(); ++k) {
+        const std::size_t at = (k + static_cast<std::size_t>(i) * 37) % rays.size();
+        if (ask(*tree, rays[at]) != expected[at]) ++wrong;
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(wrong, 0);
+  const EpochPin pin;
+  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,58 @@
+// Lists that keep each hit once, and the nearest.
+#include "accel/mesh/unique_hits.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/support/random.h"
+
+namespace sightline::accel {
+namespace {
+
+TEST(Distinct, KeepsEachOnce) {
+  tests::Random random(1);
+  Distinct<std::uint32_t> list;
+  for (int round = 0; round < 3; ++round) {
+    list.clear();
+    std::set<std::uint32_t> expected;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto x = static_cast<std::uint32_t>(random.below(3000));
+      expected.insert(x);
+      list.add(x);
+    }
+    const auto kept = list.sorted();
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), expected.begin(), expected.end()));
+    EXPECT_EQ(list.greatest(), nullptr) << "there is no limit";
+  }
+}
+
+TEST(Distinct, KeepsTheLeast) {
+  for (const std::size_t limit : {1u, 2u, 31u, 32u, 33u, 100u}) {
+    tests::Random random(limit);
+    Distinct<std::uint32_t> list(limit);
+    std::set<std::uint32_t> expected;
+    for (int i = 0; i < 5000; ++i) {
+      const auto x = static_cast<std::uint32_t>(random.below(1'000'000));
+      expected.insert(x);
+      if (list.add(x) && list.greatest() != nullptr) {
+        // It never says less than what will be kept.
+        EXPECT_GE(*list.greatest(), *std::next(expected.begin(), static_cast<int>(limit) - 1));
+      }
+    }
+    const auto kept = list.sorted();
+    ASSERT_EQ(kept.size(), limit);
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), expected.begin()));
+  }
+}
+
+TEST(ListedHit, IsOrderedByDistanceThenNodeThenPrimitive) {
+  const ListedHit hit{1, 5, 7, 0};
+  EXPECT_LT(hit, (ListedHit{2, 1, 1, 0}));
+  EXPECT_LT(hit, (ListedHit{1, 6, 1, 0}));
+  EXPECT_LT(hit, (ListedHit{1, 5, 8, 0}));
+  EXPECT_EQ(hit, (ListedHit{1, 5, 7, 0}));
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,116 @@
+// Builders and parameters by name.
+#include "accel/published/any_builder.h"
+
+#include <gtest/gtest.h>
+
+namespace sightline::accel {
+namespace {
+
+TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
+  for (const std::string_view name :
+       {"spatial-median", "object-median", "sah-naive", "sah-sort", "sah-sweep", "min-max-bins",
+        "scan-one-axis", "scan-hybrid", "scan-all-axes", "bvh-sweep", "bvh-binned", "bvh-esc",
+        "bvh-evh", "sbvh"}) {
+    EXPECT_TRUE(make_builder(name)) << name;
+  }
+  for (const std::string_view name : builder_names()) {
+    const auto builder = make_builder(name);
+    ASSERT_TRUE(builder) << name;
+    if (const auto* bvh = std::get_if<BvhBuilder>(&*builder)) {
+      EXPECT_FALSE(bvh->check()) << name;
+      continue;
+    }
+    EXPECT_FALSE(std::visit([](const auto& b) { return b.check(); }, std::get<KdBuilder>(*builder)))
+        << name;
+  }
+}
+
+TEST(SetParameter, TakesNumbersCountsAndSwitches) {
+  AnyBuilder builder = *make_builder("sah-sort");
+  const auto exact = [&] { return std::get<ExactBuilder>(std::get<KdBuilder>(builder)); };
+  EXPECT_EQ(exact().search, ExactSearch::kSort);
+  EXPECT_TRUE(set_parameter(builder, "lambda", "1"));
+  EXPECT_EQ(exact().costs.lambda, 1);
+  EXPECT_TRUE(set_parameter(builder, "bad_refines", "3"));
+  EXPECT_EQ(exact().bad_refines, 3u);
+  for (const auto& [text, on] :
+       {std::pair("off", false), {"on", true}, {"0", false}, {"1", true}}) {
+    EXPECT_TRUE(set_parameter(builder, "clip", text));
+    EXPECT_EQ(exact().clip, on);
+    EXPECT_EQ(exact().clips(), on);
+  }
+}
+
+TEST(SetParameter, RefusesAndSaysWhy) {
+  AnyBuilder builder = *make_builder("sah-sweep");
+  const AnyBuilder before = builder;
+  const auto message = [&](std::string_view key, std::string_view value) {
+    const Status status = set_parameter(builder, key, value);
+    return status ? std::string() : status.error().message;
+  };
+  EXPECT_EQ(message("lambda", "1.5"), "lambda is 1.500000, must lie in 0.000001 to 1.000000");
+  EXPECT_EQ(message("lambda", "nan"), "lambda: \"nan\" is not a number");
+  EXPECT_EQ(message("lambda", ""), "lambda: \"\" is not a number");
+  EXPECT_EQ(message("bad_refines", "1.5"),
+            "bad_refines: \"1.5\" is not a whole number of 0 to 4294967295");
+  EXPECT_EQ(message("bad_refines", "-1"),
+            "bad_refines: \"-1\" is not a whole number of 0 to 4294967295");
+  EXPECT_EQ(message("bad_refines", "99"), "bad_refines is 99, must lie in 0 to 16");
+  EXPECT_EQ(message("clip", "2"), "clip: \"2\" is not on, off, 1 or 0");
+  EXPECT_EQ(
+      message("samples", "8"),
+      "no parameter \"samples\"; there are: cost_traverse cost_intersect lambda bad_refines clip");
+  EXPECT_EQ(builder, before);
+}
+
+TEST(SetParameter, OfAHierarchyNamesWhatItsMethodKnows) {
+  AnyBuilder binned = *make_builder("bvh-binned");
+  const Status status = set_parameter(binned, "alpha", "0");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message,
+            "no parameter \"alpha\"; there are: leaf_size split_small cost_traverse cost_intersect "
+            "bins");
+  EXPECT_FALSE(set_parameter(binned, "bins", "257"));
+  EXPECT_FALSE(set_parameter(binned, "leaf_size", "0"));
+  AnyBuilder spatial = *make_builder("sbvh");
+  EXPECT_FALSE(set_parameter(spatial, "alpha", "1.5"));
+  EXPECT_FALSE(set_parameter(spatial, "budget", "-1"));
+}
+
+TEST(SetParameter, OneNameMaySetSeveral) {
+  AnyBuilder builder = *make_builder("scan-hybrid");
+  EXPECT_TRUE(set_parameter(builder, "samples", "4"));
+  const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
+  EXPECT_EQ(scan.uniform_samples, 4u);
+  EXPECT_EQ(scan.adaptive_samples, 4u);
+}
+
+TEST(SetParameter, ReachesEveryBuilder) {
+  for (const auto& [name, key, value] : {std::tuple("spatial-median", "leaf_size", "4"),
+                                         {"object-median", "max_depth", "12"},
+                                         {"min-max-bins", "bins", "64"},
+                                         {"min-max-bins", "subsample", "off"},
+                                         {"min-max-bins", "threads", "2"},
+                                         {"scan-all-axes", "empty_bonus", "1"},
+                                         {"scan-all-axes", "clip_crowds", "1"},
+                                         {"scan-all-axes", "budget", "7.5"},
+                                         {"bvh-sweep", "leaf_size", "4"},
+                                         {"bvh-sweep", "split_small", "on"},
+                                         {"bvh-binned", "bins", "16"},
+                                         {"bvh-esc", "threshold", "0.01"},
+                                         {"bvh-evh", "budget", "2"},
+                                         {"bvh-esc", "repeats", "on"},
+                                         {"sbvh", "alpha", "0"},
+                                         {"sbvh", "node_overlap", "0.2"},
+                                         {"sbvh", "spatial_bins", "64"},
+                                         {"sbvh", "unsplit", "off"},
+                                         {"sbvh", "budget", "1"}}) {
+    AnyBuilder builder = *make_builder(name);
+    const AnyBuilder before = builder;
+    EXPECT_TRUE(set_parameter(builder, key, value)) << name << key;
+    EXPECT_NE(builder, before) << name << key;
+  }
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,117 @@
+// Hierarchies under rays: built once, by whoever comes first, and searched for nothing in vain.
+#include "accel/published/bvh/bvh_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/published/any_builder.h"
+#include "accel/published/bvh/bvh_walk.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+TEST(BvhTree, IsBuiltOnceByManyThreads) {
+  const tests::TestMesh mesh = tests::icosphere(5);
+  BvhTree tree(mesh.view(), BvhBuilder{.method = BvhMethod::kSpatial});
+  EXPECT_EQ(tree.built(), nullptr);
+  EXPECT_EQ(tree.bytes(), 0u);
+  std::vector<BuildCounters> counters(4);
+  std::vector<std::thread> threads;
+  for (BuildCounters& own : counters) threads.emplace_back([&] { tree.build(own); });
+  for (std::thread& thread : threads) thread.join();
+  std::uint64_t built = 0;
+  for (const BuildCounters& own : counters) built += own.cells_expanded;
+  EXPECT_EQ(built, 1u);
+  ASSERT_NE(tree.built(), nullptr);
+  EXPECT_EQ(tree.bytes(), tree.built()->bytes());
+}
+
+// A thread that builds must not take up another ray's task, which would wait for what it builds.
+TEST(BvhTree, IsBuiltFromWithinTasks) {
+  const tests::TestMesh mesh = tests::random_soup(50'000, 0.02, 8);
+  BvhTree tree(mesh.view(), BvhBuilder{});
+  std::atomic<int> done = 0;
+  tbb::parallel_for(0, 64, [&](int) {
+    BuildCounters counters;
+    tree.build(counters);
+    ++done;
+  });
+  EXPECT_EQ(done, 64);
+}
+
+TEST(BvhTree, OnlyRaysThatMayBuildDo) {
+  const tests::TestMesh mesh = tests::icosphere(3);
+  for (const std::string_view name : builder_names()) {
+    const AnyBuilder builder = *make_builder(name);
+    if (!std::holds_alternative<BvhBuilder>(builder)) continue;
+    MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder);
+    const auto ask = [&](AtUnbuilt at_unbuilt) {
+      const EpochPin pin;
+      MeshQuery query;
+      query.ray = *make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
+      query.at_unbuilt = at_unbuilt;
+      WalkCounters walked;
+      BuildCounters built;
+      tree.query(query, walked, built);
+      return query;
+    };
+    EXPECT_EQ(tree.metrics().unbuilt_cells, 1u);
+    EXPECT_EQ(tree.growth().cells_deferred, 1u);
+    const MeshQuery skipped = ask(AtUnbuilt::kSkip), searched = ask(AtUnbuilt::kSearch);
+    EXPECT_TRUE(!skipped.found && skipped.met_unbuilt);
+    EXPECT_TRUE(searched.found && searched.met_unbuilt);
+    EXPECT_TRUE(tree.untouched());
+    const MeshQuery built = ask(AtUnbuilt::kExpand);
+    EXPECT_TRUE(built.found && !built.met_unbuilt);
+    EXPECT_EQ(built.best_t, searched.best_t);
+    EXPECT_EQ(built.best_primitive, searched.best_primitive);
+    EXPECT_EQ(tree.growth().references_built, mesh.faces.size());
+    EXPECT_GT(tree.bytes(), 0u);
+  }
+}
+
+/// Hits of boxes alone: what meet_children says against the slab test of a single box.
+TEST(BvhWalk, MeetsWhatMayMeetMeets) {
+  tests::Random random(6);
+  int met = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    BvhNode node;
+    std::array<Aabb, 2> boxes;
+    for (const std::size_t side : {0u, 1u}) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto x = static_cast<float>(random.uniform(-1, 1));
+        boxes[side].lo[a] = x;
+        boxes[side].hi[a] = x + static_cast<float>(random.uniform(0, 0.5));
+      }
+      node.set(side, {.box = boxes[side]});
+      EXPECT_EQ(node.child(side).box, boxes[side]);
+    }
+    Vec3d origin{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    Vec3d direction = Vec3d(boxes[0].lo) - origin;
+    if (i % 3 == 0) direction[static_cast<std::size_t>(i / 3) % 3] = i % 2 == 0 ? 0.0 : -0.0;
+    if (i % 5 == 0) origin.x = static_cast<double>(boxes[0].lo.x);
+    const LocalRay local = *make_local_ray(origin, direction);
+    TreeRay ray;
+    if (!enter(local, {{-1, -1, -1}, {1.5f, 1.5f, 1.5f}}, 0, 10, ray)) continue;
+    const BvhMeeting meeting = meet_children(node, ray, ray.t_out);
+    for (const std::size_t side : {0u, 1u}) {
+      if (may_meet(ray, boxes[side], ray.t_out)) {
+        EXPECT_TRUE(meeting.meets[side]);
+        ++met;
+      }
+    }
+  }
+  EXPECT_GT(met, 1000);
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,248 @@
+// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads, all
+// the same.
+#include "accel/published/kd/event_growth.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "accel/grow/grow.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/split/kd_builder.h"
+#include "tests/accel/boxes.h"
+#include "tests/accel/check_tree.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::accel {
+namespace {
+
+using tests::bounds_of;
+using tests::TestMesh;
+
+constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
+
+/// What a leaf holds, or a cell that was given up for want of room, as a set.
+std::vector<std::uint32_t> held(const KdTree& tree, Slot slot) {
+  std::vector<std::uint32_t> ids;
+  if (slot.is_unbuilt()) {
+    ids = tests::ids_of(slot.cell()->list);
+  } else if (slot.leaf_count() > 0) {
+    std::uint32_t storage;
+    const auto leaf = tree.leaf(slot, storage);
+    ids.assign(leaf.begin(), leaf.end());
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+void expect_same(const KdTree& a, Slot at, const KdTree& b, Slot other, std::size_t& cells) {
+  ++cells;
+  ASSERT_EQ(at.tag(), other.tag());
+  if (at.is_binary()) {
+    ASSERT_EQ(at.position(), other.position());
+    for (std::size_t i = 0; i < 2; ++i)
+      expect_same(a, load(a.children(at)[i]), b, load(b.children(other)[i]), cells);
+    return;
+  }
+  ASSERT_EQ(held(a, at), held(b, other));
+}
+
+std::size_t expect_same(const KdTree& a, const KdTree& b) {
+  std::size_t cells = 0;
+  expect_same(a, load(a.root()), b, load(b.root()), cells);
+  return cells;
+}
+
+ReferenceSource source_of_faces(const MeshView& mesh) {
+  ReferenceSource source;
+  source.coarsest = [mesh](BuildCounters&) {
+    return ReferenceSource::Coarsest{.places = mesh.faces.size()};
+  };
+  source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters&) {
+    return face_references(mesh, begin, end, out);
+  };
+  return source;
+}
+
+std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
+                                    const ExactBuilder& builder) {
+  const MeshSurvey survey = survey_mesh(mesh.view());
+  return std::make_unique<LazyTree>(padded(survey.bounds), survey.finite_triangles,
+                                    KdBuilder(builder), source_of_faces(view), &view);
+}
+
+void touch_all(LazyTree& tree, AtomicSlot& slot) {
+  BuildCounters counters;
+  while (load(slot).is_unbuilt() &&
+         tree.expand(slot, AtBusy::kWait, counters) == Expanded::kAgain) {
+  }
+  if (!load(slot).is_binary()) return;
+  AtomicSlot* children = tree.tree().children(load(slot));
+  touch_all(tree, children[0]);
+  touch_all(tree, children[1]);
+}
+
+/// Triangles with corners on a lattice: many flat ones, many bounds alike.
+TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
+  tests::Random random(seed);
+  TestMesh mesh;
+  for (std::uint32_t i = 0; i < 3 * n; ++i) {
+    const auto x = [&] { return static_cast<float>(random.below(5)); };
+    mesh.vertices.push_back({x(), x(), x()});
+  }
+  for (std::uint32_t i = 0; i < n; ++i) mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  return mesh;
+}
+
+TestMesh room() {
+  TestMesh mesh = tests::planar_sheet(6);
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    const auto x = static_cast<float>(i);
+    mesh.append(tests::box({x, 0, 0}, {x, 6, 3}));
+    mesh.append(tests::box({0, x, 0}, {6, x, 3}));
+  }
+  return mesh;
+}
+
+struct Case {
+  std::string name;
+  std::function<TestMesh()> make;
+};
+
+std::vector<Case> cases() {
+  return {
+      {"cube", [] { return tests::cube(); }},
+      {"staircase", [] { return tests::staircase(12); }},
+      {"sheet", [] { return tests::planar_sheet(9); }},
+      {"walls", [] { return tests::flat_walls(30); }},
+      {"duplicates", [] { return tests::duplicates(40); }},
+      {"fan", [] { return tests::fan(32); }},
+      {"room", room},
+      {"soup", [] { return tests::random_soup(300, 0.1, 1); }},
+      {"large_soup", [] { return tests::random_soup(60, 0.8, 2); }},
+      {"lattice", [] { return lattice_soup(150, 3); }},
+      {"sphere", [] { return tests::icosphere(2); }},
+  };
+}
+
+class EveryScene : public ::testing::TestWithParam<Case> {};
+
+TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
+  const TestMesh mesh = GetParam().make();
+  const MeshView view = mesh.view();
+  for (const auto& [clip, lambda, bad_refines] :
+       {std::tuple(true, 0.8, 0u), {true, 1.0, 0u}, {false, 0.8, 0u}, {true, 0.8, 1u}}) {
+    ExactBuilder builder{.costs = {.lambda = lambda}, .bad_refines = bad_refines, .clip = clip};
+    std::vector<std::unique_ptr<LazyTree>> trees;
+    for (const ExactSearch search : kSearches) {
+      builder.search = search;
+      trees.push_back(make_tree(mesh, view, builder));
+      BuildCounters counters;
+      trees.back()->expand_all(counters);
+    }
+    trees.push_back(make_tree(mesh, view, builder));  // cell by cell
+    const EpochPin pin;
+    touch_all(*trees.back(), trees.back()->root());
+    for (std::size_t i = 1; i < trees.size(); ++i) {
+      const TreeMetrics m = measure(trees[0]->tree());
+      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.unbuilt_cells);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, ::testing::ValuesIn(cases()),
+                         [](const auto& scene) { return scene.param.name; });
+
+TEST(ExactTrees, SortAndSweepBuildTheSameLargeTree) {
+  const TestMesh mesh = tests::random_soup(20000, 0.02, 5);
+  const MeshView view = mesh.view();
+  std::vector<std::unique_ptr<LazyTree>> trees;
+  for (const ExactSearch search : {ExactSearch::kSort, ExactSearch::kSweep}) {
+    trees.push_back(make_tree(mesh, view, {.search = search}));
+    BuildCounters counters;
+    trees.back()->expand_all(counters);
+  }
+  const EpochPin pin;
+  EXPECT_GT(expect_same(trees[0]->tree(), trees[1]->tree()), mesh.faces.size());
+}
+
+TEST(ExactTrees, ThreadsBuildTheSameTree) {
+  const TestMesh mesh = tests::random_soup(20000, 0.02, 6);
+  const MeshView view = mesh.view();
+  std::vector<std::unique_ptr<LazyTree>> trees;
+  std::vector<std::uint64_t> touches;
+  for (const int threads : {1, 4}) {
+    tbb::task_arena arena(threads);
+    trees.push_back(make_tree(mesh, view, {}));
+    BuildCounters counters;
+    arena.execute([&] { trees.back()->expand_all(counters); });
+    touches.push_back(counters.touches);
+  }
+  const EpochPin pin;
+  expect_same(trees[0]->tree(), trees[1]->tree());
+  EXPECT_EQ(touches[0], touches[1]);
+}
+
+/// Instances of a scene: heavy, and nothing to clip.
+TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
+  const std::vector<BoxRef> refs = tests::lattice_boxes(200, 50, 8);
+  std::vector<std::unique_ptr<LazyTree>> trees;
+  for (const ExactSearch search : kSearches) {
+    trees.push_back(std::make_unique<LazyTree>(
+        bounds_of(refs), refs.size(), KdBuilder(ExactBuilder{.search = search}), source_of(refs)));
+    BuildCounters counters;
+    trees.back()->expand_all(counters);
+  }
+  const EpochPin pin;
+  expect_same(trees[0]->tree(), trees[1]->tree());
+  EXPECT_GT(expect_same(trees[0]->tree(), trees[2]->tree()), 3u);
+}
+
+TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
+  const TestMesh mesh = tests::random_soup(20000, 0.02, 9);
+  const MeshView view = mesh.view();
+  const auto whole = make_tree(mesh, view, {}), parts = make_tree(mesh, view, {});
+  BuildCounters counters;
+  whole->expand_all(counters);
+  const EpochPin pin;
+  // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
+  // finished.
+  while (load(parts->root()).is_unbuilt())
+    ASSERT_EQ(parts->expand(parts->root(), AtBusy::kWait, counters), Expanded::kAgain);
+  const std::atomic<bool> cancelled{true};
+  const Slot root = load(parts->root());
+  for (std::size_t i = 0; i < 2; ++i) {
+    AtomicSlot& child = parts->tree().children(root)[i];
+    const DeferredCell& cell = *load(child).cell();
+    KdTree scratch(cell.box, cell.size);
+    scratch.reserve(cell.size);
+    const KdBuilder builder = ExactBuilder{};
+    const GrowContext context{scratch, builder, &view, 60, &cancelled};
+    const BoxList listed = cell.list.copy();
+    std::vector<BoxRef> list(listed.all().begin(), listed.all().end());
+    const Slot again = grow(context, list, cell.box, cell.path, counters);
+    ASSERT_TRUE(again.is_unbuilt());
+    const BoxList deferred = again.cell()->list.copy();
+    const auto before = listed.all(), after = deferred.all();
+    ASSERT_EQ(before.size(), after.size());
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      ASSERT_EQ(before[k].id, after[k].id);
+      ASSERT_EQ(before[k].bounds(), after[k].bounds());
+    }
+    delete again.cell();
+  }
+  parts->expand_all(counters);
+  expect_same(whole->tree(), parts->tree());
+}
+
+}  // namespace
+}  // namespace sightline::accel

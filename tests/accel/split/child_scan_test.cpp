@@ -1,0 +1,153 @@
+// The fused pass against sifting and scanning apart, on every SIMD target of this machine.
+#include "accel/split/child_scan.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/accel/boxes.h"
+
+namespace sightline::accel {
+namespace {
+
+class FirstScanning : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+bool same(const BoxRef& a, const BoxRef& b) {
+  return a.lo == b.lo && a.hi == b.hi && a.id == b.id && a.weight == b.weight;
+}
+
+bool same(std::span<const BoxRef> a, std::span<const BoxRef> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const BoxRef& x, const BoxRef& y) { return same(x, y); });
+}
+
+struct Divided {
+  std::vector<BoxRef> left, right;
+  FirstScans scans;
+};
+
+FirstScans unscanned(const Aabb& cell, const Plane& plane, std::uint32_t samples) {
+  const HalvedCell halves = halve(cell, plane.axis, plane.position);
+  return {first_planes(halves.left, samples), first_planes(halves.right, samples), {}, {}};
+}
+
+/// By the definition.
+Divided apart(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
+              std::uint32_t samples) {
+  Divided d{.left = std::vector<BoxRef>(refs.size()),
+            .right = std::vector<BoxRef>(refs.size()),
+            .scans = unscanned(cell, plane, samples)};
+  const Sifted n = sift(refs, {.plane = plane}, d.left.data(), d.right.data());
+  d.left.resize(n.left);
+  d.right.resize(n.right);
+  d.scans.left.references = n.left;
+  d.scans.right.references = n.right;
+  const auto count = [](const std::vector<BoxRef>& list, const FirstPlanes& planes,
+                        FirstScan& scan) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t i = 0; i < kFirstPlanes; ++i) {
+        for (const BoxRef& r : list) {
+          scan.axes[a].left[i] += r.lo[a] < planes.at[a][i] ? r.weight : 0;
+          scan.axes[a].right[i] += r.hi[a] > planes.at[a][i] ? r.weight : 0;
+        }
+      }
+    }
+  };
+  count(d.left, d.scans.left_planes, d.scans.left);
+  count(d.right, d.scans.right_planes, d.scans.right);
+  return d;
+}
+
+/// Over itself, as growth does, then piece by piece into one pair of lists.
+void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
+                 std::uint32_t samples = kFirstPlanes) {
+  const Divided expected = apart(refs, cell, plane, samples);
+  const auto expect_lists = [&](std::span<const BoxRef> left, std::span<const BoxRef> right,
+                                const FirstScans& scans) {
+    EXPECT_TRUE(same(left, expected.left));
+    EXPECT_TRUE(same(right, expected.right));
+    EXPECT_EQ(scans.left, expected.scans.left);
+    EXPECT_EQ(scans.right, expected.scans.right);
+  };
+  std::vector<BoxRef> left = refs, right(refs.size());
+  FirstScans scans = unscanned(cell, plane, samples);
+  const Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
+  expect_lists(std::span(left).first(n.left), std::span(right).first(n.right), scans);
+
+  const std::size_t third = refs.size() / 3;
+  const std::span<const BoxRef> all(refs);
+  Sifted sum;
+  FirstScans summed = unscanned(cell, plane, samples);
+  for (const auto piece : {all.first(third), all.subspan(third, third), all.subspan(2 * third)}) {
+    FirstScans own = unscanned(cell, plane, samples);
+    const Sifted m =
+        sift_and_scan(piece, plane, left.data() + sum.left, right.data() + sum.right, own);
+    sum = {sum.left + m.left, sum.right + m.right};
+    summed.left += own.left;
+    summed.right += own.right;
+  }
+  expect_lists(std::span(left).first(sum.left), std::span(right).first(sum.right), summed);
+}
+
+TEST_P(FirstScanning, IsSiftingAndScanningApart) {
+  for (std::size_t n = 0; n <= 70; ++n) {
+    SCOPED_TRACE(n);
+    const auto refs = tests::random_boxes(n, 0.3, n);
+    const int axis = static_cast<int>(n % 3);
+    expect_same(refs, {{0, 0, 0}, {1, 1, 1}}, {axis, 0.4f});
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // straddlers
+  }
+}
+
+TEST_P(FirstScanning, CountsFlatBoxesWeightsAndTies) {
+  for (std::size_t n = 0; n <= 70; ++n) {
+    SCOPED_TRACE(n);
+    const auto refs = tests::lattice_boxes(n, 9, n);
+    for (const float x : {1.0f, 2.0f, 2.5f})
+      expect_same(refs, {{0, 0, 0}, {5, 5, 5}}, {static_cast<int>(n % 3), x}, 6);
+  }
+}
+
+TEST_P(FirstScanning, LeavesASideEmpty) {
+  const auto refs = tests::random_boxes(50, 0.1, 1);
+  const Aabb cell{{-1, -1, -1}, {3, 3, 3}};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float x : {-0.5f, 2.5f}) expect_same(refs, cell, {axis, x}, 2);
+  }
+}
+
+TEST_P(FirstScanning, CountsLongLists) {
+  const auto refs = tests::random_boxes(5000, 0.01, 2);
+  expect_same(refs, tests::bounds_of(refs), {1, 0.3f});
+}
+
+TEST(FirstScan, CoversAListOfItsSizeThatIsNotEmpty) {
+  FirstScan scan;
+  EXPECT_FALSE(scan.covers(0));
+  EXPECT_FALSE(scan.covers(3));
+  scan.references = 3;
+  EXPECT_TRUE(scan.covers(3));
+  EXPECT_FALSE(scan.covers(4));
+}
+
+std::vector<std::int64_t> targets_here() {
+  std::vector<std::int64_t> all;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
+    all.push_back(left & -left);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryTarget, FirstScanning, ::testing::ValuesIn(targets_here()),
+                         [](const auto& target) {
+                           return std::string(hwy::TargetName(target.param));
+                         });
+
+}  // namespace
+}  // namespace sightline::accel

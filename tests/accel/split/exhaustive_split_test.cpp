@@ -1,0 +1,126 @@
+// The bottom of a build against plain counting, on every SIMD target of this machine.
+#include "accel/split/exhaustive_split.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/accel/boxes.h"
+
+namespace sightline::accel {
+namespace {
+
+class BoundScan : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+/// By the definition: every bound inside, in order of axes, the least position of equal ones.
+BoundCut counted(const std::vector<BoxRef>& refs, const Aabb& cell, AxisRange range, float bonus,
+                 std::uint64_t& touches) {
+  BoundCut best;
+  for (int axis = range.begin; axis < range.end; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const CutAreas areas(cell, axis);
+    const auto ends = static_cast<float>(areas.ends() * per_area(cell));
+    const auto slope = static_cast<float>(areas.slope() * per_area(cell));
+    std::size_t inside = 0;
+    for (const BoxRef& bound : refs) {
+      for (const float x : {bound.lo[a], bound.hi[a]}) {
+        if (!(x > cell.lo[a] && x < cell.hi[a])) continue;
+        ++inside;
+        std::uint32_t left = 0, right = 0;
+        for (const BoxRef& r : refs) {
+          left += r.lo[a] < x ? r.weight : 0;
+          right += r.hi[a] > x ? r.weight : 0;
+        }
+        float cost = (ends + slope * (x - cell.lo[a])) * static_cast<float>(left) +
+                     (ends + slope * (cell.hi[a] - x)) * static_cast<float>(right);
+        if (left == 0 || right == 0) cost *= bonus;
+        const bool first =
+            cost == best.children && axis == best.plane.axis && x < best.plane.position;
+        if (cost < best.children || first) {
+          best.children = cost;
+          best.plane = {axis, x};
+        }
+      }
+    }
+    touches += (inside + kScanWidth - 1) / kScanWidth * refs.size();
+  }
+  return best;
+}
+
+void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell) {
+  constexpr std::size_t kAll = 1000;
+  for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
+                                BoundRule{.cost = {}, .all_axes_up_to = 9},
+                                BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.7},
+                                BoundRule{.cost = {1, 100, 1}, .all_axes_up_to = kAll}}) {
+    const double weight = total_weight(refs);
+    BuildCounters expected, found;
+    const BoundCut best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
+      return counted(refs, cell, range, static_cast<float>(rule.cost.empty_bonus),
+                     expected.touches);
+    });
+    const bool pays = best.found() && best.cost(rule.cost) < rule.cost.intersect * weight;
+    const std::optional<Cut> cut = choose_bound(refs, cell, rule, found);
+    ASSERT_EQ(found.touches, expected.touches) << refs.size();
+    ASSERT_EQ(cut.has_value(), pays) << refs.size();
+    if (cut) {
+      ASSERT_EQ(cut->plane, best.plane) << refs.size();
+    }
+  }
+}
+
+TEST_P(BoundScan, FindsTheBestBound) {
+  for (std::size_t n = 1; n <= kMaxBoundScan; n += n < 40 ? 1 : 27) {
+    const auto refs = tests::random_boxes(n, 0.3, n);
+    expect_same(refs, tests::bounds_of(refs));
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
+  }
+}
+
+TEST_P(BoundScan, EqualCostsGoToTheLeastAxisAndPosition) {
+  for (std::size_t n = 1; n <= 40; ++n) {
+    const auto refs = tests::lattice_boxes(n, 5, n);
+    expect_same(refs, {{0, 0, 0}, {5, 5, 5}});
+  }
+}
+
+TEST_P(BoundScan, FindsNothingWhereNoBoundLiesInside) {
+  const std::vector<BoxRef> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
+  BuildCounters counters;
+  EXPECT_FALSE(choose_bound(refs, {{0, 0, 0}, {1, 1, 1}}, {.cost = {0, 1, 1}}, counters));
+  EXPECT_EQ(counters.touches, 0u);
+}
+
+TEST_P(BoundScan, TriesTheOtherAxesWhereTheLongestIsPoor) {
+  // Two slabs across the shorter axis: nothing to gain along x.
+  const std::vector<BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                 tests::box_ref({0, 2, 0}, {4, 3, 1})};
+  const Aabb cell{{0, 0, 0}, {4, 3, 1}};
+  BuildCounters counters;
+  EXPECT_FALSE(choose_bound(refs, cell, {.cost = {0, 1, 1}, .all_axes_up_to = 0}, counters));
+  const auto cut = choose_bound(
+      refs, cell, {.cost = {0, 1, 1}, .all_axes_up_to = 0, .retry_above = 0.85}, counters);
+  ASSERT_TRUE(cut);
+  EXPECT_EQ(cut->plane, (Plane{1, 1}));
+}
+
+std::vector<std::int64_t> targets_here() {
+  std::vector<std::int64_t> all;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
+    all.push_back(left & -left);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryTarget, BoundScan, ::testing::ValuesIn(targets_here()),
+                         [](const auto& target) {
+                           return std::string(hwy::TargetName(target.param));
+                         });
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,201 @@
+// Hunt's choice of a plane.
+#include "accel/split/scan_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <vector>
+
+#include "accel/published/any_builder.h"
+#include "tests/support/random.h"
+
+namespace sightline::accel {
+namespace {
+
+BoxRef ref(const Vec3f& lo, const Vec3f& hi, std::uint32_t id = 0, std::uint32_t weight = 1) {
+  const Aabb box = widen_flat({lo, hi});
+  return {box.lo, id, box.hi, weight};
+}
+
+std::vector<BoxRef> random_boxes(std::size_t n, double size, std::uint64_t seed) {
+  tests::Random random(seed);
+  std::vector<BoxRef> refs;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto x = [&] { return static_cast<float>(random.uniform()); };
+    const Vec3f lo{x(), x(), x()};
+    const auto e = [&] { return static_cast<float>(random.uniform() * size); };
+    refs.push_back(ref(lo, lo + Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
+  }
+  return refs;
+}
+
+Aabb bounds(const std::vector<BoxRef>& refs) {
+  Aabb b;
+  for (const BoxRef& r : refs) b.grow(r.bounds());
+  return b;
+}
+
+/// The cost of a plane by its definition.
+double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
+                 const SahConstants& constants) {
+  double left = 0, right = 0;
+  for (const BoxRef& r : refs) {
+    left += r.lo[static_cast<std::size_t>(plane.axis)] < plane.position ? r.weight : 0;
+    right += r.hi[static_cast<std::size_t>(plane.axis)] > plane.position ? r.weight : 0;
+  }
+  const HalvedCell halves = halve(cell, plane.axis, plane.position);
+  double children =
+      (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
+  if (left == 0 || right == 0) children *= constants.empty_bonus;
+  return constants.traverse + constants.intersect * children;
+}
+
+double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell,
+                     const SahConstants& constants) {
+  double best = 1e300;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    for (const BoxRef& r : refs) {
+      for (const float x : {r.lo[a], r.hi[a]}) {
+        if (x > cell.lo[a] && x < cell.hi[a])
+          best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
+      }
+    }
+  }
+  return best;
+}
+
+TEST(ScanBuilder, FindsTheOptimumWhenExact) {
+  const ScanBuilder builder;
+  for (std::size_t n = 1; n <= builder.exact_below; ++n) {
+    const std::vector<BoxRef> refs = random_boxes(n, 0.1, n);
+    const Aabb cell = bounds(refs);
+    BuildCounters counters;
+    const auto plane = builder.choose({refs, cell, 0}, counters);
+    const double best = best_possible(refs, cell, builder.cost);
+    if (best < static_cast<double>(n)) {
+      ASSERT_TRUE(plane) << n;
+      EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best,
+                  1e-6 * best)  // weighed in float
+          << n;
+    } else {
+      EXPECT_FALSE(plane) << n;
+    }
+  }
+}
+
+TEST(ScanBuilder, SampledChoiceIsNearTheOptimumOnSmoothInput) {
+  for (const ScanAxes axes : {ScanAxes::kAll, ScanAxes::kHybrid}) {
+    ScanBuilder builder;
+    builder.axes = axes;
+    const std::vector<BoxRef> refs = random_boxes(1000, 0.02, 5);
+    const Aabb cell = bounds(refs);
+    BuildCounters counters;
+    const auto plane = builder.choose({refs, cell, 0}, counters);
+    ASSERT_TRUE(plane);
+    EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
+              1.03 * best_possible(refs, cell, builder.cost));
+    EXPECT_EQ(counters.touches,
+              2 * refs.size());  // the uniform and the adaptive pass, all axes fused
+  }
+}
+
+/// A wall of many flat boxes: the adaptive samples close in on it (section 5.1).
+TEST(ScanBuilder, AdaptiveSamplesCloseInOnAStep) {
+  std::vector<BoxRef> refs = random_boxes(200, 0.01, 6);
+  for (int i = 0; i < 2000; ++i) {
+    const auto y = static_cast<float>(i % 50) / 50, z = static_cast<float>(i / 50) / 40;
+    refs.push_back(ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
+  }
+  Aabb cell = bounds(refs);
+  cell.hi.x = 1.5f;  // the longest axis
+  ScanBuilder builder;
+  builder.axes = ScanAxes::kOne;
+  BuildCounters counters;
+  const auto plane = builder.choose({refs, cell, 0}, counters);
+  ASSERT_TRUE(plane);
+  // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
+  const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) /
+                         (builder.uniform_samples - 1);
+  EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637),
+            segment / builder.adaptive_samples);
+}
+
+TEST(ScanBuilder, OneAxisCutsTheLongest) {
+  ScanBuilder builder;
+  builder.axes = ScanAxes::kOne;
+  std::vector<BoxRef> refs = random_boxes(500, 0.01, 7);
+  for (BoxRef& r : refs) {
+    r.lo.z *= 10;
+    r.hi.z *= 10;
+  }
+  BuildCounters counters;
+  EXPECT_EQ(builder.choose({refs, bounds(refs), 0}, counters)->plane.axis, 2);
+}
+
+TEST(ScanBuilder, HeavyReferencesPullThePlane) {
+  // Two light boxes left, one heavy one right: the cut separates the heavy one.
+  std::vector<BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
+                           ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  const Aabb cell = bounds(refs);
+  BuildCounters counters;
+  const auto plane = ScanBuilder{}.choose({refs, cell, 0}, counters);
+  ASSERT_TRUE(plane);
+  EXPECT_EQ(plane->plane, (Plane{0, 8}));
+}
+
+TEST(ScanBuilder, LeavesWhatCannotBeSeparated) {
+  const ScanBuilder builder;
+  BuildCounters counters;
+  EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));
+  for (const std::size_t n : {1u, 20u, 500u}) {
+    const std::vector<BoxRef> same(n, ref({0, 0, 0}, {1, 1, 1}));
+    EXPECT_FALSE(builder.choose({same, bounds(same), 0}, counters)) << n;
+  }
+}
+
+TEST(ScanBuilder, ParallelScansChooseTheSamePlane) {
+  const std::vector<BoxRef> refs = random_boxes(200000, 0.001, 9);
+  const Aabb cell = bounds(refs);
+  std::vector<Cut> cuts;
+  for (const int threads : {1, 2, 4}) {
+    tbb::task_arena arena(threads);
+    BuildCounters counters;
+    cuts.push_back(*arena.execute([&] { return ScanBuilder{}.choose({refs, cell, 0}, counters); }));
+  }
+  EXPECT_EQ(cuts[0], cuts[1]);
+  EXPECT_EQ(cuts[0], cuts[2]);
+}
+
+TEST(ScanBuilder, CheckNamesTheParameterAndItsRange) {
+  ScanBuilder builder;
+  EXPECT_FALSE(builder.check());
+  builder.uniform_samples = 16;
+  EXPECT_FALSE(builder.check());
+  builder.uniform_samples = 17;
+  EXPECT_EQ(*builder.check(), "uniform_samples is 17, must lie in 2 to 16");
+  builder.axes = ScanAxes::kGuided;
+  builder.uniform_samples = 9;
+  EXPECT_EQ(*builder.check(), "uniform_samples is 9, must lie in 2 to 8");
+}
+
+TEST(AnyBuilder, IsMadeAndSetByName) {
+  for (const std::string_view name : builder_names()) EXPECT_TRUE(make_builder(name)) << name;
+  const auto unknown = make_builder("octree");
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message.find("scan-all-axes"), std::string::npos);
+  AnyBuilder builder = *make_builder("scan-hybrid");
+  EXPECT_TRUE(set_parameter(builder, "samples", "4"));
+  const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
+  EXPECT_EQ(scan.adaptive_samples, 4u);
+  EXPECT_FALSE(set_parameter(builder, "samples", "40"));
+  EXPECT_FALSE(set_parameter(builder, "samples", "-1"));
+  EXPECT_FALSE(set_parameter(builder, "samples", "many"));
+  EXPECT_FALSE(set_parameter(builder, "colour", "1"));
+  EXPECT_EQ(scan.adaptive_samples, 4u);
+}
+
+}  // namespace
+}  // namespace sightline::accel

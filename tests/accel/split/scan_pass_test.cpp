@@ -1,0 +1,98 @@
+// Choosing a cut without the list: through passes that somebody else runs, and from counts made
+// earlier.
+#include "accel/split/scan_pass.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "accel/published/any_builder.h"
+#include "tests/accel/boxes.h"
+
+namespace sightline::accel {
+namespace {
+
+/// A list in pieces of uneven lengths, one of them passed over twice, as late helpers do.
+struct Pieces {
+  std::span<const BoxRef> refs;
+  std::size_t passes = 0;
+
+  PassResult operator()(const PassKernel& kernel) {
+    ++passes;
+    PassResult sum;
+    std::size_t begin = 0;
+    for (std::size_t length = 1; begin < refs.size(); length = length * 3 + 1) {
+      const auto piece = refs.subspan(begin, std::min(length, refs.size() - begin));
+      (void)kernel(piece);
+      sum += kernel(piece);
+      begin += piece.size();
+    }
+    return sum;
+  }
+};
+
+FirstScan first_scan(const KdBuilder& builder, std::vector<BoxRef> refs, const Aabb& cell) {
+  // Cut at its lower face, the whole list is the right cell's.
+  std::vector<BoxRef> right(refs.size());
+  FirstScans scans{{}, first_planes(builder, cell), {}, {}};
+  sift_and_scan(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
+  return scans.right;
+}
+
+void expect_same_choices(const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for (const std::string_view name : builder_names()) {
+    const AnyBuilder any = *make_builder(name);
+    const auto* kd = std::get_if<KdBuilder>(&any);
+    if (kd == nullptr) continue;
+    const KdBuilder& builder = *kd;
+    if (!runs_passes(builder)) continue;
+    SCOPED_TRACE(std::string(name) + " " + std::to_string(refs.size()));
+    const auto choose = [&](const CellRefs& list, BuildCounters& counters) {
+      return std::visit([&](const auto& b) { return b.choose(list, counters); }, builder);
+    };
+    BuildCounters at_hand;
+    const auto cut = choose({refs, cell, {}}, at_hand);
+
+    BuildCounters through_passes;
+    Pieces pieces{refs};
+    const RunPass run = std::ref(pieces);
+    CellRefs list{{}, cell, {}};
+    list.size = refs.size();
+    list.run = &run;
+    EXPECT_EQ(choose(list, through_passes), cut);
+    EXPECT_EQ(through_passes.touches, at_hand.touches);
+    EXPECT_EQ(pieces.passes * refs.size(), at_hand.touches);
+
+    BuildCounters counted_before;
+    const FirstScan first = first_scan(builder, refs, cell);
+    list.first = &first;
+    EXPECT_EQ(choose(list, counted_before), cut);
+    EXPECT_LE(counted_before.touches, at_hand.touches - refs.size());
+  }
+}
+
+TEST(ListPass, ChoosesAsFromTheListAtHand) {
+  for (const std::size_t n : {257u, 1000u, 70000u}) {
+    const auto small = tests::random_boxes(n, 0.01, n);
+    expect_same_choices(small, tests::bounds_of(small));
+    expect_same_choices(tests::lattice_boxes(n, 5, n), {{0, 0, 0}, {5, 5, 5}});
+  }
+}
+
+TEST(ListPass, ForgetsCountsOfAnotherLength) {
+  const auto refs = tests::random_boxes(1000, 0.1, 1);
+  const KdBuilder builder = default_builder();
+  FirstScan wrong;
+  wrong.references = 999;
+  CellRefs list{refs, tests::bounds_of(refs), {}};
+  BuildCounters counters, expected;
+  const auto& scan = std::get<ScanBuilder>(builder);
+  const auto cut = scan.choose(list, expected);
+  list.first = &wrong;
+  EXPECT_EQ(scan.choose(list, counters), cut);
+  EXPECT_EQ(counters.touches, expected.touches);
+}
+
+}  // namespace
+}  // namespace sightline::accel

@@ -1,0 +1,27 @@
+// Pictures of one view in growing numbers of rays, and their answers.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "tests/bench/charts/plan.h"
+#include "tests/bench/scenes/scene_source.h"
+
+namespace sightline::bench {
+
+struct ChartPicture {
+  std::vector<accel::Ray> rays;
+  std::string hash;  ///< Of the answers.
+};
+
+/// One view of 1, 10, ... up to plan.largest_image rays; `kind` is overview or closeup. The camera
+/// is the same for all. The answers are those of full trees, those to the largest held against
+/// brute force.
+/// Errors: those of make_rays; kDataLoss.
+Result<std::vector<ChartPicture>> chart_pictures(const SceneSource& scene, std::string_view kind,
+                                                 std::uint64_t seed, const ChartPlan& plan);
+
+}  // namespace sightline::bench

@@ -1,0 +1,65 @@
+// Embree's device, and what it tells of errors and of memory.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "accel/result.h"
+#include "tests/bench/embree/peer.h"
+
+namespace sightline::bench {
+
+template <auto kRelease>
+struct EmbreeRelease {
+  template <class T>
+  void operator()(T* object) const {
+    kRelease(object);
+  }
+};
+using EmbreeDevicePtr = std::unique_ptr<RTCDeviceTy, EmbreeRelease<rtcReleaseDevice>>;
+using EmbreeScenePtr = std::unique_ptr<RTCSceneTy, EmbreeRelease<rtcReleaseScene>>;
+using EmbreeGeometryPtr = std::unique_ptr<RTCGeometryTy, EmbreeRelease<rtcReleaseGeometry>>;
+
+/// A device that answers for itself. Stays where it was opened: Embree keeps its address.
+class EmbreeDevice {
+ public:
+  EmbreeDevice() = default;
+  EmbreeDevice(const EmbreeDevice&) = delete;
+  EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+  /// Errors: kInternal: there is no device.
+  Status open(int threads);
+  RTCDevice get() const { return device_.get(); }
+
+  /// Errors: kInternal: the device's first complaint, from whichever thread.
+  Status status();
+
+  /// What Embree holds, as it tells its monitor.
+  std::int64_t bytes() const { return bytes_; }
+  std::int64_t bytes_peak() const { return bytes_peak_; }  ///< Since begin_peak().
+  void begin_peak() { bytes_peak_ = bytes_.load(); }
+
+ private:
+  static void complain(void* self, RTCError code, const char* text);
+  static bool monitor(void* self, std::ptrdiff_t bytes, bool after);
+
+  std::atomic<std::int64_t> bytes_ = 0, bytes_peak_ = 0;
+  std::mutex mutex_;
+  std::string complaint_;
+  EmbreeDevicePtr device_;
+};
+
+RTCBuildQuality to_embree(EmbreeQuality quality);
+
+/// Triangles over arrays that are shared with Embree and outlive the geometry. The last vertex is
+/// padding: Embree reads 16 bytes at every one.
+EmbreeGeometryPtr new_embree_triangles(RTCDevice device, EmbreeQuality quality,
+                                       std::span<const accel::Vec3f> padded_vertices,
+                                       std::span<const accel::Face> faces);
+
+}  // namespace sightline::bench

@@ -1,0 +1,15 @@
+// Scenes by the word of the command line: a file, or gen:NAME?key=value&...
+#pragma once
+
+#include <string>
+
+#include "accel/result.h"
+#include "tests/bench/scenes/scene_source.h"
+
+namespace sightline::bench {
+
+/// Errors: kInvalidArgument for a wrong generator or key; kNotFound for a file that cannot be read
+/// as a scene.
+Result<SceneSource> load_scene(const std::string& scene);
+
+}  // namespace sightline::bench

@@ -1,0 +1,102 @@
+// Setting a static part under what moves.
+#include "tests/bench/scenes/staged_scene.h"
+
+#include <numeric>
+#include <utility>
+
+#include "scenegraph/instances/selection.h"
+#include "scenegraph/trace.h"
+#include "tests/bench/scenes/scene_geometry.h"
+#include "tests/bench/verbs/stopwatch.h"
+
+namespace sightline::bench {
+
+using accel::Vec3d;
+using scenegraph::Affine;
+
+namespace {
+
+constexpr double kTimesTheFrames = 10;
+
+void add_motion(StagedScene& staged, const Motion& motion) {
+  staged.still = staged.source.nodes.size();
+  staged.still_triangles = staged.source.unique_triangles();
+  const std::size_t first_mesh = staged.source.meshes.size();
+  for (const SourceMesh& mesh : motion.parts().meshes) staged.source.meshes.push_back(mesh);
+  for (SourceNode node : motion.parts().nodes) {
+    node.mesh = first_mesh + *node.mesh;
+    staged.source.nodes.push_back(std::move(node));
+  }
+}
+
+}  // namespace
+
+Result<StagedScene> StagedScene::make(SceneSource still, const Motion& motion) {
+  StagedScene staged{std::move(still)};
+  const SceneGeometry geometry(staged.source);
+  if (geometry.empty() || geometry.diagonal() <= 0) {
+    return Error{Code::kFailedPrecondition, "the static scene has no triangles", "NO_TRIANGLES"};
+  }
+  const scenegraph::DoubleBox& frames = motion.bounds();
+  const double s = kTimesTheFrames * length(frames.hi - frames.lo) / geometry.diagonal();
+  const Vec3d middle = (frames.lo + frames.hi) * 0.5;
+  const Vec3d from{geometry.center().x, geometry.hi().y, geometry.center().z};
+  const Vec3d move = Vec3d{middle.x, frames.lo.y, middle.z} - from * s;
+  place(staged.source, Affine{{s, 0, 0, move.x, 0, s, 0, move.y, 0, 0, s, move.z}});
+  add_motion(staged, motion);
+  return staged;
+}
+
+StagedScene StagedScene::make(const Motion& motion) {
+  StagedScene staged;
+  add_motion(staged, motion);
+  return staged;
+}
+
+SceneSource StagedScene::only_still() const {
+  SceneSource alone = source;
+  alone.nodes.resize(still);
+  return alone;
+}
+
+SceneSource StagedScene::at(const Motion& motion, std::size_t frame) const {
+  SceneSource posed = source;
+  motion.pose(posed, still, frame);
+  return posed;
+}
+
+Result<std::unique_ptr<LiveStage>> LiveStage::make(const StagedScene& scene,
+                                                   const accel::AnyBuilder& builder) {
+  auto stage = std::make_unique<LiveStage>();
+  if (Status filled = fill(stage->scene_, scene.source, builder); !filled) return filled.error();
+  stage->first_moving_ = node_id(scene.still);
+  stage->now_ = stage->scene_.snapshot();
+  return stage;
+}
+
+Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
+  const std::vector<scenegraph::Update> updates = motion.updates(frame, first_moving_);
+  const Stopwatch clock;
+  const auto applied = scene_.apply(updates);
+  if (!applied) return applied.error();
+  now_ = scene_.snapshot();
+  const double seconds = clock.seconds();
+  if (applied->settle) {  // a server does this in the background
+    scene_.settle();
+    now_ = scene_.snapshot();
+  }
+  return seconds;
+}
+
+Status LiveStage::look_behind(const Motion& motion, std::span<const accel::Ray> rays) const {
+  std::vector<scenegraph::NodeId> moving(motion.nodes());
+  std::iota(moving.begin(), moving.end(), first_moving_);
+  const auto still = scenegraph::Selection::make(now_, 0, moving);
+  if (!still) return still.error();
+  std::vector<accel::Hit> hits(rays.size());
+  const auto traced =
+      scenegraph::trace(*now_, rays, hits, {.surface = false, .selection = &*still});
+  return traced ? Status() : Status(traced.error());
+}
+
+}  // namespace sightline::bench

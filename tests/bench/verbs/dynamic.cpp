@@ -1,0 +1,204 @@
+// dynamic: frames of a scene that moves over one that stands still: update, grow what rays enter,
+// trace.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "tests/bench/scenes/load_scene.h"
+#include "tests/bench/verbs/contenders.h"
+#include "tests/bench/verbs/dynamic_show.h"
+#include "tests/bench/verbs/stopwatch.h"
+#include "tests/bench/verbs/verbs.h"
+#include "tests/bench/verbs/workload.h"
+
+namespace sightline::bench {
+namespace {
+
+// How much of the wall growing took is known only as a share of all threads' time; what else a
+// frame's first rays wait for counts as tracing.
+Status play(const Show& show, std::size_t frame, Ours& ours, Seen& seen) {
+  const auto updated = ours.stage->advance(show.motion, frame);
+  if (!updated.ok()) return updated.error();
+  ours.stats = {};
+  const auto first = look(ours.stage->now(), show.view, seen, ours.stats);
+  if (!first.ok()) return first.error();
+  const double build = ours.stats.build_seconds / show.threads;
+  ours.costs.push_back({*updated * 1e3, build * 1e3, (*first - build) * 1e3});
+  Seen again;
+  scenegraph::TraceStats unused;
+  const auto second = look(ours.stage->now(), show.view, again, unused);
+  if (!second.ok()) return second.error();
+  ours.again.push_back(*second * 1e3);
+  if (again.hash() == seen.hash()) return {};
+  return Error{Code::kDataLoss, fmt::format("answers of frame {} change as trees grow", frame),
+               "HASHES_DIFFER"};
+}
+
+// The same rays, those toward the light as they are in the whole scene.
+Status trace_still(const FrameView& view, const Seen& seen, Still& still) {
+  if (!still.snapshot) return {};
+  const FrameView primary{view.rays, false, {}};
+  Seen alone;
+  scenegraph::TraceStats unused;
+  const auto first = look(*still.snapshot, primary, alone, unused);
+  if (!first.ok()) return first.error();
+  double seconds = *first;
+  if (view.shadow) {
+    std::vector<accel::Hit> hits(seen.shadow_rays.size());
+    const Stopwatch clock;
+    const auto traced = scenegraph::trace(*still.snapshot, seen.shadow_rays, hits,
+                                          {.kind = scenegraph::QueryKind::kAny, .surface = false});
+    seconds += clock.seconds();
+    if (!traced.ok()) return traced.error();
+  }
+  still.trace.push_back(seconds * 1e3);
+  return {};
+}
+
+// What is touched of the static part in later frames is then not merely seen for the first time.
+Status look_behind(const Show& show) {
+  for (const Ours* ours : {&show.ours, &show.small}) {
+    if (!ours->stage) continue;
+    if (Status s = ours->stage->look_behind(show.motion, show.view.rays); !s.ok()) return s;
+  }
+  return {};
+}
+
+Status play_peer(const Show& show, std::size_t frame, const Seen& seen, Peer& peer) {
+  const auto advanced = peer.mover->advance(frame);
+  if (!advanced.ok()) return advanced.error();
+  peer.hits.resize(show.view.rays.size());
+  double trace = peer.mover->trace(show.view.rays, false, peer.hits);
+  if (show.view.shadow) {
+    peer.shadowed.resize(seen.shadow_rays.size());
+    if (frame == 0) peer.mover->choose_any(seen.shadow_rays);
+    trace += peer.mover->trace(seen.shadow_rays, true, peer.shadowed);
+  }
+  peer.costs.push_back(
+      {advanced->update_seconds * 1e3, advanced->build_seconds * 1e3, trace * 1e3});
+  return {};
+}
+
+// Answers that are held against a scene made afresh, when all frames are played.
+struct Kept {
+  std::size_t frame;
+  Seen seen;
+  std::vector<std::vector<accel::Hit>> of_peers;
+};
+
+Status check_kept(Show& show, const std::vector<Kept>& kept) {
+  for (const Kept& k : kept) {
+    const auto fresh = check_frame(show.staged, show.motion, k.frame, show.view, k.seen);
+    if (!fresh.ok()) return fresh.error();
+    for (std::size_t p = 0; p < show.peers.size(); ++p) {
+      const Disagreement d = explain(*fresh, show.view.rays, k.seen.hits, k.of_peers[p], false);
+      show.peers[p].disagreement.differences += d.differences;
+      show.peers[p].disagreement.checked += d.checked;
+      show.peers[p].disagreement.unexplained += d.unexplained;
+    }
+  }
+  return {};
+}
+
+Result<std::vector<Row>> play_all(const CommonOptions& common, const DynamicOptions& options,
+                                  Show& show) {
+  const std::size_t length = options.length > 0 ? options.length : show.motion.frames();
+  std::vector<Row> rows;
+  std::vector<Kept> kept;
+  for (std::size_t frame = 0; frame < length; ++frame) {
+    Seen seen, of_small;
+    if (Status s = play(show, frame, show.ours, seen); !s.ok()) return s.error();
+    if (Status s = trace_still(show.view, seen, show.still); !s.ok()) return s.error();
+    if (show.small.stage) {
+      if (Status s = play(show, frame, show.small, of_small); !s.ok()) return s.error();
+    }
+    for (Peer& peer : show.peers) {
+      if (Status s = play_peer(show, frame, seen, peer); !s.ok()) return s.error();
+    }
+    rows.push_back(frame_row(show, frame, seen));
+    if (frame == 0) {
+      if (Status s = look_behind(show); !s.ok()) return s.error();
+    }
+    if (frame != 0 && frame != length / 2 && frame + 1 != length) continue;
+    kept.push_back({frame, std::move(seen), {}});
+    for (const Peer& peer : show.peers) kept.back().of_peers.push_back(peer.hits);
+  }
+  if (Status right = check_kept(show, kept); !right.ok()) return right.error();
+  rows.push_back(last_row(common, options, show, rows));
+  return rows;
+}
+
+Result<StagedScene> stage(const std::string& still, const Motion& motion) {
+  if (still.empty()) return StagedScene::make(motion);
+  auto source = load_scene(still);
+  if (!source.ok()) return source.error();
+  return StagedScene::make(std::move(source).value(), motion);
+}
+
+Result<std::vector<Peer>> open_peers(const DynamicOptions& options, const StagedScene& staged,
+                                     const Motion& motion, const FrameView& view, int threads) {
+  std::vector<Peer> peers;
+  for (const std::string& name : options.peers) {
+    const bool refit = name == "embree-refit";
+    if (!refit && name != "embree-low") {
+      return Error{Code::kInvalidArgument,
+                   fmt::format("no peer \"{}\"; there are: embree-low embree-refit", name),
+                   "COMMAND_LINE"};
+    }
+    if (embree_is_missing(name)) continue;
+    auto mover = EmbreeMover::make(staged, motion,
+                                   refit ? EmbreeUpdate::kRefit : EmbreeUpdate::kRebuild, threads);
+    if (!mover.ok()) return mover.error();
+    if (Status chosen = (*mover)->choose(view.rays); !chosen.ok()) return chosen.error();
+    peers.push_back(
+        {refit ? "embree_refit" : "embree_low", std::move(mover).value(), {}, {}, {}, {}});
+  }
+  return peers;
+}
+
+}  // namespace
+
+Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicOptions& options) {
+  if (auto p = parse_policy(common.policy, scenegraph::Growth::kFirstTouch); !p.ok()) {
+    return p.error();
+  } else if (*p != scenegraph::Growth::kFirstTouch) {
+    return Error{Code::kInvalidArgument, "frames are traced with policy first-touch",
+                 "COMMAND_LINE"};
+  }
+  const auto builder = configured_builder({}, common);
+  if (!builder.ok()) return builder.error();
+  const auto motion = Motion::make(options.frames, options.copies);
+  if (!motion.ok()) return motion.error();
+  const auto staged = stage(options.still, *motion);
+  if (!staged.ok()) return staged.error();
+  const auto view = FrameView::make(*staged, *motion, options, common.seed);
+  if (!view.ok()) return view.error();
+
+  Show show{*motion, *staged, *view, common.threads, {}, {}, {}, {}};
+  auto live = LiveStage::make(*staged, *builder);
+  if (!live.ok()) return live.error();
+  show.ours.stage = std::move(live).value();
+  if (!options.still_small.empty()) {
+    const auto small = stage(options.still_small, *motion);
+    if (!small.ok()) return small.error();
+    auto small_live = LiveStage::make(*small, *builder);
+    if (!small_live.ok()) return small_live.error();
+    show.small.stage = std::move(small_live).value();
+  }
+  if (staged->still > 0) {
+    auto still = assemble(staged->only_still(), *builder);
+    if (!still.ok()) return still.error();
+    show.still.snapshot = std::move(still).value();
+    Seen warm;
+    scenegraph::TraceStats unused;
+    const auto looked = look(*show.still.snapshot, *view, warm, unused);
+    if (!looked.ok()) return looked.error();
+  }
+  auto peers = open_peers(options, *staged, *motion, *view, common.threads);
+  if (!peers.ok()) return peers.error();
+  show.peers = std::move(peers).value();
+  return play_all(common, options, show);
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,106 @@
+// Summing the area of triangles in boxes of nodes that do not know them.
+#include "tests/bench/verbs/end_point_overlap.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "accel/geometry/clip.h"
+#include "accel/kdtree/tree_metrics.h"
+
+namespace sightline::bench {
+namespace {
+
+/// Where in the ids of a hierarchy each triangle is named. Ids stand in the order of their leaves,
+/// so those below a node stand side by side.
+class Names {
+ public:
+  Names(const Bvh& bvh, std::size_t faces) : begin_(faces + 1) {
+    for (const std::uint32_t id : bvh.ids) ++begin_[id + 1];
+    for (std::size_t i = 0; i < faces; ++i) begin_[i + 1] += begin_[i];
+    places_.resize(bvh.ids.size());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < bvh.ids.size(); ++i) places_[next[bvh.ids[i]]++] = i;
+  }
+  /// Ascending.
+  std::span<const std::size_t> of(std::size_t face) const {
+    return std::span(places_).subspan(begin_[face], begin_[face + 1] - begin_[face]);
+  }
+
+ private:
+  std::vector<std::size_t> begin_, places_;
+};
+
+/// What one triangle adds.
+class Descent {
+ public:
+  Descent(const Bvh& bvh, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+          std::span<const std::size_t> names)
+      : bvh_(bvh), a_(a), b_(b), c_(c), names_(names) {
+    for (const Vec3f& v : {a, b, c}) box_.grow(v);
+  }
+
+  /// `begin` and `end`: the ids below.
+  double sum(const BvhChild& at, std::size_t begin, std::size_t end) const {
+    if (apart(at.box)) return 0;
+    const auto named = std::lower_bound(names_.begin(), names_.end(), begin);
+    const bool knows = named != names_.end() && *named < end;
+    if (knows && !at.inner) return 0;
+    const double area = knows ? 0 : clipped_area(a_, b_, c_, at.box);
+    if (!at.inner) return kMeasuredIntersect * at.count * area;
+    if (!knows && !(area > 0)) return 0;
+    const BvhNode& node = bvh_.nodes[at.first];
+    const BvhChild left = node.child(0), right = node.child(1);
+    const std::size_t middle = first_id(right);
+    return kMeasuredTraverse * area + sum(left, begin, middle) + sum(right, middle, end);
+  }
+
+ private:
+  bool apart(const Aabb& box) const {
+    return box.lo.x > box_.hi.x || box.hi.x < box_.lo.x || box.lo.y > box_.hi.y ||
+           box.hi.y < box_.lo.y || box.lo.z > box_.hi.z || box.hi.z < box_.lo.z;
+  }
+  std::size_t first_id(BvhChild at) const {
+    while (at.inner) at = bvh_.nodes[at.first].child(0);
+    return at.first;
+  }
+
+  const Bvh& bvh_;
+  const Vec3f &a_, &b_, &c_;
+  std::span<const std::size_t> names_;
+  Aabb box_;
+};
+
+}  // namespace
+
+double end_point_overlap(const Bvh& bvh, const MeshView& mesh) {
+  struct Sum {
+    double outside = 0, area = 0;
+  };
+  const Names names(bvh, mesh.faces.size());
+  const auto add = [&](const tbb::blocked_range<std::size_t>& faces, Sum sum) {
+    for (std::size_t i = faces.begin(); i != faces.end(); ++i) {
+      if (names.of(i).empty()) continue;
+      const Vec3f &a = mesh.vertices[mesh.faces[i][0]], &b = mesh.vertices[mesh.faces[i][1]],
+                  &c = mesh.vertices[mesh.faces[i][2]];
+      sum.outside += Descent(bvh, a, b, c, names.of(i)).sum(bvh.root, 0, bvh.ids.size());
+      sum.area += clipped_area(a, b, c, bvh.root.box);
+    }
+    return sum;
+  };
+  const Sum sum = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.faces.size(), 1024), Sum{}, add,
+      [](Sum a, const Sum& b) {
+        a.outside += b.outside;
+        a.area += b.area;
+        return a;
+      });
+  return sum.area > 0 ? sum.outside / sum.area : 0;
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,16 @@
+// A metric of hierarchies that sees what surface area does not: rays end somewhere.
+#pragma once
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/published/bvh/bvh.h"
+
+namespace sightline::bench {
+
+/// The end-point overlap (Aila, Karras, Laine 2013, "On Quality Metrics of Bounding Volume
+/// Hierarchies", section 4): over all nodes, the area of triangles in the node's box that none of
+/// the leaves below it names, over the area of all, times what a visit costs (kMeasuredTraverse, or
+/// kMeasuredIntersect a reference). Rays that end on such a triangle visit the node in vain.
+/// Parallel in the caller's arena; sums in a fixed order.
+double end_point_overlap(const Bvh& bvh, const MeshView& mesh);
+
+}  // namespace sightline::bench

@@ -1,0 +1,244 @@
+// The product's walk with a triangle test of one's choice.
+#include "tests/bench/verbs/kernel_walk.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "accel/geometry/intersect.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/walk.h"
+#include "scenegraph/trace.h"
+#include "tests/bench/verbs/plain_float.h"
+
+namespace sightline::bench {
+namespace {
+
+using accel::AtomicSlot;
+using accel::DeferredCell;
+using accel::Hit;
+using accel::LocalRay;
+using accel::MeshView;
+using accel::Ray;
+using accel::TreeRay;
+using accel::Unbuilt;
+using accel::WalkCounters;
+using scenegraph::Instance;
+using scenegraph::Instances;
+
+class Exact {
+ public:
+  explicit Exact(const LocalRay& ray) : ray_(ray) {}
+  std::optional<double> operator()(const accel::Vec3f& a, const accel::Vec3f& b,
+                                   const accel::Vec3f& c) const {
+    return accel::intersect(ray_, a, b, c);
+  }
+
+ private:
+  const LocalRay& ray_;
+};
+
+// The best hit so far, by (t, node, primitive). t counts in the world ray's direction.
+class Nearest {
+ public:
+  explicit Nearest(const Ray& ray) : tmin_(ray.tmin), tmax_(ray.tmax) {
+    best_.node = ~std::uint64_t{0};
+  }
+
+  double tmin() const { return tmin_; }
+  double tmax() const { return std::min(tmax_, best_.t); }
+
+  void offer(double t, std::uint64_t node, std::uint32_t primitive) {
+    if (!(t >= tmin_ && t <= tmax_) || t > best_.t) return;
+    if (t == best_.t) {
+      if (node > best_.node) return;
+      if (node == best_.node && primitive >= best_.primitive) return;
+    }
+    best_.t = t;
+    best_.node = node;
+    best_.primitive = primitive;
+    best_.state = accel::HitState::kHit;
+  }
+
+  Hit hit() const { return best_.state == accel::HitState::kHit ? best_ : Hit{}; }
+
+ private:
+  double tmin_, tmax_;
+  Hit best_;
+};
+
+// Every triangle that is met, once.
+class Crossings {
+ public:
+  explicit Crossings(const Ray& ray) : tmin_(ray.tmin), tmax_(ray.tmax) {}
+
+  double tmin() const { return tmin_; }
+  double tmax() const { return tmax_; }
+
+  void offer(double t, std::uint64_t node, std::uint32_t primitive) {
+    if (!(t >= tmin_ && t <= tmax_)) return;
+    const std::pair crossing{node, primitive};
+    if (std::find(found_.begin(), found_.end(), crossing) == found_.end()) {
+      found_.push_back(crossing);
+    }
+  }
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }
+
+ private:
+  double tmin_, tmax_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> found_;
+};
+
+template <class Test, class Answer>
+struct MeshVisit {
+  const MeshView& mesh;
+  const TreeRay& ray;
+  const Test& triangle;
+  std::uint64_t node;
+  WalkCounters& walked;
+  Answer& answer;
+
+  double limit() const { return answer.tmax() / ray.local->unit + ray.slack; }
+
+  void test(std::uint32_t id) {
+    ++walked.tests;
+    const accel::Face& f = mesh.faces[id];
+    const std::optional<double> local =
+        triangle(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+    if (local) answer.offer(*local * ray.local->unit, node, id);
+  }
+
+  bool leaf(std::span<const std::uint32_t> ids) {
+    for (const std::uint32_t id : ids) test(id);
+    return false;
+  }
+
+  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+    for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
+      if (const auto box = accel::face_bounds(mesh, id)) search(id, *box);
+    }
+    return Unbuilt::kDone;
+  }
+
+  void search(std::uint32_t id, const accel::Aabb& box) {
+    if (may_meet(ray, box, limit())) test(id);
+  }
+};
+
+template <class Visit>
+void walk_from_root(const accel::KdTree& tree, const TreeRay& ray, WalkCounters& walked,
+                    Visit& visit) {
+  // Nothing is grown here, so a copy of the root's slot serves as well as the slot.
+  AtomicSlot root(tree.root().load(std::memory_order_acquire));
+  accel::walk(tree, ray, root, walked, visit);
+}
+
+template <class Test, class Answer>
+struct SceneVisit {
+  const Instances& instances;
+  const Ray& ray;
+  const LocalRay& centered;
+  double slack;
+  WalkCounters& walked;
+  Answer& answer;
+  std::array<std::uint32_t, 8> recent{~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
+  std::size_t next_recent = 0;
+
+  double limit() const { return answer.tmax() / centered.unit + slack; }
+
+  bool leaf(std::span<const std::uint32_t> ids) {
+    for (const std::uint32_t id : ids) enter(id);
+    return false;
+  }
+
+  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+    for (std::uint32_t id = 0; id < instances.list().size(); ++id) enter(id);
+    return Unbuilt::kDone;
+  }
+
+  void enter(std::uint32_t id) {
+    const Instance& instance = instances.list()[id];
+    if ((instance.mask & ray.mask) == 0) return;
+    if (std::find(recent.begin(), recent.end(), id) != recent.end()) return;
+    recent[next_recent++ % recent.size()] = id;
+    TreeRay in_box;
+    if (!accel::enter(centered, instance.box, answer.tmin() / centered.unit,
+                      answer.tmax() / centered.unit, in_box)) {
+      return;
+    }
+    const auto local = accel::make_local_ray(instance.local_from_world.point(ray.origin),
+                                             instance.local_from_world.direction(ray.direction));
+    if (!local) return;
+    const accel::KdTree& tree = *instance.mesh->tree().kd();
+    TreeRay in_mesh;
+    if (!accel::enter(*local, tree.bounds(), answer.tmin() / local->unit,
+                      answer.tmax() / local->unit, in_mesh)) {
+      return;
+    }
+    const MeshView mesh = instance.mesh->view();
+    const Test test(*in_mesh.local);
+    MeshVisit<Test, Answer> visit{mesh, in_mesh, test, instance.node, walked, answer};
+    walk_from_root(tree, in_mesh, walked, visit);
+  }
+};
+
+template <class Test, class Answer>
+Answer cast(const Instances& instances, const Ray& ray) {
+  Answer answer(ray);
+  const auto centered = accel::make_local_ray(ray.origin - instances.center(), ray.direction);
+  const accel::KdTree& tree = instances.tree().tree();
+  TreeRay scene_ray;
+  if (!centered || instances.list().empty() ||
+      !accel::enter(*centered, tree.bounds(), ray.tmin / centered->unit, ray.tmax / centered->unit,
+                    scene_ray)) {
+    return answer;
+  }
+  WalkCounters walked;
+  SceneVisit<Test, Answer> visit{instances, ray, *centered, scene_ray.slack, walked, answer};
+  walk_from_root(tree, scene_ray, walked, visit);
+  return answer;
+}
+
+template <class Work>
+void in_blocks(std::size_t count, const Work& work) {
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, scenegraph::kRaysPerBlock),
+      [&](const auto& range) {
+        const accel::EpochPin pin;
+        for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+      },
+      tbb::simple_partitioner{});
+}
+
+template <class Test>
+void trace_closest(const Instances& instances, std::span<const Ray> rays, std::span<Hit> hits) {
+  in_blocks(rays.size(),
+            [&](std::size_t i) { hits[i] = cast<Test, Nearest>(instances, rays[i]).hit(); });
+}
+
+template <class Test>
+void count_crossings(const Instances& instances, std::span<const Ray> rays,
+                     std::span<std::uint32_t> counts) {
+  in_blocks(rays.size(),
+            [&](std::size_t i) { counts[i] = cast<Test, Crossings>(instances, rays[i]).count(); });
+}
+
+}  // namespace
+
+void trace_closest(const Instances& instances, TriangleTest test, std::span<const Ray> rays,
+                   std::span<Hit> hits) {
+  test == TriangleTest::kExact ? trace_closest<Exact>(instances, rays, hits)
+                               : trace_closest<PlainFloat>(instances, rays, hits);
+}
+
+void count_crossings(const Instances& instances, TriangleTest test, std::span<const Ray> rays,
+                     std::span<std::uint32_t> counts) {
+  test == TriangleTest::kExact ? count_crossings<Exact>(instances, rays, counts)
+                               : count_crossings<PlainFloat>(instances, rays, counts);
+}
+
+}  // namespace sightline::bench

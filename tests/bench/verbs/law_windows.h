@@ -1,0 +1,58 @@
+// Compact windows of parallel rays over a scene, and what a fresh tree costs that they grow.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/mesh/mesh_tree.h"
+#include "accel/published/any_builder.h"
+#include "tests/bench/scenes/scene_geometry.h"
+#include "tests/bench/scenes/scene_source.h"
+
+namespace sightline::bench {
+
+/// A square in x and z, or the whole footprint's rectangle. Rays come straight down (-y) through
+/// it, on a raster.
+struct LawWindow {
+  double lo_x = 0, lo_z = 0, hi_x = 0, hi_z = 0;
+  double above = 0;  ///< Where rays start, in y.
+  std::size_t rays_x = 1, rays_z = 1;
+
+  std::size_t rays() const { return rays_x * rays_z; }
+  accel::Ray ray(std::size_t i) const;  ///< Row by row; i < rays().
+};
+
+/// At least as many rays a triangle, if triangles lie evenly over the footprint.
+inline constexpr double kLawRaysPerTriangle = 4;
+
+/// Windows that take `share` of the scene's footprint and lie within it, each with a random point
+/// of the surface under it: `count` of them, or the one there is for a share of 1. The same for the
+/// same seed.
+std::vector<LawWindow> law_windows(const SceneGeometry& geometry, const AreaSampler& surface,
+                                   double share, std::size_t count, std::uint64_t seed);
+
+/// What to grow trees from.
+struct LawTrees {
+  const SceneSource* scene = nullptr;
+  accel::AnyBuilder builder;
+  accel::References references = accel::References::kRuns;
+};
+
+struct LawCount {
+  std::uint64_t m = 0;  ///< Distinct triangles in leaves that rays entered up to their hits.
+  std::uint64_t touches = 0, touches_prepare = 0, cells_expanded = 0;
+  std::uint64_t rays = 0;
+};
+
+/// Grows fresh trees by the window's rays, first-touch, on the calling thread alone: the same
+/// counts every time.
+Result<LawCount> count_window(const LawTrees& trees, const LawWindow& window);
+
+/// As count_window, for rays that have nothing to do with each other; m stays 0.
+Result<LawCount> count_scattered(const LawTrees& trees, const SceneGeometry& geometry,
+                                 std::size_t rays, std::uint64_t seed);
+
+/// Each count's own median.
+LawCount median_count(const std::vector<LawCount>& counts);
+
+}  // namespace sightline::bench

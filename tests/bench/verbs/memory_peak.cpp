@@ -1,0 +1,39 @@
+// How much memory a piece of work holds at its highest, from /proc.
+#include "tests/bench/verbs/memory_peak.h"
+
+#include <malloc.h>
+
+#include <fstream>
+#include <string>
+
+namespace sightline::bench {
+namespace {
+
+std::optional<std::uint64_t> status_bytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    if (word != key) continue;
+    std::uint64_t kibibytes = 0;
+    if (status >> kibibytes) return kibibytes * 1024;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+MemoryPeak::MemoryPeak() {
+  // What was freed before must not pass for memory that was there already.
+  ::malloc_trim(0);
+  std::ofstream reset("/proc/self/clear_refs");
+  reset << "5" << std::flush;
+  if (reset) before_ = status_bytes("VmRSS:");
+}
+
+std::optional<std::uint64_t> MemoryPeak::bytes() const {
+  const auto peak = status_bytes("VmHWM:");
+  if (!before_ || !peak) return std::nullopt;
+  return *peak > *before_ ? *peak - *before_ : 0;
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,125 @@
+// What the command line says, as the verbs take it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/trace.h"
+#include "tests/bench/scenes/ray_kinds.h"
+
+namespace sightline::bench {
+
+struct CommonOptions {
+  std::string scene;  ///< As given: a file or gen:NAME?...
+  int threads = 1;
+  int repeat = 3;
+  std::uint64_t seed = 1;
+  std::string policy;            ///< "first-touch", "full", or empty: what suits the verb.
+  std::string rotate;            ///< "x,y,z" in degrees, or empty.
+  bool merge = false;            ///< All instances as one mesh.
+  std::vector<std::string> set;  ///< "key=value" for the builder.
+  bool json = false;
+};
+
+struct RayOptions {
+  std::string kind{};
+  std::size_t count = 0;
+};
+
+struct RaysOptions {
+  RayOptions rays{};
+  std::string out{};
+};
+
+struct BuildOptions {
+  std::vector<std::string> builders{};
+  bool end_points =
+      false;  ///< Hierarchies' end-point overlap, too, which takes longer than building.
+};
+
+struct TraceOptions {
+  std::vector<std::string> builders{};
+  RayOptions rays{};
+  scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
+};
+
+struct LazyOptions {
+  RayOptions rays{};
+  std::vector<std::string> modes{"lazy", "full"};
+  std::string builder{};
+  std::string hierarchy{"runs"};  ///< What mesh trees begin with: soup, runs.
+  std::size_t batch = 0;          ///< Rays a batch; 0: all in one.
+};
+
+struct LawOptions {
+  bool nodes = false;  ///< The law of hierarchies: touches over nodes.
+  /// Powers of two of the triangles; nothing: what the law is stated for.
+  std::optional<int> min_n{}, max_n{};
+  int least_share = 10;                    ///< Windows see 2^-least_share of the scene, up to all.
+  std::size_t windows = 16;                ///< Of each share; medians are reported.
+  std::vector<std::string> hierarchies{};  ///< soup, runs; empty: both, or runs with `nodes`.
+  std::string builder{};
+};
+
+struct KernelOptions {
+  std::vector<std::size_t> boxes{32'768, 4'194'304};  ///< A list each: within L2, and beyond L3.
+};
+
+struct ExactnessOptions {
+  std::vector<std::string> kinds{"overview", "diffuse", "random"};
+  std::size_t count = 1'000'000;
+  std::string builder{};
+};
+
+struct RobustOptions {
+  std::string family{};                 ///< Families whose name begins so; empty: all.
+  int level = 7;                        ///< Of the icospheres.
+  std::size_t count = 1'000'000;        ///< A family, a quarter of each kind.
+  std::vector<std::string> builders{};  ///< Empty: all but sah-naive.
+};
+
+struct StabilityOptions {
+  std::string family{};                 ///< This one, or all whose name begins so; empty: all.
+  std::uint64_t triangles = 10'000;     ///< Of each family, about.
+  std::size_t rays = 400;               ///< Over each family.
+  std::vector<std::string> builders{};  ///< Empty: all of ours.
+};
+
+struct AnswersOptions {
+  std::vector<std::string> kinds{"random", "aimed"};
+  std::size_t count = 10'000;           ///< Of each kind.
+  std::vector<std::string> builders{};  ///< Empty: all, but for sah-naive on large scenes.
+};
+
+struct DynamicOptions {
+  std::string frames{};  ///< A directory of meshes of one topology, or gen:swarm?...
+  std::size_t copies = 1;
+  std::string still{};        ///< What stands still; empty: nothing.
+  std::string still_small{};  ///< The same frames are played over this one, for comparison.
+  RayOptions rays{};
+  bool shadow = false;               ///< A ray toward a light from every hit.
+  std::string view{"scene"};         ///< What the rays are made for: scene, frames.
+  std::size_t length = 0;            ///< Frames to play; 0: each once.
+  std::vector<std::string> peers{};  ///< embree-low, embree-refit
+};
+
+struct TwoTreesOptions {
+  RayOptions rays{};
+  std::size_t parts = 500;  ///< Spread through the scene.
+};
+
+struct ChartOptions {
+  std::string out{};                  ///< The folder of the CSV and the plots.
+  std::vector<std::string> scenes{};  ///< Empty: six of those that SIGHTLINE_SCENES names.
+  bool quick = false;                 ///< A few rays: to see that it works.
+};
+
+struct CurveOptions {
+  char axis = 'x';
+  int points = 500;  ///< How finely the curves are drawn.
+};
+
+}  // namespace sightline::bench

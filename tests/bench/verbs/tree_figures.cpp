@@ -1,0 +1,183 @@
+// What a snapshot's built trees are like.
+#include "tests/bench/verbs/tree_figures.h"
+
+#include <algorithm>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/published/bvh/bvh_walk.h"
+#include "tests/bench/verbs/end_point_overlap.h"
+
+namespace sightline::bench {
+
+using accel::Vec3d;
+
+namespace {
+
+// Walks the cells that one ray's segment passes through, closed, and marks what their leaves hold.
+class LeafMarker {
+ public:
+  LeafMarker(const accel::KdTree& tree, std::vector<bool>& seen) : tree_(tree), seen_(seen) {}
+
+  void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
+    origin_ = origin;
+    direction_ = direction;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double lo = static_cast<double>(tree_.bounds().lo[a]) - origin[a];
+      const double hi = static_cast<double>(tree_.bounds().hi[a]) - origin[a];
+      if (direction[a] == 0) {
+        if (lo > 0 || hi < 0) return;
+        continue;
+      }
+      const double at_lo = lo / direction[a], at_hi = hi / direction[a];
+      tmin = std::max(tmin, std::min(at_lo, at_hi));
+      tmax = std::min(tmax, std::max(at_lo, at_hi));
+    }
+    if (tmin <= tmax) descend(accel::load(tree_.root()), tmin, tmax);
+  }
+
+ private:
+  void descend(accel::Slot slot, double enter, double leave) {
+    if (slot.is_leaf()) {
+      std::uint32_t storage = 0;
+      for (const std::uint32_t face : tree_.leaf(slot, storage)) seen_[face] = true;
+      return;
+    }
+    if (!slot.is_binary()) return;
+    const auto axis = static_cast<std::size_t>(slot.axis());
+    const double o = origin_[axis], d = direction_[axis];
+    const double plane = static_cast<double>(slot.position());
+    const accel::AtomicSlot* children = tree_.children(slot);
+    if (d == 0) {
+      if (o <= plane) descend(accel::load(children[0]), enter, leave);
+      if (o >= plane) descend(accel::load(children[1]), enter, leave);
+      return;
+    }
+    const double t = (plane - o) / d;
+    const std::size_t near = d > 0 ? 0 : 1;
+    if (enter <= t) descend(accel::load(children[near]), enter, std::min(leave, t));
+    if (leave >= t) descend(accel::load(children[1 - near]), std::max(enter, t), leave);
+  }
+
+  const accel::KdTree& tree_;
+  std::vector<bool>& seen_;
+  Vec3d origin_, direction_;
+};
+
+// The same for the boxes of a hierarchy.
+class BvhLeafMarker {
+ public:
+  BvhLeafMarker(const accel::Bvh& bvh, std::vector<bool>& seen) : bvh_(bvh), seen_(seen) {}
+
+  void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
+    accel::LocalRay local;
+    accel::TreeRay ray;
+    if (!accel::set_local_ray(origin, direction, local) ||
+        !accel::enter(local, bvh_.root.box, tmin / local.unit, tmax / local.unit, ray)) {
+      return;
+    }
+    accel::WalkCounters unused;
+    Visit visit{seen_, ray.t_out};
+    accel::walk(bvh_, ray, unused, visit);
+  }
+
+ private:
+  struct Visit {
+    std::vector<bool>& seen;
+    double t_out;
+    bool leaf(std::span<const std::uint32_t> faces) {
+      for (const std::uint32_t face : faces) seen[face] = true;
+      return false;
+    }
+    double limit() const { return t_out; }
+  };
+  const accel::Bvh& bvh_;
+  std::vector<bool>& seen_;
+};
+
+}  // namespace
+
+accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
+  const accel::EpochPin pin;
+  accel::TreeMetrics sum;
+  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
+    const accel::TreeMetrics m = mesh->tree().metrics();
+    sum.nodes += m.nodes;
+    sum.leaves += m.leaves;
+    sum.nonempty_leaves += m.nonempty_leaves;
+    sum.references += m.references;
+    sum.max_depth = std::max(sum.max_depth, m.max_depth);
+    sum.unbuilt_cells += m.unbuilt_cells;
+    sum.expected_traversals += m.expected_traversals;
+    sum.expected_leaves += m.expected_leaves;
+    sum.expected_intersections += m.expected_intersections;
+    sum.sah_cost += m.sah_cost;
+    sum.overlap += m.overlap;
+    sum.bytes += m.bytes;
+  }
+  return sum;
+}
+
+std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot) {
+  std::optional<double> sum;
+  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
+    const accel::BvhTree* tree = mesh->tree().bvh();
+    if (tree == nullptr || tree->built() == nullptr) continue;
+    sum = sum.value_or(0) + bench::end_point_overlap(*tree->built(), mesh->view());
+  }
+  return sum;
+}
+
+void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
+  row["nodes"] = metrics.nodes;
+  row["leaves"] = metrics.leaves;
+  row["nonempty_leaves"] = metrics.nonempty_leaves;
+  row["references"] = metrics.references;
+  row["max_depth"] = metrics.max_depth;
+  row["sah_cost"] = metrics.sah_cost;
+  row["expected_traversals"] = metrics.expected_traversals;
+  row["expected_leaves"] = metrics.expected_leaves;
+  row["expected_intersections"] = metrics.expected_intersections;
+  row["overlap"] = metrics.overlap;
+  row["bytes_final"] = metrics.bytes;
+}
+
+void SeenTriangles::add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits) {
+  const accel::EpochPin pin;
+  for (const scenegraph::Instance& instance : snapshot_.trees().still.list()) {
+    std::vector<bool>& marks = seen_[instance.mesh];
+    marks.resize(instance.mesh->faces());
+    const auto mark_all = [&](auto&& marker) {
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].state == accel::HitState::kInvalid || (instance.mask & rays[i].mask) == 0)
+          continue;
+        marker.mark(instance.local_from_world.point(rays[i].origin),
+                    instance.local_from_world.direction(rays[i].direction), rays[i].tmin,
+                    std::min(rays[i].tmax, hits[i].t));
+      }
+    };
+    const accel::MeshTree& tree = instance.mesh->tree();
+    if (tree.kd() != nullptr) {
+      mark_all(LeafMarker(*tree.kd(), marks));
+    } else if (const accel::Bvh* bvh = tree.bvh()->built()) {
+      mark_all(BvhLeafMarker(*bvh, marks));
+    }
+  }
+}
+
+std::uint64_t SeenTriangles::count() const {
+  std::uint64_t count = 0;
+  for (const auto& [mesh, marks] : seen_) {
+    count += static_cast<std::uint64_t>(std::count(marks.begin(), marks.end(), true));
+  }
+  return count;
+}
+
+std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
+                                std::span<const accel::Ray> rays,
+                                std::span<const accel::Hit> hits) {
+  SeenTriangles seen(snapshot);
+  seen.add(rays, hits);
+  return seen.count();
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,45 @@
+// What a snapshot's built trees are like, summed over its distinct meshes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/kdtree/tree_metrics.h"
+#include "scenegraph/revision/snapshot.h"
+#include "tests/bench/verbs/report.h"
+
+namespace sightline::bench {
+
+/// Sums; the greatest of max_depth. For a single mesh: that mesh's tree. The scene-level tree is
+/// left out.
+accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot);
+
+/// Of those that are hierarchies; nothing if none is.
+std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot);
+
+/// Adds the contract's keys from `nodes` to `bytes_final`.
+void set_metrics(Row& row, const accel::TreeMetrics& metrics);
+
+/// Distinct triangles in the leaves that rays enter up to their hits; what is not built holds none.
+class SeenTriangles {
+ public:
+  /// The snapshot must outlive it. Its trees may grow between calls.
+  explicit SeenTriangles(const scenegraph::Snapshot& snapshot) : snapshot_(snapshot) {}
+  /// hits[i] is the closest hit of rays[i].
+  void add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+  std::uint64_t count() const;
+
+ private:
+  const scenegraph::Snapshot& snapshot_;
+  std::unordered_map<const scenegraph::Mesh*, std::vector<bool>> seen_;  // by face
+};
+
+/// Those of one batch.
+std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
+                                std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+
+}  // namespace sightline::bench

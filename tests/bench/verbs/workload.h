@@ -1,0 +1,48 @@
+// What the verbs share: the scene as asked for, its rays, and the check of answers.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/trace.h"
+#include "tests/bench/scenes/scene_source.h"
+#include "tests/bench/verbs/options.h"
+#include "tests/bench/verbs/stopwatch.h"
+#include "tests/support/brute_force.h"
+
+namespace sightline::bench {
+
+/// Loaded and turned.
+Result<SceneSource> make_scene(const CommonOptions& common);
+
+/// `fallback` where --policy is not given.
+Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback);
+std::string_view policy_name(scenegraph::Growth growth);
+
+/// "soup" or "runs".
+Result<accel::References> parse_hierarchy(const std::string& name);
+
+Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, const RayOptions& rays,
+                                          std::uint64_t seed);
+
+/// Holds a sample of answers against brute force.
+class AnswerCheck {
+ public:
+  /// Keeps a copy of the scene's arrays.
+  static Result<AnswerCheck> make(const SceneSource& scene, std::span<const accel::Ray> rays,
+                                  scenegraph::QueryKind kind);
+  /// Error: kDataLoss, saying what differs.
+  Status operator()(std::span<const accel::Hit> hits) const;
+
+ private:
+  explicit AnswerCheck(tests::BruteForce oracle) : oracle_(std::move(oracle)) {}
+  tests::BruteForce oracle_;
+  std::vector<std::size_t> sample_;
+  std::vector<accel::Ray> rays_;
+  scenegraph::QueryKind kind_{};
+};
+
+}  // namespace sightline::bench

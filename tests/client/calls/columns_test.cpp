@@ -1,0 +1,54 @@
+// Columns that disagree, and copies of rows.
+#include "client/calls/columns.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace sightline::client {
+namespace {
+
+const std::vector<double> kSix{1, 2, 3, 4, 5, 6};
+const std::vector<double> kTwo{7, 8};
+
+TEST(Columns, LengthsMustAgree) {
+  const RayColumns<const double> rays{kSix, kSix};
+  std::vector<double> t(2);
+  std::vector<float> normal(5);
+  EXPECT_TRUE(check_rows(rays, HitColumns{.t = t}));
+  const Status bad_normal = check_rows(rays, HitColumns{.t = t, .normal = normal});
+  ASSERT_FALSE(bad_normal);
+  EXPECT_EQ(bad_normal.error().message, "normal holds 5 values, but 2 rays need 6");
+  const Status bad_rays = check_rows(RayColumns<const double>{kSix, kTwo}, HitColumns{});
+  ASSERT_FALSE(bad_rays);
+  EXPECT_EQ(bad_rays.error().code, Code::kInvalidArgument);
+  EXPECT_FALSE(check_rows(RayColumns<const double>{kTwo, kTwo}, HitColumns{}));
+  EXPECT_FALSE(check_rows(
+      RayColumns<const double>{.origins = kSix, .directions = kSix, .tmin = kSix}, HitColumns{}));
+}
+
+TEST(Columns, ABoundLeftOutIsFilledIn) {
+  std::vector<double> origins(3), directions(3), tmin(1), tmax(1);
+  const RayColumns<double> room{origins, directions, tmin, tmax};
+  const RayColumns<const double> with_tmin{.origins = kSix, .directions = kSix, .tmin = kTwo};
+  copy_rays(with_tmin, 1, room);
+  EXPECT_EQ(origins, (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(tmin[0], 8);
+  EXPECT_EQ(tmax[0], std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(shape_of(with_tmin).interval);
+  EXPECT_FALSE(shape_of(RayColumns<const double>{kSix, kSix}).interval);
+}
+
+TEST(Columns, HitsGoToTheirRows) {
+  const std::vector<float> two_normals{1, 2, 3, 4, 5, 6};
+  std::vector<float> normals(12);
+  HitView answers;
+  answers.normal = two_normals;
+  copy_hits(answers, 1, HitColumns{.normal = normals});
+  EXPECT_EQ(normals, (std::vector<float>{0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,40 @@
+// gRPC's statuses as errors.
+#include "client/calls/rpc_error.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace sightline::client {
+namespace {
+
+TEST(RpcError, EveryCodeHasOneOfItsOwn) {
+  std::set<Code> codes;
+  for (int code = grpc::CANCELLED; code <= grpc::UNAUTHENTICATED; ++code) {
+    codes.insert(rpc_error(grpc::Status(static_cast<grpc::StatusCode>(code), "")).code);
+  }
+  EXPECT_EQ(codes.size(), 16U);
+  EXPECT_EQ(rpc_error(grpc::Status(grpc::NOT_FOUND, "gone")).code, Code::kNotFound);
+  EXPECT_EQ(rpc_error(grpc::Status(grpc::NOT_FOUND, "gone")).message, "gone");
+}
+
+TEST(RpcError, TheReasonComesFromErrorInfo) {
+  google::rpc::ErrorInfo info;
+  info.set_reason("NODE_CYCLE");
+  google::rpc::Status details;
+  details.add_details();
+  details.add_details()->PackFrom(info);
+  const grpc::Status status(grpc::INVALID_ARGUMENT, "cycle", details.SerializeAsString());
+  EXPECT_EQ(rpc_error(status).reason, "NODE_CYCLE");
+}
+
+TEST(RpcError, DetailsThatAreNoneLeaveNoReason) {
+  EXPECT_EQ(rpc_error(grpc::Status(grpc::INTERNAL, "", "\xff\xff")).reason, "");
+  EXPECT_EQ(rpc_error(grpc::Status(grpc::INTERNAL, "")).reason, "");
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,67 @@
+// What is refused before a byte is sent.
+#include "client/calls/scene_check.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace sightline::client {
+namespace {
+
+ServerInfo limits() {
+  ServerInfo info;
+  info.max_depth = 3;
+  info.max_triangles_per_mesh = 2;
+  return info;
+}
+
+ImportedScene chain(std::uint32_t depth) {
+  ImportedScene scene;
+  for (std::uint32_t i = 0; i < depth; ++i) {
+    ImportedNode node;
+    node.name = "node" + std::to_string(i);
+    node.parent = i == 0 ? kNone : i - 1;
+    scene.nodes.push_back(node);
+  }
+  return scene;
+}
+
+TEST(SceneCheck, TakesWhatIsWithinTheLimits) {
+  ImportedScene scene = chain(3);
+  scene.meshes.resize(1);
+  scene.meshes[0].faces.resize(2);
+  EXPECT_TRUE(check_scene(scene, limits()));
+}
+
+TEST(SceneCheck, NamesTheNodeThatIsTooDeep) {
+  const Status status = check_scene(chain(4), limits());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message, "node 'node3' is at depth 4, the limit is 3");
+}
+
+TEST(SceneCheck, NamesTheNodeWithoutAnInverse) {
+  for (const double flat : {0.0, 1e-13}) {
+    ImportedScene scene = chain(2);
+    scene.nodes[1].parent_from_local[10] = flat;
+    const Status status = check_scene(scene, limits());
+    ASSERT_FALSE(status) << flat;
+    EXPECT_EQ(status.error().code, Code::kInvalidArgument);
+    EXPECT_NE(status.error().message.find("'node1'"), std::string::npos);
+  }
+  ImportedScene mirrored = chain(1);
+  mirrored.nodes[0].parent_from_local = {0, -3, 0, 1e6, 2, 0, 0, 0, 0, 0, -1e-3, 0};
+  EXPECT_TRUE(check_scene(mirrored, limits()));
+}
+
+TEST(SceneCheck, AMeshTooBigIsAResourceLimit) {
+  ImportedScene scene = chain(1);
+  scene.meshes.resize(1);
+  scene.meshes[0].faces.resize(3);
+  const Status status = check_scene(scene, limits());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, Code::kResourceExhausted);
+}
+
+}  // namespace
+}  // namespace sightline::client

@@ -1,0 +1,97 @@
+// Meshes on their way to the server.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/calls/channel.h"
+#include "client/client.h"
+#include "sightline/v1/blob.grpc.pb.h"
+#include "tests/client/support/live_client.h"
+
+namespace sightline::client {
+namespace {
+
+namespace v1 = ::sightline::v1;
+using Upload = tests::LiveClient;
+
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+TEST_F(Upload, WhatWasUploadedIsNotMissing) {
+  const ImportedMesh mesh = tests::sheets(3);
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  const std::vector<std::string> digests{blob.digest()};
+  EXPECT_EQ(*client_.missing_meshes(digests), digests);
+  ASSERT_TRUE(client_.upload_mesh(blob, digests[0]));
+  EXPECT_TRUE(client_.missing_meshes(digests)->empty());
+  EXPECT_TRUE(client_.upload_mesh(blob, digests[0])) << "again";
+}
+
+TEST_F(Upload, ABigMeshGoesInChunks) {
+  const ImportedMesh mesh = tests::sheets(50000);
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  ASSERT_GT(blob.size(), 3 * kChunkBytes);
+  std::vector<std::uint64_t> told;
+  ASSERT_TRUE(client_.upload_mesh(blob, blob.digest(),
+                                  [&](std::uint64_t bytes) { told.push_back(bytes); }));
+  EXPECT_EQ(told.front(), kChunkBytes);
+  EXPECT_EQ(told.back(), blob.size());
+  EXPECT_TRUE(client_.upload_mesh(blob, blob.digest())) << "again";
+}
+
+TEST_F(Upload, IsTakenUpWhereItStopped) {
+  const ImportedMesh mesh = tests::sheets(50000);
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  {
+    const auto blobs = v1::BlobService::NewStub(open_channel(endpoint()));
+    grpc::ClientContext context;
+    v1::UploadBlobResponse response;
+    const auto writer = blobs->UploadBlob(&context, &response);
+    v1::UploadBlobRequest chunk;
+    chunk.set_digest(blob.digest());
+    chunk.mutable_data()->resize(kChunkBytes);
+    blob.copy(0, std::as_writable_bytes(std::span(*chunk.mutable_data())));
+    ASSERT_TRUE(writer->Write(chunk));
+    writer->WritesDone();
+    ASSERT_TRUE(writer->Finish().ok());
+  }
+  std::uint64_t first = 0;
+  ASSERT_TRUE(client_.upload_mesh(
+      blob, blob.digest(), [&](std::uint64_t bytes) { first = first == 0 ? bytes : first; }));
+  EXPECT_EQ(first, 2 * kChunkBytes);
+  EXPECT_TRUE(client_.missing_meshes(std::vector{blob.digest()})->empty());
+}
+
+TEST_F(Upload, AWrongDigestIsDataLoss) {
+  const ImportedMesh mesh = tests::sheets(1);
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  ImportedMesh moved = mesh;
+  moved.vertices[0][0] = 5;
+  const Status uploaded = client_.upload_mesh(blob, MeshBlob(moved.vertices, moved.faces).digest());
+  ASSERT_FALSE(uploaded);
+  EXPECT_EQ(uploaded.error().code, Code::kDataLoss);
+}
+
+TEST_F(Upload, AMeshThatIsNoneIsRefused) {
+  ImportedMesh mesh = tests::sheets(1);
+  mesh.faces[0][0] = 99;
+  const MeshBlob blob(mesh.vertices, mesh.faces);
+  const Status uploaded = client_.upload_mesh(blob, blob.digest());
+  ASSERT_FALSE(uploaded);
+  EXPECT_EQ(uploaded.error().code, Code::kInvalidArgument);
+}
+
+TEST_F(Upload, ManyDigestsAreAskedInParts) {
+  std::vector<std::string> digests;
+  for (int i = 0; i < 10000; ++i) {
+    const std::string number = std::to_string(100000 + i);
+    digests.push_back("sha256:" + std::string(58, '0') + number + "/24");
+  }
+  const auto missing = client_.missing_meshes(digests);
+  ASSERT_TRUE(missing) << missing.error().message;
+  EXPECT_EQ(missing->size(), digests.size());
+}
+
+}  // namespace
+}  // namespace sightline::client

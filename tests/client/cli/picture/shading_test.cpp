@@ -1,0 +1,51 @@
+// Colours of samples.
+#include "client/cli/picture/shading.h"
+
+#include <gtest/gtest.h>
+
+namespace sightline::client::cli {
+namespace {
+
+float brightness(const Rgb& c) { return c[0] + c[1] + c[2]; }
+
+TEST(Shading, NormalsFaceTheRay) {
+  EXPECT_EQ(facing({0, 0, 1}, {0, 0, -1}), (Vec3{0, 0, 1}));
+  EXPECT_EQ(facing({0, 0, -1}, {0, 0, -1}), (Vec3{0, 0, 1}));
+}
+
+TEST(Shading, UpLooksTheSameWhicheverAxisItIs) {
+  const Camera y_camera;  // looks along -z, y up
+  Camera z_camera;
+  z_camera.forward = {0, 1, 0};
+  z_camera.up = {0, 0, 1};
+  EXPECT_EQ(normal_shade({0, 1, 0}, y_camera, UpAxis::kY),
+            normal_shade({0, 0, 1}, z_camera, UpAxis::kZ));
+}
+
+TEST(Shading, DepthGoesFromNearToFarAndBehindIsDark) {
+  std::vector<Sample> samples(101, Sample{0, 1, false});
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].value = static_cast<float>(i);
+  samples.push_back({1e9F, -1, false});
+  const auto colours = depth_shades(samples);
+  ASSERT_EQ(colours.size(), samples.size());
+  EXPECT_GT(brightness(colours[10]), brightness(colours[50]));
+  EXPECT_GT(brightness(colours[50]), brightness(colours[90]));
+  EXPECT_LT(brightness(colours.back()), brightness(colours[100]));
+}
+
+TEST(Shading, HeatOfWhatIsNotBuiltIsDark) {
+  const auto colours =
+      heat_shades({{40, 0.5F, false}, {40, -1, false}, {40, -1, true}, {10, 0.5F, false}});
+  EXPECT_GT(brightness(colours[0]), brightness(colours[3]));
+  EXPECT_LT(brightness(colours[2]), 0.5F * brightness(colours[1]));
+  EXPECT_LT(brightness(colours[2]), 0.5F * brightness(colours[0]));
+}
+
+TEST(Shading, APictureOfNothingHasColours) {
+  EXPECT_EQ(depth_shades({{0, -1, false}}).size(), 1U);
+  EXPECT_EQ(heat_shades({{0, -1, false}}).size(), 1U);
+  EXPECT_TRUE(depth_shades({}).empty());
+}
+
+}  // namespace
+}  // namespace sightline::client::cli

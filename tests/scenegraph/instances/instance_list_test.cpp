@@ -1,0 +1,298 @@
+// The hierarchy opened as rays look at it: always into the same, each instance once, in boxes that
+// hold one another.
+#include "scenegraph/instances/instance_list.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "scenegraph/instances/instance_bounds.h"
+#include "scenegraph/trace.h"
+#include "tests/scenegraph/random_hierarchy.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+/// All of it in the static tree.
+std::vector<Update> at_rest(int nodes, tests::Frames frames, std::uint64_t seed) {
+  std::vector<Update> updates = tests::random_hierarchy(nodes, frames, seed);
+  for (Update& update : updates) std::get<PutNode>(update).mobility = Mobility::kStatic;
+  return updates;
+}
+
+using accel::BoxRef;
+using tests::Frames;
+
+constexpr Frames kAllFrames[] = {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat};
+
+bool holds(const accel::Aabb& outer, const accel::Aabb& inner) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(outer.lo[a] <= inner.lo[a] && inner.hi[a] <= outer.hi[a])) return false;
+  }
+  return true;
+}
+
+/// Everything below these references.
+void open_down(const Instances& instances, const std::vector<BoxRef>& refs,
+               std::map<std::uint32_t, BoxRef>& found) {
+  for (const BoxRef& ref : refs) {
+    if (!ref.openable()) {
+      EXPECT_TRUE(found.emplace(ref.id, ref).second) << "reached twice: " << ref.id;
+      continue;
+    }
+    std::vector<BoxRef> finer;
+    instances.open(ref, finer);
+    EXPECT_FALSE(finer.empty());
+    for (const BoxRef& part : finer) EXPECT_TRUE(holds(ref.bounds(), part.bounds())) << ref.id;
+    open_down(instances, finer, found);
+  }
+}
+
+std::map<std::uint32_t, BoxRef> open_down(const Instances& instances) {
+  std::map<std::uint32_t, BoxRef> found;
+  open_down(instances, instances.coarsest(), found);
+  return found;
+}
+
+TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
+  for (const Frames frames : kAllFrames) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const auto snapshot = tests::snapshot_of(at_rest(300, frames, seed));
+      const Instances& instances = snapshot->trees().still;
+      const auto found = open_down(instances);
+      ASSERT_EQ(found.size(), instances.size());
+      ASSERT_EQ(found.size(), snapshot->hierarchy().subtree(0).instances);
+      for (const auto& [id, ref] : found) {
+        const Instance& instance = instances[id];
+        EXPECT_EQ(instance.index, id);
+        EXPECT_EQ(instance.box, ref.bounds());
+        EXPECT_TRUE(holds(instances.tree().tree().bounds(), instance.box));
+      }
+    }
+  }
+}
+
+TEST(Instances, StandWhereTheHierarchyPutsThem) {
+  for (const Frames frames : kAllFrames) {
+    const auto snapshot = tests::snapshot_of(at_rest(400, frames, 3));
+    NodeId before = 0;
+    std::size_t count = 0;
+    for (const Instance& instance : snapshot->trees().still.list()) {
+      const Node& node = *snapshot->find(instance.node);
+      const Affine world = world_from_local(snapshot->hierarchy(), node);
+      ASSERT_EQ(instance.local_from_world, *inverse(world));
+      EXPECT_EQ(instance.mirrored, mirrors(world));
+      EXPECT_EQ(instance.mesh, node.mesh.get());
+      EXPECT_EQ(instance.mask, node.mask);
+      EXPECT_EQ(instance.entered, node.entered.get());
+      // The boxes of the groups above it take nothing away.
+      EXPECT_EQ(instance.box, instance_box(world, instance.local_from_world, node.mesh->bounds(),
+                                           snapshot->trees().still.center()));
+      EXPECT_NE(instance.node, before);
+      before = instance.node;
+      ++count;
+    }
+    EXPECT_EQ(count, snapshot->trees().still.list().size());
+  }
+}
+
+TEST(Instances, BoxesHoldWhateverTheConditions) {
+  // Each alone is fine, and so is the whole: what is squeezed is stretched again below.
+  for (const double squeeze : {1e-3, 1e-6, 1e-9}) {
+    std::vector<Update> updates;
+    tests::Random random(8);
+    for (int i = 1; i <= 40; ++i) {
+      PutNode put;
+      put.node = -i;
+      put.parent = i == 1 ? 0 : -i + 1;
+      const double scale = i % 2 == 0 ? squeeze : 1 / squeeze;
+      put.parent_from_local = Affine{{1, 0, 0, random.uniform(-3, 3), 0, 1, 0,
+                                      random.uniform(-3, 3), 0, 0, scale, random.uniform(-3, 3)}};
+      put.mesh = tests::some_mesh(static_cast<std::uint64_t>(i % 4));
+      updates.emplace_back(put);
+    }
+    const auto snapshot = tests::snapshot_of(updates);
+    EXPECT_EQ(open_down(snapshot->trees().still).size(), 40u);
+  }
+}
+
+TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
+  const auto updates = at_rest(3000, Frames::kSheared, 6);
+  const auto expected_of = tests::snapshot_of(updates);
+  const auto expected = open_down(expected_of->trees().still);
+  for (int round = 0; round < 10; ++round) {
+    const auto snapshot = tests::snapshot_of(updates);
+    std::vector<std::map<std::uint32_t, BoxRef>> found(8);
+    std::vector<std::thread> threads;
+    for (auto& mine : found) {
+      threads.emplace_back([&] { mine = open_down(snapshot->trees().still); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (const auto& mine : found) {
+      ASSERT_EQ(mine.size(), expected.size());
+      for (const auto& [id, ref] : expected) {
+        ASSERT_EQ(mine.at(id).bounds(), ref.bounds());
+        ASSERT_EQ(mine.at(id).weight, ref.weight);
+        ASSERT_EQ(snapshot->trees().still[id].node, expected_of->trees().still[id].node);
+      }
+    }
+    EXPECT_EQ(snapshot->trees().still.placed(), expected_of->trees().still.placed());
+  }
+}
+
+/// Groups of many kinds under one node, more than are placed together: of nothing, of one instance,
+/// of a few, of so many that runs are made of them, of groups.
+std::vector<Update> many_groups(int count) {
+  std::vector<Update> updates;
+  tests::Random random(9);
+  NodeRef last = 0;
+  const auto add = [&](NodeRef parent, double apart, bool mesh) {
+    PutNode put;
+    put.node = --last;
+    put.parent = parent;
+    put.parent_from_local.m[3] = random.uniform(0, apart);
+    put.parent_from_local.m[7] = random.uniform(0, apart);
+    if (mesh) put.mesh = tests::some_mesh(random.below(2));
+    updates.emplace_back(put);
+    return put.node;
+  };
+  const NodeRef root = add(0, 1, false);
+  for (int i = 0; i < count; ++i) {
+    const NodeRef group = add(root, 1e4, i % 5 == 0);
+    const int children = i % 97 == 0 ? 200 : i % 4;
+    for (int k = 0; k < children; ++k) {
+      const NodeRef child = add(group, 50, k % 2 == 0);
+      if (k % 8 == 0) add(child, 5, i % 3 > 0);
+    }
+  }
+  return updates;
+}
+
+TEST(Instances, AreFoundByNumberAmongManyGroups) {
+  const auto updates = many_groups(2500);
+  const auto first = tests::snapshot_of(updates);
+  const auto expected = open_down(first->trees().still);
+  ASSERT_EQ(expected.size(), first->trees().still.size());
+  // In another order: whatever is at hand is opened next.
+  const auto snapshot = tests::snapshot_of(updates);
+  const Instances& instances = snapshot->trees().still;
+  tests::Random random(10);
+  std::map<std::uint32_t, BoxRef> found;
+  std::vector<BoxRef> closed = instances.coarsest();
+  while (!closed.empty()) {
+    std::swap(closed[random.below(closed.size())], closed.back());
+    const BoxRef ref = closed.back();
+    closed.pop_back();
+    if (ref.openable()) {
+      instances.open(ref, closed);
+    } else {
+      EXPECT_TRUE(found.emplace(ref.id, ref).second);
+    }
+  }
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [id, ref] : expected) {
+    ASSERT_EQ(found.at(id).bounds(), ref.bounds());
+    ASSERT_EQ(instances[id].node, first->trees().still[id].node);
+  }
+}
+
+TEST(Instances, WeighWhatIsBelow) {
+  const auto snapshot = tests::snapshot_of(at_rest(2000, Frames::kRigid, 7));
+  const Instances& instances = snapshot->trees().still;
+  const auto sum = [](const std::vector<BoxRef>& refs) {
+    std::uint64_t weights = 0;
+    for (const BoxRef& ref : refs) weights += ref.weight;
+    return weights;
+  };
+  EXPECT_EQ(sum(instances.coarsest()), snapshot->hierarchy().subtree(0).price);
+  for (const BoxRef& ref : instances.coarsest()) {
+    if (!ref.openable()) continue;
+    std::vector<BoxRef> finer;
+    instances.open(ref, finer);
+    EXPECT_EQ(sum(finer), ref.weight);
+  }
+  EXPECT_EQ(weight_shift(std::uint64_t{1} << 31), 1u);
+  EXPECT_EQ(weight_shift((std::uint64_t{1} << 31) - 1), 0u);
+  EXPECT_EQ(weight_shift(std::uint64_t{1} << 40), 10u);
+}
+
+TEST(Instances, ThatCannotBeReachedAreInNoList) {
+  // Not by way of Scene, which refuses them.
+  Hierarchy hierarchy;
+  const auto add = [&](NodeId id, NodeId parent, const Affine& where,
+                       std::shared_ptr<const Mesh> mesh) {
+    Node node;
+    node.id = id;
+    node.parent = parent;
+    node.parent_from_local = where;
+    node.mesh = std::move(mesh);
+    if (node.mesh != nullptr) node.entered = std::make_shared<std::atomic<bool>>(false);
+    if (id == 1) node.children = {2, 3, 4};
+    if (id == 4) node.children = {5};
+    hierarchy.nodes.set(id, std::make_shared<const Node>(node));
+  };
+  const Affine singular{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
+  add(1, 0, {}, nullptr);
+  add(2, 1, singular, tests::some_mesh(0));
+  add(3, 1, {}, tests::some_mesh(0));
+  add(4, 1, singular, nullptr);
+  add(5, 4, {}, tests::some_mesh(0));
+  hierarchy.roots = std::make_shared<const std::vector<NodeId>>(1, 1);
+  const Hierarchy nothing;
+  SubtreeUpdate update(nothing, hierarchy);
+  for (NodeId id = 1; id <= 5; ++id) update.edited(id);
+  update.finish();
+  const Snapshot snapshot(1, hierarchy);
+  const Instances& instances = snapshot.trees().still;
+  EXPECT_EQ(instances.size(), 3u);
+  const accel::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
+  accel::Hit hit;
+  ASSERT_TRUE(trace(snapshot, {&ray, 1}, {&hit, 1}, {}));
+  EXPECT_EQ(hit.node, 3u);
+  ASSERT_TRUE(build_all(snapshot));
+  for (const Instance& instance : instances.list())
+    EXPECT_EQ(instance.mask != 0, instance.node == 3);
+}
+
+TEST(Instances, OfNothing) {
+  const Scene empty;
+  EXPECT_EQ(empty.snapshot()->trees().still.size(), 0u);
+  EXPECT_TRUE(empty.snapshot()->trees().still.list().empty());
+  std::vector<Update> groups;
+  for (int i = 1; i <= 10; ++i) {
+    PutNode put;
+    put.node = -i;
+    put.parent = -(i / 2);
+    if (i > 5) put.mesh = tests::some_mesh(static_cast<std::uint64_t>(4 + i % 2));
+    groups.emplace_back(put);
+  }
+  const auto snapshot = tests::snapshot_of(groups);
+  EXPECT_EQ(snapshot->trees().still.size(), 0u);
+  EXPECT_TRUE(snapshot->trees().still.coarsest().empty());
+  EXPECT_EQ(snapshot->trees().still.placed(), 0u);
+}
+
+/// Nodes in a chain above the only instance are opened at once.
+TEST(Instances, FarDownAChainAndFarAway) {
+  std::vector<Update> updates;
+  for (int i = 1; i <= kMaxDepth; ++i) {
+    PutNode put;
+    put.node = -i;
+    put.parent = -i + 1;
+    put.parent_from_local.m[3] = 1e5;
+    if (i == kMaxDepth) put.mesh = tests::some_mesh(0);
+    updates.emplace_back(put);
+  }
+  const auto snapshot = tests::snapshot_of(updates);
+  ASSERT_EQ(snapshot->trees().still.coarsest().size(), 1u);
+  EXPECT_FALSE(snapshot->trees().still.coarsest()[0].openable());
+  const accel::Ray ray{{1e5 * kMaxDepth, 0.01, 9}, {0, 0, -1}};
+  accel::Hit hit;
+  ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));
+  EXPECT_EQ(hit.node, static_cast<std::uint64_t>(kMaxDepth));
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

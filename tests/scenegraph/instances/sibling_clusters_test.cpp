@@ -1,0 +1,121 @@
+// Runs over siblings: all of them, each once, in boxes that hold them; none where they are of no
+// use.
+#include "scenegraph/instances/sibling_clusters.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/random.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::Aabb;
+using accel::BoxRef;
+using accel::Vec3f;
+
+/// Unit cells of a square, row by row.
+std::vector<BoxRef> tiles(std::uint32_t side) {
+  std::vector<BoxRef> refs;
+  for (std::uint32_t i = 0; i < side * side; ++i) {
+    const auto x = static_cast<float>(i % side), y = static_cast<float>(i / side);
+    refs.push_back({{x, y, 0}, i, {x + 1, y + 1, 1}, 1 + i % 3});
+  }
+  return refs;
+}
+
+Aabb box_of(const std::vector<BoxRef>& refs) {
+  Aabb box;
+  for (const BoxRef& ref : refs) box.grow(ref.bounds());
+  return box;
+}
+
+void shuffle(std::vector<BoxRef>& refs) {
+  tests::Random random(3);
+  for (std::size_t i = refs.size(); i > 1; --i) std::swap(refs[i - 1], refs[random.below(i)]);
+}
+
+/// Opens a run, checks it, and returns how many siblings it stands for.
+std::size_t check(const BoxRef& ref, const std::vector<std::span<const BoxRef>>& members,
+                  std::uint32_t first, std::vector<int>& met) {
+  if (!ref.openable()) {
+    ++met[ref.id];
+    return 1;
+  }
+  EXPECT_NE(ref.id & kRun, 0u);
+  const std::uint32_t number = (ref.id & ~accel::kOpenable & ~kRun) - first;
+  std::size_t count = 0;
+  std::uint64_t weight = 0;
+  EXPECT_LT(number, members.size());
+  for (const BoxRef& member : members[number]) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_LE(ref.lo[a], member.lo[a]);
+      EXPECT_GE(ref.hi[a], member.hi[a]);
+    }
+    weight += member.weight;
+    count += check(member, members, first, met);
+  }
+  EXPECT_EQ(ref.weight, weight);
+  return count;
+}
+
+std::size_t coarsest_of(std::vector<BoxRef> refs) {
+  constexpr std::uint32_t kFirst = 1000;
+  const Aabb box = box_of(refs);
+  const std::size_t count = refs.size();
+  std::vector<int> met(count);
+  const SiblingRuns runs = make_runs(std::move(refs), box, kFirst);
+  const auto members = runs.members();
+  EXPECT_LE(members.size(), max_runs(count));
+  std::size_t total = 0;
+  for (const BoxRef& ref : runs.coarsest()) total += check(ref, members, kFirst, met);
+  EXPECT_EQ(total, count);
+  EXPECT_EQ(std::count(met.begin(), met.end(), 1), static_cast<std::ptrdiff_t>(count));
+  return runs.coarsest().size();
+}
+
+TEST(SiblingRuns, TakeFewAsTheyAre) {
+  EXPECT_EQ(coarsest_of({}), 0u);
+  EXPECT_EQ(coarsest_of(tiles(1)), 1u);
+  EXPECT_EQ(coarsest_of(tiles(8)), 64u);
+  EXPECT_EQ(max_runs(64), 0u);
+}
+
+TEST(SiblingRuns, TakeNeighboursTogether) {
+  EXPECT_EQ(coarsest_of(tiles(32)), 64u);
+  EXPECT_EQ(coarsest_of(tiles(100)), 40u);
+  EXPECT_EQ(max_runs(10000), 625u + 40u);
+}
+
+TEST(SiblingRuns, FindNeighboursThatAreNotInOrder) {
+  std::vector<BoxRef> refs = tiles(100);
+  shuffle(refs);
+  EXPECT_EQ(coarsest_of(refs), 40u);
+}
+
+TEST(SiblingRuns, AreNotMadeOfWhatIsEverywhere) {
+  tests::Random random(4);
+  std::vector<BoxRef> refs;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    const auto lo = static_cast<float>(random.uniform(0, 0.1));
+    refs.push_back({{lo, lo, lo}, i, {lo + 1, lo + 1, lo + 1}, 1});
+  }
+  EXPECT_EQ(coarsest_of(refs), 5000u);
+}
+
+TEST(SiblingRuns, EndureBoxesWithoutExtent) {
+  std::vector<BoxRef> same(1000);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const Aabb box = accel::widen_flat({{2, 2, 2}, {2, 2, 2}});
+    same[i] = {box.lo, i, box.hi, 1};
+  }
+  coarsest_of(same);
+  std::vector<BoxRef> endless = tiles(32);
+  endless[7].hi.x = INFINITY;
+  coarsest_of(endless);
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

@@ -1,0 +1,391 @@
+// Closest, any, count and all see the same hits, whatever is asked beside.
+#include <gtest/gtest.h>
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "accel/published/any_builder.h"
+#include "scenegraph/instances/selection.h"
+#include "scenegraph/scene.h"
+#include "scenegraph/trace.h"
+#include "tests/support/kinds.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::Culling;
+using accel::Hit;
+using accel::HitState;
+using accel::Ray;
+using tests::ask_all_kinds;
+using tests::contradiction;
+using tests::KindAnswers;
+
+std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m,
+                                    const accel::AnyBuilder& builder = accel::default_builder()) {
+  return *Mesh::make(m.vertices, m.faces, builder);
+}
+
+PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& where = {},
+              NodeRef parent = 0) {
+  PutNode p;
+  p.node = node;
+  p.parent = parent;
+  p.mesh = std::move(mesh);
+  p.mesh_digest = p.mesh ? "digest" : "";
+  p.parent_from_local = where;
+  return p;
+}
+
+/// Small triangles, and some that reach through all of them: these lie in very many leaves.
+tests::TestMesh straddled(std::uint32_t triangles, std::uint64_t seed) {
+  tests::TestMesh mesh = tests::random_soup(triangles, 0.08, seed);
+  mesh.append(tests::random_soup(20, 3, seed + 1));
+  return mesh;
+}
+
+/// In either orientation, not too flat.
+Affine random_affine(tests::Random& random, double reach) {
+  for (;;) {
+    Affine a;
+    for (double& x : a.m) x = random.uniform(-1, 1);
+    for (const std::size_t i : {3u, 7u, 11u}) a.m[i] = random.uniform(-reach, reach);
+    const auto back = inverse(a);
+    if (back && condition(a, *back) < 50) return a;
+  }
+}
+
+/// Node 1 is a group with the even nodes under it, node 2 lies under 1 and carries a mesh and every
+/// fourth node. Masks go around.
+std::shared_ptr<const Snapshot> crowd(int nodes, const accel::AnyBuilder& builder) {
+  tests::Random random(31);
+  const auto sphere = to_mesh(tests::icosphere(2), builder);
+  const auto soup = to_mesh(straddled(300, 5), builder);
+  Scene scene;
+  std::vector<Update> updates{place(-1, nullptr, random_affine(random, 1))};
+  for (int id = 2; id <= nodes; ++id) {
+    const NodeRef parent = id == 2 ? -1 : id % 4 == 0 ? -2 : id % 2 == 0 ? -1 : 0;
+    PutNode node = place(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
+    node.mask = 1u << (id % 3);
+    updates.push_back(node);
+  }
+  EXPECT_TRUE(scene.apply(updates));
+  return scene.snapshot();
+}
+
+std::shared_ptr<const Snapshot> crowd(int nodes) { return crowd(nodes, accel::default_builder()); }
+
+/// Some with limits and masks of their own.
+std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint64_t seed) {
+  tests::Random random(seed);
+  const WorldBounds& b = snapshot.bounds();
+  std::vector<Ray> rays(n);
+  for (Ray& ray : rays) {
+    const auto p = [&] {
+      return Vec3d{random.uniform(b.lo.x, b.hi.x), random.uniform(b.lo.y, b.hi.y),
+                   random.uniform(b.lo.z, b.hi.z)};
+    };
+    ray.origin = p();
+    ray.direction = p() - ray.origin;
+    if (random.below(2) == 0) {
+      ray.tmin = random.uniform(-0.5, 0.5);
+      ray.tmax = ray.tmin + random.uniform(0, 1);
+    }
+    if (random.below(3) == 0) ray.mask = static_cast<std::uint32_t>(random.below(8));
+  }
+  return rays;
+}
+
+/// Nodes of crowd() that a selection hides, by what crowd() says of their parents.
+std::vector<std::uint64_t> hidden_by(int nodes, NodeId root, const std::vector<NodeId>& excluded) {
+  std::vector<std::uint64_t> hidden;
+  for (int id = 1; id <= nodes; ++id) {
+    std::vector<NodeId> chain{static_cast<NodeId>(id)};
+    if (id > 2 && id % 4 == 0) chain.push_back(2);
+    if (id > 1 && id % 2 == 0) chain.push_back(1);
+    const auto has = [&](NodeId node) {
+      return std::find(chain.begin(), chain.end(), node) != chain.end();
+    };
+    bool seen = root == 0 || has(root);
+    for (const NodeId node : excluded) seen = seen && !has(node);
+    if (!seen) hidden.push_back(static_cast<std::uint64_t>(id));
+  }
+  return hidden;
+}
+
+void expect_same(const KindAnswers& a, const KindAnswers& b) {
+  ASSERT_EQ(a.lists.size(), b.lists.size());
+  ASSERT_EQ(a.listed.size(), b.listed.size());
+  for (std::size_t i = 0; i < a.lists.size(); ++i) {
+    ASSERT_EQ(a.counts[i].count, b.counts[i].count) << i;
+    ASSERT_EQ(a.lists[i].count, b.lists[i].count) << i;
+    ASSERT_EQ(a.lists[i].cut_off, b.lists[i].cut_off) << i;
+    ASSERT_EQ(a.any[i].state, b.any[i].state) << i;
+  }
+  for (std::size_t k = 0; k < a.listed.size(); ++k) {
+    ASSERT_EQ(a.listed[k].t, b.listed[k].t) << k;
+    ASSERT_EQ(a.listed[k].node, b.listed[k].node) << k;
+    ASSERT_EQ(a.listed[k].primitive, b.listed[k].primitive) << k;
+    ASSERT_EQ(a.listed[k].normal, b.listed[k].normal) << k;
+  }
+}
+
+TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
+  constexpr int kNodes = 30;
+  const tests::BruteForce oracle(crowd(kNodes));
+  struct Selected {
+    NodeId root;
+    std::vector<NodeId> excluded;
+  };
+  const Selected selections[] = {{0, {}},        {1, {}},     {2, {}}, {0, {1}},
+                                 {0, {2, 5, 7}}, {1, {2, 6}}, {2, {1}}};
+  std::uint64_t seed = 1, hits = 0;
+  for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
+    for (const Selected& selected : selections) {
+      const auto snapshot = crowd(kNodes);
+      const auto selection = Selection::make(snapshot, selected.root, selected.excluded);
+      ASSERT_TRUE(selection);
+      const std::vector<Ray> rays = rays_through(*snapshot, 300, seed++);
+      TraceOptions options;
+      options.culling = culling;
+      options.selection = &*selection;
+      const KindAnswers answers = ask_all_kinds(*snapshot, rays, options);
+      ASSERT_EQ(contradiction(answers, options.max_hits), "");
+      const auto compared = tests::compare_kinds(
+          rays, answers, oracle, {culling, hidden_by(kNodes, selected.root, selected.excluded)});
+      EXPECT_EQ(compared.mismatches, 0u) << compared.report();
+      EXPECT_EQ(compared.edges, 0u) << compared.report();
+      hits += compared.hits;
+    }
+  }
+  EXPECT_GT(hits, 3000u);
+}
+
+TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
+  const std::vector<Ray> rays = rays_through(*crowd(20), 400, 7);
+  const KindAnswers expected = ask_all_kinds(*crowd(20), rays, {});
+  EXPECT_EQ(contradiction(expected, TraceOptions{}.max_hits), "");
+  for (const std::string_view name : accel::builder_names()) {
+    const auto builder = accel::make_builder(name);
+    ASSERT_TRUE(builder);
+    for (const Growth growth : {Growth::kFirstTouch, Growth::kFull, Growth::kNone}) {
+      TraceOptions options;
+      options.growth = growth;
+      SCOPED_TRACE(name);
+      expect_same(ask_all_kinds(*crowd(20, *builder), rays, options), expected);
+    }
+  }
+}
+
+TEST(Kinds, AnswerAlikeInEveryBatchAndOrderOnAnyThreads) {
+  const auto snapshot = crowd(30);
+  const std::vector<Ray> rays = rays_through(*snapshot, 1500, 8);
+  const KindAnswers expected = ask_all_kinds(*snapshot, rays, {});
+  for (const int threads : {1, 2, 8}) {
+    tbb::task_arena arena(threads);
+    arena.execute([&] { expect_same(ask_all_kinds(*crowd(30), rays, {}), expected); });
+  }
+  const auto cold = crowd(30);
+  std::size_t end = expected.listed.size();
+  for (std::size_t i = rays.size(); i-- > 0;) {
+    end -= expected.lists[i].count;
+    if (i % 5 != 0) continue;
+    const KindAnswers one = ask_all_kinds(*cold, {&rays[i], 1}, {});
+    ASSERT_EQ(one.closest[0].t, expected.closest[i].t);
+    ASSERT_EQ(one.any[0].state, expected.any[i].state);
+    ASSERT_EQ(one.counts[0].count, expected.counts[i].count);
+    ASSERT_EQ(one.listed.size(), expected.lists[i].count);
+    for (std::size_t k = 0; k < one.listed.size(); ++k)
+      ASSERT_EQ(one.listed[k].primitive, expected.listed[end + k].primitive);
+  }
+}
+
+TEST(Kinds, AListKeepsTheNearestAndSaysThatItWasCutOff) {
+  const auto snapshot = crowd(30);
+  const std::vector<Ray> rays = rays_through(*snapshot, 500, 9);
+  const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
+  std::uint64_t cut = 0;
+  for (const std::uint32_t max_hits : {1u, 2u, 3u, 7u, 40u}) {
+    TraceOptions options;
+    options.max_hits = max_hits;
+    const KindAnswers some = ask_all_kinds(*snapshot, rays, options);
+    ASSERT_EQ(contradiction(some, max_hits), "");
+    std::size_t of_whole = 0, of_some = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      for (std::size_t k = 0; k < some.lists[i].count; ++k) {
+        ASSERT_EQ(some.listed[of_some + k].t, whole.listed[of_whole + k].t);
+        ASSERT_EQ(some.listed[of_some + k].primitive, whole.listed[of_whole + k].primitive);
+      }
+      of_some += some.lists[i].count;
+      of_whole += whole.lists[i].count;
+      cut += some.lists[i].cut_off;
+    }
+  }
+  EXPECT_GT(cut, 100u);
+}
+
+TEST(Kinds, AListMayStopBetweenBlocksAndGoOn) {
+  const auto snapshot = crowd(30);
+  const std::vector<Ray> rays = rays_through(*snapshot, 1000, 10);
+  const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
+  TraceOptions options;
+  options.hits_at_once = 100;
+  std::vector<RayTally> tallies(rays.size());
+  std::vector<Hit> hits, all;
+  std::size_t answered = 0;
+  int parts = 0;
+  while (answered < rays.size()) {
+    const auto stats = list_hits(*snapshot, std::span(rays).subspan(answered),
+                                 std::span(tallies).subspan(answered), hits, options);
+    ASSERT_TRUE(stats);
+    ASSERT_GT(stats->rays, 0u);
+    answered += stats->rays;
+    all.insert(all.end(), hits.begin(), hits.end());
+    ++parts;
+  }
+  EXPECT_GT(parts, 1);
+  ASSERT_EQ(all.size(), whole.listed.size());
+  for (std::size_t k = 0; k < all.size(); ++k) ASSERT_EQ(all[k].t, whole.listed[k].t);
+  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(tallies[i].count, whole.lists[i].count);
+}
+
+TEST(Kinds, CoincidentTrianglesAreEachAHit) {
+  const auto mesh = to_mesh(tests::duplicates(300));
+  Scene scene;
+  ASSERT_TRUE(scene.apply({place(-1, mesh), place(-2, mesh)}));
+  const Ray ray{{0.2, 0.2, 1}, {0, 0, -1}};
+  TraceOptions options;
+  options.max_hits = 1000;
+  const KindAnswers answers = ask_all_kinds(*scene.snapshot(), {&ray, 1}, options);
+  EXPECT_EQ(contradiction(answers, options.max_hits), "");
+  ASSERT_EQ(answers.counts[0].count, 600u);
+  for (std::size_t k = 0; k < 600; ++k) {
+    EXPECT_EQ(answers.listed[k].node, k < 300 ? 1u : 2u);
+    EXPECT_EQ(answers.listed[k].primitive, k % 300);
+  }
+}
+
+// Walls in no order, so that searching a list meets far ones first.
+tests::TestMesh shuffled_walls(std::uint32_t count) {
+  tests::TestMesh walls = tests::flat_walls(count);
+  tests::Random random(15);
+  for (std::size_t i = walls.faces.size(); i > 1; --i)
+    std::swap(walls.faces[i - 1], walls.faces[random.below(i)]);
+  return walls;
+}
+
+TEST(Kinds, ThousandsOfHitsOfOneRay) {
+  const auto mesh = to_mesh(shuffled_walls(5000));
+  const Ray ray{{-0.5, 0.3, 0.6}, {1, 0, 0}};
+  for (const Growth growth : {Growth::kNone, Growth::kFirstTouch, Growth::kFull}) {
+    for (const std::uint32_t max_hits : {10u, 100u, 1000u, 4999u, 5000u, 5001u}) {
+      Scene scene;
+      ASSERT_TRUE(scene.apply({place(-1, mesh)}));
+      TraceOptions options;
+      options.growth = growth;
+      options.max_hits = max_hits;
+      const KindAnswers answers = ask_all_kinds(*scene.snapshot(), {&ray, 1}, options);
+      EXPECT_EQ(contradiction(answers, max_hits), "");
+      EXPECT_EQ(answers.counts[0].count, 5000u);
+      ASSERT_EQ(answers.listed.size(), std::min(max_hits, 5000u));
+      EXPECT_EQ(answers.lists[0].cut_off, max_hits < 5000);
+      for (std::size_t k = 0; k < answers.listed.size(); ++k)
+        ASSERT_EQ(answers.listed[k].t, 0.5 + static_cast<double>(k));
+    }
+  }
+}
+
+TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
+  const Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+  for (const Affine& where : {Affine{}, mirror}) {
+    Scene scene;
+    ASSERT_TRUE(scene.apply({place(-1, to_mesh(tests::cube()), where)}));
+    const Ray ray{{0.25, 0.125, 5}, {0, 0, -2}};
+    const auto ask = [&](Culling culling) {
+      TraceOptions options;
+      options.culling = culling;
+      const KindAnswers answers = ask_all_kinds(*scene.snapshot(), {&ray, 1}, options);
+      EXPECT_EQ(contradiction(answers, options.max_hits), "");
+      return answers.closest[0];
+    };
+    // The normal is that of the winding in scene coordinates: a front is what faces the ray.
+    const bool outward = ask(Culling::kNone).normal.z > 0;
+    EXPECT_EQ(outward, where == Affine{});
+    EXPECT_EQ(ask(Culling::kBack).t, outward ? 2 : 3);
+    EXPECT_EQ(ask(Culling::kFront).t, outward ? 3 : 2);
+  }
+}
+
+TEST(Kinds, FrontsAndBacksAreAllThereIs) {
+  const auto snapshot = crowd(30);
+  const std::vector<Ray> rays = rays_through(*snapshot, 1000, 11);
+  const auto counts = [&](Culling culling) {
+    TraceOptions options;
+    options.culling = culling;
+    std::vector<RayTally> tallies(rays.size());
+    EXPECT_TRUE(count_hits(*snapshot, rays, tallies, options));
+    return tallies;
+  };
+  const auto all = counts(Culling::kNone), fronts = counts(Culling::kBack),
+             backs = counts(Culling::kFront);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    ASSERT_EQ(all[i].count, fronts[i].count + backs[i].count) << i;
+}
+
+TEST(Kinds, AnOddCountIsInside) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({place(-1, to_mesh(tests::icosphere(4)))}));
+  tests::Random random(12);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4000; ++i) {
+    const double radius = i % 2 == 0 ? random.uniform(0, 0.98) : random.uniform(1.001, 3);
+    rays.push_back({random.direction() * radius, random.direction()});
+    // Along the axes, where vertices and edges are met.
+    if (i % 4 < 2) rays.back().direction = {0, i % 8 < 4 ? 1.0 : -1.0, 0};
+  }
+  rays.push_back({{0, 0, 0}, {0, 0, 1}});
+  rays.push_back({{0, 0, 0}, {1, 0, 0}});
+  std::vector<RayTally> tallies(rays.size());
+  ASSERT_TRUE(count_hits(*scene.snapshot(), rays, tallies, {}));
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    ASSERT_EQ(tallies[i].count % 2, i % 2 == 0 || i >= 4000 ? 1u : 0u) << i;
+}
+
+TEST(Kinds, ABadRayIsMarkedInEveryKind) {
+  const auto snapshot = crowd(5);
+  std::vector<Ray> rays(3, Ray{{0, 0, 0}, {1, 0, 0}});
+  rays[1].direction = {0, 0, 0};
+  rays[2].tmax = std::numeric_limits<double>::quiet_NaN();
+  const KindAnswers answers = ask_all_kinds(*snapshot, rays, {});
+  EXPECT_EQ(contradiction(answers, TraceOptions{}.max_hits), "");
+  for (const std::size_t i : {1u, 2u}) {
+    EXPECT_EQ(answers.counts[i].count, kInvalidCount);
+    EXPECT_EQ(answers.lists[i].state, HitState::kInvalid);
+    EXPECT_EQ(answers.lists[i].count, 0u);
+  }
+}
+
+TEST(Kinds, WhatCannotBeAskedIsRefused) {
+  const auto snapshot = crowd(3);
+  const std::vector<Ray> rays(4);
+  std::vector<RayTally> tallies(3);
+  std::vector<Hit> hits(4);
+  EXPECT_FALSE(count_hits(*snapshot, rays, tallies, {}));
+  EXPECT_FALSE(list_hits(*snapshot, rays, tallies, hits, {}));
+  TraceOptions options;
+  options.kind = QueryKind::kCount;
+  EXPECT_EQ(trace(*snapshot, rays, hits, options).error().code, Code::kInvalidArgument);
+  const std::atomic<bool> cancelled{true};
+  options.cancelled = &cancelled;
+  tallies.resize(4);
+  EXPECT_EQ(count_hits(*snapshot, rays, tallies, options).error().code, Code::kCancelled);
+  EXPECT_EQ(list_hits(*snapshot, rays, tallies, hits, options).error().code, Code::kCancelled);
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

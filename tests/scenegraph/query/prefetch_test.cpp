@@ -1,0 +1,134 @@
+// Building before rays come: which nodes, and how far it has come.
+#include "scenegraph/query/prefetch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "scenegraph/scene.h"
+#include "tests/scenegraph/put_node.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using tests::mesh_of;
+using tests::put_node;
+
+/// 1 holds 2 (a cube) and 3 (a group with 4, the same cube); 5 is a staircase beside them, 6 a mesh
+/// without a triangle.
+std::shared_ptr<const Snapshot> family() {
+  const auto cube = mesh_of(tests::cube());
+  Scene scene;
+  EXPECT_TRUE(
+      scene.apply({put_node(-1, 0, nullptr), put_node(-2, -1, cube), put_node(-3, -1, nullptr),
+                   put_node(-4, -3, cube), put_node(-5, 0, mesh_of(tests::staircase(3))),
+                   put_node(-6, 0, mesh_of({}))}));
+  return scene.snapshot();
+}
+
+using Ids = std::vector<NodeId>;
+
+Ids ids_under(const Ids& roots, const Ids& excluded) {
+  const auto snapshot = family();
+  const auto nodes = mesh_nodes_under(*snapshot, roots, excluded);
+  EXPECT_TRUE(nodes);
+  Ids ids;
+  for (const Node* node : *nodes) ids.push_back(node->id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+TEST(Prefetch, SelectsEachNodeOnce) {
+  EXPECT_EQ(ids_under({}, {}), (Ids{2, 4, 5}));
+  EXPECT_EQ(ids_under({1}, {}), (Ids{2, 4}));
+  EXPECT_EQ(ids_under({3, 1, 3, 4}, {}), (Ids{2, 4})) << "roots under roots";
+  EXPECT_EQ(ids_under({4, 5}, {}), (Ids{4, 5}));
+  EXPECT_EQ(ids_under({}, {3}), (Ids{2, 5}));
+  EXPECT_EQ(ids_under({4, 5}, {1}), (Ids{5})) << "a root under what is left out";
+  EXPECT_EQ(ids_under({3}, {3}), Ids{});
+  EXPECT_EQ(ids_under({6}, {}), Ids{});
+}
+
+TEST(Prefetch, NamesTheNodeThatIsNotThere) {
+  const auto snapshot = family();
+  const auto root = mesh_nodes_under(*snapshot, Ids{1, 77}, {});
+  ASSERT_FALSE(root);
+  EXPECT_EQ(root.error().code, Code::kNotFound);
+  EXPECT_EQ(root.error().message, "root node 77 is not in revision 1");
+  EXPECT_EQ(mesh_nodes_under(*snapshot, {}, Ids{78}).error().message,
+            "excluded node 78 is not in revision 1");
+}
+
+TEST(Prefetch, BuildsWhatWasSelectedAndNoMore) {
+  const auto snapshot = family();
+  PrefetchProgress progress;
+  const auto nodes = mesh_nodes_under(*snapshot, Ids{1}, {});
+  EXPECT_EQ(meshes_of(*nodes).size(), 1u);
+  ASSERT_TRUE(build_mesh_trees(*nodes, progress, nullptr));
+  EXPECT_EQ(progress.trees.meshes_done, 1u);
+  EXPECT_EQ(progress.trees.meshes_total, 1u);
+  EXPECT_EQ(progress.trees.triangles_done, 12u);
+  EXPECT_EQ(progress.triangles_reached(), 12u);
+  const BuildSummary built = summarize_build(*snapshot);
+  EXPECT_EQ(built.triangles_built, 12u);
+  EXPECT_EQ(built.instances_entered, 2u);
+}
+
+TEST(Prefetch, TellsOfATreeThatIsUnderWay) {
+  const tests::TestMesh sheet = tests::planar_sheet(700);  // cut one by one, down to 65,536
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put_node(-1, 0, mesh_of(sheet))}));
+  const auto snapshot = scene.snapshot();
+  const auto nodes = mesh_nodes_under(*snapshot, {}, {});
+  PrefetchProgress progress;
+  std::atomic<bool> done{false};
+  std::thread watcher([&] {
+    std::uint64_t before = 0;
+    while (!done) {
+      const std::uint64_t now = progress.triangles_reached();
+      EXPECT_GE(now, before);
+      EXPECT_LE(now, sheet.faces.size());
+      before = now;
+    }
+  });
+  EXPECT_TRUE(build_mesh_trees(*nodes, progress, nullptr));
+  EXPECT_TRUE(build_scene_tree(*snapshot, progress, nullptr));
+  done = true;
+  watcher.join();
+  EXPECT_EQ(progress.triangles_reached(), sheet.faces.size());
+  EXPECT_GT(progress.cells_expanded, 0u);
+}
+
+TEST(Prefetch, ACancelledOneBuildsNothingMore) {
+  const auto snapshot = family();
+  const auto nodes = mesh_nodes_under(*snapshot, {}, {});
+  PrefetchProgress progress;
+  const std::atomic<bool> cancelled{true};
+  EXPECT_EQ(build_mesh_trees(*nodes, progress, &cancelled).error().code, Code::kCancelled);
+  EXPECT_EQ(build_scene_tree(*snapshot, progress, &cancelled).error().code, Code::kCancelled);
+  const std::vector<accel::Ray> rays = tests::rays_at(tests::cube(), 10, 1);
+  EXPECT_EQ(grow_for_rays(*snapshot, rays, {.cancelled = &cancelled}, progress).error().code,
+            Code::kCancelled);
+  EXPECT_EQ(progress.trees.meshes_done, 0u);
+  EXPECT_EQ(progress.rays_done, 0u);
+  EXPECT_EQ(summarize_build(*snapshot).triangles_built, 0u);
+}
+
+TEST(Prefetch, GrowsForRaysWhatACastOfThemWould) {
+  const std::vector<accel::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
+  for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny, QueryKind::kCount}) {
+    const auto snapshot = family();
+    PrefetchProgress progress;
+    ASSERT_TRUE(grow_for_rays(*snapshot, rays, {.kind = kind}, progress));
+    EXPECT_EQ(progress.rays_done, rays.size());
+    EXPECT_GT(progress.cells_expanded, 0u);
+    PrefetchProgress again;
+    ASSERT_TRUE(grow_for_rays(*snapshot, rays, {.kind = kind}, again));
+    EXPECT_EQ(again.cells_expanded, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

@@ -1,0 +1,113 @@
+// Patches of vertices, alone, together and in any order with other updates.
+#include "scenegraph/revision/deformations.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "scenegraph/scene.h"
+#include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
+
+namespace sightline::scenegraph {
+namespace {
+
+using accel::Vec3f;
+
+std::shared_ptr<const Mesh> triangle() {
+  return *Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+}
+
+std::vector<Update> put(NodeRef alias, const std::shared_ptr<const Mesh>& mesh) {
+  return {tests::put_node(alias, 0, mesh)};
+}
+
+double height(const Scene& scene, NodeId node) {
+  return static_cast<double>(scene.snapshot()->find(node)->mesh->view().vertices[0].z);
+}
+
+Status patch(Scene& scene, std::vector<NodeRef> nodes, std::uint32_t first,
+             std::vector<Vec3f> positions) {
+  const auto applied = scene.apply({PatchVertices{std::move(nodes), first, std::move(positions)}});
+  return applied ? Status() : Status(applied.error());
+}
+
+TEST(Deformations, MoveVerticesAndNothingElse) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply(put(-1, triangle())));
+  const auto before = scene.snapshot();
+  ASSERT_TRUE(patch(scene, {1}, 1, {{2, 0, 5}}));
+  const Node& node = *scene.snapshot()->find(1);
+  EXPECT_TRUE(node.patched);
+  EXPECT_EQ(node.mesh_digest, "digest");
+  EXPECT_EQ(node.mesh->view().vertices[0], (Vec3f{0, 0, 0}));
+  EXPECT_EQ(node.mesh->view().vertices[1], (Vec3f{2, 0, 5}));
+  EXPECT_EQ(node.mesh->view().faces.data(), before->find(1)->mesh->view().faces.data());
+  EXPECT_EQ(before->find(1)->mesh->view().vertices[1], (Vec3f{1, 0, 0}));
+  EXPECT_FALSE(before->find(1)->patched);
+}
+
+TEST(Deformations, AreSharedByThoseNamedTogether) {
+  Scene scene;
+  const auto mesh = triangle();
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(scene.apply(put(-1, mesh)));
+  ASSERT_TRUE(patch(scene, {1, 2}, 0, {{0, 0, 1}}));
+  const auto snapshot = scene.snapshot();
+  EXPECT_EQ(snapshot->find(1)->mesh, snapshot->find(2)->mesh);
+  EXPECT_EQ(height(scene, 1), 1);
+  EXPECT_EQ(snapshot->find(3)->mesh, mesh);
+  // In one batch: together, then one alone, which leaves the other where it was.
+  ASSERT_TRUE(
+      scene.apply({PatchVertices{{1, 2}, 0, {{0, 0, 2}}}, PatchVertices{{2}, 0, {{0, 0, 3}}},
+                   PatchVertices{{1}, 1, {{1, 1, 1}}}}));
+  EXPECT_EQ(height(scene, 1), 2);
+  EXPECT_EQ(height(scene, 2), 3);
+  EXPECT_EQ(scene.snapshot()->find(2)->mesh->view().vertices[1], (Vec3f{1, 0, 0}));
+}
+
+TEST(Deformations, EndWhereANodeIsPutAgainOrDeleted) {
+  Scene scene;
+  const auto mesh = triangle();
+  ASSERT_TRUE(scene.apply(put(-1, mesh)));
+  ASSERT_TRUE(scene.apply({PatchVertices{{1}, 0, {{0, 0, 2}}}, put(1, mesh)[0]}));
+  EXPECT_EQ(scene.snapshot()->find(1)->mesh, mesh);
+  EXPECT_FALSE(scene.snapshot()->find(1)->patched);
+  ASSERT_TRUE(scene.apply({PatchVertices{{1}, 0, {{0, 0, 2}}}, DeleteNode{1}}));
+  EXPECT_EQ(scene.snapshot()->find(1), nullptr);
+}
+
+TEST(Deformations, OfWhatIsNotThereAreRefused) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply(put(-1, triangle())));
+  ASSERT_TRUE(scene.apply(put(-1, triangle())));
+  ASSERT_TRUE(scene.apply(put(-1, nullptr)));
+  const std::uint64_t revision = scene.snapshot()->revision();
+  EXPECT_EQ(patch(scene, {}, 0, {}).error().reason, "NO_NODES");
+  EXPECT_EQ(patch(scene, {9}, 0, {}).error().reason, "NODE_NOT_FOUND");
+  EXPECT_EQ(patch(scene, {3}, 0, {}).error().reason, "NODE_WITHOUT_MESH");
+  EXPECT_EQ(patch(scene, {1, 2}, 0, {}).error().reason, "MESHES_DIFFER");
+  EXPECT_EQ(patch(scene, {1}, 3, {{}}).error().reason, "VERTICES_OUT_OF_RANGE");
+  EXPECT_EQ(patch(scene, {1}, 0xffffffff, {{}}).error().reason, "VERTICES_OUT_OF_RANGE");
+  EXPECT_EQ(patch(scene, {1}, 0, {{}, {}, {}, {}}).error().reason, "VERTICES_OUT_OF_RANGE");
+  EXPECT_EQ(scene.snapshot()->revision(), revision);
+  EXPECT_TRUE(patch(scene, {1}, 3, {}));
+}
+
+TEST(Deformations, MayLeaveTheRangeOfFiniteNumbersAndComeBack) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply(put(-1, triangle())));
+  const accel::Ray ray{{0.2, 0.2, 9}, {0, 0, -1}};
+  accel::Hit hit;
+  ASSERT_TRUE(trace(*scene.snapshot(), {&ray, 1}, {&hit, 1}, {}));
+  EXPECT_EQ(hit.t, 9);
+  ASSERT_TRUE(patch(scene, {1}, 0, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}}));
+  ASSERT_TRUE(trace(*scene.snapshot(), {&ray, 1}, {&hit, 1}, {}));
+  EXPECT_EQ(hit.node, 0u);
+  EXPECT_EQ(summarize(*scene.snapshot()).triangles_nonfinite, 1u);
+  ASSERT_TRUE(patch(scene, {1}, 0, {{0, 0, 0}}));
+  ASSERT_TRUE(trace(*scene.snapshot(), {&ray, 1}, {&hit, 1}, {}));
+  EXPECT_EQ(hit.t, 9);
+}
+
+}  // namespace
+}  // namespace sightline::scenegraph

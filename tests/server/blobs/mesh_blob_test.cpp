@@ -1,0 +1,106 @@
+// Mesh blobs, whole and in pieces, right and wrong.
+#include "server/blobs/mesh_blob.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/server/blobs/blob_of.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::server {
+namespace {
+
+using tests::blob_of;
+using tests::bytes_of;
+
+Result<std::shared_ptr<const scenegraph::Mesh>> read(const std::string& blob, std::size_t piece) {
+  MeshBlobReader reader(blob.size());
+  for (std::size_t at = 0; at < blob.size(); at += piece) {
+    const Status taken =
+        reader.append(bytes_of(blob).subspan(at, std::min(piece, blob.size() - at)));
+    if (!taken) return taken.error();
+  }
+  return reader.finish();
+}
+
+TEST(MeshBlob, ReadsPiecesOfAnySize) {
+  const tests::TestMesh cube = tests::cube();
+  const std::string blob = blob_of(cube);
+  for (const std::size_t piece : {1u, 5u, 12u, 24u, 100u, 100'000u}) {
+    const auto mesh = read(blob, piece);
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_TRUE(std::ranges::equal((*mesh)->view().vertices, cube.vertices));
+    EXPECT_TRUE(std::ranges::equal((*mesh)->view().faces, cube.faces));
+  }
+}
+
+TEST(MeshBlob, MayBeEmpty) {
+  const auto mesh = read(blob_of({}), 100);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ((*mesh)->faces(), 0u);
+}
+
+void expect_bad(const std::string& blob) {
+  const auto mesh = read(blob, 1000);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, Code::kInvalidArgument) << mesh.error().message;
+}
+
+TEST(MeshBlob, RefusesWhatIsNoMesh) {
+  expect_bad(std::string(1000, 'x'));
+  std::string other = blob_of(tests::cube());
+  other[3] = '2';
+  expect_bad(other);
+}
+
+TEST(MeshBlob, TheTwinNumberMeansNothing) {
+  std::string twin = blob_of(tests::cube());
+  twin[4] = 1;
+  const auto mesh = read(twin, 1000);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ((*mesh)->faces(), 12u);
+}
+
+TEST(MeshBlob, RefusesCountsThatDisagreeWithItsSize) {
+  const std::string blob = blob_of(tests::cube());
+  for (const std::size_t place : {8u, 15u, 16u, 23u}) {
+    std::string wrong = blob;
+    wrong[place] = static_cast<char>(wrong[place] + 1);
+    expect_bad(wrong);
+  }
+  expect_bad(blob + "x");
+  expect_bad(blob.substr(0, blob.size() - 1));
+}
+
+TEST(MeshBlob, RefusesCountsWhoseSumWrapsAround) {
+  std::string blob = blob_of(tests::cube());
+  std::fill(blob.begin() + 8, blob.begin() + 24, '\xff');
+  expect_bad(blob);
+}
+
+TEST(MeshBlob, RefusesMoreThanItsSize) {
+  const std::string blob = blob_of(tests::cube());
+  MeshBlobReader reader(blob.size());
+  ASSERT_TRUE(reader.append(bytes_of(blob)));
+  EXPECT_FALSE(reader.append(bytes_of("x")));
+}
+
+TEST(MeshBlob, RefusesLess) {
+  const std::string blob = blob_of(tests::cube());
+  MeshBlobReader reader(blob.size());
+  ASSERT_TRUE(reader.append(bytes_of(blob).first(blob.size() - 1)));
+  const auto mesh = reader.finish();
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, Code::kInvalidArgument);
+}
+
+TEST(MeshBlob, RefusesAnIndexOutOfRange) {
+  tests::TestMesh cube = tests::cube();
+  cube.faces[3][1] = static_cast<std::uint32_t>(cube.vertices.size());
+  expect_bad(blob_of(cube));
+}
+
+}  // namespace
+}  // namespace sightline::server

@@ -1,0 +1,55 @@
+// The bound on what is in work.
+#include "server/exec/admission.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <utility>
+
+namespace sightline::server {
+namespace {
+
+TEST(Admission, CountsWhatIsInFlight) {
+  Admission admission({100, 1000});
+  {
+    const auto first = admission.admit(60, 500);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(admission.in_flight().rays, 60u);
+    EXPECT_EQ(admission.in_flight().bytes, 500u);
+  }
+  EXPECT_EQ(admission.in_flight().rays, 0u);
+  EXPECT_EQ(admission.in_flight().bytes, 0u);
+}
+
+TEST(Admission, RefusesOverTheLimitAndNamesIt) {
+  Admission admission({100, 1000});
+  const auto first = admission.admit(60, 500);
+  const auto second = admission.admit(41, 1);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Code::kResourceExhausted);
+  EXPECT_NE(second.error().message.find("60 rays"), std::string::npos);
+  EXPECT_NE(second.error().message.find("41 more"), std::string::npos);
+  EXPECT_NE(second.error().message.find("limit of 100"), std::string::npos);
+  EXPECT_FALSE(admission.admit(1, 501));
+  EXPECT_TRUE(admission.admit(40, 500));
+}
+
+TEST(Admission, SumsDoNotWrapAround) {
+  Admission admission({100, 1000});
+  const auto first = admission.admit(1, 1);
+  EXPECT_FALSE(admission.admit(std::numeric_limits<std::uint64_t>::max(), 0));
+  EXPECT_FALSE(admission.admit(0, std::numeric_limits<std::uint64_t>::max()));
+}
+
+TEST(Admission, ATicketMovesAndIsGivenBackOnce) {
+  Admission admission({100, 1000});
+  auto first = admission.admit(10, 10);
+  Admission::Ticket ticket = std::move(*first);
+  Admission::Ticket other = std::move(ticket);
+  EXPECT_EQ(admission.in_flight().rays, 10u);
+  other = {};
+  EXPECT_EQ(admission.in_flight().rays, 0u);
+}
+
+}  // namespace
+}  // namespace sightline::server

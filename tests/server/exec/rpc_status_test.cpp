@@ -1,0 +1,68 @@
+// Errors as gRPC statuses with machine-readable details.
+#include "server/exec/rpc_status.h"
+
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace sightline::server {
+namespace {
+
+google::rpc::ErrorInfo info_of(const grpc::Status& status) {
+  google::rpc::Status details;
+  EXPECT_TRUE(details.ParseFromString(status.error_details()));
+  EXPECT_EQ(details.code(), status.error_code());
+  EXPECT_EQ(details.message(), status.error_message());
+  EXPECT_EQ(details.details_size(), 1);
+  EXPECT_EQ(details.details(0).type_url(), "type.googleapis.com/google.rpc.ErrorInfo");
+  google::rpc::ErrorInfo info;
+  EXPECT_TRUE(details.details(0).UnpackTo(&info));
+  return info;
+}
+
+TEST(RpcStatus, CarriesCodeMessageAndReason) {
+  const grpc::Status status =
+      to_grpc(Error{Code::kNotFound, "there is no scene x", "SCENE_NOT_FOUND"});
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(status.error_message(), "there is no scene x");
+  EXPECT_EQ(info_of(status).reason(), "SCENE_NOT_FOUND");
+  EXPECT_EQ(info_of(status).domain(), "sightline");
+}
+
+TEST(RpcStatus, MapsEveryCodeToItsNamesake) {
+  const std::pair<Code, grpc::StatusCode> pairs[] = {
+      {Code::kInvalidArgument, grpc::StatusCode::INVALID_ARGUMENT},
+      {Code::kNotFound, grpc::StatusCode::NOT_FOUND},
+      {Code::kAlreadyExists, grpc::StatusCode::ALREADY_EXISTS},
+      {Code::kFailedPrecondition, grpc::StatusCode::FAILED_PRECONDITION},
+      {Code::kAborted, grpc::StatusCode::ABORTED},
+      {Code::kOutOfRange, grpc::StatusCode::OUT_OF_RANGE},
+      {Code::kResourceExhausted, grpc::StatusCode::RESOURCE_EXHAUSTED},
+      {Code::kCancelled, grpc::StatusCode::CANCELLED},
+      {Code::kDeadlineExceeded, grpc::StatusCode::DEADLINE_EXCEEDED},
+      {Code::kUnavailable, grpc::StatusCode::UNAVAILABLE},
+      {Code::kDataLoss, grpc::StatusCode::DATA_LOSS},
+      {Code::kUnimplemented, grpc::StatusCode::UNIMPLEMENTED},
+      {Code::kInternal, grpc::StatusCode::INTERNAL}};
+  for (const auto& [code, expected] : pairs)
+    EXPECT_EQ(to_grpc(Error{code, "m", ""}).error_code(), expected);
+}
+
+TEST(RpcStatus, WithoutAReasonTheCodeIsTheReason) {
+  EXPECT_EQ(info_of(to_grpc(Error{Code::kDataLoss, "m", ""})).reason(), "DATA_LOSS");
+}
+
+TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {
+  std::string message = "x";
+  while (message.size() < 5000) message += "\xc3\xa4";
+  const grpc::Status status = to_grpc(Error{Code::kInternal, message, ""});
+  EXPECT_LE(status.error_message().size(), kMaxStatusMessage + 3);
+  info_of(status);
+  EXPECT_EQ(status.error_message().substr(status.error_message().size() - 5), "\xc3\xa4...");
+}
+
+TEST(RpcStatus, OkIsOk) { EXPECT_TRUE(to_grpc(Status()).ok()); }
+
+}  // namespace
+}  // namespace sightline::server

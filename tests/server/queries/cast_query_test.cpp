@@ -1,0 +1,141 @@
+// What a cast asks for.
+#include "server/queries/cast_query.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace sightline::server {
+namespace {
+
+v1::CastRaysRequest request_of(v1::QueryKind kind) {
+  v1::CastRaysRequest request;
+  request.set_kind(kind);
+  return request;
+}
+
+TEST(DecodeQuery, HasDefaults) {
+  const auto query = decode_query({}, scenegraph::Growth::kFull);
+  ASSERT_TRUE(query);
+  EXPECT_EQ(query->kind, scenegraph::QueryKind::kClosest);
+  EXPECT_EQ(query->growth, scenegraph::Growth::kFull);
+  EXPECT_EQ(query->fields,
+            (std::vector{v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE}));
+  EXPECT_FALSE(query->surface);
+}
+
+TEST(DecodeQuery, SurfaceIsComputedOnlyIfAskedFor) {
+  for (const auto field : {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL}) {
+    v1::CastRaysRequest request;
+    request.add_fields(field);
+    EXPECT_TRUE(decode_query(request, scenegraph::Growth::kFull)->surface);
+  }
+}
+
+TEST(DecodeQuery, AnyAnswersHitAndWork) {
+  v1::CastRaysRequest request;
+  request.set_kind(v1::QUERY_KIND_ANY);
+  EXPECT_EQ(decode_query(request, {})->fields, std::vector{v1::HIT_FIELD_HIT});
+  request.add_fields(v1::HIT_FIELD_WORK);
+  EXPECT_EQ(decode_query(request, {})->fields,
+            (std::vector{v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}));
+  request.add_fields(v1::HIT_FIELD_T);
+  EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
+}
+
+TEST(DecodeQuery, RefusesWhatItDoesNotKnow) {
+  v1::CastRaysRequest kind, field, build, culling, twice, unspecified;
+  kind.set_kind(static_cast<v1::QueryKind>(9));
+  culling.set_culling(static_cast<v1::Culling>(9));
+  field.add_fields(static_cast<v1::HitField>(99));
+  build.set_build(static_cast<v1::BuildMode>(9));
+  twice.add_fields(v1::HIT_FIELD_T);
+  twice.add_fields(v1::HIT_FIELD_T);
+  unspecified.add_fields(v1::HIT_FIELD_UNSPECIFIED);
+  for (const auto& request : {kind, field, build, culling, twice, unspecified}) {
+    const auto query = decode_query(request, scenegraph::Growth::kFirstTouch);
+    ASSERT_FALSE(query);
+    EXPECT_EQ(query.error().code, Code::kInvalidArgument);
+  }
+}
+
+TEST(DecodeQuery, CountAnswersCountAndHitAndWork) {
+  v1::CastRaysRequest request = request_of(v1::QUERY_KIND_COUNT);
+  EXPECT_EQ(decode_query(request, {})->kind, scenegraph::QueryKind::kCount);
+  EXPECT_EQ(decode_query(request, {})->fields, std::vector{v1::HIT_FIELD_COUNT});
+  request.add_fields(v1::HIT_FIELD_HIT);
+  request.add_fields(v1::HIT_FIELD_COUNT);
+  EXPECT_EQ(decode_query(request, {})->fields,
+            (std::vector{v1::HIT_FIELD_HIT, v1::HIT_FIELD_COUNT}));
+  request.add_fields(v1::HIT_FIELD_NODE);
+  EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
+}
+
+TEST(DecodeQuery, AllAnswersOffsetsAndHitAndWhatIsAsked) {
+  v1::CastRaysRequest request = request_of(v1::QUERY_KIND_ALL);
+  EXPECT_EQ(decode_query(request, {})->fields,
+            (std::vector{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_T,
+                         v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE}));
+  EXPECT_EQ(decode_query(request, {})->max_hits, kDefaultMaxHits);
+  request.add_fields(v1::HIT_FIELD_NORMAL);
+  EXPECT_EQ(decode_query(request, {})->fields,
+            (std::vector{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_NORMAL}));
+  EXPECT_TRUE(decode_query(request, {})->surface);
+  request.add_fields(v1::HIT_FIELD_COUNT);
+  EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
+}
+
+TEST(DecodeQuery, OffsetsAndCountsAreOfTheirKindAlone) {
+  for (const auto field : {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_COUNT}) {
+    v1::CastRaysRequest request;
+    request.add_fields(field);
+    const auto query = decode_query(request, {});
+    ASSERT_FALSE(query);
+    EXPECT_EQ(query.error().message, "QUERY_KIND_CLOSEST has no " + v1::HitField_Name(field));
+  }
+}
+
+TEST(DecodeQuery, TakesCullingAndNodes) {
+  v1::CastRaysRequest request;
+  request.set_culling(v1::CULLING_FRONT);
+  request.set_root(5);
+  request.add_exclude(7);
+  const auto query = decode_query(request, {});
+  ASSERT_TRUE(query);
+  EXPECT_EQ(query->culling, accel::Culling::kFront);
+  EXPECT_EQ(query->root, 5u);
+  EXPECT_EQ(query->excluded, std::vector<scenegraph::NodeId>{7});
+  EXPECT_TRUE(query->selects());
+  EXPECT_FALSE(decode_query({}, {})->selects());
+}
+
+TEST(DecodeQuery, NamesTheLimitThatIsExceeded) {
+  v1::CastRaysRequest request = request_of(v1::QUERY_KIND_ALL);
+  request.set_max_hits(kMaxMaxHits);
+  EXPECT_EQ(decode_query(request, {})->max_hits, kMaxMaxHits);
+  request.set_max_hits(kMaxMaxHits + 1);
+  const auto hits = decode_query(request, {});
+  ASSERT_FALSE(hits);
+  EXPECT_EQ(hits.error().code, Code::kInvalidArgument);
+  EXPECT_EQ(hits.error().message, "max_hits is 16385, the limit is 16384");
+
+  v1::CastRaysRequest exclusions;
+  for (int i = 1; i <= kMaxExclusions; ++i) exclusions.add_exclude(static_cast<unsigned>(i));
+  EXPECT_TRUE(decode_query(exclusions, {}));
+  exclusions.add_exclude(1);
+  const auto excluded = decode_query(exclusions, {});
+  ASSERT_FALSE(excluded);
+  EXPECT_EQ(excluded.error().reason, "TOO_MANY_EXCLUSIONS");
+  EXPECT_NE(excluded.error().message.find("4097 nodes are excluded, the limit is 4096"),
+            std::string::npos);
+}
+
+TEST(DecodeQuery, OnlyAListHasALimitOfHits) {
+  v1::CastRaysRequest request = request_of(v1::QUERY_KIND_COUNT);
+  request.set_max_hits(5);
+  EXPECT_EQ(decode_query(request, {}).error().reason, "LIMIT_NOT_OF_KIND");
+}
+
+}  // namespace
+}  // namespace sightline::server

@@ -1,0 +1,62 @@
+// Updates after they were applied.
+#include "server/scenes/applied_updates.h"
+
+#include <gtest/gtest.h>
+
+#include "scenegraph/scene.h"
+#include "tests/scenegraph/put_node.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::DeleteNode;
+using scenegraph::PatchVertices;
+using scenegraph::PutNode;
+using scenegraph::Scene;
+using scenegraph::SetTransforms;
+using scenegraph::Update;
+
+std::shared_ptr<const scenegraph::Mesh> sheet(std::uint32_t n) {
+  const tests::TestMesh mesh = tests::planar_sheet(n);
+  return *scenegraph::Mesh::make(mesh.vertices, mesh.faces);
+}
+
+TEST(AppliedUpdates, NameEveryNodeByItsId) {
+  std::vector<Update> updates{tests::put_node(-5, 0, sheet(1)),
+                              tests::put_node(-6, -5, nullptr),
+                              tests::put_node(7, -6, nullptr),
+                              tests::put_node(-6, 0, nullptr),
+                              SetTransforms{{-5, 3, -6}, {}},
+                              PatchVertices{{-5}, 0, {}},
+                              DeleteNode{-6}};
+  resolve(updates, {101, 102, 7, 102});
+  EXPECT_EQ(std::get<PutNode>(updates[0]).node, 101);
+  EXPECT_EQ(std::get<PutNode>(updates[0]).mesh, nullptr) << "its digest names it";
+  EXPECT_EQ(std::get<PutNode>(updates[1]).node, 102);
+  EXPECT_EQ(std::get<PutNode>(updates[1]).parent, 101);
+  EXPECT_EQ(std::get<PutNode>(updates[2]).node, 7);
+  EXPECT_EQ(std::get<PutNode>(updates[2]).parent, 102);
+  EXPECT_EQ(std::get<PutNode>(updates[3]).node, 102);
+  EXPECT_EQ(std::get<SetTransforms>(updates[4]).nodes,
+            (std::vector<scenegraph::NodeRef>{101, 3, 102}));
+  EXPECT_EQ(std::get<PatchVertices>(updates[5]).nodes.front(), 101);
+  EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
+}
+
+TEST(AppliedUpdates, CountPatchedVerticesThatAreReplaced) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, nullptr), tests::put_node(-2, -1, sheet(200))}));
+  const std::vector<Update> patch{PatchVertices{{2}, 0, {{1, 2, 3}}}};
+  const std::vector<Update> removal{DeleteNode{1, true}};
+  const std::uint64_t bytes = 201 * 201 * sizeof(accel::Vec3f);
+  EXPECT_LT(bytes_replaced(*scene.snapshot(), patch), bytes)
+      << "the store of blobs holds that mesh";
+  ASSERT_TRUE(scene.apply(patch));
+  EXPECT_GE(bytes_replaced(*scene.snapshot(), patch), bytes);
+  EXPECT_GE(bytes_replaced(*scene.snapshot(), removal), bytes);
+  EXPECT_LT(bytes_replaced(*scene.snapshot(), removal), 2 * bytes);
+}
+
+}  // namespace
+}  // namespace sightline::server

@@ -1,0 +1,44 @@
+// Producers by name, and what is kept of them.
+#include "server/scenes/producers.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace sightline::server {
+namespace {
+
+TEST(Producers, AreFoundAgainAndBounded) {
+  Producers producers(2);
+  const auto a = producers.open("a");
+  ASSERT_TRUE(a);
+  (*a)->commit(5, {});
+  ASSERT_TRUE(producers.open("b"));
+  const auto c = producers.open("c");
+  ASSERT_FALSE(c);
+  EXPECT_EQ(c.error().code, Code::kResourceExhausted);
+  EXPECT_EQ((*producers.open("a"))->last_committed, 5u);
+}
+
+TEST(Producers, KeepTheIdsOfTheLastBatches) {
+  Producer producer;
+  for (std::uint64_t i = 1; i <= 40; ++i)
+    producer.commit(
+        i, i % 2 == 0 ? std::vector<scenegraph::NodeId>{i} : std::vector<scenegraph::NodeId>{});
+  ASSERT_EQ(producer.put.size(), kPutsKept / 2);
+  EXPECT_EQ(producer.put.front().sequence, 26u);
+  EXPECT_EQ(producer.put.back().nodes.front(), 40u);
+  producer.commit(41, std::vector<scenegraph::NodeId>(kPutIdsKept));
+  EXPECT_EQ(producer.put.size(), 1u);
+}
+
+TEST(Producers, AreNamedInLettersDigitsDotsUnderscoresAndDashes) {
+  for (const char* good : {"a", "Robot-1_arm.left", "0"}) EXPECT_TRUE(check_producer_name(good));
+  for (const std::string& bad : {std::string(), std::string("a b"), std::string("a/b"),
+                                 std::string(kMaxProducerName + 1, 'a')}) {
+    EXPECT_EQ(check_producer_name(bad).error().reason, "BAD_PRODUCER") << bad;
+  }
+}
+
+}  // namespace
+}  // namespace sightline::server

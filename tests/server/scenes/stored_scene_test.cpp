@@ -1,0 +1,69 @@
+// A scene and those who follow it.
+#include "server/scenes/stored_scene.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/scenegraph/put_node.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::PatchVertices;
+using scenegraph::PutNode;
+using scenegraph::Update;
+
+class StoredSceneTest : public testing::Test {
+ protected:
+  Result<scenegraph::Applied> apply(std::vector<Update> updates) {
+    return scene_->apply(std::move(updates), std::nullopt, compute_);
+  }
+
+  const std::shared_ptr<StoredScene> scene_ =
+      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+  Compute compute_{1};
+};
+
+TEST_F(StoredSceneTest, AnUpdateIsInTheLogWhenListenersAreTold) {
+  std::uint64_t seen = 0;
+  const auto listener = scene_->events().subscribe([&] {
+    seen = scene_->log().last();
+    EXPECT_EQ(seen, scene_->snapshot()->revision());
+  });
+  ASSERT_TRUE(apply({tests::put_node(-1, 0, nullptr)}));
+  EXPECT_EQ(seen, 1u);
+  EXPECT_EQ(std::get<PutNode>((*scene_->log().find(1))->front()).node, 1);
+  EXPECT_FALSE(apply({tests::put_node(99, 0, nullptr)}));
+  EXPECT_EQ(scene_->log().last(), 1u) << "what failed is not in it";
+  scene_->events().unsubscribe(listener);
+  ASSERT_TRUE(apply({}));
+  EXPECT_EQ(seen, 1u);
+}
+
+TEST_F(StoredSceneTest, KeepsRevisionsButNotManyMegabytesOfThem) {
+  const tests::TestMesh sheet = tests::planar_sheet(700);
+  const auto mesh = *scenegraph::Mesh::make(sheet.vertices, sheet.faces);
+  ASSERT_TRUE(apply({tests::put_node(-1, 0, mesh)}));
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(apply({PatchVertices{{1}, 0, {{1, 2, 3}}}}));
+  EXPECT_TRUE(scene_->at(31));
+  EXPECT_TRUE(scene_->at(30));
+  const auto old = scene_->at(2);
+  ASSERT_FALSE(old) << "29 times 5.9 MB of vertices";
+  EXPECT_EQ(old.error().code, Code::kOutOfRange);
+  scene_->forget_old_revisions();
+  EXPECT_FALSE(scene_->at(30));
+  EXPECT_TRUE(scene_->at(31));
+  ASSERT_TRUE(apply({}));
+  EXPECT_TRUE(scene_->at(31));
+}
+
+TEST_F(StoredSceneTest, TakesNoUpdatesOnceItIsRemoved) {
+  scene_->remove();
+  const auto refused = apply({});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kNotFound);
+  EXPECT_EQ(refused.error().reason, "SCENE_NOT_FOUND");
+}
+
+}  // namespace
+}  // namespace sightline::server

@@ -1,0 +1,148 @@
+// Batches of one producer, applied: alone, together, and where one of them is bad.
+#include "server/updates/producer_session.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/scenegraph/put_node.h"
+
+namespace sightline::server {
+namespace {
+
+using scenegraph::Affine;
+using scenegraph::DeleteNode;
+using scenegraph::NodeRef;
+using scenegraph::PutNode;
+using scenegraph::SetTransforms;
+using scenegraph::Update;
+
+class ProducerTurnTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<Update> nodes;
+    for (NodeRef i = 1; i <= 3; ++i) nodes.push_back(tests::put_node(-i, 0, nullptr));
+    ASSERT_TRUE(scene_->apply(nodes, std::nullopt, compute_));
+  }
+
+  void add(std::vector<Update> updates) {
+    UpdateBatch batch;
+    batch.sequence = ++sequence_;
+    batch.updates = std::move(updates);
+    batches_.push_back(std::move(batch));
+  }
+  void add_pose(NodeRef node, double x) {
+    add({SetTransforms{{node}, {Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}}}});
+  }
+  double x(scenegraph::NodeId node) const {
+    return scene_->snapshot()->find(node)->parent_from_local.m[3];
+  }
+  /// Of all batches, in order.
+  std::vector<BatchOutcome> apply_all(ProducerTurn& turn) {
+    std::vector<BatchOutcome> all;
+    while (!batches_.empty()) {
+      auto some = turn.apply_some(batches_);
+      EXPECT_TRUE(some);
+      if (!some) break;
+      for (BatchOutcome& outcome : *some) all.push_back(std::move(outcome));
+    }
+    return all;
+  }
+
+  const std::shared_ptr<StoredScene> scene_ =
+      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+  Compute compute_{1};
+  Producer producer_;
+  int call_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::deque<UpdateBatch> batches_;
+};
+
+TEST_F(ProducerTurnTest, MakesARevisionOfEachBatch) {
+  ProducerTurn turn(*scene_, producer_, &call_, compute_, false);
+  turn.take_over();
+  for (int i = 1; i <= 4; ++i) add_pose(1, i);
+  const auto outcomes = apply_all(turn);
+  ASSERT_EQ(outcomes.size(), 4u);
+  for (std::uint64_t i = 0; i < 4; ++i) EXPECT_EQ(outcomes[i].applied->revision, 2 + i);
+  EXPECT_EQ(turn.coalesced(), 0u);
+  EXPECT_EQ(producer_.last_committed, 4u);
+}
+
+TEST_F(ProducerTurnTest, TheLatestPosesWin) {
+  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
+  turn.take_over();
+  for (int i = 1; i <= 4; ++i) add_pose(1 + i % 2, i);
+  add({DeleteNode{3}});
+  add_pose(1, 50);
+  add({tests::put_node(-1, 0, nullptr), SetTransforms{{-1, 1}, {Affine{}, Affine{}}}});
+  add_pose(1, 60);
+  add_pose(1, 70);
+  const auto outcomes = apply_all(turn);
+  ASSERT_EQ(outcomes.size(), 9u);
+  const std::vector<std::uint64_t> revisions{2, 2, 2, 2, 3, 4, 5, 6, 6};
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(outcomes[i].sequence, i + 1);
+    EXPECT_EQ(outcomes[i].applied->revision, revisions[i]) << i;
+  }
+  EXPECT_EQ(outcomes[6].applied->nodes, std::vector<scenegraph::NodeId>{4});
+  EXPECT_EQ(turn.coalesced(), 4u);
+  EXPECT_EQ(x(1), 70);
+  EXPECT_EQ(x(2), 3);
+}
+
+TEST_F(ProducerTurnTest, OnlyTheBadOneOfAGroupIsRejected) {
+  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
+  turn.take_over();
+  add_pose(1, 1);
+  add_pose(99, 2);
+  add_pose(1, 3);
+  add_pose(2, 4);
+  const auto outcomes = apply_all(turn);
+  ASSERT_EQ(outcomes.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(outcomes[i].applied.ok(), i != 1) << i;
+  EXPECT_EQ(outcomes[1].applied.error().code, Code::kNotFound);
+  EXPECT_EQ(turn.coalesced(), 0u);
+  EXPECT_EQ(x(1), 3);
+  EXPECT_EQ(x(2), 4);
+  EXPECT_EQ(producer_.last_committed, 4u);
+  add_pose(1, 5);
+  add_pose(1, 6);
+  EXPECT_EQ(apply_all(turn).size(), 2u);
+  EXPECT_EQ(turn.coalesced(), 1u) << "together again";
+}
+
+TEST_F(ProducerTurnTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
+  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
+  turn.take_over();
+  add_pose(1, 1);
+  add({});
+  batches_.back().bad = Error{Code::kInvalidArgument, "broken", "BROKEN"};
+  add_pose(1, 2);
+  const auto outcomes = apply_all(turn);
+  ASSERT_EQ(outcomes.size(), 3u);
+  EXPECT_EQ(outcomes[1].applied.error().reason, "BROKEN");
+  EXPECT_EQ(x(1), 2);
+}
+
+TEST_F(ProducerTurnTest, EndsWhereAnotherCallHasTakenOver) {
+  ProducerTurn older(*scene_, producer_, &call_, compute_, false);
+  older.take_over();
+  int newer_call = 0, told = 0;
+  const auto listener = scene_->events().subscribe([&] { ++told; });
+  ProducerTurn newer(*scene_, producer_, &newer_call, compute_, false);
+  newer.take_over();
+  EXPECT_EQ(told, 1);
+  scene_->events().unsubscribe(listener);
+  add_pose(1, 1);
+  const auto refused = older.apply_some(batches_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kAborted);
+  older.leave();
+  EXPECT_EQ(apply_all(newer).size(), 1u) << "whose place is kept";
+  scene_->remove();
+  add_pose(1, 2);
+  EXPECT_EQ(newer.apply_some(batches_).error().code, Code::kNotFound);
+  EXPECT_EQ(producer_.last_committed, 1u);
+}
+
+}  // namespace
+}  // namespace sightline::server
