@@ -22,15 +22,15 @@ constexpr int kScenesPerPage = 500;
 
 // Makes one small call: `method` of `stub`.
 template <class Stub, class Request, class Response>
-Result<Response> call(const Connection& connection, const Stub& stub,
+Result<Response> call(const calls::Connection& connection, const Stub& stub,
                       grpc::Status (Stub::element_type::*method)(grpc::ClientContext*,
                                                                  const Request&, Response*),
                       const Request& request) {
   grpc::ClientContext context;
-  set_timeout(context, connection.small_timeout());
+  calls::set_timeout(context, connection.small_timeout());
   Response response;
   const grpc::Status status = ((*stub).*method)(&context, request, &response);
-  if (!status.ok()) return rpc_error(status);
+  if (!status.ok()) return calls::rpc_error(status);
   return response;
 }
 
@@ -46,7 +46,8 @@ bool is_endpoint(const std::string& text) {
 
 }  // namespace
 
-Client::Client(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+Client::Client(std::unique_ptr<calls::Connection> connection)
+    : connection_(std::move(connection)) {}
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
@@ -57,26 +58,26 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
                  fmt::format("endpoint '{}' is not HOST:PORT or unix:PATH", endpoint),
                  {}};
   }
-  return Client(std::make_unique<Connection>(open_channel(endpoint), options));
+  return Client(std::make_unique<calls::Connection>(calls::open_channel(endpoint), options));
 }
 
 Result<ServerInfo> Client::server_info() const {
   const auto response = call(*connection_, connection_->server,
                              &v1::ServerService::Stub::GetServerInfo, v1::GetServerInfoRequest());
   if (!response) return response.error();
-  return decode(*response);
+  return wire::decode(*response);
 }
 
 Result<SceneInfo> Client::create_scene(const std::string& scene, UpAxis up_axis,
                                        double meters_per_unit) const {
   v1::CreateSceneRequest request;
   request.mutable_scene()->set_name(scene);
-  request.mutable_scene()->set_up_axis(encode(up_axis));
+  request.mutable_scene()->set_up_axis(wire::encode(up_axis));
   request.mutable_scene()->set_meters_per_unit(meters_per_unit);
   const auto response =
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::CreateScene, request);
   if (!response) return response.error();
-  return decode(response->scene());
+  return wire::decode(response->scene());
 }
 
 Result<SceneInfo> Client::get_scene(const std::string& scene) const {
@@ -85,7 +86,7 @@ Result<SceneInfo> Client::get_scene(const std::string& scene) const {
   const auto response =
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetScene, request);
   if (!response) return response.error();
-  return decode(response->scene());
+  return wire::decode(response->scene());
 }
 
 Result<std::vector<SceneInfo>> Client::list_scenes(const std::string& project) const {
@@ -97,7 +98,7 @@ Result<std::vector<SceneInfo>> Client::list_scenes(const std::string& project) c
     const auto page =
         call(*connection_, connection_->scenes, &v1::SceneService::Stub::ListScenes, request);
     if (!page) return page.error();
-    for (const v1::Scene& scene : page->scenes()) scenes.push_back(decode(scene));
+    for (const v1::Scene& scene : page->scenes()) scenes.push_back(wire::decode(scene));
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return scenes;
@@ -117,7 +118,7 @@ Result<SceneStats> Client::scene_stats(const std::string& scene) const {
   const auto response =
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetSceneStats, request);
   if (!response) return response.error();
-  return decode(*response);
+  return wire::decode(*response);
 }
 
 Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
@@ -131,11 +132,11 @@ Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
     v1::BatchGetNodesRequest request;
     request.set_scene(scene);
     request.mutable_ids()->Add(some.begin(), some.end());
-    *request.mutable_consistency() = encode(consistency);
+    *request.mutable_consistency() = wire::encode(consistency);
     const auto response =
         call(*connection_, connection_->scenes, &v1::SceneService::Stub::BatchGetNodes, request);
     if (!response) return response.error();
-    for (const v1::Node& node : response->nodes()) nodes.push_back(decode(node));
+    for (const v1::Node& node : response->nodes()) nodes.push_back(wire::decode(node));
   }
   return nodes;
 }
@@ -143,16 +144,16 @@ Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,
 Result<UpdateStream> Client::open_update_stream(const std::string& scene,
                                                 const std::string& producer,
                                                 const UpdateStreamOptions& options) const {
-  auto carrier = std::make_unique<UpdateStream::Carrier>(
+  auto worker = std::make_unique<calls::UpdateStreamWorker>(
       v1::SceneService::NewStub(connection_->channel), scene, producer, options);
-  if (const Status opened = carrier->open(connection_->small_timeout()); !opened)
+  if (const Status opened = worker->open(connection_->small_timeout()); !opened)
     return opened.error();
-  return UpdateStream(std::move(carrier));
+  return UpdateStream(std::move(worker));
 }
 
 Status Client::watch(const std::string& scene, std::optional<std::uint64_t> start,
-                     const SceneChangeSink& sink, const std::stop_token& stop) const {
-  return client::watch(*connection_, scene, start, sink, stop);
+                     const calls::SceneChangeSink& sink, const std::stop_token& stop) const {
+  return client::calls::watch(*connection_, scene, start, sink, stop);
 }
 
 Result<std::vector<std::string>> Client::missing_meshes(
@@ -173,85 +174,85 @@ Result<std::vector<std::string>> Client::missing_meshes(
 
 Result<Applied> Client::apply(const std::string& scene, std::span<const Update> updates,
                               const ApplyOptions& options) const {
-  return client::apply(*connection_, scene, updates, options);
+  return client::calls::apply(*connection_, scene, updates, options);
 }
 
 Result<Applied> Client::apply_in_batches(const std::string& scene, std::span<const Update> updates,
                                          const ApplyOptions& options) const {
-  return client::apply_in_batches(*connection_, scene, updates, options);
+  return client::calls::apply_in_batches(*connection_, scene, updates, options);
 }
 
-Status Client::upload_mesh(const MeshBlob& mesh, const std::string& digest,
+Status Client::upload_mesh(const calls::MeshBlob& mesh, const std::string& digest,
                            const UploadProgress& progress, const std::stop_token& stop) const {
-  return client::upload_mesh(*connection_, mesh, digest, progress, stop);
+  return client::calls::upload_mesh(*connection_, mesh, digest, progress, stop);
 }
 
 Result<PrefetchReport> Client::prefetch(const std::string& scene, const PrefetchOptions& options,
                                         const PrefetchProgress& progress) const {
-  return client::prefetch(*connection_, scene, options, progress);
+  return client::calls::prefetch(*connection_, scene, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const double>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::prefetch_rays(*connection_, scene, rays, options, progress);
+  return client::calls::prefetch_rays(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const float>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::prefetch_rays(*connection_, scene, rays, options, progress);
+  return client::calls::prefetch_rays(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<double>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return client::calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<float>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return client::calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,
                                 const HitColumns& hits, const CastOptions& options) const {
-  return client::cast(*connection_, scene, rays, hits, options);
+  return client::calls::cast(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const float>& rays,
                                 const HitColumns& hits, const CastOptions& options) const {
-  return client::cast(*connection_, scene, rays, hits, options);
+  return client::calls::cast(*connection_, scene, rays, hits, options);
 }
 
 Result<CastReport> Client::cast_stream(const std::string& scene,
                                        const RayColumns<const double>& rays, const HitColumns& hits,
                                        const CastOptions& options) const {
-  return client::cast_stream(*connection_, scene, rays, hits, options);
+  return client::calls::cast_stream(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene,
                                        const RayColumns<const float>& rays, const HitColumns& hits,
                                        const CastOptions& options) const {
-  return client::cast_stream(*connection_, scene, rays, hits, options);
+  return client::calls::cast_stream(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<double>& source,
                                        RayShape shape, HitFields fields, const HitSink& sink,
                                        const CastOptions& options) const {
-  return client::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+  return client::calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<float>& source,
                                        RayShape shape, HitFields fields, const HitSink& sink,
                                        const CastOptions& options) const {
-  return client::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+  return client::calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
 }
 
 Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const double>& rays,
                                  HitFields fields, const CastOptions& options) const {
-  return client::cast_all(*connection_, scene, rays, fields, options);
+  return client::calls::cast_all(*connection_, scene, rays, fields, options);
 }
 Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const float>& rays,
                                  HitFields fields, const CastOptions& options) const {
-  return client::cast_all(*connection_, scene, rays, fields, options);
+  return client::calls::cast_all(*connection_, scene, rays, fields, options);
 }
 
 }  // namespace sightline::client

@@ -22,6 +22,10 @@
 #include "client/update.h"
 #include "client/update_stream.h"
 
+namespace sightline::client::calls {
+struct Connection;
+}
+
 namespace sightline::client {
 
 struct ClientOptions {
@@ -32,8 +36,6 @@ struct ClientOptions {
 
 /// Told how many bytes of a mesh the server has.
 using UploadProgress = std::function<void(std::uint64_t bytes)>;
-
-struct Connection;
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and
 /// reason; kUnavailable if it cannot be reached. Calls that only read are tried again before they
@@ -82,13 +84,13 @@ class Client {
   /// is requested (kCancelled). A broken connection is taken up again. Errors: kOutOfRange, one
   /// that is wanted is not kept any more: read the scene, then watch from its revision.
   Status watch(const std::string& scene, std::optional<std::uint64_t> start,
-               const SceneChangeSink& sink, const std::stop_token& stop = {}) const;
+               const calls::SceneChangeSink& sink, const std::stop_token& stop = {}) const;
 
   /// Which of these meshes the server does not have.
   Result<std::vector<std::string>> missing_meshes(std::span<const std::string> digests) const;
   /// Uploads a mesh under its digest, from where an upload before has stopped; takes a broken
   /// connection up again. `stop` cancels it.
-  Status upload_mesh(const MeshBlob& mesh, const std::string& digest,
+  Status upload_mesh(const calls::MeshBlob& mesh, const std::string& digest,
                      const UploadProgress& progress = {}, const std::stop_token& stop = {}) const;
 
   /// Builds all trees of the scene, or of the nodes that the options name, before rays come.
@@ -144,8 +146,8 @@ class Client {
                            HitFields fields, const CastOptions& options = {}) const;
 
  private:
-  explicit Client(std::unique_ptr<Connection> connection);
-  std::unique_ptr<Connection> connection_;
+  explicit Client(std::unique_ptr<calls::Connection> connection);
+  std::unique_ptr<calls::Connection> connection_;
 };
 
 }  // namespace sightline::client

@@ -12,6 +12,10 @@
 #include "client/result.h"
 #include "client/update.h"
 
+namespace sightline::client::calls {
+class UpdateStreamWorker;
+}
+
 namespace sightline::client {
 
 /// All batches up to a sequence number are answered: applied, or rejected.
@@ -92,9 +96,8 @@ class UpdateStream {
 
  private:
   friend class Client;
-  class Carrier;
-  explicit UpdateStream(std::unique_ptr<Carrier> carrier);
-  std::unique_ptr<Carrier> carrier_;
+  explicit UpdateStream(std::unique_ptr<calls::UpdateStreamWorker> worker);
+  std::unique_ptr<calls::UpdateStreamWorker> worker_;
 };
 
 }  // namespace sightline::client

@@ -14,14 +14,15 @@ namespace {
 
 /// Less what is restless, and grown where rays have been. Null where they have not been, or where
 /// there is no memory for it.
-std::shared_ptr<const SceneHalf> settled_half(const Snapshot& base,
-                                              const std::vector<NodeId>& restless) {
-  const Instances* still = base.halves().still->instances_so_far();
+std::shared_ptr<const instances::SceneHalf> settled_half(
+    const revision::Snapshot& base, const std::vector<model::NodeId>& restless) {
+  const instances::Instances* still = base.halves().still->instances_so_far();
   if (still == nullptr) return nullptr;
   try {
-    Hierarchy hierarchy = base.hierarchy();
-    hierarchy.movers = topmost_of(hierarchy, restless);
-    auto settled = std::make_shared<const SceneHalf>(Half::kStatic, std::move(hierarchy));
+    hierarchy::Hierarchy hierarchy = base.hierarchy();
+    hierarchy.movers = revision::topmost_of(hierarchy, restless);
+    auto settled = std::make_shared<const instances::SceneHalf>(instances::Half::kStatic,
+                                                                std::move(hierarchy));
     grow_alike(*still, settled->instances());
     return settled;
   } catch (const std::bad_alloc&) {
@@ -31,16 +32,16 @@ std::shared_ptr<const SceneHalf> settled_half(const Snapshot& base,
 
 }  // namespace
 
-Scene::Scene() : current_(std::make_shared<Snapshot>(0, Hierarchy{})) {}
+Scene::Scene() : current_(std::make_shared<revision::Snapshot>(0, hierarchy::Hierarchy{})) {}
 
-std::shared_ptr<const Snapshot> Scene::snapshot() const {
+std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
   const std::lock_guard lock(current_mutex_);
   return current_;
 }
 
-Result<Applied> Scene::apply(const std::vector<Update>& updates,
+Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                              std::optional<std::uint64_t> expected_revision) {
-  std::shared_ptr<const Snapshot> base;  // given up outside the lock
+  std::shared_ptr<const revision::Snapshot> base;  // given up outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
   if (expected_revision && *expected_revision != base->revision()) {
@@ -49,7 +50,7 @@ Result<Applied> Scene::apply(const std::vector<Update>& updates,
                      ", but the scene is at " + std::to_string(base->revision()),
                  "REVISION_MISMATCH"};
   }
-  Draft draft(*base, next_id_);
+  revision::Draft draft(*base, next_id_);
   for (std::size_t i = 0; i < updates.size(); ++i) {
     if (Status status = draft.apply(updates[i]); !status) {
       Error error = status.error();
@@ -61,14 +62,14 @@ Result<Applied> Scene::apply(const std::vector<Update>& updates,
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
   next_id_ = draft.next_id();
-  std::vector<NodeId> changed = draft.changed();
-  std::shared_ptr<const Snapshot> next = std::move(draft).publish(applied.revision);
+  std::vector<model::NodeId> changed = draft.changed();
+  std::shared_ptr<const revision::Snapshot> next = std::move(draft).publish(applied.revision);
   applied.settle = rest_.add(*next, std::move(changed));
   publish(std::move(next));
   return applied;
 }
 
-void Scene::publish(std::shared_ptr<const Snapshot> next) {
+void Scene::publish(std::shared_ptr<const revision::Snapshot> next) {
   // The one before is given up outside the lock: it may be the last to hold much.
   const std::lock_guard lock(current_mutex_);
   current_.swap(next);
@@ -77,18 +78,18 @@ void Scene::publish(std::shared_ptr<const Snapshot> next) {
 void Scene::settle() {
   const std::unique_lock settling(settling_, std::try_to_lock);
   if (!settling.owns_lock()) return;
-  std::shared_ptr<const Snapshot> base;
-  std::vector<NodeId> restless;
+  std::shared_ptr<const revision::Snapshot> base;
+  std::vector<model::NodeId> restless;
   {
     const std::lock_guard writer(writer_);
     base = snapshot();
     restless = rest_.begin(base->revision());
   }
-  const std::shared_ptr<const SceneHalf> settled = settled_half(*base, restless);
+  const std::shared_ptr<const instances::SceneHalf> settled = settled_half(*base, restless);
   const std::lock_guard writer(writer_);
-  const std::vector<NodeId> changed = rest_.end(base->revision());
+  const std::vector<model::NodeId> changed = rest_.end(base->revision());
   if (settled == nullptr) return;
-  const std::shared_ptr<const Snapshot> now = snapshot();
+  const std::shared_ptr<const revision::Snapshot> now = snapshot();
   publish(resettled(*now, settled, restless, changed));
 }
 

@@ -22,8 +22,8 @@ namespace sightline::scenegraph {
 /// What a batch of updates came to.
 struct Applied {
   std::uint64_t revision = 0;
-  std::vector<NodeId> nodes;  ///< The id of every PutNode's node, in the order of the batch.
-  bool settle = false;        ///< Enough rests in the dynamic tree for Scene::settle().
+  std::vector<model::NodeId> nodes;  ///< The id of every PutNode's node, in the order of the batch.
+  bool settle = false;               ///< Enough rests in the dynamic tree for Scene::settle().
 };
 
 class Scene {
@@ -31,14 +31,14 @@ class Scene {
   Scene();
 
   /// The newest revision. Never waits for a writer. Threads: any.
-  std::shared_ptr<const Snapshot> snapshot() const;
+  std::shared_ptr<const revision::Snapshot> snapshot() const;
 
   /// Applies the batch whole, or leaves the scene as it was. Threads: any; writers take turns.
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
   /// Errors name the update's place in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
   /// counts that disagree), kFailedPrecondition (delete of a node with children).
-  Result<Applied> apply(const std::vector<Update>& updates,
+  Result<Applied> apply(const std::vector<model::Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt);
 
   /// Takes what has rested for Rest::kRevisions out of the dynamic tree and into a static tree made
@@ -48,14 +48,14 @@ class Scene {
   void settle();
 
  private:
-  void publish(std::shared_ptr<const Snapshot> next);
+  void publish(std::shared_ptr<const revision::Snapshot> next);
 
   std::mutex writer_;
-  Rest rest_;  // the writer's
+  revision::Rest rest_;  // the writer's
   std::mutex settling_;
   mutable std::mutex current_mutex_;  // held for one pointer copy
-  std::shared_ptr<const Snapshot> current_;
-  NodeId next_id_ = 1;
+  std::shared_ptr<const revision::Snapshot> current_;
+  model::NodeId next_id_ = 1;
 };
 
 }  // namespace sightline::scenegraph

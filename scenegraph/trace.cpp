@@ -20,44 +20,48 @@ Status check_sizes(std::size_t rays, std::size_t answers) {
 
 }  // namespace
 
-Result<TraceStats> trace(const Snapshot& snapshot, std::span<const accel::Ray> rays,
-                         std::span<accel::Hit> hits, const TraceOptions& options) {
+Result<TraceStats> trace(const revision::Snapshot& snapshot,
+                         std::span<const accel::geometry::Ray> rays,
+                         std::span<accel::geometry::Hit> hits, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::AtBusy at_busy) {
+  const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
+    answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
       return caster.cast(rays[i], at_busy, hits[i]);
     });
   };
-  return answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return query::answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }
 
-Result<TraceStats> count_hits(const Snapshot& snapshot, std::span<const accel::Ray> rays,
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
+                              std::span<const accel::geometry::Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
-  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::AtBusy at_busy) {
+  const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
+    answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
       const std::optional<RayTally> tally = caster.count(rays[i], at_busy);
       if (tally) tallies[i] = *tally;
       return tally.has_value();
     });
   };
-  return answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return query::answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }
 
-Result<TraceStats> list_hits(const Snapshot& snapshot, std::span<const accel::Ray> rays,
-                             std::span<RayTally> tallies, std::vector<accel::Hit>& hits,
+Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
+                             std::span<const accel::geometry::Ray> rays,
+                             std::span<RayTally> tallies, std::vector<accel::geometry::Hit>& hits,
                              const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   const std::size_t rays_per_block = std::clamp<std::size_t>(
       kHitsPerListBlock / std::max(options.max_hits, 1u), 1, kRaysPerListBlock);
-  std::vector<std::vector<accel::Hit>> of_blocks((rays.size() + rays_per_block - 1) /
-                                                 rays_per_block);
+  std::vector<std::vector<accel::geometry::Hit>> of_blocks((rays.size() + rays_per_block - 1) /
+                                                           rays_per_block);
   // Blocks are taken in order, so that those answered are always the first.
   std::atomic<std::size_t> next{0}, listed{0};
-  auto traced = answer_in_blocks(
-      snapshot, rays.size(), rays_per_block, options, [&](RayCaster& caster, const RayBlock&) {
+  auto traced = query::answer_in_blocks(
+      snapshot, rays.size(), rays_per_block, options,
+      [&](query::RayCaster& caster, const query::RayBlock&) {
         if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return;
         const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
         const std::size_t first = block * rays_per_block;
@@ -68,7 +72,7 @@ Result<TraceStats> list_hits(const Snapshot& snapshot, std::span<const accel::Ra
   if (!traced) return traced;
   hits.clear();
   hits.reserve(traced->hits_found);
-  for (std::vector<accel::Hit>& block : of_blocks) {
+  for (std::vector<accel::geometry::Hit>& block : of_blocks) {
     hits.insert(hits.end(), block.begin(), block.end());
     block = {};
   }

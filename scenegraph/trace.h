@@ -46,7 +46,7 @@ struct TraceStats {
 struct RayTally {
   std::uint32_t count = 0;  ///< Distinct hits, at most kMaxCount; of list_hits: those listed.
   std::uint32_t work = 0;   ///< As Hit::work.
-  accel::HitState state = accel::HitState::kMiss;
+  accel::geometry::HitState state = accel::geometry::HitState::kMiss;
   bool cut_off = false;  ///< There are farther hits than those listed.
 };
 inline constexpr std::uint32_t kInvalidCount = 0xffffffffu;  ///< count_hits: of an invalid ray.
@@ -56,25 +56,29 @@ inline constexpr std::uint32_t kMaxCount = kInvalidCount - 1;
 /// kAny reports only `state` (and `work`). Runs in the calling thread's oneTBB arena, in parallel.
 /// Errors: kCancelled (hits are then incomplete), kInvalidArgument (sizes disagree, or the kind is
 /// not kClosest or kAny). A bad ray is marked HitState::kInvalid and never fails the batch.
-Result<TraceStats> trace(const Snapshot& snapshot, std::span<const accel::Ray> rays,
-                         std::span<accel::Hit> hits, const TraceOptions& options);
+Result<TraceStats> trace(const revision::Snapshot& snapshot,
+                         std::span<const accel::geometry::Ray> rays,
+                         std::span<accel::geometry::Hit> hits, const TraceOptions& options);
 
 /// kCount: tallies[i] is the answer to rays[i]. Memory for a ray is in proportion to its hits in
 /// one mesh, and freed with the block. Errors as of trace().
-Result<TraceStats> count_hits(const Snapshot& snapshot, std::span<const accel::Ray> rays,
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
+                              std::span<const accel::geometry::Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options);
 
 /// kAll: `hits` becomes the hits of the rays, in the order of the rays, those of rays[i]
 /// (tallies[i].count of them) by (t, node, primitive). An invalid ray has none. Only the first
 /// TraceStats::rays of the rays are answered: all, unless hits_at_once is reached before. Needs
 /// memory for at most twice (hits_at_once + a block's hits for each thread). Errors as of trace().
-Result<TraceStats> list_hits(const Snapshot& snapshot, std::span<const accel::Ray> rays,
-                             std::span<RayTally> tallies, std::vector<accel::Hit>& hits,
+Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
+                             std::span<const accel::geometry::Ray> rays,
+                             std::span<RayTally> tallies, std::vector<accel::geometry::Hit>& hits,
                              const TraceOptions& options);
 
 /// Builds every tree of the snapshot to its end ("expand everything"). `progress` is told mesh by
 /// mesh and must be fresh. Errors: kCancelled.
-Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled = nullptr,
-                             BuildProgress* progress = nullptr);
+Result<TraceStats> build_all(const revision::Snapshot& snapshot,
+                             const std::atomic<bool>* cancelled = nullptr,
+                             query::BuildProgress* progress = nullptr);
 
 }  // namespace sightline::scenegraph

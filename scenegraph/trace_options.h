@@ -8,10 +8,14 @@
 
 #include "accel/geometry/facing.h"
 
-namespace sightline::scenegraph {
-
+namespace sightline::scenegraph::instances {
 class Selection;
+}
+namespace sightline::scenegraph::query {
 struct BuildProgress;
+}
+
+namespace sightline::scenegraph {
 
 /// All kinds see the same hits, so that any == (count > 0) == (closest is a hit) == (all is not
 /// empty), whatever limits, masks, culling and selection are set.
@@ -38,9 +42,9 @@ struct TraceOptions {
   bool surface = true;
   /// By the winding in scene coordinates, as normals are: a mirrored instance turns its mesh's
   /// windings around. Hits that are culled do not exist for any kind.
-  accel::Culling culling = accel::Culling::kNone;
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   /// The nodes that rays see, of this very snapshot; null: all. Must outlive the batch.
-  const Selection* selection = nullptr;
+  const instances::Selection* selection = nullptr;
   /// Of list_hits(), for each ray: the nearest are kept.
   std::uint32_t max_hits = 256;
   /// Of list_hits(): no block is begun once so many hits are listed.
@@ -48,7 +52,7 @@ struct TraceOptions {
   /// Checked before every block; once true, no further block is begun.
   const std::atomic<bool>* cancelled = nullptr;
   /// Of Growth::kFull: told how far the building has come. Must outlive the batch.
-  BuildProgress* progress = nullptr;
+  query::BuildProgress* progress = nullptr;
 };
 
 }  // namespace sightline::scenegraph

@@ -19,7 +19,7 @@ struct ServerConfig {
   int threads = default_threads();  ///< Workers that answer, 1 to kMaxThreads; as many prefetch.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of mesh data.
-  AdmissionLimits admission;
+  exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< In work at a time, 0 to kMaxPrefetches.
   std::chrono::milliseconds drain =
       std::chrono::seconds(5);  ///< What open calls get to end by themselves.

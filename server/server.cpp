@@ -64,30 +64,30 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
     info.add_features(feature);
   }
   info.set_max_message_bytes(kMaxMessageBytes);
-  info.set_max_blob_chunk_bytes(kMaxBlobChunk);
-  info.set_max_rays_per_request(kMaxRaysPerRequest);
+  info.set_max_blob_chunk_bytes(blobs::kMaxBlobChunk);
+  info.set_max_rays_per_request(queries::kMaxRaysPerRequest);
   info.set_max_rays_queued(config.admission.rays);
   info.set_max_bytes_queued(config.admission.bytes);
-  info.set_max_triangles_per_mesh(scenegraph::kMaxFacesPerMesh);
-  info.set_max_depth(static_cast<std::uint32_t>(scenegraph::kMaxDepth));
-  info.set_max_hits_per_ray(kMaxMaxHits);
-  info.set_max_hits_per_reply(kMaxHitsPerReply);
-  info.set_max_exclusions(kMaxExclusions);
+  info.set_max_triangles_per_mesh(scenegraph::model::kMaxFacesPerMesh);
+  info.set_max_depth(static_cast<std::uint32_t>(scenegraph::model::kMaxDepth));
+  info.set_max_hits_per_ray(queries::kMaxMaxHits);
+  info.set_max_hits_per_reply(queries::kMaxHitsPerReply);
+  info.set_max_exclusions(queries::kMaxExclusions);
   info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
-  info.set_max_updates_per_batch(kMaxUpdatesPerBatch);
-  info.set_max_batch_bytes(kMaxBatchBytes);
-  info.set_update_window(kUpdateWindow);
-  info.set_max_update_streams(kMaxUpdateStreams);
-  info.set_max_watches(kMaxWatches);
-  info.set_max_waiting_reads(kMaxWaitingReads);
-  info.set_max_read_wait_ms(static_cast<std::uint32_t>(kMaxReadWait.count()));
-  info.set_max_exact_revisions(RecentLimits().revisions);
-  info.set_max_logged_revisions(LogLimits().revisions);
-  info.set_max_request_ids(AnswerLimits().answers);
-  info.set_max_producers(kMaxProducers);
+  info.set_max_updates_per_batch(updates::kMaxUpdatesPerBatch);
+  info.set_max_batch_bytes(updates::kMaxBatchBytes);
+  info.set_update_window(updates::kUpdateWindow);
+  info.set_max_update_streams(updates::kMaxUpdateStreams);
+  info.set_max_watches(updates::kMaxWatches);
+  info.set_max_waiting_reads(scenes::kMaxWaitingReads);
+  info.set_max_read_wait_ms(static_cast<std::uint32_t>(scenes::kMaxReadWait.count()));
+  info.set_max_exact_revisions(scenes::RecentLimits().revisions);
+  info.set_max_logged_revisions(scenes::LogLimits().revisions);
+  info.set_max_request_ids(scenes::AnswerLimits().answers);
+  info.set_max_producers(scenes::kMaxProducers);
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
-  info.set_simd_target(std::string(accel::simd_target()));
+  info.set_simd_target(std::string(accel::split::simd_target()));
   return info;
 }
 
@@ -124,24 +124,24 @@ struct Server::Parts {
   explicit Parts(const ServerConfig& c)
       : config(c),
         admission(c.admission),
-        listing({c.admission.rays / kListingShare, c.admission.bytes / kListingShare}),
-        waits(kMaxWaitingReads, "reads that wait for a revision", "TOO_MANY_WAITING"),
-        streams(kMaxUpdateStreams, "streams of updates", "TOO_MANY_STREAMS"),
-        watches(kMaxWatches, "watches of scenes", "TOO_MANY_WATCHES"),
+        listing({c.admission.rays / exec::kListingShare, c.admission.bytes / exec::kListingShare}),
+        waits(scenes::kMaxWaitingReads, "reads that wait for a revision", "TOO_MANY_WAITING"),
+        streams(updates::kMaxUpdateStreams, "streams of updates", "TOO_MANY_STREAMS"),
+        watches(updates::kMaxWatches, "watches of scenes", "TOO_MANY_WATCHES"),
         blobs({.memory_budget = c.memory_budget}),
         compute(c.threads) {}
 
   const ServerConfig config;
-  Admission admission, listing;
-  OpenCalls waits, streams, watches;
-  MemorySceneStore scenes;
-  BlobStore blobs;
-  Compute compute;
-  const WaitServices waiting{compute, admission, waits};
-  RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy, waiting},
-                        static_cast<std::size_t>(config.max_prefetches)};
-  SceneRpc scene_rpc{{scenes, blobs, compute, admission, streams, watches, waiting}};
-  BlobRpc blob_rpc{scenes, blobs, compute, admission};
+  exec::Admission admission, listing;
+  exec::OpenCalls waits, streams, watches;
+  scenes::MemorySceneStore scenes;
+  blobs::BlobStore blobs;
+  exec::Compute compute;
+  const scenes::WaitServices waiting{compute, admission, waits};
+  queries::RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy, waiting},
+                                 static_cast<std::size_t>(config.max_prefetches)};
+  updates::SceneRpc scene_rpc{{scenes, blobs, compute, admission, streams, watches, waiting}};
+  blobs::BlobRpc blob_rpc{scenes, blobs, compute, admission};
 
   /// Ends what would else wait for its client or for a writer, and refuses more of it.
   void stop_waiting() {
@@ -151,7 +151,7 @@ struct Server::Parts {
     watches.stop();
   }
 
-  InfoRpc info_rpc{describe(config)};
+  updates::InfoRpc info_rpc{describe(config)};
   int port = 0;
   std::unique_ptr<grpc::Server> grpc;
   std::once_flag drained;
@@ -188,7 +188,7 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
       "event=started version={} listen={} port={} threads={} "
       "policy={} memory_budget={} simd={}",
       SIGHTLINE_VERSION, config.listen, server->port(), config.threads, policy_name(config.policy),
-      config.memory_budget, accel::simd_target());
+      config.memory_budget, accel::split::simd_target());
   spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
   return server;
 }

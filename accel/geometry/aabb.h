@@ -9,7 +9,7 @@
 
 #include "accel/geometry/vec3.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 struct Aabb {
   Vec3f lo{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
@@ -109,4 +109,4 @@ inline bool is_member(const Aabb& bounds, const Aabb& cell) {
          bounds.hi.y > cell.lo.y && bounds.lo.z < cell.hi.z && bounds.hi.z > cell.lo.z;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 /// Without a value to begin with, unlike Vec3d: clearing two polygons takes a tenth of the time.
@@ -114,4 +114,4 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return widen_flat(box);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

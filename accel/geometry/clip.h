@@ -5,7 +5,7 @@
 
 #include "accel/geometry/aabb.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// Holds every point of the triangle that lies in the closed cell, and hardly more: never
 /// too small, by rounding and widen_flat a few floats too large. Nothing if they do not meet. The
@@ -16,4 +16,4 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
 /// The area of that part, to the precision of double. Vertices must be finite.
 double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& cell);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

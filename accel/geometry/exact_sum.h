@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// At most kCapacity terms; the largest value built here is the numerator of t with 3 * 64 terms.
 class Expansion {
@@ -84,4 +84,4 @@ class Expansion {
   std::array<double, kCapacity> terms_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -5,7 +5,7 @@
 
 #include "accel/geometry/exact_sum.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 // As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2| in
@@ -40,4 +40,4 @@ int facing(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& c
   return exact_facing(ray, a, b, c);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

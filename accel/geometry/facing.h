@@ -5,7 +5,7 @@
 
 #include "accel/geometry/local_ray.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// Hits that do not exist for a query. The front is the side that shows its corners
 /// counterclockwise.
@@ -27,4 +27,4 @@ inline bool is_culled(Culling culling, const LocalRay& ray, const Vec3f& a, cons
   return culling != Culling::kNone && facing(ray, a, b, c) == (culling == Culling::kBack ? 1 : -1);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -7,7 +7,7 @@
 
 #include "accel/geometry/exact_sum.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 // Where |N . d| is below this share of |e1| |e2|, t is computed exactly: see kHitError.
@@ -124,4 +124,4 @@ Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Ve
   return {share, 1 - share};  // two rounded quotients can add up to more than 1
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

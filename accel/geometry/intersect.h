@@ -9,7 +9,7 @@
 
 #include "accel/geometry/local_ray.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// t of the hit in local units (see LocalRay), or nothing. t may be negative: limits are the
 /// caller's.
@@ -63,4 +63,4 @@ inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& af, con
   return std::isnan(t) ? std::nullopt : std::optional(t);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

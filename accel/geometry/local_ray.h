@@ -10,7 +10,7 @@
 
 #include "accel/geometry/vec3.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// Coordinates beyond kLargest are no rays; components below kSmallest are taken as zero.
 inline constexpr double kLargestRay = 0x1p+250;
@@ -62,4 +62,4 @@ inline std::optional<LocalRay> make_local_ray(const Vec3d& origin, const Vec3d& 
   return ray;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

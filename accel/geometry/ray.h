@@ -6,7 +6,7 @@
 
 #include "accel/geometry/vec3.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr std::uint32_t kAllMasks = 0xffffffffu;
@@ -40,4 +40,4 @@ struct Hit {
 /// Set in Hit::work when the ray met a cell that is not built yet.
 inline constexpr std::uint32_t kWorkUnbuilt = 0x80000000u;
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

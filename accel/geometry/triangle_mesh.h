@@ -7,7 +7,7 @@
 
 #include "accel/geometry/vec3.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 using Face = std::array<std::uint32_t, 3>;
 
@@ -21,4 +21,4 @@ struct MeshView {
   std::span<const Face> faces;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -14,7 +14,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -170,11 +170,11 @@ std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 HWY_EXPORT(possible_hits);
 
@@ -208,5 +208,5 @@ std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
   return found & (~std::uint64_t{0} >> (kMissBatch - faces.size()));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry
 #endif  // HWY_ONCE

@@ -10,7 +10,7 @@
 #include "accel/geometry/local_ray.h"
 #include "accel/geometry/triangle_mesh.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 /// A ray, and the plane in which it is seen as a point: x and y, sheared along z, the axis of the
 /// direction's largest component (after Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
@@ -31,4 +31,4 @@ inline constexpr std::size_t kMissBatch = 64;
 std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
                             std::span<const std::uint32_t> faces);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 
 template <class T>
 struct Vec3 {
@@ -57,4 +57,4 @@ bool is_finite(const Vec3<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -10,18 +10,19 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 /// Bounds of the part of a face in one half of a cell that the face is held by; nothing if it only
 /// touches that half.
 ///
 /// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's
 /// face, and which cells hold it then was decided by the cut that made the face (Cut::planar_left).
-inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face,
-                                        const Aabb& half) {
-  const Face& f = mesh.faces[face];
-  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const std::optional<Aabb> box = clipped_bounds(a, b, c, half);
+inline std::optional<geometry::Aabb> clip_to_half(const geometry::MeshView& mesh,
+                                                  std::uint32_t face, const geometry::Aabb& half) {
+  const geometry::Face& f = mesh.faces[face];
+  const geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
+                        &c = mesh.vertices[f[2]];
+  const std::optional<geometry::Aabb> box = clipped_bounds(a, b, c, half);
   if (!box) return std::nullopt;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool overlaps = box->lo[axis] < half.hi[axis] && box->hi[axis] > half.lo[axis];
@@ -34,13 +35,13 @@ inline std::optional<Aabb> clip_to_half(const MeshView& mesh, std::uint32_t face
 /// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from
 /// their original triangle, those that do not reach into the cell after all are left out, the
 /// others keep their order. Openable references stay as they are. Returns how many are left.
-inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list, const Plane& plane,
-                                   const Aabb& cell) {
+inline std::size_t clip_straddlers(const geometry::MeshView& mesh, std::span<kdtree::BoxRef> list,
+                                   const kdtree::Plane& plane, const geometry::Aabb& cell) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   std::size_t kept = 0;
-  for (BoxRef ref : list) {
+  for (kdtree::BoxRef ref : list) {
     if (!ref.openable() && ref.lo[axis] < plane.position && ref.hi[axis] > plane.position) {
-      const std::optional<Aabb> box = clip_to_half(mesh, ref.id, cell);
+      const std::optional<geometry::Aabb> box = clip_to_half(mesh, ref.id, cell);
       if (!box) continue;
       ref.lo = box->lo;
       ref.hi = box->hi;
@@ -50,4 +51,4 @@ inline std::size_t clip_straddlers(const MeshView& mesh, std::span<BoxRef> list,
   return kept;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 namespace {
 
 /// Shorter lists come to little whatever they do.
@@ -23,19 +23,19 @@ bool keeps_all(std::size_t before, std::size_t left, std::size_t right) {
   return before > kLong && before - std::min(before, more) <= before / 32 && fewer >= before / 8;
 }
 
-bool meet_in_a_vertex(const MeshView& mesh, std::span<const BoxRef> faces) {
+bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::BoxRef> faces) {
   if (faces.empty()) return false;
-  const Face& one = mesh.faces[faces[faces.size() / 2].id];
+  const geometry::Face& one = mesh.faces[faces[faces.size() / 2].id];
   std::array<std::size_t, 3> meeting{};
   const std::size_t stride = std::max<std::size_t>(faces.size() / kLooks, 1);
   std::size_t looks = 0;
   for (std::size_t k = 0; k < faces.size(); k += stride) {
-    const BoxRef& ref = faces[k];
+    const kdtree::BoxRef& ref = faces[k];
     ++looks;
     if (ref.openable()) return false;
-    const Face& other = mesh.faces[ref.id];
+    const geometry::Face& other = mesh.faces[ref.id];
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3f& v = mesh.vertices[one[i]];
+      const geometry::Vec3f& v = mesh.vertices[one[i]];
       meeting[i] += mesh.vertices[other[0]] == v || mesh.vertices[other[1]] == v ||
                             mesh.vertices[other[2]] == v
                         ? 1u
@@ -45,10 +45,10 @@ bool meet_in_a_vertex(const MeshView& mesh, std::span<const BoxRef> faces) {
   return 4 * *std::max_element(meeting.begin(), meeting.end()) >= 3 * looks;
 }
 
-CellPath with_less(const CellPath& path, std::size_t references) {
-  CellPath less = path;
+kdtree::CellPath with_less(const kdtree::CellPath& path, std::size_t references) {
+  kdtree::CellPath less = path;
   less.spare = std::min(path.spare, (kMeeting - 1) * static_cast<double>(references));
   return less;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

@@ -5,7 +5,7 @@
 
 #include <tbb/task_group.h>
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 /// Children with at least this many references each are worth a task.
 inline constexpr std::size_t kForkFrom = 4096;
@@ -26,4 +26,4 @@ void fork(Left&& left, Right&& right) {
   group.wait();
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

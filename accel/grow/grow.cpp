@@ -13,10 +13,10 @@
 #include "accel/grow/sift.h"
 #include "accel/grow/small_subtree.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 namespace {
 
-using BoxStack = ListStack<BoxRef>;
+using BoxStack = ListStack<kdtree::BoxRef>;
 
 template <class Builder>
 class Growth {
@@ -29,8 +29,9 @@ class Growth {
   }
 
   /// `first`: what the first pass over the list would find, or null.
-  Slot grow(std::span<BoxRef> refs, const Aabb& cell, const CellPath& path, const FirstScan* first,
-            BoxStack& lists, BuildCounters& counters) {
+  kdtree::Slot grow(std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                    const kdtree::CellPath& path, const split::FirstScan* first, BoxStack& lists,
+                    kdtree::BuildCounters& counters) {
     if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
@@ -40,19 +41,19 @@ class Growth {
       if (small_ && is_small(refs))
         return grow_small(context_, *small_, refs, cell, path, counters);
     }
-    const std::optional<Cut> cut =
+    const std::optional<kdtree::Cut> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
     if (!cut) return leaf(refs, cell, path);
-    const Plane& plane = cut->plane;
+    const kdtree::Plane& plane = cut->plane;
 
     // Before the list is divided: without room for the children it stays as it is.
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
     if (!pair) return defer(refs, cell, path, true);
 
-    const HalvedCell halves = halve(cell, plane.axis, plane.position);
+    const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
     const BoxStack::Mark mark = lists.mark();
-    BoxRef* right = lists.top(refs.size());
-    std::optional<FirstScans> scans;
+    kdtree::BoxRef* right = lists.top(refs.size());
+    std::optional<split::FirstScans> scans;
     Sifted n = divide(refs, *cut, halves, right, scans);
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size())
@@ -62,29 +63,30 @@ class Growth {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
-    if (context_.mesh != nullptr && clips_straddlers(builder_, path, straddlers, refs.size())) {
+    if (context_.mesh != nullptr &&
+        split::clips_straddlers(builder_, path, straddlers, refs.size())) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
       scans.reset();  // of lists that are others now
     }
     lists.take(n.right);
-    const Slot slot = Slot::binary(plane, *pair);
-    AtomicSlot* children = context_.tree.children(slot);
-    const CellPath spent = meets(refs.first(n.left), {right, n.right}, refs.size(), path)
-                               ? with_less(path, refs.size())
-                               : path;
+    const kdtree::Slot slot = kdtree::Slot::binary(plane, *pair);
+    kdtree::AtomicSlot* children = context_.tree.children(slot);
+    const kdtree::CellPath spent = meets(refs.first(n.left), {right, n.right}, refs.size(), path)
+                                       ? with_less(path, refs.size())
+                                       : path;
     const HalvedPath below = halve_path(spent, *cut, halves, static_cast<double>(refs.size()),
                                         static_cast<double>(n.left), static_cast<double>(n.right));
     const auto grow_left = [&] {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,
                             scans ? &scans->left : nullptr, lists, counters));
     };
-    const auto grow_right = [&](BoxStack& own, BuildCounters& sum) {
+    const auto grow_right = [&](BoxStack& own, kdtree::BuildCounters& sum) {
       set(children[1], grow({right, n.right}, halves.right, below.right,
                             scans ? &scans->right : nullptr, own, sum));
     };
     if (std::min(n.left, n.right) >= kForkFrom) {
-      BuildCounters right_counters;
+      kdtree::BuildCounters right_counters;
       fork(grow_left, [&] {
         BoxStack own;
         grow_right(own, right_counters);
@@ -100,40 +102,44 @@ class Growth {
 
  private:
   /// Not published until the slot of the whole subtree is.
-  static void set(AtomicSlot& slot, Slot value) {
+  static void set(kdtree::AtomicSlot& slot, kdtree::Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
   }
 
   /// Whether what a cut left of `before` references meets in a vertex. Without a budget that is
   /// nobody's concern.
-  bool meets(std::span<const BoxRef> left, std::span<const BoxRef> right, std::size_t before,
-             const CellPath& path) const {
+  bool meets(std::span<const kdtree::BoxRef> left, std::span<const kdtree::BoxRef> right,
+             std::size_t before, const kdtree::CellPath& path) const {
     return context_.mesh != nullptr && !std::isinf(path.spare) &&
            keeps_all(before, left.size(), right.size()) &&
            meet_in_a_vertex(*context_.mesh, left.size() >= right.size() ? left : right);
   }
 
   /// Undoes a division: what went to the right alone goes behind the left list.
-  static void put_back(std::span<const BoxRef> right, const Plane& plane, std::span<BoxRef> out) {
+  static void put_back(std::span<const kdtree::BoxRef> right, const kdtree::Plane& plane,
+                       std::span<kdtree::BoxRef> out) {
     const auto axis = static_cast<std::size_t>(plane.axis);
-    std::copy_if(right.begin(), right.end(), out.begin(), [&](const BoxRef& ref) {
+    std::copy_if(right.begin(), right.end(), out.begin(), [&](const kdtree::BoxRef& ref) {
       return !(ref.lo[axis] < plane.position && ref.hi[axis] > plane.position);
     });
   }
 
-  std::optional<Cut> choose(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path,
-                            const FirstScan* first, BuildCounters& counters) const {
-    CellRefs list{refs, cell, path};
+  std::optional<kdtree::Cut> choose(std::span<const kdtree::BoxRef> refs,
+                                    const geometry::Aabb& cell, const kdtree::CellPath& path,
+                                    const split::FirstScan* first,
+                                    kdtree::BuildCounters& counters) const {
+    kdtree::CellRefs list{refs, cell, path};
     list.first = first;
     return builder_.choose(list, counters);
   }
 
   /// The left list over `refs`, the right one to `right`; counted meanwhile where that is of use.
-  Sifted divide(std::span<BoxRef> refs, const Cut& cut, const HalvedCell& halves, BoxRef* right,
-                std::optional<FirstScans>& scans) const {
+  Sifted divide(std::span<kdtree::BoxRef> refs, const kdtree::Cut& cut,
+                const geometry::HalvedCell& halves, kdtree::BoxRef* right,
+                std::optional<split::FirstScans>& scans) const {
     if constexpr (requires { builder_.scans_children(refs.size()); }) {
       if (builder_.scans_children(refs.size())) {
-        scans.emplace(FirstScans{
+        scans.emplace(split::FirstScans{
             builder_.first_planes(halves.left), builder_.first_planes(halves.right), {}, {}});
         return sift_and_scan(refs, cut.plane, refs.data(), right, *scans);
       }
@@ -141,27 +147,31 @@ class Growth {
     return sift(refs, cut, refs.data(), right);
   }
 
-  Slot leaf(std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path) {
-    const std::optional<Slot> slot = context_.tree.make_leaf(refs);
+  kdtree::Slot leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                    const kdtree::CellPath& path) {
+    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(refs);
     return slot ? *slot : defer(refs, cell, path, true);
   }
 
-  Slot defer(std::span<const BoxRef> refs, const Aabb& box, const CellPath& path, bool given_up) {
-    BoxList list(refs.size());
+  kdtree::Slot defer(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box,
+                     const kdtree::CellPath& path, bool given_up) {
+    kdtree::BoxList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
     return context_.tree.defer(std::move(list), box, path, given_up);
   }
 
   const GrowContext& context_;
   const Builder& builder_;
-  std::optional<BoundRule> small_;  ///< For all lists up to kSmallList, if there is one.
+  std::optional<split::BoundRule> small_;  ///< For all lists up to kSmallList, if there is one.
 };
 
 template <class Builder>
-Slot grow_with(const GrowContext& context, const Builder& builder, std::span<BoxRef> refs,
-               const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+kdtree::Slot grow_with(const GrowContext& context, const Builder& builder,
+                       std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                       const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   if constexpr (requires { builder.grow_subtree(context, refs, cell, path, counters); }) {
-    if (const std::optional<Slot> grown = builder.grow_subtree(context, refs, cell, path, counters))
+    if (const std::optional<kdtree::Slot> grown =
+            builder.grow_subtree(context, refs, cell, path, counters))
       return *grown;
   }
   BoxStack lists;
@@ -172,10 +182,10 @@ Slot grow_with(const GrowContext& context, const Builder& builder, std::span<Box
 
 int depth_limit(std::size_t references) {
   const auto log2 = static_cast<double>(std::bit_width(references));
-  return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kMaxTreeDepth);
+  return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kdtree::kMaxTreeDepth);
 }
 
-int depth_limit(const KdBuilder& builder, std::size_t references) {
+int depth_limit(const split::KdBuilder& builder, std::size_t references) {
   return std::visit(
       [&](const auto& b) {
         const int shared = depth_limit(references);
@@ -188,11 +198,12 @@ int depth_limit(const KdBuilder& builder, std::size_t references) {
       builder);
 }
 
-Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell,
-          const CellPath& path, BuildCounters& counters) {
+kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
+                  const geometry::Aabb& cell, const kdtree::CellPath& path,
+                  kdtree::BuildCounters& counters) {
   return std::visit(
       [&](const auto& builder) { return grow_with(context, builder, refs, cell, path, counters); },
       context.builder);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

@@ -9,13 +9,14 @@
 #include "accel/kdtree/kd_tree.h"
 #include "accel/split/kd_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 /// What a growth needs besides its cell.
 struct GrowContext {
-  KdTree& tree;
-  const KdBuilder& builder;
-  const MeshView* mesh = nullptr;  ///< What clipping builders clip; null: nothing to clip.
+  kdtree::KdTree& tree;
+  const split::KdBuilder& builder;
+  const geometry::MeshView* mesh =
+      nullptr;  ///< What clipping builders clip; null: nothing to clip.
   int max_depth = 0;
   /// Once true, large cells not begun yet are left deferred (kForkFrom references or more).
   const std::atomic<bool>* cancelled = nullptr;
@@ -26,7 +27,7 @@ struct GrowContext {
 int depth_limit(std::size_t references);
 
 /// The same, or less where the builder has a bound of its own (`depth_bound`).
-int depth_limit(const KdBuilder& builder, std::size_t references);
+int depth_limit(const split::KdBuilder& builder, std::size_t references);
 
 /// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is
 /// used up: the left child overwrites its parent's, the right child's comes from a stack (Hunt et
@@ -36,7 +37,8 @@ int depth_limit(const KdBuilder& builder, std::size_t references);
 ///
 /// A builder may grow subtrees in its own way (`grow_subtree`); what it makes has to be what its
 /// `choose` would lead to.
-Slot grow(const GrowContext& context, std::span<BoxRef> refs, const Aabb& cell,
-          const CellPath& path, BuildCounters& counters);
+kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
+                  const geometry::Aabb& cell, const kdtree::CellPath& path,
+                  kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 /// Not shared between threads: every task has its own.
 template <class T>
@@ -80,4 +80,4 @@ class ListStack {
   std::size_t used_ = 0;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

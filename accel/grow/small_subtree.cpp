@@ -16,7 +16,7 @@
 #include "accel/split/bound_cost-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::grow {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -27,13 +27,13 @@ constexpr std::size_t kBounds = 2 * kSmallList;
 
 class SmallGrowth {
  public:
-  SmallGrowth(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
-              BuildCounters& counters)
+  SmallGrowth(const GrowContext& context, const split::BoundRule& rule,
+              std::span<const kdtree::BoxRef> refs, kdtree::BuildCounters& counters)
       : context_(context), rule_(rule), refs_(refs), counters_(counters) {
     prepare();
   }
 
-  Slot grow(Set set, const Aabb& cell, const CellPath& path) {
+  kdtree::Slot grow(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
     const auto size = static_cast<std::size_t>(std::popcount(set));
     Choice cut;
     if (path.depth < context_.max_depth && size > 0) cut = choose(set, size, cell);
@@ -44,10 +44,10 @@ class SmallGrowth {
     const Axis& axis = axes_[static_cast<std::size_t>(cut.plane.axis)];
     const Set left = set & axis.below[cut.bound], right = set & axis.above[cut.bound];
     if (left == set && right == set) return leaf(set, cell, path);  // separates nothing
-    const HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
-    const CellPath below = path.below(Cut{cut.plane});
-    const Slot slot = Slot::binary(cut.plane, *pair);
-    AtomicSlot* children = context_.tree.children(slot);
+    const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
+    const kdtree::CellPath below = path.below(kdtree::Cut{cut.plane});
+    const kdtree::Slot slot = kdtree::Slot::binary(cut.plane, *pair);
+    kdtree::AtomicSlot* children = context_.tree.children(slot);
     children[0].store(grow(left, halves.left, below).bits(), std::memory_order_relaxed);
     children[1].store(grow(right, halves.right, below).bits(), std::memory_order_relaxed);
     return slot;
@@ -64,7 +64,7 @@ class SmallGrowth {
   };
 
   /// A cut, and the bound that it goes through.
-  struct Choice : BoundCut {
+  struct Choice : split::BoundCut {
     std::size_t bound = 0;
   };
 
@@ -105,16 +105,17 @@ class SmallGrowth {
     hn::Vec<Floats> least;  ///< Of the parts, lane by lane.
   };
 
-  Choice choose(Set set, std::size_t size, const Aabb& cell) {
+  Choice choose(Set set, std::size_t size, const geometry::Aabb& cell) {
     Costs costs[3];
     const Floats df;
     const auto weight = static_cast<double>(size);
-    const double per_whole = per_area(cell);
-    Choice best{best_bound(rule_, cell, size, weight, [&](AxisRange range) {
+    const double per_whole = split::per_area(cell);
+    Choice best{best_bound(rule_, cell, size, weight, [&](split::AxisRange range) {
       auto least = hn::Set(df, std::numeric_limits<float>::infinity());
       for (int axis = range.begin; axis < range.end; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
-        weigh(axes_[a], set, size, BoundCosts(cell, a, per_whole, rule_.cost.empty_bonus),
+        weigh(axes_[a], set, size,
+              split::HWY_NAMESPACE::BoundCosts(cell, a, per_whole, rule_.cost.empty_bonus),
               costs[a]);
         least = hn::Min(least, costs[a].least);
       }
@@ -123,14 +124,15 @@ class SmallGrowth {
       while (axis + 1 < range.end &&
              hn::AllFalse(df, hn::Eq(costs[static_cast<std::size_t>(axis)].least, least)))
         ++axis;
-      return BoundCut{.plane = {axis, 0}, .children = hn::GetLane(least)};
+      return split::BoundCut{.plane = {axis, 0}, .children = hn::GetLane(least)};
     })};
     if (!best.found() || !(best.cost(rule_.cost) < rule_.cost.intersect * weight)) return {};
     locate(costs[static_cast<std::size_t>(best.plane.axis)], best);
     return best;
   }
 
-  void weigh(const Axis& axis, Set set, std::size_t size, const BoundCosts& rule, Costs& costs) {
+  void weigh(const Axis& axis, Set set, std::size_t size,
+             const split::HWY_NAMESPACE::BoundCosts& rule, Costs& costs) {
     const Floats df;
     const hn::Rebind<Set, Floats> ds;
     const hn::RebindToSigned<Floats> di;
@@ -154,7 +156,7 @@ class SmallGrowth {
           inside, rule.children(df, x, weight(axis.below), weight(axis.above)), none);
       costs.least = hn::Min(costs.least, costs.at[p]);
     }
-    counters_.touches += (candidates + kScanWidth - 1) / kScanWidth * size;
+    counters_.touches += (candidates + split::kScanWidth - 1) / split::kScanWidth * size;
   }
 
   /// Finds the least position of the cuts of that cost, and a bound there.
@@ -179,60 +181,63 @@ class SmallGrowth {
   }
 
   /// The set as a list, in order.
-  std::span<const BoxRef> listed(Set set) {
+  std::span<const kdtree::BoxRef> listed(Set set) {
     std::size_t n = 0;
     for (unsigned rest = set; rest != 0; rest &= rest - 1)
       list_[n++] = refs_[static_cast<std::size_t>(std::countr_zero(rest))];
     return std::span(list_).first(n);
   }
 
-  Slot leaf(Set set, const Aabb& cell, const CellPath& path) {
-    if (set == 0) return Slot::empty_leaf();
+  kdtree::Slot leaf(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
+    if (set == 0) return kdtree::Slot::empty_leaf();
     if (std::has_single_bit(set))
-      return Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
-    const std::optional<Slot> slot = context_.tree.make_leaf(listed(set));
+      return kdtree::Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
+    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(listed(set));
     return slot ? *slot : defer(set, cell, path);
   }
 
-  Slot defer(Set set, const Aabb& cell, const CellPath& path) {
-    const std::span<const BoxRef> refs = listed(set);
-    BoxList list(refs.size());
+  kdtree::Slot defer(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
+    const std::span<const kdtree::BoxRef> refs = listed(set);
+    kdtree::BoxList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
     return context_.tree.defer(std::move(list), cell, path, true);
   }
 
   const GrowContext& context_;
-  const BoundRule& rule_;
-  std::span<const BoxRef> refs_;
-  BuildCounters& counters_;
+  const split::BoundRule& rule_;
+  std::span<const kdtree::BoxRef> refs_;
+  kdtree::BuildCounters& counters_;
   std::array<Axis, 3> axes_;
-  std::array<BoxRef, kSmallList> list_;
+  std::array<kdtree::BoxRef, kSmallList> list_;
 };
 
-Slot small(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
-           const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+kdtree::Slot small(const GrowContext& context, const split::BoundRule& rule,
+                   std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                   const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   const auto all = static_cast<Set>((1u << refs.size()) - 1);
   return SmallGrowth(context, rule, refs, counters).grow(all, cell, path);
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 HWY_EXPORT(small);
 
-bool is_small(std::span<const BoxRef> refs) {
+bool is_small(std::span<const kdtree::BoxRef> refs) {
   return refs.size() <= kSmallList &&
-         std::all_of(refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.weight == 1; });
+         std::all_of(refs.begin(), refs.end(),
+                     [](const kdtree::BoxRef& ref) { return ref.weight == 1; });
 }
 
-Slot grow_small(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
-                const Aabb& cell, const CellPath& path, BuildCounters& counters) {
+kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
+                        std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                        const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   return HWY_DYNAMIC_DISPATCH(small)(context, rule, refs, cell, path, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow
 #endif  // HWY_ONCE

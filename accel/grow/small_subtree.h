@@ -8,19 +8,20 @@
 #include "accel/grow/grow.h"
 #include "accel/split/exhaustive_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 
 /// Longest list that grow_small takes.
 inline constexpr std::size_t kSmallList = 8;
 
 /// Whether a list is short enough, and every box weighs one.
-bool is_small(std::span<const BoxRef> refs);
+bool is_small(std::span<const kdtree::BoxRef> refs);
 
 /// Makes the cuts that choose_bound would make, cell by cell, and counts the same touches; for
 /// builders that cut all lists up to this length by the one rule, and do not clip. What lies below
 /// or above every bound is found once for the handful; a cell then needs no pass over its list:
 /// weights of its sides are counts of common bits. As grow otherwise.
-Slot grow_small(const GrowContext& context, const BoundRule& rule, std::span<const BoxRef> refs,
-                const Aabb& cell, const CellPath& path, BuildCounters& counters);
+kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
+                        std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                        const kdtree::CellPath& path, kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

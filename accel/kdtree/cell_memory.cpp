@@ -7,7 +7,7 @@
 #include <cstdlib>
 #endif
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 #ifdef SIGHTLINE_SCALABLE_MALLOC
 void* reallocate_cell_memory(void* old, std::size_t bytes) { return scalable_realloc(old, bytes); }
@@ -17,4 +17,4 @@ void* reallocate_cell_memory(void* old, std::size_t bytes) { return std::realloc
 void free_cell_memory(void* memory) { std::free(memory); }
 #endif
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -4,11 +4,11 @@
 
 #include <cstddef>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// As std::realloc and std::free. Of oneTBB's allocator, but for builds with sanitizers, which
 /// watch over the C library's.
 void* reallocate_cell_memory(void* old, std::size_t bytes);
 void free_cell_memory(void* memory);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -11,7 +11,7 @@
 #include "accel/kdtree/reference_list.h"
 #include "accel/split/child_scan.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// Work that threads join; freed by whoever leaves it last. See accel/lazy/cell_task.h.
 class SharedWork {
@@ -45,7 +45,7 @@ struct alignas(8) DeferredCell : Retirable {
   }
   static void operator delete(void* memory) { free_cell_memory(memory); }
 
-  Aabb box;
+  geometry::Aabb box;
   CellPath path;
   /// The root's list is made from the geometry by whoever expands it; until then `list` is empty
   /// and readers search all of the geometry.
@@ -55,7 +55,7 @@ struct alignas(8) DeferredCell : Retirable {
   CellList list;
   std::size_t size = 0;      ///< References in the cell, listed or not.
   std::uint64_t weight = 0;  ///< Of them all.
-  FirstScan first;           ///< Of the list, if it was made when the list was written.
+  split::FirstScan first;    ///< Of the list, if it was made when the list was written.
   /// Expanding failed for want of memory: the cell stays as it is and is searched.
   std::atomic<bool> given_up{false};
   /// Of a large cell that somebody has begun to expand.
@@ -64,4 +64,4 @@ struct alignas(8) DeferredCell : Retirable {
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <limits>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 namespace {
 
 constexpr std::uint64_t kIdle = 0;
@@ -150,4 +150,4 @@ std::uint64_t retired_bytes() { return domain().bytes.load(std::memory_order_rel
 
 void reclaim() { try_to_free(domain()); }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// While one lives, nothing retired after it began is freed. Held for one block of rays, never
 /// longer. Nests. Threads: any; entering is a store, repeated if the epoch moved on meanwhile,
@@ -36,4 +36,4 @@ std::uint64_t retired_bytes();
 /// goes.
 void reclaim();
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

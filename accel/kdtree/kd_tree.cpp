@@ -6,7 +6,7 @@
 
 #include "accel/kdtree/epoch.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 namespace {
 
 // Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells
@@ -27,7 +27,7 @@ void delete_cells(const KdTree& tree, Slot slot) {
 
 }  // namespace
 
-KdTree::KdTree(const Aabb& bounds, std::size_t references, const CellPath& path)
+KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path)
     : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
   if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
@@ -95,7 +95,7 @@ Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   return Slot::deferred(cell.release());
 }
 
-Slot KdTree::defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up) {
+Slot KdTree::defer(BoxList list, const geometry::Aabb& box, const CellPath& path, bool given_up) {
   auto cell = std::make_unique<DeferredCell>();
   cell->box = box;
   cell->path = path;
@@ -128,4 +128,4 @@ std::uint64_t KdTree::bytes() const {
          ids_used_.load(std::memory_order_relaxed) * sizeof(std::uint32_t);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -13,7 +13,7 @@
 #include "accel/kdtree/reserved_array.h"
 #include "accel/kdtree/slot.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 using AtomicSlot = std::atomic<std::uint64_t>;
 
@@ -27,12 +27,12 @@ inline constexpr int kMaxTreeDepth = 80;
 class KdTree {
  public:
   /// A tree that is one cell, not listed yet; an empty leaf for no references.
-  KdTree(const Aabb& bounds, std::size_t references, const CellPath& path = {});
+  KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {});
   ~KdTree();
   KdTree(const KdTree&) = delete;
   KdTree& operator=(const KdTree&) = delete;
 
-  const Aabb& bounds() const { return bounds_; }
+  const geometry::Aabb& bounds() const { return bounds_; }
   AtomicSlot& root() { return root_; }
   const AtomicSlot& root() const { return root_; }
 
@@ -64,7 +64,7 @@ class KdTree {
   /// A slot to be expanded later, whose list is made already; an empty leaf if that is empty.
   /// Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
-  Slot defer(BoxList list, const Aabb& box, const CellPath& path, bool given_up = false);
+  Slot defer(BoxList list, const geometry::Aabb& box, const CellPath& path, bool given_up = false);
 
   /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
   void retire_cell(DeferredCell& cell);
@@ -81,7 +81,7 @@ class KdTree {
     Reservation<std::uint32_t> ids;
   };
 
-  Aabb bounds_;
+  geometry::Aabb bounds_;
   AtomicSlot root_;
   std::atomic<Room*> room_{nullptr};
   // The same, nearer to the walk.
@@ -93,4 +93,4 @@ class KdTree {
   alignas(64) std::atomic<std::uint64_t> cell_bytes_{0};
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

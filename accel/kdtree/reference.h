@@ -9,7 +9,12 @@
 
 #include "accel/geometry/aabb.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
+struct PassResult;  // scan_pass.h
+struct FirstScan;   // child_scan.h
+}  // namespace sightline::accel::split
+
+namespace sightline::accel::kdtree {
 
 /// Set in the id of a reference that stands for several and can be opened into them: a run of
 /// triangles, a group of nodes. Leaves hold none of those.
@@ -17,13 +22,13 @@ inline constexpr std::uint32_t kOpenable = std::uint32_t{1} << 31;
 
 /// 32 bytes, read in order by every pass. `bounds` went through widen_flat.
 struct BoxRef {
-  Vec3f lo;
+  geometry::Vec3f lo;
   std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance. Or see kOpenable.
-  Vec3f hi;
+  geometry::Vec3f hi;
   std::uint32_t weight =
       1;  ///< Cost of testing it, in triangle tests. A list's weights sum below 2^32.
 
-  Aabb bounds() const { return {lo, hi}; }
+  geometry::Aabb bounds() const { return {lo, hi}; }
   bool openable() const { return (id & kOpenable) != 0; }
 };
 static_assert(sizeof(BoxRef) == 32);
@@ -68,7 +73,7 @@ struct Cut {
 
 /// Whether a box lies flat in a plane, at ref.lo: widen_flat gave it the least extent there is.
 inline bool is_planar(const BoxRef& ref, std::size_t axis) {
-  return ref.hi[axis] == least_above(ref.lo[axis]);
+  return ref.hi[axis] == geometry::least_above(ref.lo[axis]);
 }
 
 /// What a cell inherits from the cells above it.
@@ -87,22 +92,19 @@ struct CellPath {
   bool operator==(const CellPath&) const = default;
 };
 
-struct PassResult;  // list_pass.h
-struct FirstScan;   // first_scan.h
-
 /// A cell as a builder is asked about it.
 struct CellRefs {
   std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
-  Aabb box;
+  geometry::Aabb box;
   CellPath path;
   std::size_t size = refs.size();  ///< How many members there are.
   /// Runs a pass over the list (RunPass, list_pass.h) where it is not at hand: `refs` may then be
   /// empty. For builders that `runs_passes`, and lists longer than kMaxBoundScan. Equal lists get
   /// equal passes in the same order.
-  const std::function<PassResult(const std::function<PassResult(std::span<const BoxRef>)>&)>* run =
-      nullptr;
+  const std::function<split::PassResult(
+      const std::function<split::PassResult(std::span<const BoxRef>)>&)>* run = nullptr;
   /// What the first pass over the list would find, where that is known (first_scan.h).
-  const FirstScan* first = nullptr;
+  const split::FirstScan* first = nullptr;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

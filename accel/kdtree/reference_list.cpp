@@ -3,7 +3,7 @@
 
 #include <cassert>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 SlicedList::SlicedList(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
   std::size_t in_slice = 0;
@@ -49,4 +49,4 @@ BoxList join(std::span<const std::span<const BoxRef>> spans, std::size_t size) {
   return list;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -14,7 +14,7 @@
 #include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// An owned list of references whose unused end can be given back.
 class BoxList {
@@ -111,4 +111,4 @@ class CellList {
   std::shared_ptr<const SlicedList> long_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

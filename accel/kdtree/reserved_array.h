@@ -10,7 +10,7 @@
 #include <new>
 #include <utility>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the
 /// kernel backs page by page on first use. Throws std::bad_alloc.
@@ -59,4 +59,4 @@ class Reservation {
   std::size_t capacity_ = 0;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

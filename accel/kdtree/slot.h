@@ -7,7 +7,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 struct DeferredCell;
 
@@ -81,4 +81,4 @@ class Slot {
   std::uint64_t bits_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

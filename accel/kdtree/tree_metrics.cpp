@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <vector>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 namespace {
 
-void measure_below(const KdTree& tree, Slot slot, const Aabb& cell, int depth, double root_area,
-                   TreeMetrics& m) {
+void measure_below(const KdTree& tree, Slot slot, const geometry::Aabb& cell, int depth,
+                   double root_area, TreeMetrics& m) {
   const double share = root_area > 0 ? half_area(cell) / root_area : 1;
   if (slot.is_unbuilt()) {
     ++m.unbuilt_cells;
@@ -26,7 +26,7 @@ void measure_below(const KdTree& tree, Slot slot, const Aabb& cell, int depth, d
     return;
   }
   m.expected_traversals += share;
-  const HalvedCell halves = halve(cell, slot.axis(), slot.position());
+  const geometry::HalvedCell halves = halve(cell, slot.axis(), slot.position());
   const AtomicSlot* children = tree.children(slot);
   measure_below(tree, load(children[0]), halves.left, depth + 1, root_area, m);
   measure_below(tree, load(children[1]), halves.right, depth + 1, root_area, m);
@@ -73,4 +73,4 @@ GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids) {
   return g;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

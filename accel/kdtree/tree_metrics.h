@@ -6,7 +6,7 @@
 #include "accel/kdtree/kd_tree.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// Costs are always stated with these, whatever a builder optimised (Wald, Havran 2006: K_T = 1,
 /// K_I = 1.5).
@@ -28,7 +28,8 @@ struct TreeMetrics {
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).
   double sah_cost = 0;                ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
-  double overlap = 0;  ///< Of siblings' boxes (accel/published/bvh/bvh_measure.h); cells do not overlap.
+  double overlap =
+      0;  ///< Of siblings' boxes (accel/published/bvh/bvh_measure.h); cells do not overlap.
   std::uint64_t bytes = 0;
 };
 
@@ -43,4 +44,4 @@ struct GrowthMetrics {
 
 GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -12,7 +12,7 @@
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/local_ray.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// Work done for rays, in the units of docs/benchmarks.md.
 struct WalkCounters {
@@ -26,15 +26,16 @@ struct WalkCounters {
 /// to kHitError of the distance, and `slack` is above both for any t inside the tree's bounds.
 /// Intervals are only ever widened by it.
 struct TreeRay {
-  const LocalRay* local = nullptr;     ///< Must outlive this.
-  Vec3d inverse;                       ///< 1 / direction; infinite where the direction is zero.
+  const geometry::LocalRay* local = nullptr;  ///< Must outlive this.
+  geometry::Vec3d inverse;             ///< 1 / direction; infinite where the direction is zero.
   std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
   double slack = 0;
   double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
 };
 
 /// False if the ray cannot meet the bounds between tmin and tmax (local units).
-inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double tmax, TreeRay& out) {
+inline bool enter(const geometry::LocalRay& ray, const geometry::Aabb& bounds, double tmin,
+                  double tmax, TreeRay& out) {
   out.local = &ray;
   double distance = 0;
   double t_in = -std::numeric_limits<double>::infinity(),
@@ -55,7 +56,7 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
     t_in = std::max(t_in, near);
     t_out = std::min(t_out, far);
   }
-  out.slack = distance * (4 * kHitError);
+  out.slack = distance * (4 * geometry::kHitError);
   out.t_in = std::max(t_in, tmin) - out.slack;
   out.t_out = std::min(t_out, tmax) + out.slack;
   return out.t_in <= out.t_out;
@@ -63,7 +64,7 @@ inline bool enter(const LocalRay& ray, const Aabb& bounds, double tmin, double t
 
 /// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For
 /// searching the lists of cells that are not built.
-inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
+inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit) {
   double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {
     const double lo = (static_cast<double>(box.lo[a]) - ray.local->origin[a]) * ray.inverse[a];
@@ -77,4 +78,4 @@ inline bool may_meet(const TreeRay& ray, const Aabb& box, double limit) {
   return t_in <= t_out;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

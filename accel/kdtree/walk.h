@@ -10,7 +10,7 @@
 #include "accel/kdtree/kd_tree.h"
 #include "accel/kdtree/tree_ray.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 
 /// Visits, near to far, the cells that the ray enters.
 ///
@@ -80,4 +80,4 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
   }
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

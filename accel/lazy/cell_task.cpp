@@ -9,7 +9,7 @@
 
 #include "accel/lazy/stall_detector.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// A thread's errand; it may come late, when all is done.
 struct Expansion::Call {
@@ -22,7 +22,7 @@ struct Expansion::Call {
   ~Call() { expansion->leave(); }
 
   void operator()() const {
-    BuildCounters counted;
+    kdtree::BuildCounters counted;
     try {
       stage->help(counted);
     } catch (const std::bad_alloc&) {  // whoever needs the slice will meet it, too
@@ -70,7 +70,7 @@ Stage* Expansion::last() const {
   return last;
 }
 
-bool Expansion::help(BuildCounters& counters) {
+bool Expansion::help(kdtree::BuildCounters& counters) {
   Stage* stage = last();
   return stage != nullptr && stage->help(counters) > 0;
 }
@@ -83,8 +83,8 @@ std::uint64_t Expansion::progress() const {
   return sum;
 }
 
-BuildCounters Expansion::take_counters() {
-  BuildCounters counters;
+kdtree::BuildCounters Expansion::take_counters() {
+  kdtree::BuildCounters counters;
   counters.touches = touches_.exchange(0, std::memory_order_relaxed);
   counters.touches_prepare = touches_prepare_.exchange(0, std::memory_order_relaxed);
   return counters;
@@ -102,4 +102,4 @@ const Stage& Replay::next(std::size_t slices, Stage::Work work) {
   return stage;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

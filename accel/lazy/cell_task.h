@@ -7,12 +7,12 @@
 #include "accel/kdtree/deferred_cell.h"
 #include "accel/lazy/shared_pass.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// How one expands a cell is a sequence of stages, each made from the results of those before. That
 /// sequence is deterministic, so any thread may follow it from the start at any time and finds what
 /// is done already: there is no thread that the others depend on. Threads: any.
-class Expansion final : public SharedWork {
+class Expansion final : public kdtree::SharedWork {
  public:
   /// `alive` keeps what stages read of the geometry; if null, none but those who call help work
   /// here.
@@ -24,13 +24,13 @@ class Expansion final : public SharedWork {
   Stage& stage_after(Stage* before, std::size_t slices, Stage::Work work);
 
   /// Does what is to be had of the last stage. Returns whether there was anything.
-  bool help(BuildCounters& counters);
+  bool help(kdtree::BuildCounters& counters);
 
   /// Grows as work gets done.
   std::uint64_t progress() const;
 
   /// What called threads have counted since the last time.
-  BuildCounters take_counters();
+  kdtree::BuildCounters take_counters();
 
  private:
   struct Call;
@@ -45,7 +45,7 @@ class Expansion final : public SharedWork {
 /// One thread's way through an expansion's stages.
 class Replay {
  public:
-  Replay(Expansion& expansion, BuildCounters& counters)
+  Replay(Expansion& expansion, kdtree::BuildCounters& counters)
       : expansion_(expansion), counters_(counters) {}
 
   /// The next stage, done: by us, by others while we wait, or by us after all if those have
@@ -54,8 +54,8 @@ class Replay {
 
  private:
   Expansion& expansion_;
-  BuildCounters& counters_;
+  kdtree::BuildCounters& counters_;
   Stage* at_ = nullptr;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

@@ -1,16 +1,17 @@
 // Dividing a long list, made already or not, by cuts that a sample of it suggests.
 #include <algorithm>
 
-#include "accel/grow/divide.h"
+#include "accel/lazy/divide.h"
 #include "accel/lazy/long_list.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 namespace {
 
 /// A long list as slices and as single references, whoever has it. Owns it.
 class LongSource {
  public:
-  LongSource(const ReferenceSource& source, const DeferredCell& cell, BuildCounters& counters)
+  LongSource(const ReferenceSource& source, const kdtree::DeferredCell& cell,
+             kdtree::BuildCounters& counters)
       : source_(source), list_(cell.list.sliced()) {
     if (list_) {
       size_ = list_->size();
@@ -24,23 +25,25 @@ class LongSource {
 
   std::size_t size() const { return size_; }
   bool openable() const { return openable_; }
-  std::size_t slices() const { return (size() + kBoxesPerSlice - 1) / kBoxesPerSlice; }
+  std::size_t slices() const {
+    return (size() + kdtree::kBoxesPerSlice - 1) / kdtree::kBoxesPerSlice;
+  }
 
   /// Writes a slice; returns how many references it has.
-  std::size_t slice(std::size_t slice, BoxRef* out, BuildCounters& counters) const {
+  std::size_t slice(std::size_t slice, kdtree::BoxRef* out, kdtree::BuildCounters& counters) const {
     if (!list_) {
-      const std::size_t begin = slice * kBoxesPerSlice;
-      return source_.list(begin, std::min(begin + kBoxesPerSlice, size()), out, counters);
+      const std::size_t begin = slice * kdtree::kBoxesPerSlice;
+      return source_.list(begin, std::min(begin + kdtree::kBoxesPerSlice, size()), out, counters);
     }
-    BoxRef* end = out;
-    for (const std::span<const BoxRef> part : list_->slice(slice))
+    kdtree::BoxRef* end = out;
+    for (const std::span<const kdtree::BoxRef> part : list_->slice(slice))
       end = std::copy(part.begin(), part.end(), end);
     return static_cast<std::size_t>(end - out);
   }
 
-  std::vector<BoxRef> sample(BuildCounters& counters) const {
+  std::vector<kdtree::BoxRef> sample(kdtree::BuildCounters& counters) const {
     const std::vector<std::size_t> places = sample_places(size());
-    std::vector<BoxRef> sample(places.size());
+    std::vector<kdtree::BoxRef> sample(places.size());
     std::size_t n = 0;
     for (const std::size_t place : places) {
       if (list_) {
@@ -56,16 +59,17 @@ class LongSource {
 
  private:
   ReferenceSource source_;
-  std::shared_ptr<const SlicedList> list_;
+  std::shared_ptr<const kdtree::SlicedList> list_;
   std::size_t size_ = 0;
   bool openable_ = false;
 };
 
-std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const DeferredCell& cell,
+std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context,
+                                           const kdtree::DeferredCell& cell,
                                            const LongSource& source, Replay& replay) {
   const Stage& stage =
       replay.next(1, [source, builder = context.builder, box = cell.box, path = cell.path,
-                      depth = context.max_depth](std::size_t, BuildCounters& counters) {
+                      depth = context.max_depth](std::size_t, kdtree::BuildCounters& counters) {
         auto result = std::make_unique<SliceResult>();
         result->cuts = std::make_shared<const CutTree>(builder, source.sample(counters), box, path,
                                                        CutTree::kMostLevels, depth, counters);
@@ -76,16 +80,18 @@ std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context, const D
 
 }  // namespace
 
-std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
-                                       Replay& replay, BuildCounters& counters) {
+std::optional<Division> divide_sampled(const DivideContext& context,
+                                       const kdtree::DeferredCell& cell, Replay& replay,
+                                       kdtree::BuildCounters& counters) {
   if (!takes_samples(context.builder)) return std::nullopt;
   const LongSource source(context.source, cell, counters);
   if (source.openable() || source.size() < kSampleFrom) return std::nullopt;
   const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);
   if (cuts->empty()) return std::nullopt;
-  const Stage& stage =
-      replay.next(source.slices(), [source, cuts](std::size_t slice, BuildCounters& of_slice) {
-        const std::span<BoxRef> room = scratch(kBoxesPerSlice + CutTree::room(kBoxesPerSlice));
+  const Stage& stage = replay.next(
+      source.slices(), [source, cuts](std::size_t slice, kdtree::BuildCounters& of_slice) {
+        const std::span<kdtree::BoxRef> room =
+            scratch(kdtree::kBoxesPerSlice + CutTree::room(kdtree::kBoxesPerSlice));
         const std::size_t n = source.slice(slice, room.data(), of_slice);
         auto result = std::make_unique<SliceResult>();
         result->parts = cuts->divide(room.first(n), room.data() + n, of_slice);
@@ -96,7 +102,7 @@ std::optional<Division> divide_sampled(const DivideContext& context, const Defer
   division.cuts = cuts;
   bool separates = !cell.listed;
   for (std::size_t p = 0; p < cuts->parts().size(); ++p) {
-    std::vector<SlicedList::Piece> pieces;
+    std::vector<kdtree::SlicedList::Piece> pieces;
     for (std::size_t i = 0; i < stage.slices(); ++i) {
       if (const auto& piece = stage[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
     }
@@ -107,4 +113,4 @@ std::optional<Division> divide_sampled(const DivideContext& context, const Defer
   return division;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <cstdint>
 
-#include "accel/grow/divide.h"
 #include "accel/kdtree/kd_tree.h"
+#include "accel/lazy/divide.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// What came of asking for a cell.
 enum class Expanded : std::uint8_t {
@@ -30,48 +30,51 @@ class LazyTree {
   /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
   /// bound. `mesh`: what the closed ones are faces of, for builders that clip; null if they are
   /// not. Must outlive the tree.
-  LazyTree(const Aabb& bounds, std::size_t closed, const KdBuilder& builder, ReferenceSource source,
-           const MeshView* mesh = nullptr);
+  LazyTree(const geometry::Aabb& bounds, std::size_t closed, const split::KdBuilder& builder,
+           ReferenceSource source, const geometry::MeshView* mesh = nullptr);
 
-  const KdTree& tree() const { return tree_; }
-  AtomicSlot& root() { return tree_.root(); }
+  const kdtree::KdTree& tree() const { return tree_; }
+  kdtree::AtomicSlot& root() { return tree_.root(); }
 
   /// Called by a ray that meets an unbuilt slot.
   ///
   /// First touch: one cell is divided (Division), and what comes of it is deferred. A cell of at
   /// most kFinishBelow triangles, by weight, is finished whole.
-  Expanded expand(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
+  Expanded expand(kdtree::AtomicSlot& slot, AtBusy at_busy, kdtree::BuildCounters& counters);
 
   /// How far the expansion of a busy slot is; grows while there is progress.
-  static std::uint64_t progress(const AtomicSlot& slot);
+  static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
   /// Expands everything until nothing is unbuilt but cells for which there was no room, or until
   /// `cancelled`. Parallel in the caller's arena.
-  void expand_all(BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
+  void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
  private:
-  Expanded expand_now(AtomicSlot& slot, AtBusy at_busy, BuildCounters& counters);
-  Expanded meet_claimed(AtomicSlot& slot, const DeferredCell& cell, AtBusy at_busy);
-  Expanded expand_small(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters);
-  Expanded expand_large(AtomicSlot& slot, DeferredCell& cell, AtBusy at_busy,
-                        BuildCounters& counters);
-  Expanded lead(AtomicSlot& slot, DeferredCell& cell, Expansion& expansion,
-                BuildCounters& counters);
-  Slot make_slot(Division division, const DeferredCell& cell);
+  Expanded expand_now(kdtree::AtomicSlot& slot, AtBusy at_busy, kdtree::BuildCounters& counters);
+  Expanded meet_claimed(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell, AtBusy at_busy);
+  Expanded expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                        kdtree::BuildCounters& counters);
+  Expanded expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, AtBusy at_busy,
+                        kdtree::BuildCounters& counters);
+  Expanded lead(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, Expansion& expansion,
+                kdtree::BuildCounters& counters);
+  kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
   struct Shares;
-  Slot make_slot(Division& division, const CutTree::Node& node, const Shares& shares);
-  Slot defer(Part part, const Aabb& box, const CellPath& path);
-  Slot finish(const DeferredCell& cell, BuildCounters& counters,
-              const std::atomic<bool>* cancelled);
-  void complete(AtomicSlot& slot, BuildCounters& counters, const std::atomic<bool>* cancelled);
-  void complete_cell(AtomicSlot& slot, DeferredCell& cell, BuildCounters& counters,
-                     const std::atomic<bool>* cancelled);
-  bool claim(AtomicSlot& slot, DeferredCell& cell);
-  void give_back(AtomicSlot& slot, DeferredCell& cell);
-  void publish(AtomicSlot& slot, DeferredCell& cell, Slot built, BuildCounters& counters);
+  kdtree::Slot make_slot(Division& division, const CutTree::Node& node, const Shares& shares);
+  kdtree::Slot defer(Part part, const geometry::Aabb& box, const kdtree::CellPath& path);
+  kdtree::Slot finish(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters,
+                      const std::atomic<bool>* cancelled);
+  void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                const std::atomic<bool>* cancelled);
+  void complete_cell(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                     kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
+  bool claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
+  void give_back(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
+  void publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
+               kdtree::BuildCounters& counters);
 
-  KdTree tree_;
-  KdBuilder builder_;
+  kdtree::KdTree tree_;
+  split::KdBuilder builder_;
   ReferenceSource source_;
   std::size_t closed_;
   DivideContext context_;
@@ -81,4 +84,4 @@ class LazyTree {
 /// defers.
 inline constexpr std::size_t kFinishBelow = 64;
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

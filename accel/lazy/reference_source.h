@@ -10,7 +10,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// Threads: all functions, any, several at once; they are pure. They count what they do.
 struct ReferenceSource {
@@ -21,27 +21,31 @@ struct ReferenceSource {
     bool openable = false;  ///< Some may be.
   };
   /// Called before `list`; always the same.
-  std::function<Coarsest(BuildCounters&)> coarsest;
+  std::function<Coarsest(kdtree::BuildCounters&)> coarsest;
   /// Writes those at places from `begin` to `end`, and returns how many they are.
-  std::function<std::size_t(std::size_t begin, std::size_t end, BoxRef* out, BuildCounters&)> list;
+  std::function<std::size_t(std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+                            kdtree::BuildCounters&)>
+      list;
   /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
   /// within its own. The same reference always opens into the same ones.
-  std::function<void(const BoxRef&, std::vector<BoxRef>&, BuildCounters&)> open{};
+  std::function<void(const kdtree::BoxRef&, std::vector<kdtree::BoxRef>&, kdtree::BuildCounters&)>
+      open{};
   /// Keeps alive what the functions read. If null, only threads that hold it by other means call
   /// them: idle threads are not called to help.
   std::shared_ptr<const void> alive{};
 };
 
 /// A source of references that are made already; if some are openable, `open` is to be set.
-inline ReferenceSource source_of(std::span<const BoxRef> refs) {
-  const bool openable =
-      std::any_of(refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.openable(); });
+inline ReferenceSource source_of(std::span<const kdtree::BoxRef> refs) {
+  const bool openable = std::any_of(refs.begin(), refs.end(),
+                                    [](const kdtree::BoxRef& ref) { return ref.openable(); });
   return {.coarsest =
-              [places = refs.size(), openable](BuildCounters&) {
+              [places = refs.size(), openable](kdtree::BuildCounters&) {
                 return ReferenceSource::Coarsest{places, openable};
               },
           .list =
-              [refs](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) {
+              [refs](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+                     kdtree::BuildCounters& counters) {
                 counters.touches_prepare += end - begin;
                 std::copy(refs.begin() + static_cast<std::ptrdiff_t>(begin),
                           refs.begin() + static_cast<std::ptrdiff_t>(end), out);
@@ -49,4 +53,4 @@ inline ReferenceSource source_of(std::span<const BoxRef> refs) {
               }};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

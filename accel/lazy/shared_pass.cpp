@@ -1,7 +1,7 @@
 // Claiming slices, and keeping the first result of each.
 #include "accel/lazy/shared_pass.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 Stage::Stage(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
@@ -9,7 +9,7 @@ Stage::~Stage() {
   for (std::atomic<SliceResult*>& result : results_) delete result.load(std::memory_order_relaxed);
 }
 
-std::size_t Stage::help(BuildCounters& counters) {
+std::size_t Stage::help(kdtree::BuildCounters& counters) {
   std::size_t helped = 0;
   // Looked at before it is counted up: a stage may be asked for help any number of times.
   while (begun_.load(std::memory_order_relaxed) < slices()) {
@@ -21,14 +21,14 @@ std::size_t Stage::help(BuildCounters& counters) {
   return helped;
 }
 
-void Stage::finish(BuildCounters& counters) {
+void Stage::finish(kdtree::BuildCounters& counters) {
   help(counters);
   for (std::size_t slice = 0; slice < slices(); ++slice) {
     if (results_[slice].load(std::memory_order_acquire) == nullptr) run(slice, counters);
   }
 }
 
-void Stage::run(std::size_t slice, BuildCounters& counters) {
+void Stage::run(std::size_t slice, kdtree::BuildCounters& counters) {
   std::unique_ptr<SliceResult> result = work_(slice, counters);
   SliceResult* none = nullptr;
   if (!results_[slice].compare_exchange_strong(none, result.get(), std::memory_order_acq_rel))
@@ -37,4 +37,4 @@ void Stage::run(std::size_t slice, BuildCounters& counters) {
   done_.fetch_add(1, std::memory_order_acq_rel);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

@@ -8,24 +8,25 @@
 #include <optional>
 #include <vector>
 
-#include "accel/grow/sieve.h"
 #include "accel/kdtree/reference_list.h"
+#include "accel/lazy/sieve.h"
 #include "accel/lazy/split_tree.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_pass.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// What comes of one slice. Each kind of pass fills its part.
 struct SliceResult {
-  PassResult sums;                             ///< Scanning.
-  std::shared_ptr<const BoxList> left, right;  ///< Sifting; opening and listing fill `left`.
-  FirstScan left_scan, right_scan;             ///< Of the children's lists.
-  Straddling straddling;                       ///< Of the division.
-  bool openable = false;                       ///< There may be openable ones in the lists.
-  std::optional<Cut> cut;                      ///< Choosing, where a builder takes no slices.
-  std::shared_ptr<const CutTree> cuts;         ///< Choosing by a sample.
-  std::vector<std::shared_ptr<const BoxList>> parts;  ///< Sifting by these cuts.
+  split::PassResult sums;  ///< Scanning.
+  std::shared_ptr<const kdtree::BoxList> left,
+      right;                               ///< Sifting; opening and listing fill `left`.
+  split::FirstScan left_scan, right_scan;  ///< Of the children's lists.
+  Straddling straddling;                   ///< Of the division.
+  bool openable = false;                   ///< There may be openable ones in the lists.
+  std::optional<kdtree::Cut> cut;          ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const CutTree> cuts;     ///< Choosing by a sample.
+  std::vector<std::shared_ptr<const kdtree::BoxList>> parts;  ///< Sifting by these cuts.
 };
 
 /// Slices are pure functions of what the stage was made with, so it does not matter how often one
@@ -34,7 +35,8 @@ struct SliceResult {
 class Stage {
  public:
   /// Owns all that it reads. Adds what it did to the counters.
-  using Work = std::function<std::unique_ptr<SliceResult>(std::size_t slice, BuildCounters&)>;
+  using Work =
+      std::function<std::unique_ptr<SliceResult>(std::size_t slice, kdtree::BuildCounters&)>;
 
   Stage(std::size_t slices, Work work);
   ~Stage();
@@ -43,11 +45,11 @@ class Stage {
 
   /// Does slices that nobody has begun until there is none left. Returns how many. Throws
   /// std::bad_alloc.
-  std::size_t help(BuildCounters& counters);
+  std::size_t help(kdtree::BuildCounters& counters);
 
   /// Does the slices, too, that others have begun: for when those seem to be stopped. Every slice
   /// is done then, even if done() does not say so yet.
-  void finish(BuildCounters& counters);
+  void finish(kdtree::BuildCounters& counters);
 
   std::size_t slices() const { return results_.size(); }
   /// At least so many.
@@ -63,7 +65,7 @@ class Stage {
   std::atomic<Stage*> next{nullptr};
 
  private:
-  void run(std::size_t slice, BuildCounters& counters);
+  void run(std::size_t slice, kdtree::BuildCounters& counters);
 
   Work work_;
   std::vector<std::atomic<SliceResult*>> results_;
@@ -71,4 +73,4 @@ class Stage {
   std::atomic<std::size_t> done_{0};
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

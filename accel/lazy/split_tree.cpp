@@ -5,7 +5,7 @@
 
 #include "accel/grow/sift.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 namespace {
 
 /// A sample is a share of the list, but no more than that is of use.
@@ -17,7 +17,7 @@ constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
 
-bool takes_samples(const KdBuilder& builder) {
+bool takes_samples(const split::KdBuilder& builder) {
   return std::visit(
       [](const auto& b) {
         if constexpr (requires { b.takes_samples(); }) {
@@ -40,22 +40,24 @@ std::vector<std::size_t> sample_places(std::size_t size) {
 }
 
 struct CutTree::Growth {
-  const KdBuilder& builder;
+  const split::KdBuilder& builder;
   int max_depth;
 };
 
-CutTree::CutTree(const KdBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
-                 const CellPath& path, int levels, int max_depth, BuildCounters& counters) {
+CutTree::CutTree(const split::KdBuilder& builder, std::vector<kdtree::BoxRef> sample,
+                 const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
+                 kdtree::BuildCounters& counters) {
   const std::size_t size = sample.size();
   sample.resize(size + room(size));
   grow({builder, max_depth}, std::span(sample).first(size), sample.data() + size, box, path, levels,
        counters);
 }
 
-CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, BoxRef* room,
-                             const Aabb& box, const CellPath& path, int levels,
-                             BuildCounters& counters) {
-  std::optional<Cut> cut;
+CutTree::Child CutTree::grow(const Growth& growth, std::span<kdtree::BoxRef> sample,
+                             kdtree::BoxRef* room, const geometry::Aabb& box,
+                             const kdtree::CellPath& path, int levels,
+                             kdtree::BuildCounters& counters) {
+  std::optional<kdtree::Cut> cut;
   if (levels > 0 && sample.size() >= kLeastSample && path.depth < growth.max_depth) {
     cut = choose_cut(growth.builder, {sample, box, path}, counters);
   }
@@ -63,10 +65,10 @@ CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, Box
     parts_.push_back({box, path});
     return {true, parts_.size() - 1};
   }
-  const Sifted n = sift(sample, *cut, sample.data(), room);
+  const grow::Sifted n = grow::sift(sample, *cut, sample.data(), room);
   counters.touches += sample.size();
-  const HalvedCell halves = halve(box, cut->plane.axis, cut->plane.position);
-  const CellPath below = path.below(*cut);
+  const geometry::HalvedCell halves = halve(box, cut->plane.axis, cut->plane.position);
+  const kdtree::CellPath below = path.below(*cut);
   const std::size_t place = nodes_.size();
   nodes_.push_back({*cut, {}, {}});
   const Child left =
@@ -78,17 +80,18 @@ CutTree::Child CutTree::grow(const Growth& growth, std::span<BoxRef> sample, Box
   return {false, place};
 }
 
-std::vector<std::shared_ptr<const BoxList>> CutTree::divide(std::span<BoxRef> refs, BoxRef* room,
-                                                            BuildCounters& counters) const {
-  std::vector<std::shared_ptr<const BoxList>> lists(parts_.size());
-  const auto follow = [&](const auto& self, const Child& child, std::span<BoxRef> list,
-                          BoxRef* free) -> void {
+std::vector<std::shared_ptr<const kdtree::BoxList>> CutTree::divide(
+    std::span<kdtree::BoxRef> refs, kdtree::BoxRef* room, kdtree::BuildCounters& counters) const {
+  std::vector<std::shared_ptr<const kdtree::BoxList>> lists(parts_.size());
+  const auto follow = [&](const auto& self, const Child& child, std::span<kdtree::BoxRef> list,
+                          kdtree::BoxRef* free) -> void {
     if (child.is_part) {
-      lists[child.place] = std::make_shared<const BoxList>(std::span<const BoxRef>(list));
+      lists[child.place] =
+          std::make_shared<const kdtree::BoxList>(std::span<const kdtree::BoxRef>(list));
       return;
     }
     const Node& node = nodes_[child.place];
-    const Sifted n = sift(list, node.cut, list.data(), free);
+    const grow::Sifted n = grow::sift(list, node.cut, list.data(), free);
     counters.touches += list.size();
     self(self, node.left, list.first(n.left), free + n.right);
     self(self, node.right, {free, n.right}, free + n.right);
@@ -97,4 +100,4 @@ std::vector<std::shared_ptr<const BoxList>> CutTree::divide(std::span<BoxRef> re
   return lists;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

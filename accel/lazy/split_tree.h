@@ -9,13 +9,13 @@
 #include "accel/kdtree/reference_list.h"
 #include "accel/split/kd_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// Lists of at least this many references are cut by samples, by builders that take them.
 inline constexpr std::size_t kSampleFrom = 8192;
 
 /// Whether the builder may decide by a sample. The papers' look at everything.
-bool takes_samples(const KdBuilder& builder);
+bool takes_samples(const split::KdBuilder& builder);
 
 /// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
 /// at a place in it that follows no order a list might have. Ascending.
@@ -32,17 +32,18 @@ class CutTree {
     std::size_t place = 0;  ///< In cuts() or parts().
   };
   struct Node {
-    Cut cut;
+    kdtree::Cut cut;
     Child left, right;
   };
   struct Part {
-    Aabb box;
-    CellPath path;
+    geometry::Aabb box;
+    kdtree::CellPath path;
   };
 
   /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
-  CutTree(const KdBuilder& builder, std::vector<BoxRef> sample, const Aabb& box,
-          const CellPath& path, int levels, int max_depth, BuildCounters& counters);
+  CutTree(const split::KdBuilder& builder, std::vector<kdtree::BoxRef> sample,
+          const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
+          kdtree::BuildCounters& counters);
 
   bool empty() const { return nodes_.empty(); }
   std::span<const Node> nodes() const { return nodes_; }  ///< The first is the topmost.
@@ -52,16 +53,18 @@ class CutTree {
   static std::size_t room(std::size_t size) { return size * kMostLevels; }
 
   /// Divides some of the cell's references, which are used up. A list for every part.
-  std::vector<std::shared_ptr<const BoxList>> divide(std::span<BoxRef> refs, BoxRef* room,
-                                                     BuildCounters& counters) const;
+  std::vector<std::shared_ptr<const kdtree::BoxList>> divide(std::span<kdtree::BoxRef> refs,
+                                                             kdtree::BoxRef* room,
+                                                             kdtree::BuildCounters& counters) const;
 
  private:
   struct Growth;
-  Child grow(const Growth& growth, std::span<BoxRef> sample, BoxRef* room, const Aabb& box,
-             const CellPath& path, int levels, BuildCounters& counters);
+  Child grow(const Growth& growth, std::span<kdtree::BoxRef> sample, kdtree::BoxRef* room,
+             const geometry::Aabb& box, const kdtree::CellPath& path, int levels,
+             kdtree::BuildCounters& counters);
 
   std::vector<Node> nodes_;
   std::vector<Part> parts_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

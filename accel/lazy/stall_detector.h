@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// Used anew for every wait. Its clock decides who does a piece of work, never what comes of it.
 class Patience {
@@ -38,4 +38,4 @@ class Patience {
   int waits_ = 0;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -31,7 +31,7 @@ std::uint32_t greatest(const std::uint32_t* indices, std::size_t count) {
 
 /// Of x, y, z, x, ...: three vectors at a time, in which every lane keeps to its axis. False if one
 /// is not finite.
-bool bounds(const float* values, std::size_t count, Aabb& box) {
+bool bounds(const float* values, std::size_t count, geometry::Aabb& box) {
   const hn::ScalableTag<float> d;
   const std::size_t lanes = hn::Lanes(d);
   const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -71,34 +71,34 @@ bool bounds(const float* values, std::size_t count, Aabb& box) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 HWY_EXPORT(greatest);
 HWY_EXPORT(bounds);
 
-std::uint32_t greatest_index(std::span<const Face> faces) {
+std::uint32_t greatest_index(std::span<const geometry::Face> faces) {
   return faces.empty() ? 0 : HWY_DYNAMIC_DISPATCH(greatest)(faces.data()->data(), 3 * faces.size());
 }
 
-std::optional<Aabb> bounds_of_vertices(std::span<const Vec3f> vertices) {
-  Aabb box;
+std::optional<geometry::Aabb> bounds_of_vertices(std::span<const geometry::Vec3f> vertices) {
+  geometry::Aabb box;
   if (vertices.empty() ||
       !HWY_DYNAMIC_DISPATCH(bounds)(&vertices.data()->x, 3 * vertices.size(), box))
     return std::nullopt;
   return box;
 }
 
-Aabb bounds_of_faces(const MeshView& mesh, std::size_t stride) {
-  Aabb box;
+geometry::Aabb bounds_of_faces(const geometry::MeshView& mesh, std::size_t stride) {
+  geometry::Aabb box;
   for (std::size_t i = 0; i < mesh.faces.size(); i += stride) {
     for (const std::uint32_t v : mesh.faces[i]) box.grow(mesh.vertices[v]);
   }
   return box;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh
 #endif  // HWY_ONCE

@@ -11,18 +11,21 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-bool grow_finite(const MeshView&, std::size_t, std::size_t, Aabb&) { return false; }
+bool grow_finite(const geometry::MeshView&, std::size_t, std::size_t, geometry::Aabb&) {
+  return false;
+}
 
-std::size_t references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out) {
+std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                       kdtree::BoxRef* out) {
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    if (const std::optional<Aabb> box = face_bounds(mesh, i))
+    if (const std::optional<geometry::Aabb> box = face_bounds(mesh, i))
       out[n++] = {box->lo, static_cast<std::uint32_t>(i), box->hi, 1};
   }
   return n;
@@ -36,9 +39,9 @@ class Faces {
   using Tag = hn::FixedTag<float, 4>;
   using Four = hn::Vec<Tag>;
 
-  explicit Faces(const MeshView& mesh) : mesh_(mesh) {
+  explicit Faces(const geometry::MeshView& mesh) : mesh_(mesh) {
     if (!mesh.vertices.empty()) {
-      const Vec3f& v = mesh.vertices.back();
+      const geometry::Vec3f& v = mesh.vertices.back();
       last_[0] = v.x;
       last_[1] = v.y;
       last_[2] = v.z;
@@ -48,7 +51,7 @@ class Faces {
   /// Sets the bounds of a face; false if a vertex is not finite.
   HWY_INLINE bool bounds(std::size_t face, Four& lo, Four& hi) const {
     const Tag d;
-    const Face& f = mesh_.faces[face];
+    const geometry::Face& f = mesh_.faces[face];
     const Four a = vertex(f[0]), b = vertex(f[1]), c = vertex(f[2]);
     // Zero where all are finite, else NaN.
     const Four zero = hn::Add(hn::Add(hn::Sub(a, a), hn::Sub(b, b)), hn::Sub(c, c));
@@ -104,12 +107,12 @@ class Faces {
     return hn::LoadU(Tag(), last ? last_ : &mesh_.vertices[i].x);
   }
 
-  const MeshView& mesh_;
+  const geometry::MeshView& mesh_;
   float last_[4] = {};
 };
 
 /// Whether all indices of some faces are good.
-HWY_INLINE bool in_range(const MeshView& mesh, std::size_t begin, std::size_t end) {
+HWY_INLINE bool in_range(const geometry::MeshView& mesh, std::size_t begin, std::size_t end) {
   const hn::FixedTag<std::uint32_t, 4> d;
   const std::uint32_t* indices = mesh.faces[begin].data();
   const std::size_t count = 3 * (end - begin);
@@ -122,7 +125,8 @@ HWY_INLINE bool in_range(const MeshView& mesh, std::size_t begin, std::size_t en
 }
 
 /// Sets the box of faces that all have finite vertices; false if they have not.
-bool grow_finite(const MeshView& mesh, std::size_t begin, std::size_t end, Aabb& box) {
+bool grow_finite(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                 geometry::Aabb& box) {
   if (!in_range(mesh, begin, end)) return false;
   const Faces::Tag d;
   const Faces faces(mesh);
@@ -142,18 +146,19 @@ bool grow_finite(const MeshView& mesh, std::size_t begin, std::size_t end, Aabb&
   return true;
 }
 
-std::size_t references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out) {
+std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                       kdtree::BoxRef* out) {
   const Faces::Tag d;
   const Faces faces(mesh);
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
     Faces::Four lo, hi;
-    if (mesh.faces[i][0] != kNoVertex && faces.bounds(i, lo, hi)) {
+    if (mesh.faces[i][0] != geometry::kNoVertex && faces.bounds(i, lo, hi)) {
       hn::StoreU(lo, d, &out[n].lo.x);
       hn::StoreU(hi, d, &out[n].hi.x);
       out[n].id = static_cast<std::uint32_t>(i);
       out[n++].weight = 1;
-    } else if (const std::optional<Aabb> box = face_bounds(mesh, i)) {
+    } else if (const std::optional<geometry::Aabb> box = face_bounds(mesh, i)) {
       out[n++] = {box->lo, static_cast<std::uint32_t>(i), box->hi, 1};
     }
   }
@@ -163,32 +168,33 @@ std::size_t references(const MeshView& mesh, std::size_t begin, std::size_t end,
 #endif
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 HWY_EXPORT(grow_finite);
 HWY_EXPORT(references);
 
 namespace {
 
-bool holds_triangle(const Face& f) {
-  return !(f[0] == kNoVertex && f[1] == kNoVertex && f[2] == kNoVertex);
+bool holds_triangle(const geometry::Face& f) {
+  return !(f[0] == geometry::kNoVertex && f[1] == geometry::kNoVertex &&
+           f[2] == geometry::kNoVertex);
 }
 
-FaceSum sum_one_by_one(const MeshView& mesh, std::size_t begin, std::size_t end) {
+FaceSum sum_one_by_one(const geometry::MeshView& mesh, std::size_t begin, std::size_t end) {
   FaceSum sum;
   for (std::size_t i = begin; i < end; ++i) {
-    const Face& f = mesh.faces[i];
+    const geometry::Face& f = mesh.faces[i];
     if (!holds_triangle(f)) continue;
     ++sum.triangles;
     if (std::max({f[0], f[1], f[2]}) >= mesh.vertices.size()) {
       sum.first_bad = std::min(sum.first_bad, i);
       continue;
     }
-    const std::optional<Aabb> box = face_bounds(mesh, i);
+    const std::optional<geometry::Aabb> box = face_bounds(mesh, i);
     if (!box) continue;
     ++sum.finite;
     sum.box.grow(*box);
@@ -198,12 +204,12 @@ FaceSum sum_one_by_one(const MeshView& mesh, std::size_t begin, std::size_t end)
 
 }  // namespace
 
-std::optional<Aabb> face_bounds(const MeshView& mesh, std::size_t face) {
-  const Face& f = mesh.faces[face];
-  if (f[0] == kNoVertex) return std::nullopt;
-  Aabb box;
+std::optional<geometry::Aabb> face_bounds(const geometry::MeshView& mesh, std::size_t face) {
+  const geometry::Face& f = mesh.faces[face];
+  if (f[0] == geometry::kNoVertex) return std::nullopt;
+  geometry::Aabb box;
   for (const std::uint32_t v : f) {
-    const Vec3f& p = mesh.vertices[v];
+    const geometry::Vec3f& p = mesh.vertices[v];
     if (!is_finite(p)) return std::nullopt;
     box.grow(p);
   }
@@ -217,7 +223,7 @@ void FaceSum::add(const FaceSum& o) {
   if (o.finite > 0) box.grow(o.box);
 }
 
-FaceSum sum_faces(const MeshView& mesh, std::size_t begin, std::size_t end) {
+FaceSum sum_faces(const geometry::MeshView& mesh, std::size_t begin, std::size_t end) {
   FaceSum sum;
   if (HWY_DYNAMIC_DISPATCH(grow_finite)(mesh, begin, end, sum.box)) {
     sum.triangles = sum.finite = end - begin;
@@ -226,9 +232,10 @@ FaceSum sum_faces(const MeshView& mesh, std::size_t begin, std::size_t end) {
   return sum_one_by_one(mesh, begin, end);
 }
 
-std::size_t face_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out) {
+std::size_t face_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                            kdtree::BoxRef* out) {
   return HWY_DYNAMIC_DISPATCH(references)(mesh, begin, end, out);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh
 #endif  // HWY_ONCE

@@ -6,16 +6,16 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/runs.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 /// A mesh's faces, or runs of them: decided by whoever asks first.
 class Faces {
  public:
-  Faces(const MeshView& mesh, const Aabb& bounds, bool may_run)
+  Faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds, bool may_run)
       : mesh_(mesh), bounds_(bounds), kind_(may_run ? Kind::kUnknown : Kind::kFaces) {}
 
-  ReferenceSource::Coarsest coarsest(BuildCounters& counters) const {
+  lazy::ReferenceSource::Coarsest coarsest(kdtree::BuildCounters& counters) const {
     Kind kind = kind_.load(std::memory_order_relaxed);
     if (kind == Kind::kUnknown) {
       kind = are_runs_compact(mesh_, bounds_, counters) ? Kind::kRuns : Kind::kFaces;
@@ -25,36 +25,41 @@ class Faces {
     return {.places = runs ? count_runs(mesh_) : mesh_.faces.size(), .openable = runs};
   }
 
-  std::size_t list(std::size_t begin, std::size_t end, BoxRef* out, BuildCounters& counters) const {
+  std::size_t list(std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+                   kdtree::BuildCounters& counters) const {
     if (coarsest(counters).openable) return run_references(mesh_, begin, end, out, counters);
     counters.touches_prepare += end - begin;
     return face_references(mesh_, begin, end, out);
   }
 
-  void open(const BoxRef& run, std::vector<BoxRef>& out, BuildCounters& counters) const {
+  void open(const kdtree::BoxRef& run, std::vector<kdtree::BoxRef>& out,
+            kdtree::BuildCounters& counters) const {
     open_run(mesh_, run, out, counters);
   }
 
  private:
   enum class Kind : std::uint8_t { kUnknown, kFaces, kRuns };
 
-  MeshView mesh_;
-  Aabb bounds_;
+  geometry::MeshView mesh_;
+  geometry::Aabb bounds_;
   mutable std::atomic<Kind> kind_;
 };
 
 }  // namespace
 
-ReferenceSource source_of_faces(const MeshView& mesh, const Aabb& bounds, bool may_run,
-                                std::shared_ptr<const void> alive) {
+lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
+                                      bool may_run, std::shared_ptr<const void> alive) {
   const auto faces = std::make_shared<const Faces>(mesh, bounds, may_run);
   return {
-      .coarsest = [faces](BuildCounters& counters) { return faces->coarsest(counters); },
-      .list = [faces](std::size_t begin, std::size_t end, BoxRef* out,
-                      BuildCounters& counters) { return faces->list(begin, end, out, counters); },
-      .open = [faces](const BoxRef& run, std::vector<BoxRef>& out,
-                      BuildCounters& counters) { faces->open(run, out, counters); },
+      .coarsest = [faces](kdtree::BuildCounters& counters) { return faces->coarsest(counters); },
+      .list =
+          [faces](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+                  kdtree::BuildCounters& counters) {
+            return faces->list(begin, end, out, counters);
+          },
+      .open = [faces](const kdtree::BoxRef& run, std::vector<kdtree::BoxRef>& out,
+                      kdtree::BuildCounters& counters) { faces->open(run, out, counters); },
       .alive = std::move(alive)};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

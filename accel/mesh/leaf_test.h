@@ -16,25 +16,26 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/mesh/runs.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 /// For one ray in one tree.
 struct LeafTest {
   /// From so many triangles on, looking at all of them at once takes less time than one by one.
   static constexpr std::size_t kFilterFrom = 4;
 
-  const MeshView& mesh;
+  const geometry::MeshView& mesh;
   MeshQuery& query;
-  const TreeRay& ray;
-  WalkCounters& walked;
-  std::optional<ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
+  const kdtree::TreeRay& ray;
+  kdtree::WalkCounters& walked;
+  std::optional<geometry::ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
 
   double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
   bool test(std::uint32_t id) {
     ++walked.tests;
-    const Face& f = mesh.faces[id];
-    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+    const geometry::Face& f = mesh.faces[id];
+    const geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
+                          &c = mesh.vertices[f[2]];
     const std::optional<double> local = intersect(query.ray, a, b, c);
     if (!local) return false;
     const double t = *local * query.ray.unit;
@@ -77,7 +78,7 @@ struct LeafTest {
   bool long_leaf(std::span<const std::uint32_t> ids) {
     if (!seen) seen = sheared(query.ray);
     while (!ids.empty()) {
-      const auto batch = ids.first(std::min(ids.size(), kMissBatch));
+      const auto batch = ids.first(std::min(ids.size(), geometry::kMissBatch));
       ids = ids.subspan(batch.size());
       std::uint64_t possible = possible_hits(mesh, *seen, batch);
       walked.tests += batch.size() - static_cast<std::size_t>(std::popcount(possible));
@@ -91,11 +92,11 @@ struct LeafTest {
   /// For want of a tree. True: the walk is over.
   bool search_faces(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
-      const std::optional<Aabb> box = face_bounds(mesh, i);
+      const std::optional<geometry::Aabb> box = face_bounds(mesh, i);
       if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
     }
     return false;
   }
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

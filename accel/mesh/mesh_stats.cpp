@@ -9,7 +9,7 @@
 
 #include "accel/mesh/array_bounds.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 constexpr std::size_t kPerTask = 65536;
@@ -18,7 +18,7 @@ constexpr std::size_t kSampled = 64;
 /// Bounds of the vertices are good enough if those of the sample are no smaller a share of them.
 constexpr double kShareOfSurface = 0.5;
 
-std::uint32_t greatest_index_in_parallel(std::span<const Face> faces) {
+std::uint32_t greatest_index_in_parallel(std::span<const geometry::Face> faces) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, faces.size(), kPerTask), std::uint32_t{0},
       [&](const auto& range, std::uint32_t most) {
@@ -27,31 +27,32 @@ std::uint32_t greatest_index_in_parallel(std::span<const Face> faces) {
       [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); });
 }
 
-std::optional<Aabb> bounds_in_parallel(std::span<const Vec3f> vertices) {
+std::optional<geometry::Aabb> bounds_in_parallel(std::span<const geometry::Vec3f> vertices) {
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, vertices.size(), kPerTask), std::optional<Aabb>(Aabb{}),
-      [&](const auto& range, std::optional<Aabb> box) {
+      tbb::blocked_range<std::size_t>(0, vertices.size(), kPerTask),
+      std::optional<geometry::Aabb>(geometry::Aabb{}),
+      [&](const auto& range, std::optional<geometry::Aabb> box) {
         const auto more = bounds_of_vertices(vertices.subspan(range.begin(), range.size()));
-        if (!more || !box) return std::optional<Aabb>();
+        if (!more || !box) return std::optional<geometry::Aabb>();
         box->grow(*more);
         return box;
       },
-      [](std::optional<Aabb> a, const std::optional<Aabb>& b) {
-        if (!a || !b) return std::optional<Aabb>();
+      [](std::optional<geometry::Aabb> a, const std::optional<geometry::Aabb>& b) {
+        if (!a || !b) return std::optional<geometry::Aabb>();
         a->grow(*b);
         return a;
       });
 }
 
 /// Where nothing is odd.
-std::optional<MeshSurvey> survey_arrays(const MeshView& mesh) {
+std::optional<MeshSurvey> survey_arrays(const geometry::MeshView& mesh) {
   const std::size_t faces = mesh.faces.size();
   if (faces == 0 || greatest_index_in_parallel(mesh.faces) >= mesh.vertices.size())
     return std::nullopt;
-  std::optional<Aabb> bounds = bounds_in_parallel(mesh.vertices);
+  std::optional<geometry::Aabb> bounds = bounds_in_parallel(mesh.vertices);
   if (!bounds) return std::nullopt;
   const std::size_t stride = std::max<std::size_t>(1, faces / kSampled);
-  const Aabb sampled = bounds_of_faces(mesh, stride);
+  const geometry::Aabb sampled = bounds_of_faces(mesh, stride);
   if (stride == 1) {
     bounds = sampled;
   } else if (half_area(sampled) < kShareOfSurface * half_area(*bounds)) {
@@ -62,7 +63,7 @@ std::optional<MeshSurvey> survey_arrays(const MeshView& mesh) {
 
 }  // namespace
 
-MeshSurvey survey_mesh(const MeshView& mesh) {
+MeshSurvey survey_mesh(const geometry::MeshView& mesh) {
   if (const auto survey = survey_arrays(mesh)) return *survey;
   const FaceSum all = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.faces.size(), kPerTask), FaceSum{},
@@ -79,4 +80,4 @@ MeshSurvey survey_mesh(const MeshView& mesh) {
   return {all.triangles, all.finite, all.first_bad, all.box};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -9,7 +9,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/mesh/face_boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 struct MeshSurvey {
   std::uint64_t triangles = 0;         ///< Faces that hold one.
@@ -19,12 +19,12 @@ struct MeshSurvey {
   std::size_t first_bad_face = FaceSum::kNone;
   /// Holds the finite triangles; vertices that none of them has may make it larger, but not by
   /// much. Of positive extent; empty if there is none.
-  Aabb bounds;
+  geometry::Aabb bounds;
 };
 
 /// Streams through the arrays once, and looks at single faces only where something is odd: an index
 /// out of range, a vertex that is not finite, vertices far from the faces. Parallel in the caller's
 /// arena; the result does not depend on it.
-MeshSurvey survey_mesh(const MeshView& mesh);
+MeshSurvey survey_mesh(const geometry::MeshView& mesh);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -10,37 +10,37 @@
 #include "accel/published/bvh/bvh_measure.h"
 #include "accel/published/bvh/bvh_walk.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 /// What a walk through a kd-tree asks, at cells that are not built, too.
 struct KdVisit : LeafTest {
-  LazyTree& lazy;
-  BuildCounters& built;
+  lazy::LazyTree& lazy;
+  kdtree::BuildCounters& built;
 
-  Unbuilt unbuilt(AtomicSlot& slot, const DeferredCell& cell) {
+  kdtree::Unbuilt unbuilt(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const Expanded expanded = lazy.expand(slot, query.at_busy, built);
-      if (expanded == Expanded::kAgain) return Unbuilt::kAgain;
-      if (expanded == Expanded::kBusy) {
+      const lazy::Expanded expanded = lazy.expand(slot, query.at_busy, built);
+      if (expanded == lazy::Expanded::kAgain) return kdtree::Unbuilt::kAgain;
+      if (expanded == lazy::Expanded::kBusy) {
         query.put_aside = true;
-        query.progress = LazyTree::progress(slot);
-        return Unbuilt::kStop;
+        query.progress = lazy::LazyTree::progress(slot);
+        return kdtree::Unbuilt::kStop;
       }
     }
     query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return Unbuilt::kDone;
-    return search(cell) ? Unbuilt::kStop : Unbuilt::kDone;
+    if (query.at_unbuilt == AtUnbuilt::kSkip) return kdtree::Unbuilt::kDone;
+    return search(cell) ? kdtree::Unbuilt::kStop : kdtree::Unbuilt::kDone;
   }
 
-  bool search(const DeferredCell& cell) {
+  bool search(const kdtree::DeferredCell& cell) {
     if (cell.listed)
-      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+      return cell.list.any_part([&](std::span<const kdtree::BoxRef> refs) { return search(refs); });
     return search_faces({0, mesh.faces.size()});
   }
 
-  bool search(std::span<const BoxRef> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+  bool search(std::span<const kdtree::BoxRef> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const kdtree::BoxRef& ref) {
       if (!may_meet(ray, ref.bounds(), limit())) return false;
       if (!ref.openable()) return test(ref.id);
       return search_faces(faces_of_run(mesh, ref));
@@ -50,39 +50,41 @@ struct KdVisit : LeafTest {
 
 }  // namespace
 
-MeshTree::Tree MeshTree::make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
-                              const AnyBuilder& builder, References references,
-                              std::shared_ptr<const void> alive) {
-  if (const auto* bvh = std::get_if<BvhBuilder>(&builder))
-    return Tree(std::in_place_type<BvhTree>, mesh, *bvh);
-  const KdBuilder& kd = std::get<KdBuilder>(builder);
+MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
+                              const MeshSurvey& survey, const published::AnyBuilder& builder,
+                              References references, std::shared_ptr<const void> alive) {
+  if (const auto* bvh = std::get_if<published::bvh::BvhBuilder>(&builder))
+    return Tree(std::in_place_type<published::bvh::BvhTree>, mesh, *bvh);
+  const split::KdBuilder& kd = std::get<split::KdBuilder>(builder);
   const bool may_run = references == References::kRuns && takes_runs(kd);
-  return Tree(std::in_place_type<LazyTree>, padded(survey.bounds), survey.finite_triangles, kd,
-              source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+  return Tree(std::in_place_type<lazy::LazyTree>, padded(survey.bounds), survey.finite_triangles,
+              kd, source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
 }
 
-MeshTree::MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
-                   References references, std::shared_ptr<const void> alive)
+MeshTree::MeshTree(geometry::MeshView mesh, const MeshSurvey& survey,
+                   const published::AnyBuilder& builder, References references,
+                   std::shared_ptr<const void> alive)
     : mesh_(mesh),
       bounds_(padded(survey.bounds)),
       finite_triangles_(survey.finite_triangles),
       tree_(make(mesh, &mesh_, survey, builder, references, std::move(alive))) {}
 
-void MeshTree::query(MeshQuery& query, WalkCounters& walked, BuildCounters& built) {
-  TreeRay ray;
+void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
+  kdtree::TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
   const LeafTest test{mesh_, query, ray, walked};
-  if (auto* lazy = std::get_if<LazyTree>(&tree_)) {
+  if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
     KdVisit visit{test, *lazy, built};
     walk(lazy->tree(), ray, lazy->root(), walked, visit);
   } else {
-    query_bvh(std::get<BvhTree>(tree_), test, built);
+    query_bvh(std::get<published::bvh::BvhTree>(tree_), test, built);
   }
 }
 
-void MeshTree::query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built) {
-  const Bvh* bvh = tree.built();
+void MeshTree::query_bvh(published::bvh::BvhTree& tree, LeafTest test,
+                         kdtree::BuildCounters& built) {
+  const published::bvh::Bvh* bvh = tree.built();
   if (bvh == nullptr && test.query.at_unbuilt == AtUnbuilt::kExpand) bvh = &tree.build(built);
   if (bvh != nullptr) {
     walk(*bvh, test.ray, test.walked, test);
@@ -92,34 +94,34 @@ void MeshTree::query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built) {
   if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
 }
 
-void MeshTree::expand_all(BuildCounters& built, const std::atomic<bool>* cancelled) {
-  if (auto* lazy = std::get_if<LazyTree>(&tree_)) return lazy->expand_all(built, cancelled);
-  auto& bvh = std::get<BvhTree>(tree_);
+void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {
+  if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) return lazy->expand_all(built, cancelled);
+  auto& bvh = std::get<published::bvh::BvhTree>(tree_);
   if (bvh.built() == nullptr && (cancelled == nullptr || !cancelled->load())) bvh.build(built);
 }
 
-const KdTree* MeshTree::kd() const {
-  const auto* lazy = std::get_if<LazyTree>(&tree_);
+const kdtree::KdTree* MeshTree::kd() const {
+  const auto* lazy = std::get_if<lazy::LazyTree>(&tree_);
   return lazy != nullptr ? &lazy->tree() : nullptr;
 }
 
 bool MeshTree::untouched() const {
-  return kd() != nullptr ? load(kd()->root()).is_unbuilt() : bvh()->built() == nullptr;
+  return kd() != nullptr ? kdtree::load(kd()->root()).is_unbuilt() : bvh()->built() == nullptr;
 }
 
 std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : bvh()->bytes(); }
 
-TreeMetrics MeshTree::metrics() const {
+kdtree::TreeMetrics MeshTree::metrics() const {
   if (kd() != nullptr) return measure(*kd());
-  if (const Bvh* built = bvh()->built()) return measure(*built);
+  if (const published::bvh::Bvh* built = bvh()->built()) return measure(*built);
   return {.unbuilt_cells = 1};
 }
 
-GrowthMetrics MeshTree::growth() const {
+kdtree::GrowthMetrics MeshTree::growth() const {
   if (kd() != nullptr) return measure_growth(*kd(), mesh_.faces.size());
-  const Bvh* built = bvh()->built();
+  const published::bvh::Bvh* built = bvh()->built();
   if (built == nullptr) return {.cells_deferred = 1};
   return {.cells_built = 2 * built->nodes.size() + 1, .references_built = finite_triangles_};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -18,7 +18,7 @@
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/bvh_tree.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 /// What a mesh's tree begins with.
 enum class References : std::uint8_t {
@@ -40,11 +40,11 @@ enum class AtUnbuilt : std::uint8_t {
 /// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell it is
 /// met in; best_t is then only the t beyond which none is wanted.
 struct MeshQuery {
-  LocalRay ray;
-  double tmin = 0, tmax = kInfinity;
-  Culling culling = Culling::kNone;  ///< By the winding in the mesh's frame.
+  geometry::LocalRay ray;
+  double tmin = 0, tmax = geometry::kInfinity;
+  geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
   AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
-  AtBusy at_busy = AtBusy::kWait;
+  lazy::AtBusy at_busy = lazy::AtBusy::kWait;
   bool any = false;  ///< Stop at the first hit found.
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's; goes with the node.
@@ -73,35 +73,37 @@ class MeshTree {
  public:
   /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
   /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
-  MeshTree(MeshView mesh, const MeshSurvey& survey, const AnyBuilder& builder,
+  MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const published::AnyBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
   /// Looks for hits and updates the query.
-  void query(MeshQuery& query, WalkCounters& walked, BuildCounters& built);
+  void query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
   /// "Expand everything." A hierarchy that has begun is not cancelled.
-  void expand_all(BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
+  void expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
 
   bool untouched() const;
   std::uint64_t bytes() const;
-  TreeMetrics metrics() const;
-  GrowthMetrics growth() const;
+  kdtree::TreeMetrics metrics() const;
+  kdtree::GrowthMetrics growth() const;
 
   /// The one that there is; the other is null.
-  const KdTree* kd() const;
-  const BvhTree* bvh() const { return std::get_if<BvhTree>(&tree_); }
+  const kdtree::KdTree* kd() const;
+  const published::bvh::BvhTree* bvh() const {
+    return std::get_if<published::bvh::BvhTree>(&tree_);
+  }
 
  private:
-  using Tree = std::variant<LazyTree, BvhTree>;
-  static Tree make(const MeshView& mesh, const MeshView* own, const MeshSurvey& survey,
-                   const AnyBuilder& builder, References references,
-                   std::shared_ptr<const void> alive);
-  void query_bvh(BvhTree& tree, LeafTest test, BuildCounters& built);
+  using Tree = std::variant<lazy::LazyTree, published::bvh::BvhTree>;
+  static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
+                   const MeshSurvey& survey, const published::AnyBuilder& builder,
+                   References references, std::shared_ptr<const void> alive);
+  void query_bvh(published::bvh::BvhTree& tree, LeafTest test, kdtree::BuildCounters& built);
 
-  MeshView mesh_;
-  Aabb bounds_;  ///< Holds all references.
+  geometry::MeshView mesh_;
+  geometry::Aabb bounds_;  ///< Holds all references.
   std::uint64_t finite_triangles_ = 0;
   Tree tree_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -6,7 +6,7 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 /// Fewer are opened as soon as they are looked at.
@@ -16,32 +16,34 @@ constexpr std::size_t kSampled = 256;
 /// Longest mean extent of compact runs, as a share of the mesh's: so many of them a plane cuts.
 constexpr double kCompact = 1.0 / 5;
 
-/// In the id of a short run, beside kOpenable and its place.
+/// In the id of a short run, beside kdtree::kOpenable and its place.
 constexpr std::uint32_t kShort = std::uint32_t{1} << 30;
 
-FaceRange faces_at(const MeshView& mesh, std::size_t place, std::size_t length) {
+FaceRange faces_at(const geometry::MeshView& mesh, std::size_t place, std::size_t length) {
   return {place * length, std::min((place + 1) * length, mesh.faces.size())};
 }
 
 /// Writes the reference of a run, if it has a triangle; returns how many that are.
-std::size_t run_reference(const MeshView& mesh, FaceRange faces, std::uint32_t id, BoxRef* out) {
+std::size_t run_reference(const geometry::MeshView& mesh, FaceRange faces, std::uint32_t id,
+                          kdtree::BoxRef* out) {
   const FaceSum sum = sum_faces(mesh, faces.begin, faces.end);
   if (sum.finite == 0) return 0;
-  *out = {sum.box.lo, kOpenable | id, sum.box.hi, static_cast<std::uint32_t>(sum.finite)};
+  *out = {sum.box.lo, kdtree::kOpenable | id, sum.box.hi, static_cast<std::uint32_t>(sum.finite)};
   return 1;
 }
 
 }  // namespace
 
-bool are_runs_compact(const MeshView& mesh, const Aabb& bounds, BuildCounters& counters) {
+bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
+                      kdtree::BuildCounters& counters) {
   const std::size_t runs = count_runs(mesh);
   if (runs < kFewestRuns) return false;
-  const auto axis = static_cast<std::size_t>(longest_axis(bounds));
+  const auto axis = static_cast<std::size_t>(split::longest_axis(bounds));
   const std::size_t stride = std::max<std::size_t>(1, runs / kSampled);
   double sum = 0;
   std::size_t sampled = 0;
   for (std::size_t i = 0; i < runs; i += stride) {
-    BoxRef run;
+    kdtree::BoxRef run;
     if (run_references(mesh, i, i + 1, &run, counters) == 0) continue;
     sum += static_cast<double>(run.hi[axis]) - static_cast<double>(run.lo[axis]);
     ++sampled;
@@ -50,8 +52,8 @@ bool are_runs_compact(const MeshView& mesh, const Aabb& bounds, BuildCounters& c
   return sampled > 0 && sum <= kCompact * whole * static_cast<double>(sampled);
 }
 
-std::size_t run_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out,
-                           BuildCounters& counters) {
+std::size_t run_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                           kdtree::BoxRef* out, kdtree::BuildCounters& counters) {
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const FaceRange faces = faces_at(mesh, i, kRunLength);
@@ -61,8 +63,8 @@ std::size_t run_references(const MeshView& mesh, std::size_t begin, std::size_t 
   return n;
 }
 
-void open_run(const MeshView& mesh, const BoxRef& run, std::vector<BoxRef>& out,
-              BuildCounters& counters) {
+void open_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run,
+              std::vector<kdtree::BoxRef>& out, kdtree::BuildCounters& counters) {
   const FaceRange faces = faces_of_run(mesh, run);
   counters.touches_prepare += faces.end - faces.begin;
   const std::size_t before = out.size();
@@ -79,9 +81,9 @@ void open_run(const MeshView& mesh, const BoxRef& run, std::vector<BoxRef>& out,
   out.resize(end);
 }
 
-FaceRange faces_of_run(const MeshView& mesh, const BoxRef& run) {
-  const std::uint32_t place = run.id & ~(kOpenable | kShort);
+FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run) {
+  const std::uint32_t place = run.id & ~(kdtree::kOpenable | kShort);
   return faces_at(mesh, place, (run.id & kShort) != 0 ? kShortRunLength : kRunLength);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -8,32 +8,33 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 /// Faces of a run, and of the shorter ones that it is opened into; those are opened into faces.
 inline constexpr std::size_t kRunLength = 16, kShortRunLength = 4;
 
 /// Whether runs lie together well enough to begin with, and are not too few. Looks at some of the
 /// faces. `bounds`: of the mesh.
-bool are_runs_compact(const MeshView& mesh, const Aabb& bounds, BuildCounters& counters);
+bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
+                      kdtree::BuildCounters& counters);
 
 /// Of kRunLength, the last one shorter.
-inline std::size_t count_runs(const MeshView& mesh) {
+inline std::size_t count_runs(const geometry::MeshView& mesh) {
   return (mesh.faces.size() + kRunLength - 1) / kRunLength;
 }
 
 /// Writes a reference for every run from `begin` to `end` that has a triangle to be hit; there is
 /// room for all. Returns how many. A reference's weight counts triangles.
-std::size_t run_references(const MeshView& mesh, std::size_t begin, std::size_t end, BoxRef* out,
-                           BuildCounters& counters);
+std::size_t run_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
+                           kdtree::BoxRef* out, kdtree::BuildCounters& counters);
 
 /// Appends what a run stands for: shorter runs, or faces.
-void open_run(const MeshView& mesh, const BoxRef& run, std::vector<BoxRef>& out,
-              BuildCounters& counters);
+void open_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run,
+              std::vector<kdtree::BoxRef>& out, kdtree::BuildCounters& counters);
 
 struct FaceRange {
   std::size_t begin = 0, end = 0;
 };
-FaceRange faces_of_run(const MeshView& mesh, const BoxRef& run);
+FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

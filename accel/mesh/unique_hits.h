@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 
 /// Collects values and keeps the `limit` least distinct ones. Its memory, at most twice of what it
 /// keeps, is used again after clear(). Amortised cost of an add: the logarithm of what is kept.
@@ -67,4 +67,4 @@ struct ListedHit {
   auto operator<=>(const ListedHit&) const = default;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace sightline::accel {
+namespace sightline::accel::published {
 namespace {
 
 struct Named {
@@ -22,8 +22,8 @@ constexpr std::uint32_t kGuidedExact = 48;
 /// References a triangle of our own builders. Good trees over compact meshes have four to eight.
 constexpr double kBudget = 16;
 
-ScanBuilder scan_fast() {
-  return {.axes = ScanAxes::kGuided,
+split::ScanBuilder scan_fast() {
+  return {.axes = split::ScanAxes::kGuided,
           .exact_below = kGuidedExact,
           .hybrid_below = 8,  // as many as are weighed at once, as sets of bits
           .retry_above = kPoorCut,
@@ -32,8 +32,8 @@ ScanBuilder scan_fast() {
           .budget = kBudget};
 }
 
-ScanBuilder scan_best() {
-  return {.axes = ScanAxes::kGuided,
+split::ScanBuilder scan_best() {
+  return {.axes = split::ScanAxes::kGuided,
           .exact_below = kGuidedExact,
           .hybrid_below = kGuidedExact,
           .refine_all_axes = true,
@@ -43,22 +43,23 @@ ScanBuilder scan_best() {
 
 const std::vector<Named>& all_builders() {
   static const std::vector<Named> kBuilders = {
-      {"spatial-median", KdBuilder(SpatialMedianBuilder{})},
-      {"object-median", KdBuilder(ObjectMedianBuilder{})},
-      {"sah-naive", KdBuilder(ExactBuilder{.search = ExactSearch::kNaive})},
-      {"sah-sort", KdBuilder(ExactBuilder{.search = ExactSearch::kSort})},
-      {"sah-sweep", KdBuilder(ExactBuilder{.search = ExactSearch::kSweep})},
-      {"min-max-bins", KdBuilder(MinMaxBuilder{})},
-      {"scan-one-axis", KdBuilder(ScanBuilder{.axes = ScanAxes::kOne})},
-      {"scan-hybrid", KdBuilder(ScanBuilder{.axes = ScanAxes::kHybrid})},
-      {"scan-all-axes", KdBuilder(ScanBuilder{.axes = ScanAxes::kAll})},
-      {"scan-fast", KdBuilder(scan_fast())},
-      {"scan-best", KdBuilder(scan_best())},
-      {"bvh-sweep", BvhBuilder{.method = BvhMethod::kSweep}},
-      {"bvh-binned", BvhBuilder{.method = BvhMethod::kBinned, .leaf = {.split_small = true}}},
-      {"bvh-esc", BvhBuilder{.method = BvhMethod::kEarly}},
-      {"bvh-evh", BvhBuilder{.method = BvhMethod::kEdgeVolume}},
-      {"sbvh", BvhBuilder{.method = BvhMethod::kSpatial}},
+      {"spatial-median", split::KdBuilder(kd::SpatialMedianBuilder{})},
+      {"object-median", split::KdBuilder(kd::ObjectMedianBuilder{})},
+      {"sah-naive", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kNaive})},
+      {"sah-sort", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSort})},
+      {"sah-sweep", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSweep})},
+      {"min-max-bins", split::KdBuilder(kd::MinMaxBuilder{})},
+      {"scan-one-axis", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kOne})},
+      {"scan-hybrid", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kHybrid})},
+      {"scan-all-axes", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kAll})},
+      {"scan-fast", split::KdBuilder(scan_fast())},
+      {"scan-best", split::KdBuilder(scan_best())},
+      {"bvh-sweep", bvh::BvhBuilder{.method = bvh::BvhMethod::kSweep}},
+      {"bvh-binned",
+       bvh::BvhBuilder{.method = bvh::BvhMethod::kBinned, .leaf = {.split_small = true}}},
+      {"bvh-esc", bvh::BvhBuilder{.method = bvh::BvhMethod::kEarly}},
+      {"bvh-evh", bvh::BvhBuilder{.method = bvh::BvhMethod::kEdgeVolume}},
+      {"sbvh", bvh::BvhBuilder{.method = bvh::BvhMethod::kSpatial}},
   };
   return kBuilders;
 }
@@ -81,8 +82,8 @@ struct Parameter {
 template <class Builder>
 using Parameters = std::vector<Parameter<Builder>>;
 
-const Parameters<ScanBuilder>& parameters(const ScanBuilder&) {
-  using B = ScanBuilder;
+const Parameters<split::ScanBuilder>& parameters(const split::ScanBuilder&) {
+  using B = split::ScanBuilder;
   static const Parameters<B> kParameters = {
       {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
       {"samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
@@ -112,16 +113,16 @@ const Parameters<B>& median_parameters() {
   return kParameters;
 }
 
-const Parameters<SpatialMedianBuilder>& parameters(const SpatialMedianBuilder&) {
-  return median_parameters<SpatialMedianBuilder>();
+const Parameters<kd::SpatialMedianBuilder>& parameters(const kd::SpatialMedianBuilder&) {
+  return median_parameters<kd::SpatialMedianBuilder>();
 }
 
-const Parameters<ObjectMedianBuilder>& parameters(const ObjectMedianBuilder&) {
-  return median_parameters<ObjectMedianBuilder>();
+const Parameters<kd::ObjectMedianBuilder>& parameters(const kd::ObjectMedianBuilder&) {
+  return median_parameters<kd::ObjectMedianBuilder>();
 }
 
-const Parameters<ExactBuilder>& parameters(const ExactBuilder&) {
-  using B = ExactBuilder;
+const Parameters<kd::ExactBuilder>& parameters(const kd::ExactBuilder&) {
+  using B = kd::ExactBuilder;
   static const Parameters<B> kParameters = {
       {"cost_traverse", [](B& b) -> double& { return b.costs.traverse; }},
       {"cost_intersect", [](B& b) -> double& { return b.costs.intersect; }},
@@ -132,8 +133,8 @@ const Parameters<ExactBuilder>& parameters(const ExactBuilder&) {
   return kParameters;
 }
 
-const Parameters<MinMaxBuilder>& parameters(const MinMaxBuilder&) {
-  using B = MinMaxBuilder;
+const Parameters<kd::MinMaxBuilder>& parameters(const kd::MinMaxBuilder&) {
+  using B = kd::MinMaxBuilder;
   static const Parameters<B> kParameters = {
       {"bins", [](B& b) -> std::uint32_t& { return b.bins; }},
       {"subsample", [](B& b) -> bool& { return b.subsample; }},
@@ -146,8 +147,8 @@ const Parameters<MinMaxBuilder>& parameters(const MinMaxBuilder&) {
 }
 
 /// What all hierarchies know, then what one method knows.
-Parameters<BvhBuilder> bvh_parameters(Parameters<BvhBuilder> own) {
-  using B = BvhBuilder;
+Parameters<bvh::BvhBuilder> bvh_parameters(Parameters<bvh::BvhBuilder> own) {
+  using B = bvh::BvhBuilder;
   Parameters<B> parameters = {
       {"leaf_size", [](B& b) -> std::uint32_t& { return b.leaf.leaf_size; }},
       {"split_small", [](B& b) -> bool& { return b.leaf.split_small; }},
@@ -158,8 +159,8 @@ Parameters<BvhBuilder> bvh_parameters(Parameters<BvhBuilder> own) {
   return parameters;
 }
 
-const Parameters<BvhBuilder>& parameters(const BvhBuilder& builder) {
-  using B = BvhBuilder;
+const Parameters<bvh::BvhBuilder>& parameters(const bvh::BvhBuilder& builder) {
+  using B = bvh::BvhBuilder;
   static const Parameters<B> kSweep = bvh_parameters({});
   static const Parameters<B> kBinned =
       bvh_parameters({{"bins", [](B& b) -> std::uint32_t& { return b.bins; }}});
@@ -176,14 +177,14 @@ const Parameters<BvhBuilder>& parameters(const BvhBuilder& builder) {
       {"budget", [](B& b) -> double& { return b.spatial.budget; }},
   });
   switch (builder.method) {
-    case BvhMethod::kSweep:
+    case bvh::BvhMethod::kSweep:
       return kSweep;
-    case BvhMethod::kBinned:
+    case bvh::BvhMethod::kBinned:
       return kBinned;
-    case BvhMethod::kEarly:
-    case BvhMethod::kEdgeVolume:
+    case bvh::BvhMethod::kEarly:
+    case bvh::BvhMethod::kEdgeVolume:
       return kPreSplit;
-    case BvhMethod::kSpatial:
+    case bvh::BvhMethod::kSpatial:
       break;
   }
   return kSpatial;
@@ -240,9 +241,9 @@ Status set(Builder& builder, std::string_view key, std::string_view value) {
 
 }  // namespace
 
-KdBuilder default_builder() { return scan_fast(); }
+split::KdBuilder default_builder() { return scan_fast(); }
 
-KdBuilder frame_builder() { return ScanBuilder{.axes = ScanAxes::kOne}; }
+split::KdBuilder frame_builder() { return split::ScanBuilder{.axes = split::ScanAxes::kOne}; }
 
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;
@@ -260,8 +261,9 @@ Result<AnyBuilder> make_builder(std::string_view name) {
 }
 
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value) {
-  if (auto* bvh = std::get_if<BvhBuilder>(&builder)) return set(*bvh, key, value);
-  return std::visit([&](auto& b) { return set(b, key, value); }, std::get<KdBuilder>(builder));
+  if (auto* bvh = std::get_if<bvh::BvhBuilder>(&builder)) return set(*bvh, key, value);
+  return std::visit([&](auto& b) { return set(b, key, value); },
+                    std::get<split::KdBuilder>(builder));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published

@@ -11,18 +11,18 @@
 #include "accel/result.h"
 #include "accel/split/kd_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published {
 
 /// What a mesh's tree is made by. Trees over a scene's nodes are kd-trees, whatever their meshes
 /// have.
-using AnyBuilder = std::variant<KdBuilder, BvhBuilder>;
+using AnyBuilder = std::variant<split::KdBuilder, bvh::BvhBuilder>;
 
 /// What trees are grown by unless told otherwise: scan-fast.
-KdBuilder default_builder();
+split::KdBuilder default_builder();
 
 /// What trees are grown by that may last for one revision only: scan-one-axis, which builds in the
 /// least time (docs/decisions/0018-frame-trees.md).
-KdBuilder frame_builder();
+split::KdBuilder frame_builder();
 
 /// All names that make_builder knows, in the order of docs/builders.md: kd-trees first.
 std::vector<std::string_view> builder_names();
@@ -36,4 +36,4 @@ Result<AnyBuilder> make_builder(std::string_view name);
 /// (naming the range); the builder stays as it was.
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published

@@ -11,13 +11,13 @@
 #include "accel/split/cost_model.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 
 /// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x -
 /// lo) and so on.
 struct BoundCosts {
-  BoundCosts(const Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
+  BoundCosts(const geometry::Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : lo(cell.lo[axis]), hi(cell.hi[axis]), bonus(static_cast<float>(empty_bonus)) {
     const CutAreas areas(cell, static_cast<int>(axis), per_whole);
     ends = static_cast<float>(areas.ends() * per_whole);
@@ -41,7 +41,7 @@ struct BoundCosts {
 };
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 HWY_AFTER_NAMESPACE();
 
 #endif  // toggle

@@ -10,18 +10,18 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Both cells' planes of an axis share registers: those of the left cell in the lower half.
 using Floats = hn::CappedTag<float, kScanWidth>;
 using Counts = hn::RebindToUnsigned<Floats>;
-using Box = hn::CappedTag<std::uint32_t, sizeof(BoxRef) / sizeof(std::uint32_t)>;
+using Box = hn::CappedTag<std::uint32_t, sizeof(kdtree::BoxRef) / sizeof(std::uint32_t)>;
 constexpr std::size_t kLanes = hn::MaxLanes(Floats());
 constexpr std::size_t kParts = kScanWidth / kLanes;
 constexpr std::size_t kBoxLanes = hn::MaxLanes(Box());
-constexpr std::size_t kBoxParts = sizeof(BoxRef) / sizeof(std::uint32_t) / kBoxLanes;
+constexpr std::size_t kBoxParts = sizeof(kdtree::BoxRef) / sizeof(std::uint32_t) / kBoxLanes;
 
 /// Which lanes a box is counted in: row 1 for the left cell's, 2 for the right cell's, 3 for both.
 struct alignas(64) Sides {
@@ -80,22 +80,22 @@ HWY_INLINE void store(const Axis& axis, std::size_t a, FirstScans& scans) {
   add(axis.right, scans.left.axes[a].right, scans.right.axes[a].right);
 }
 
-HWY_INLINE void copy(const hn::Vec<Box>* box, BoxRef* to) {
+HWY_INLINE void copy(const hn::Vec<Box>* box, kdtree::BoxRef* to) {
   for (std::size_t p = 0; p < kBoxParts; ++p)
     hn::StoreU(box[p], Box(), reinterpret_cast<std::uint32_t*>(to) + p * kBoxLanes);
 }
 
-Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right,
-            FirstScans& scans) {
+grow::Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                  kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
   const auto cut = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
   Axis along_x, along_y, along_z;  // by name: they have to stay in registers
   load(scans, 0, along_x);
   load(scans, 1, along_y);
   load(scans, 2, along_z);
-  Sifted n;
+  grow::Sifted n;
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    const BoxRef& ref = refs[i];
+    const kdtree::BoxRef& ref = refs[i];
     const std::size_t in_left = ref.lo[cut]<x, in_right = ref.hi[cut]> x;
     hn::Vec<Counts> weight[kParts];
     for (std::size_t p = 0; p < kParts; ++p) {
@@ -122,11 +122,11 @@ Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxR
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 HWY_EXPORT(sift);
 
@@ -146,7 +146,7 @@ constexpr Shares kShares = shares();
 
 }  // namespace
 
-FirstPlanes first_planes(const Aabb& cell, std::uint32_t n) {
+FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n) {
   FirstPlanes planes;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto lo = static_cast<double>(cell.lo[a]), hi = static_cast<double>(cell.hi[a]);
@@ -158,10 +158,10 @@ FirstPlanes first_planes(const Aabb& cell, std::uint32_t n) {
   return planes;
 }
 
-Sifted sift_and_scan(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right,
-                     FirstScans& scans) {
+grow::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                           kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
   return HWY_DYNAMIC_DISPATCH(sift)(refs, plane, left, right, scans);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 #endif  // HWY_ONCE

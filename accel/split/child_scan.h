@@ -11,7 +11,7 @@
 #include "accel/kdtree/reference.h"
 #include "accel/split/scan_kernel.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// The planes of a cell's first pass, on all three axes: n of them evenly from face to face, both
 /// included; the last is repeated in unused places.
@@ -20,7 +20,7 @@ struct FirstPlanes {
 };
 
 /// n in 2 to kFirstPlanes. A pure function of the cell.
-FirstPlanes first_planes(const Aabb& cell, std::uint32_t n);
+FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n);
 
 /// What the first pass found in some of a cell's list. Adds up over disjoint pieces of it.
 struct FirstScan {
@@ -48,7 +48,7 @@ struct FirstScans {
 /// As sift by {plane}, and adds to the scans what the first pass over what was written would find.
 /// One touch a reference. Writes and counts the same on every SIMD target. May be called on one
 /// piece of a list after the other, or with scans of their own on several at once.
-Sifted sift_and_scan(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right,
-                     FirstScans& scans);
+grow::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                           kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

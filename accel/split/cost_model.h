@@ -6,7 +6,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// Cost of the parts of a method, in units of one triangle test.
 struct SahConstants {
@@ -19,13 +19,13 @@ struct SahConstants {
 };
 
 /// The first of the axes along which the cell is longest.
-inline int longest_axis(const Aabb& cell) {
-  const Vec3f e = cell.hi - cell.lo;
+inline int longest_axis(const geometry::Aabb& cell) {
+  const geometry::Vec3f e = cell.hi - cell.lo;
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
 /// 1 / SA(cell), half areas as in CutAreas; 0 for a cell without area.
-inline double per_area(const Aabb& cell) {
+inline double per_area(const geometry::Aabb& cell) {
   const double whole = half_area(cell);
   return whole > 0 ? 1 / whole : 0;
 }
@@ -33,12 +33,12 @@ inline double per_area(const Aabb& cell) {
 /// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
 class CutAreas {
  public:
-  CutAreas(const Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
+  CutAreas(const geometry::Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
     const double whole = ends_ + slope_ * (hi_ - lo_);
     per_whole_ = whole > 0 ? 1 / whole : 0;
   }
   /// Where 1 / SA(cell) is known already.
-  CutAreas(const Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
+  CutAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
     const auto a = static_cast<std::size_t>(axis);
     const auto extent = [&](std::size_t i) {
       return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
@@ -70,11 +70,11 @@ inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, d
 /// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of
 /// the method.
 struct BestCut {
-  Plane plane;
+  kdtree::Plane plane;
   double cost = 0;
   bool found = false;
 
-  void offer(const Plane& candidate, double candidate_cost) {
+  void offer(const kdtree::Plane& candidate, double candidate_cost) {
     if (found && !(candidate_cost < cost)) return;
     plane = candidate;
     cost = candidate_cost;
@@ -82,4 +82,4 @@ struct BestCut {
   }
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -14,7 +14,7 @@
 #include "accel/split/bound_cost-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -32,10 +32,11 @@ struct Candidates {
 };
 
 /// Read as floats, a box is two groups of four: x, y, z of a bound and something else.
-static_assert(sizeof(BoxRef) == 8 * sizeof(float));
+static_assert(sizeof(kdtree::BoxRef) == 8 * sizeof(float));
 
 template <int kAxes>
-HWY_INLINE void append(const float* groups, const Aabb& cell, int first_axis, Candidates* out) {
+HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int first_axis,
+                       Candidates* out) {
   const Floats df;
   hn::Vec<Floats> bounds[4];
   hn::LoadInterleaved4(df, groups, bounds[0], bounds[1], bounds[2], bounds[3]);
@@ -50,27 +51,27 @@ HWY_INLINE void append(const float* groups, const Aabb& cell, int first_axis, Ca
 }
 
 template <int kAxes>
-HWY_INLINE void collect(std::span<const BoxRef> refs, const Aabb& cell, int first_axis,
-                        Candidates* out) {
+HWY_INLINE void collect(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                        int first_axis, Candidates* out) {
   constexpr std::size_t kBoxes = (kLanes + 1) / 2;  // in a register's worth of groups
   const std::size_t whole = refs.size() / kBoxes * kBoxes;
-  const auto append_all = [&](const BoxRef* begin, const BoxRef* end) {
+  const auto append_all = [&](const kdtree::BoxRef* begin, const kdtree::BoxRef* end) {
     const auto* last = reinterpret_cast<const float*>(end);
     for (auto* group = reinterpret_cast<const float*>(begin); group < last; group += 4 * kLanes)
       append<kAxes>(group, cell, first_axis, out);
   };
   append_all(refs.data(), refs.data() + whole);
   if (whole == refs.size()) return;
-  constexpr Vec3f kNowhere{kNone, kNone, kNone};
-  std::array<BoxRef, kBoxes> rest;
+  constexpr geometry::Vec3f kNowhere{kNone, kNone, kNone};
+  std::array<kdtree::BoxRef, kBoxes> rest;
   std::fill(std::copy(refs.begin() + static_cast<std::ptrdiff_t>(whole), refs.end(), rest.begin()),
-            rest.end(), BoxRef{.lo = kNowhere, .hi = kNowhere});
+            rest.end(), kdtree::BoxRef{.lo = kNowhere, .hi = kNowhere});
   append_all(rest.data(), rest.data() + rest.size());
 }
 
 template <int kAxes>
-BoundCut best_on(std::span<const BoxRef> refs, const Aabb& cell, int first_axis, double bonus,
-                 std::uint64_t& touches) {
+BoundCut best_on(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int first_axis,
+                 double bonus, std::uint64_t& touches) {
   const Floats df;
   const Counts du;
   const hn::RebindToSigned<Floats> di;
@@ -99,7 +100,7 @@ BoundCut best_on(std::span<const BoxRef> refs, const Aabb& cell, int first_axis,
       x[a] = hn::LoadU(df, candidates[a].at + begin);
       left[a] = right[a] = hn::Zero(du);
     }
-    for (const BoxRef& ref : refs) {
+    for (const kdtree::BoxRef& ref : refs) {
       const auto weight = hn::Set(du, ref.weight);
       for (int a = 0; a < kAxes; ++a) {
         const auto axis = static_cast<std::size_t>(first_axis + a);
@@ -131,27 +132,28 @@ BoundCut best_on(std::span<const BoxRef> refs, const Aabb& cell, int first_axis,
   return best;
 }
 
-BoundCut all_axes(std::span<const BoxRef> refs, const Aabb& cell, int, double bonus,
-                  std::uint64_t& touches) {
+BoundCut all_axes(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int,
+                  double bonus, std::uint64_t& touches) {
   return best_on<3>(refs, cell, 0, bonus, touches);
 }
-BoundCut one_axis(std::span<const BoxRef> refs, const Aabb& cell, int axis, double bonus,
-                  std::uint64_t& touches) {
+BoundCut one_axis(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int axis,
+                  double bonus, std::uint64_t& touches) {
   return best_on<1>(refs, cell, axis, bonus, touches);
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 HWY_EXPORT(all_axes);
 HWY_EXPORT(one_axis);
 
-std::optional<Cut> choose_bound(std::span<const BoxRef> refs, const Aabb& cell,
-                                const BoundRule& rule, BuildCounters& counters) {
+std::optional<kdtree::Cut> choose_bound(std::span<const kdtree::BoxRef> refs,
+                                        const geometry::Aabb& cell, const BoundRule& rule,
+                                        kdtree::BuildCounters& counters) {
   const double weight = total_weight(refs);
   const BoundCut best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
     const double bonus = rule.cost.empty_bonus;
@@ -160,8 +162,8 @@ std::optional<Cut> choose_bound(std::span<const BoxRef> refs, const Aabb& cell,
                : HWY_DYNAMIC_DISPATCH(one_axis)(refs, cell, range.begin, bonus, counters.touches);
   });
   if (!best.found() || !(best.cost(rule.cost) < rule.cost.intersect * weight)) return std::nullopt;
-  return Cut{best.plane};
+  return kdtree::Cut{best.plane};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 #endif  // HWY_ONCE

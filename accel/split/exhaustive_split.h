@@ -12,7 +12,7 @@
 #include "accel/split/cost_model.h"
 #include "accel/split/scan_kernel.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// How a short list is cut: at the best bound strictly inside the cell, of least cost, then least
 /// axis, then least position, if that is cheaper than a leaf.
@@ -30,12 +30,13 @@ inline constexpr std::size_t kMaxBoundScan = 256;
 
 /// The rule's cut, or nothing. The same on every SIMD target. refs: 1 to kMaxBoundScan. Touches: a
 /// pass over the list for every kScanWidth candidates of an axis.
-std::optional<Cut> choose_bound(std::span<const BoxRef> refs, const Aabb& cell,
-                                const BoundRule& rule, BuildCounters& counters);
+std::optional<kdtree::Cut> choose_bound(std::span<const kdtree::BoxRef> refs,
+                                        const geometry::Aabb& cell, const BoundRule& rule,
+                                        kdtree::BuildCounters& counters);
 
 /// The best of the bounds strictly inside a cell.
 struct BoundCut {
-  Plane plane;
+  kdtree::Plane plane;
   /// Cost of the two children in units of weight, relative to the cell's area; infinite if no
   /// bound lies inside.
   float children = std::numeric_limits<float>::infinity();
@@ -51,8 +52,8 @@ struct BoundCut {
 
 /// Tries the axes of the rule in its order. `best_of(AxisRange)` returns the best cut on them.
 template <class BestOf>
-BoundCut best_bound(const BoundRule& rule, const Aabb& cell, std::size_t size, double weight,
-                    const BestOf& best_of) {
+BoundCut best_bound(const BoundRule& rule, const geometry::Aabb& cell, std::size_t size,
+                    double weight, const BestOf& best_of) {
   if (!(rule.cost.traverse < rule.cost.intersect * weight)) return {};  // a leaf costs no more
   if (size <= rule.all_axes_up_to) return best_of(AxisRange{});
   const int longest = longest_axis(cell);
@@ -65,4 +66,4 @@ BoundCut best_bound(const BoundRule& rule, const Aabb& cell, std::size_t size, d
   return best;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

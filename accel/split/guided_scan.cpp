@@ -8,7 +8,7 @@
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_pass.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -16,7 +16,7 @@ constexpr std::size_t kMostSegments = kFirstPlanes - 1;
 
 /// What cuts along one axis of a cell cost, in weight: tests to expect in the children.
 struct AxisCost {
-  AxisCost(const Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
+  AxisCost(const geometry::Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : areas(cell, static_cast<int>(axis), per_whole),
         bonus(empty_bonus),
         lo(cell.lo[axis]),
@@ -36,7 +36,7 @@ struct AxisCost {
 
 /// The cheapest cut so far; the first of equal ones.
 struct Best {
-  Plane plane;
+  kdtree::Plane plane;
   double children = kNever;
 
   void offer(std::size_t axis, float x, double cost) {
@@ -114,7 +114,7 @@ void offer_moved(const AxisCost& cost, std::size_t axis, const WideAxis& planes,
 
 /// One pass over some axes: a stretch of the list that stays in the cache is read for one axis
 /// after the other.
-PassResult look_closely(std::span<const BoxRef> refs, const std::array<bool, 3>& axes,
+PassResult look_closely(std::span<const kdtree::BoxRef> refs, const std::array<bool, 3>& axes,
                         const std::array<WideAxis, 3>& planes) {
   constexpr std::size_t kStretch = 256;
   PassResult found;
@@ -128,12 +128,13 @@ PassResult look_closely(std::span<const BoxRef> refs, const std::array<bool, 3>&
   return found;
 }
 
-std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const CellRefs& list, const FirstPlanes& planes,
-                                                    BuildCounters& counters) {
+std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const kdtree::CellRefs& list,
+                                                    const FirstPlanes& planes,
+                                                    kdtree::BuildCounters& counters) {
   if (list.first != nullptr && list.first->covers(list.size)) return list.first->axes;
   counters.touches += list.size;
   return run_pass(list,
-                  [planes](std::span<const BoxRef> refs) {
+                  [planes](std::span<const kdtree::BoxRef> refs) {
                     PassResult found;
                     scan_three_axes(refs, planes.at, found.few);
                     return found;
@@ -143,8 +144,8 @@ std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const CellRefs& list, const 
 
 }  // namespace
 
-std::optional<Cut> choose_guided(const CellRefs& list, const GuidedRule& rule,
-                                 BuildCounters& counters) {
+std::optional<kdtree::Cut> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
+                                         kdtree::BuildCounters& counters) {
   const FirstPlanes planes = first_planes(list.box, rule.uniform_samples);
   const std::array<PlaneCounts<kFirstPlanes>, 3> counts = first_pass(list, planes, counters);
   const std::size_t samples = rule.uniform_samples;
@@ -174,14 +175,14 @@ std::optional<Cut> choose_guided(const CellRefs& list, const GuidedRule& rule,
   }
   if (placed[0] || placed[1] || placed[2]) {
     counters.touches += list.size;
-    const PassResult found = run_pass(list, [placed, wide](std::span<const BoxRef> refs) {
+    const PassResult found = run_pass(list, [placed, wide](std::span<const kdtree::BoxRef> refs) {
       return look_closely(refs, placed, wide);
     });
     for (std::size_t a = begin; a < end; ++a)
       if (placed[a]) offer_moved(along(a), a, wide[a], found.many[a], found.near[a], best);
   }
   if (!(best.children < of_leaf)) return std::nullopt;
-  return Cut{best.plane};
+  return kdtree::Cut{best.plane};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -8,7 +8,7 @@
 #include "accel/kdtree/reference.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// How a list is cut when counts guide where it is looked at.
 struct GuidedRule {
@@ -26,7 +26,7 @@ struct GuidedRule {
 /// bounds the cost within. The second pass looks at kScanWidth planes in the segments that may beat
 /// the best plane known, more in those that may by more; each of them then moves, at no cost, to
 /// the bound beside it on its cheaper side: between bounds the cost is linear.
-std::optional<Cut> choose_guided(const CellRefs& list, const GuidedRule& rule,
-                                 BuildCounters& counters);
+std::optional<kdtree::Cut> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
+                                         kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -10,20 +10,21 @@
 #include "accel/published/kd/min_max_builder.h"
 #include "accel/split/scan_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// Made without a name it is a scan builder with its default parameters.
-using KdBuilder = std::variant<ScanBuilder, SpatialMedianBuilder, ObjectMedianBuilder, ExactBuilder,
-                               MinMaxBuilder>;
+using KdBuilder = std::variant<ScanBuilder, published::kd::SpatialMedianBuilder,
+                               published::kd::ObjectMedianBuilder, published::kd::ExactBuilder,
+                               published::kd::MinMaxBuilder>;
 
 /// Where the builder cuts a cell; nothing for a leaf.
-std::optional<Cut> choose_cut(const KdBuilder& builder, const CellRefs& cell,
-                              BuildCounters& counters);
+std::optional<kdtree::Cut> choose_cut(const KdBuilder& builder, const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters);
 
 /// Whether straddlers of a cut are clipped that leaves so many of a cell's references on both
 /// sides.
 template <class Builder>
-bool clips_straddlers(const Builder& builder, const CellPath& path, std::size_t straddlers,
+bool clips_straddlers(const Builder& builder, const kdtree::CellPath& path, std::size_t straddlers,
                       std::size_t references) {
   if constexpr (requires { builder.clips(path, straddlers, references); }) {
     return builder.clips(path, straddlers, references);
@@ -31,7 +32,7 @@ bool clips_straddlers(const Builder& builder, const CellPath& path, std::size_t 
     return builder.clips();
   }
 }
-bool clips(const KdBuilder& builder, const CellPath& path, std::size_t straddlers,
+bool clips(const KdBuilder& builder, const kdtree::CellPath& path, std::size_t straddlers,
            std::size_t references);
 
 /// Whether the builder can look at a list through passes alone (CellRefs::run); the others need it
@@ -43,6 +44,6 @@ bool runs_passes(const KdBuilder& builder);
 bool scans_children(const KdBuilder& builder, std::size_t references);
 
 /// For builders that scan children: where the first pass over the list of that cell counts.
-FirstPlanes first_planes(const KdBuilder& builder, const Aabb& child);
+FirstPlanes first_planes(const KdBuilder& builder, const geometry::Aabb& child);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

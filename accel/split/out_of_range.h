@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// "bins is 1, must lie in 2 to 256"; nothing if the value lies in lo to hi, both included. NaN
 /// lies nowhere.
@@ -16,4 +16,4 @@ std::optional<std::string> out_of_range(std::string_view name, T value, T lo, T 
          std::to_string(lo) + " to " + std::to_string(hi);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

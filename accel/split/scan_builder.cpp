@@ -11,7 +11,7 @@
 #include "accel/split/guided_scan.h"
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 /// A list of at least kCrowdFrom references is a crowd if one in kCrowd of them straddles; where
@@ -25,18 +25,19 @@ constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis)
 
 /// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
 /// SA_L, SA_R make. The parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
-void offer_minima(const Samples& samples, const CutAreas& areas, const SahConstants& constants,
-                  int axis, const Aabb& cell, BestCut& best) {
+void offer_minima(const published::kd::Samples& samples, const CutAreas& areas,
+                  const SahConstants& constants, int axis, const geometry::Aabb& cell,
+                  BestCut& best) {
   const auto offer = [&](double x, double left, double right) {
     const auto position = static_cast<float>(x);
     if (!(position > cell.lo[index_of(axis)] && position < cell.hi[index_of(axis)])) return;
     best.offer({axis, position}, cut_cost(constants, areas, x, left, right));
   };
   for (std::size_t i = 0; i < samples.size; ++i) {
-    const Sample& s = samples.at[i];
+    const published::kd::Sample& s = samples.at[i];
     offer(s.position, s.left, s.right);
     if (i + 1 == samples.size) break;
-    const Sample& e = samples.at[i + 1];
+    const published::kd::Sample& e = samples.at[i + 1];
     const double h = e.position - s.position;
     if (!(h > 0)) continue;
     const double left_slope = (e.left - s.left) / h, right_slope = (e.right - s.right) / h;
@@ -50,27 +51,27 @@ void offer_minima(const Samples& samples, const CutAreas& areas, const SahConsta
 }
 
 /// Returns the weight of the whole list: all of it lies below the cell's upper face.
-double offer_sampled(const ScanBuilder& builder, const CellRefs& list, AxisRange range,
-                     BestCut& best, BuildCounters& counters) {
-  const std::array<Samples, 3> samples =
-      sample_axes(list, range, builder.uniform_samples, builder.adaptive_samples, counters);
+double offer_sampled(const ScanBuilder& builder, const kdtree::CellRefs& list, AxisRange range,
+                     BestCut& best, kdtree::BuildCounters& counters) {
+  const std::array<published::kd::Samples, 3> samples = published::kd::sample_axes(
+      list, range, builder.uniform_samples, builder.adaptive_samples, counters);
   for (int axis = range.begin; axis < range.end; ++axis) {
     offer_minima(samples[index_of(axis)], CutAreas(list.box, axis), builder.cost, axis, list.box,
                  best);
   }
-  const Samples& any = samples[index_of(range.begin)];
+  const published::kd::Samples& any = samples[index_of(range.begin)];
   return any.at[any.size - 1].left;
 }
 
 /// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose
 /// costs are true.
-void snap_to_bound(const CellRefs& list, const SahConstants& constants, BestCut& best,
-                   BuildCounters& counters) {
+void snap_to_bound(const kdtree::CellRefs& list, const SahConstants& constants, BestCut& best,
+                   kdtree::BuildCounters& counters) {
   const int axis = best.plane.axis;
   const std::size_t a = index_of(axis);
   const auto pass = [&](const WideAxis& planes) {
     counters.touches += list.size;
-    return run_pass(list, [axis, planes](std::span<const BoxRef> refs) {
+    return run_pass(list, [axis, planes](std::span<const kdtree::BoxRef> refs) {
       PassResult found;
       scan_wide_axis(refs, axis, planes, found.many[0], found.near[0]);
       return found;
@@ -96,8 +97,8 @@ void snap_to_bound(const CellRefs& list, const SahConstants& constants, BestCut&
 }  // namespace
 
 std::optional<std::string> ScanBuilder::check() const {
-  const auto most =
-      static_cast<std::uint32_t>(axes == ScanAxes::kGuided ? kFirstPlanes : kMostSamples);
+  const auto most = static_cast<std::uint32_t>(
+      axes == ScanAxes::kGuided ? kFirstPlanes : published::kd::kMostSamples);
   if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
   if (auto e = out_of_range("adaptive_samples", adaptive_samples, 0u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, kMaxExact)) return e;
@@ -113,9 +114,10 @@ std::optional<std::string> ScanBuilder::check() const {
   return std::nullopt;
 }
 
-bool ScanBuilder::is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references) {
+bool ScanBuilder::is_crowd(const kdtree::CellPath& path, std::size_t straddlers,
+                           std::size_t references) {
   if (references < kCrowdFrom || references >= kCrowdBelow) return false;
-  const bool is_of_long = is_long(path, static_cast<double>(references));
+  const bool is_of_long = grow::is_long(path, static_cast<double>(references));
   return straddlers * (is_of_long ? kLongCrowd : kCrowd) >= references;
 }
 
@@ -127,10 +129,11 @@ std::optional<BoundRule> ScanBuilder::bound_rule(std::size_t references) const {
   return rule;
 }
 
-std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
+std::optional<kdtree::Cut> ScanBuilder::choose(const kdtree::CellRefs& list,
+                                               kdtree::BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
-  const bool swollen =
-      axes == ScanAxes::kGuided && list.size > kExactAnyway && is_swollen(list.path, list.size);
+  const bool swollen = axes == ScanAxes::kGuided && list.size > kExactAnyway &&
+                       grow::is_swollen(list.path, list.size);
   if (const auto rule = bound_rule(list.size); rule && !swollen)
     return choose_bound(list.refs, list.box, *rule, counters);
   if (axes == ScanAxes::kGuided) {
@@ -156,7 +159,7 @@ std::optional<Cut> ScanBuilder::choose(const CellRefs& list, BuildCounters& coun
   }
   if (snap && best.found) snap_to_bound(list, cost, best, counters);
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
-  return Cut{best.plane};
+  return kdtree::Cut{best.plane};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -15,7 +15,7 @@
 #include "accel/split/cost_model.h"
 #include "accel/split/exhaustive_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 enum class ScanAxes : std::uint8_t {
   kOne,     ///< The cell's longest axis (paper: "one axis").
@@ -73,10 +73,11 @@ struct ScanBuilder {
   /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing
   /// every box, or no plane fits. Threads: any. Large lists are scanned in parallel in the caller's
   /// arena; the answer does not depend on how.
-  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const;
 
   bool clips() const { return clip; }
-  bool clips(const CellPath& path, std::size_t straddlers, std::size_t references) const {
+  bool clips(const kdtree::CellPath& path, std::size_t straddlers, std::size_t references) const {
     return clip || (clip_crowds && is_crowd(path, straddlers, references));
   }
 
@@ -87,8 +88,8 @@ struct ScanBuilder {
     return !clip && uniform_samples <= kFirstPlanes && references >= 2 * std::size_t{exact_below};
   }
   /// Where the first pass over a child's list counts.
-  FirstPlanes first_planes(const Aabb& child) const {
-    return accel::first_planes(child, uniform_samples);
+  FirstPlanes first_planes(const geometry::Aabb& child) const {
+    return accel::split::first_planes(child, uniform_samples);
   }
 
   /// Whether long lists may be cut where a sample of them would be.
@@ -98,7 +99,8 @@ struct ScanBuilder {
   std::optional<BoundRule> bound_rule(std::size_t references) const;
 
  private:
-  static bool is_crowd(const CellPath& path, std::size_t straddlers, std::size_t references);
+  static bool is_crowd(const kdtree::CellPath& path, std::size_t straddlers,
+                       std::size_t references);
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -8,7 +8,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -78,13 +78,13 @@ class Planes {
   hn::Vec<Counts> left_[kParts], right_[kParts];
 };
 
-void three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
+void three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
                 std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
   Planes<kFirstPlanes> along_x, along_y, along_z;  // by name: they have to stay in registers
   along_x.load(planes[0], counts[0]);
   along_y.load(planes[1], counts[1]);
   along_z.load(planes[2], counts[2]);
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     along_x.count(ref.lo.x, ref.hi.x, ref.weight);
     along_y.count(ref.lo.y, ref.hi.y, ref.weight);
     along_z.count(ref.lo.z, ref.hi.z, ref.weight);
@@ -94,20 +94,20 @@ void three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& pl
   along_z.store(counts[2]);
 }
 
-void one_axis(std::span<const BoxRef> refs, std::size_t axis, const FirstAxis& planes,
+void one_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const FirstAxis& planes,
               PlaneCounts<kFirstPlanes>& counts) {
   Planes<kFirstPlanes> along;
   along.load(planes, counts);
-  for (const BoxRef& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
+  for (const kdtree::BoxRef& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
   along.store(counts);
 }
 
-void wide_axis(std::span<const BoxRef> refs, std::size_t axis, const WideAxis& planes,
+void wide_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const WideAxis& planes,
                PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   Planes<kScanWidth> along;
   along.load(planes, counts);
   along.load(near);
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     along.count(ref.lo[axis], ref.hi[axis], ref.weight);
     along.come_near(ref.lo[axis], ref.hi[axis]);
   }
@@ -116,25 +116,25 @@ void wide_axis(std::span<const BoxRef> refs, std::size_t axis, const WideAxis& p
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 HWY_EXPORT(three_axes);
 HWY_EXPORT(one_axis);
 HWY_EXPORT(wide_axis);
 
-void scan_three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
+void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
                      std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
   HWY_DYNAMIC_DISPATCH(three_axes)(refs, planes, counts);
 }
-void scan_one_axis(std::span<const BoxRef> refs, int axis, const FirstAxis& planes,
+void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
                    PlaneCounts<kFirstPlanes>& counts) {
   HWY_DYNAMIC_DISPATCH(one_axis)(refs, static_cast<std::size_t>(axis), planes, counts);
 }
-void scan_wide_axis(std::span<const BoxRef> refs, int axis, const WideAxis& planes,
+void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
                     PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   HWY_DYNAMIC_DISPATCH(wide_axis)(refs, static_cast<std::size_t>(axis), planes, counts, near);
 }
@@ -143,5 +143,5 @@ std::string_view simd_target() {
   return hwy::TargetName(best & -best);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split
 #endif  // HWY_ONCE

@@ -11,7 +11,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// Most planes of one axis that a pass looks at.
 inline constexpr std::size_t kScanWidth = 16;
@@ -67,18 +67,18 @@ using FirstAxis = std::array<float, kFirstPlanes>;
 using WideAxis = std::array<float, kScanWidth>;
 
 /// Adds what one pass over three axes counts.
-void scan_three_axes(std::span<const BoxRef> refs, const std::array<FirstAxis, 3>& planes,
+void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
                      std::array<PlaneCounts<kFirstPlanes>, 3>& counts);
 
 /// Adds what one pass over one axis counts.
-void scan_one_axis(std::span<const BoxRef> refs, int axis, const FirstAxis& planes,
+void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
                    PlaneCounts<kFirstPlanes>& counts);
 
 /// Adds what one pass over one axis counts and which bounds it finds next to the planes.
-void scan_wide_axis(std::span<const BoxRef> refs, int axis, const WideAxis& planes,
+void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
                     PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near);
 
 /// What the kernels run on here, e.g. "AVX3".
 std::string_view simd_target();
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

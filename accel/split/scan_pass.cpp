@@ -4,9 +4,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
-PassResult run_in_slices(std::span<const BoxRef> refs, const PassKernel& kernel) {
+PassResult run_in_slices(std::span<const kdtree::BoxRef> refs, const PassKernel& kernel) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), PassResult{},
       [&](const tbb::blocked_range<std::size_t>& slice, PassResult sum) {
@@ -16,4 +16,4 @@ PassResult run_in_slices(std::span<const BoxRef> refs, const PassKernel& kernel)
       [](PassResult a, const PassResult& b) { return a += b; });
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

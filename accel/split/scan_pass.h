@@ -13,7 +13,7 @@
 #include "accel/kdtree/reference.h"
 #include "accel/split/scan_kernel.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 
 /// What a pass found in some of a list's boxes. Adds up over disjoint pieces of the list, in any
 /// order, to what a pass over the whole finds.
@@ -35,7 +35,7 @@ static_assert(std::is_trivially_copyable_v<PassResult>);
 
 /// Passes once over some of a list's boxes. Holds all it needs: it may outlive who made it, run on
 /// any thread, on several at once, and more than once over the same boxes, with equal results.
-using PassKernel = std::function<PassResult(std::span<const BoxRef>)>;
+using PassKernel = std::function<PassResult(std::span<const kdtree::BoxRef>)>;
 
 /// Runs a kernel over the whole of one list, and returns the sum.
 using RunPass = std::function<PassResult(const PassKernel&)>;
@@ -44,16 +44,16 @@ using RunPass = std::function<PassResult(const PassKernel&)>;
 inline constexpr std::size_t kScanSlice = 32768;
 
 /// Over a list of at least 2 kScanSlice boxes at hand.
-PassResult run_in_slices(std::span<const BoxRef> refs, const PassKernel& kernel);
+PassResult run_in_slices(std::span<const kdtree::BoxRef> refs, const PassKernel& kernel);
 
 /// One pass over the list of a cell: through `list.run` where there is one, else over `list.refs`,
 /// long ones in parallel slices in the caller's arena. Sums of integers, greatest and least: the
 /// same however the list is cut.
 template <class Kernel>
-PassResult run_pass(const CellRefs& list, const Kernel& kernel) {
+PassResult run_pass(const kdtree::CellRefs& list, const Kernel& kernel) {
   if (list.run != nullptr) return (*list.run)(kernel);
   if (list.refs.size() < 2 * kScanSlice) return kernel(list.refs);
   return run_in_slices(list.refs, kernel);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -12,7 +12,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/wire/update_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 constexpr int kAttempts = 4;
@@ -52,7 +52,7 @@ class Batches {
   Status add(const Update& update) {
     v1::Update encoded = encode(update, aliases_);
     std::size_t bytes = encoded.ByteSizeLong();
-    if (bytes_ > 0 && bytes_ + bytes > kMaxUpdateBytes) {
+    if (bytes_ > 0 && bytes_ + bytes > wire::kMaxUpdateBytes) {
       if (Status sent = flush(); !sent) return sent;
       encoded = encode(update, aliases_);
       bytes = encoded.ByteSizeLong();
@@ -95,7 +95,7 @@ class Batches {
   std::string id_;
   int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
-  NodeAliases aliases_;
+  wire::NodeAliases aliases_;
   std::vector<NodeRef> puts_;  // of the message being filled
   std::size_t bytes_ = 0;
   Applied total_;
@@ -105,12 +105,12 @@ class Batches {
 
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options) {
-  if (const Status checked = check(updates); !checked) return checked.error();
+  if (const Status checked = wire::check(updates); !checked) return checked.error();
   v1::ApplyUpdatesRequest request;
   request.set_scene(scene);
   request.set_request_id(options.request_id.empty() ? random_request_id() : options.request_id);
   if (options.expected_revision) request.set_expected_revision(*options.expected_revision);
-  for (const Update& update : updates) *request.add_updates() = encode(update);
+  for (const Update& update : updates) *request.add_updates() = wire::encode(update);
   if (const std::size_t bytes = request.ByteSizeLong(); bytes > kMaxMessageBytes) {
     return Error{Code::kResourceExhausted,
                  fmt::format("{} updates are {} bytes, of {} that one message may have",
@@ -122,15 +122,15 @@ Result<Applied> apply(const Connection& connection, const std::string& scene,
 
 Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
                                  std::span<const Update> updates, const ApplyOptions& options) {
-  if (const Status checked = check(updates); !checked) return checked.error();
+  if (const Status checked = wire::check(updates); !checked) return checked.error();
   Batches batches(connection, scene, options);
   for (const Update& update : updates) {
     const Status added =
-        each_piece(update, [&](const Update& piece) { return batches.add(piece); });
+        wire::each_piece(update, [&](const Update& piece) { return batches.add(piece); });
     if (!added) return added.error();
   }
   if (const Status sent = batches.flush(); !sent) return sent.error();
   return batches.take();
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -6,7 +6,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 /// The connection broke, or the server went; what was asked may be asked again if that is safe.
 /// gRPC has no better name than unknown for a call whose connection was closed under it.
@@ -41,4 +41,4 @@ class Backoff {
   std::chrono::milliseconds pause_ = kFirstPause;
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -5,7 +5,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/wire/cast_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 template <class Scalar>
 Result<CastReport> cast(const Connection& connection, const std::string& scene,
@@ -15,8 +15,8 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene,
   if (const Status checked = check_rows(rays, hits); !checked) return checked.error();
   const HitFields fields = fields_of(hits);
   v1::CastRaysRequest request;
-  describe(scene, fields, options, request);
-  copy_rays(rays, 0, make_room<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
+  wire::describe(scene, fields, options, request);
+  copy_rays(rays, 0, wire::make_room<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
 
   grpc::ClientContext context;
   set_timeout(context, connection.options.timeout);
@@ -24,11 +24,11 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene,
   v1::CastRaysResponse response;
   const grpc::Status status = connection.queries->CastRays(&context, request, &response);
   if (!status.ok()) return rpc_error(status);
-  const auto answers = view_hits(response, fields, rays.size());
+  const auto answers = wire::view_hits(response, fields, rays.size());
   if (!answers) return answers.error();
   copy_hits(*answers, 0, hits);
   CastReport report;
-  add_stats(response, report);
+  wire::add_stats(response, report);
   return report;
 }
 
@@ -39,4 +39,4 @@ template Result<CastReport> cast(const Connection&, const std::string&,
                                  const RayColumns<const double>&, const HitColumns&,
                                  const CastOptions&);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

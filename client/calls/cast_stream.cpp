@@ -15,7 +15,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/wire/cast_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
@@ -41,13 +41,13 @@ struct Writer {
   // The next message's rays; 0 at the end and on an error, which is kept.
   std::size_t fill() {
     v1::Rays& rays = *request.mutable_request()->mutable_rays();
-    const auto count = source(make_room<Scalar>(kRaysPerMessage, shape, rays));
+    const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
     if (!count) {
       window.source_error = count.error();
       context.TryCancel();
       return 0;
     }
-    trim<Scalar>(*count, shape, rays);
+    wire::trim<Scalar>(*count, shape, rays);
     return *count;
   }
 
@@ -100,8 +100,8 @@ struct Reader {
     }
     const std::size_t n = window.rays[chunk % kMessagesInFlight];
     const bool is_all = kind == QueryKind::kAll;
-    const auto answers = is_all ? view_all_hits(response.response(), fields, answered, n)
-                                : view_hits(response.response(), fields, n);
+    const auto answers = is_all ? wire::view_all_hits(response.response(), fields, answered, n)
+                                : wire::view_hits(response.response(), fields, n);
     if (!answers) return answers.error();
     const std::size_t count = is_all ? answers->offsets.size() - 1 : n;
     if (Status taken = sink(first + answered, count, *answers); !taken) return taken;
@@ -111,7 +111,7 @@ struct Reader {
   }
 
   void next_chunk(const v1::CastRaysResponse& response) {
-    add_stats(response, report);
+    wire::add_stats(response, report);
     first += answered;
     answered = 0;
     ++chunk;
@@ -144,7 +144,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
 
   Window window;
   Writer<Scalar> writer{*stream, context, window, source, shape, {}};
-  describe(scene, fields, options, *writer.request.mutable_request());
+  wire::describe(scene, fields, options, *writer.request.mutable_request());
   std::thread writing([&] { writer.run(); });
   CastReport report;
   const Status read =
@@ -210,4 +210,4 @@ template Result<AllHits> cast_all(const Connection&, const std::string&,
 template Result<AllHits> cast_all(const Connection&, const std::string&,
                                   const RayColumns<const double>&, HitFields, CastOptions);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -5,7 +5,7 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 // Only calls that may safely be made twice. A stream of rays is not among them: once answers have
@@ -49,4 +49,4 @@ void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::millis
   if (timeout) context.set_deadline(std::chrono::system_clock::now() + *timeout);
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 /// Calls that only read are tried again, by gRPC, when the server is unavailable; see
 /// kServiceConfig.
@@ -17,4 +17,4 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint);
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

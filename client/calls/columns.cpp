@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 Status check_column(const char* name, std::size_t values, std::size_t rows, std::size_t width) {
@@ -132,4 +132,4 @@ template void copy_rays(const RayColumns<const double>&, std::size_t, const RayC
 template RaySource<float> source_of(const RayColumns<const float>&);
 template RaySource<double> source_of(const RayColumns<const double>&);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -8,7 +8,7 @@
 #include "client/rays.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 template <class Scalar>
 RayShape shape_of(const RayColumns<const Scalar>& rays) {
@@ -37,4 +37,4 @@ RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
 /// Puts the answers in their place, from row `first` on.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

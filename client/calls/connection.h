@@ -14,7 +14,7 @@
 #include "sightline/v1/scene.grpc.pb.h"
 #include "sightline/v1/server.grpc.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 namespace v1 = ::sightline::v1;
 
@@ -88,4 +88,4 @@ Result<AllHits> cast_all(const Connection& connection, const std::string& scene,
                          const RayColumns<const Scalar>& rays, HitFields fields,
                          CastOptions options);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

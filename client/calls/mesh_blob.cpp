@@ -11,7 +11,7 @@
 #include <memory>
 #include <new>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are sent as they are in memory");
@@ -78,4 +78,4 @@ std::string MeshBlob::digest() const {
   return fmt::format("sha256:{}/{}", sha.hex(), size());
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

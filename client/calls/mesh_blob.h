@@ -9,7 +9,7 @@
 
 #include "client/mesh_arrays.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 /// Looks at the arrays, which must outlive it; makes no copy of them.
 class MeshBlob {
@@ -31,4 +31,4 @@ class MeshBlob {
   std::span<const std::byte> indices_;
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <random>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 std::string random_request_id() {
   std::random_device device;
@@ -16,4 +16,4 @@ std::string random_request_id() {
   return fmt::format("{:016x}{:016x}", high, low);
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

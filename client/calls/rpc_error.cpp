@@ -4,7 +4,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 Code code_of(grpc::StatusCode code) {
@@ -64,4 +64,4 @@ Error rpc_error(int code, const std::string& message, const std::string& reason)
   return {code_of(static_cast<grpc::StatusCode>(code)), message, reason};
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

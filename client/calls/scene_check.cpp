@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 // |A| |A^-1| of the linear part, by its cofactors; infinite or NaN where there is no inverse.
@@ -30,8 +30,8 @@ double condition(const std::array<double, 12>& m) {
   return norm(a) * norm(cofactors) / std::abs(determinant);
 }
 
-Status check_transforms(const ImportedScene& scene) {
-  for (const ImportedNode& node : scene.nodes) {
+Status check_transforms(const importer::ImportedScene& scene) {
+  for (const importer::ImportedNode& node : scene.nodes) {
     const double k = condition(node.parent_from_local);
     if (k <= kMaxCondition) continue;
     return Error{
@@ -44,11 +44,11 @@ Status check_transforms(const ImportedScene& scene) {
   return {};
 }
 
-Status check_depth(const ImportedScene& scene, std::uint32_t limit) {
+Status check_depth(const importer::ImportedScene& scene, std::uint32_t limit) {
   std::vector<std::uint32_t> depths;
   depths.reserve(scene.nodes.size());
-  for (const ImportedNode& node : scene.nodes) {
-    depths.push_back(node.parent == kNone ? 1 : depths[node.parent] + 1);
+  for (const importer::ImportedNode& node : scene.nodes) {
+    depths.push_back(node.parent == importer::kNone ? 1 : depths[node.parent] + 1);
     if (depths.back() <= limit) continue;
     return Error{
         Code::kInvalidArgument,
@@ -60,10 +60,10 @@ Status check_depth(const ImportedScene& scene, std::uint32_t limit) {
 
 }  // namespace
 
-Status check_scene(const ImportedScene& scene, const ServerInfo& limits) {
+Status check_scene(const importer::ImportedScene& scene, const ServerInfo& limits) {
   if (Status good = check_transforms(scene); !good) return good;
   if (Status good = check_depth(scene, limits.max_depth); !good) return good;
-  for (const ImportedMesh& mesh : scene.meshes) {
+  for (const importer::ImportedMesh& mesh : scene.meshes) {
     if (mesh.faces.size() <= limits.max_triangles_per_mesh) continue;
     return Error{Code::kResourceExhausted,
                  fmt::format("mesh '{}' has {} faces, the limit is {}", mesh.name,
@@ -73,4 +73,4 @@ Status check_scene(const ImportedScene& scene, const ServerInfo& limits) {
   return {};
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -5,7 +5,7 @@
 #include "client/result.h"
 #include "client/scene_info.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 /// Transforms are refused over this: no ray could be carried through them with any precision left.
 inline constexpr double kMaxCondition = 1e12;
@@ -13,6 +13,6 @@ inline constexpr double kMaxCondition = 1e12;
 /// Whether the server will take the scene. Errors, naming the node or mesh, the value and the
 /// limit: kInvalidArgument (singular or nearly singular transform, hierarchy too deep),
 /// kResourceExhausted (mesh too big).
-Status check_scene(const ImportedScene& scene, const ServerInfo& limits);
+Status check_scene(const importer::ImportedScene& scene, const ServerInfo& limits);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -11,7 +11,7 @@
 #include "client/calls/mesh_blob.h"
 #include "client/calls/scene_check.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 // The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal
@@ -21,13 +21,13 @@ struct Blobs {
   std::vector<std::string> digest;
 };
 
-Blobs make_blobs(const ImportedScene& scene) {
+Blobs make_blobs(const importer::ImportedScene& scene) {
   Blobs blobs{std::vector<std::optional<MeshBlob>>(scene.meshes.size()),
               std::vector<std::string>(scene.meshes.size())};
   std::unordered_map<std::string, std::uint32_t> twins;
-  for (const ImportedNode& node : scene.nodes) {
-    if (node.mesh == kNone || blobs.blob[node.mesh]) continue;
-    const ImportedMesh& mesh = scene.meshes[node.mesh];
+  for (const importer::ImportedNode& node : scene.nodes) {
+    if (node.mesh == importer::kNone || blobs.blob[node.mesh]) continue;
+    const importer::ImportedMesh& mesh = scene.meshes[node.mesh];
     MeshBlob blob(mesh.vertices, mesh.faces);
     std::string digest = blob.digest();
     if (const std::uint32_t twin = twins[digest]++; twin > 0) {
@@ -67,19 +67,20 @@ Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_t
   return {};
 }
 
-std::vector<Update> put_nodes(const ImportedScene& scene, const std::vector<std::string>& digests,
+std::vector<Update> put_nodes(const importer::ImportedScene& scene,
+                              const std::vector<std::string>& digests,
                               const SceneUploadOptions& options, NodeRef parent = 0) {
   std::vector<Update> updates;
   updates.reserve(scene.nodes.size());
   const auto alias = [](std::size_t i) { return -static_cast<NodeRef>(i) - 1; };
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const ImportedNode& node = scene.nodes[i];
+    const importer::ImportedNode& node = scene.nodes[i];
     PutNode put;
     put.node = alias(i);
-    put.parent = node.parent == kNone ? parent : alias(node.parent);
+    put.parent = node.parent == importer::kNone ? parent : alias(node.parent);
     put.name = node.name;
     put.parent_from_local = node.parent_from_local;
-    if (node.mesh != kNone) put.mesh_digest = digests[node.mesh];
+    if (node.mesh != importer::kNone) put.mesh_digest = digests[node.mesh];
     put.mobility = options.by_node.empty() ? options.mobility : options.by_node[i];
     updates.emplace_back(std::move(put));
   }
@@ -108,7 +109,8 @@ Error already_exists(const std::string& name) {
 }  // namespace
 
 Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
-                               const ImportedScene& scene, const SceneUploadOptions& options,
+                               const importer::ImportedScene& scene,
+                               const SceneUploadOptions& options,
                                const SceneUploadProgress& progress) {
   const auto limits = client.server_info();
   if (!limits) return limits.error();
@@ -141,7 +143,8 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
 }
 
 Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
-                                                const ImportedScene& scene, std::uint64_t parent,
+                                                const importer::ImportedScene& scene,
+                                                std::uint64_t parent,
                                                 const SceneUploadOptions& options,
                                                 const SceneUploadProgress& progress) {
   const auto limits = client.server_info();
@@ -159,8 +162,8 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
   return applied->nodes;
 }
 
-std::vector<std::string> mesh_digests(const ImportedScene& scene) {
+std::vector<std::string> mesh_digests(const importer::ImportedScene& scene) {
   return make_blobs(scene).digest;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

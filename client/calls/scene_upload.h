@@ -11,7 +11,7 @@
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 struct SceneUploadOptions {
   Mobility mobility = Mobility::kStatic;  ///< Of every node.
@@ -29,18 +29,20 @@ using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t
 /// again. Node ids follow the order of scene.nodes. Errors: kAlreadyExists, before anything is
 /// sent; those of check_scene and of the calls.
 Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
-                               const ImportedScene& scene, const SceneUploadOptions& options,
+                               const importer::ImportedScene& scene,
+                               const SceneUploadOptions& options,
                                const SceneUploadProgress& progress = {});
 
 /// Puts the imported scene's nodes beside what the scene holds, its roots under `parent` (0: as
 /// roots), and returns their ids, in the order of scene.nodes. `options.replace` is not looked at.
 /// Errors: kNotFound; those of check_scene and of the calls.
 Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
-                                                const ImportedScene& scene, std::uint64_t parent,
+                                                const importer::ImportedScene& scene,
+                                                std::uint64_t parent,
                                                 const SceneUploadOptions& options,
                                                 const SceneUploadProgress& progress = {});
 
 /// The names that upload_scene gives to the meshes; empty for one that no node carries.
-std::vector<std::string> mesh_digests(const ImportedScene& scene);
+std::vector<std::string> mesh_digests(const importer::ImportedScene& scene);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

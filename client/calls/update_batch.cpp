@@ -7,7 +7,7 @@
 
 #include "client/wire/update_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 Error too_large(std::string message) {
@@ -19,18 +19,18 @@ class Packer {
   Packer() : messages_(1) { messages_[0].mutable_batch(); }
 
   Status add(const Update& piece) {
-    v1::Update encoded = encode(piece);
+    v1::Update encoded = wire::encode(piece);
     const std::size_t bytes = encoded.ByteSizeLong() + 8;  // with its tag and length
-    if (bytes > kMaxUpdateBytes) {
+    if (bytes > wire::kMaxUpdateBytes) {
       return too_large(fmt::format("an update is {} bytes, of {} that one message may have", bytes,
-                                   kMaxUpdateBytes));
+                                   wire::kMaxUpdateBytes));
     }
     if (++updates_ > kMaxUpdatesPerBatch)
       return too_large(fmt::format("a batch may have {} updates", kMaxUpdatesPerBatch));
     total_ += bytes;
     if (total_ > kMaxBatchBytes)
       return too_large(fmt::format("a batch may have {} bytes", kMaxBatchBytes));
-    if (filled_ + bytes > kMaxUpdateBytes) {
+    if (filled_ + bytes > wire::kMaxUpdateBytes) {
       messages_.back().mutable_batch()->set_more(true);
       messages_.emplace_back().mutable_batch();
       filled_ = 0;
@@ -52,10 +52,11 @@ class Packer {
 }  // namespace
 
 Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update> updates) {
-  if (const Status checked = check(updates); !checked) return checked.error();
+  if (const Status checked = wire::check(updates); !checked) return checked.error();
   Packer packer;
   for (const Update& update : updates) {
-    const Status added = each_piece(update, [&](const Update& piece) { return packer.add(piece); });
+    const Status added =
+        wire::each_piece(update, [&](const Update& piece) { return packer.add(piece); });
     if (!added) return added.error();
   }
   return packer.take();
@@ -67,4 +68,4 @@ void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>&
   }
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

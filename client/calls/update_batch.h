@@ -10,7 +10,7 @@
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 namespace v1 = ::sightline::v1;
 
@@ -24,4 +24,4 @@ Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update>
 
 void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

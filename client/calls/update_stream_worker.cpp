@@ -9,7 +9,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/calls/update_batch.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 constexpr std::size_t kRejectsKept = 1024;
@@ -22,9 +22,9 @@ Error closed() { return {Code::kFailedPrecondition, "the stream of updates is cl
 
 }  // namespace
 
-UpdateStream::Carrier::Carrier(std::unique_ptr<v1::SceneService::Stub> stub,
-                               const std::string& scene, const std::string& producer,
-                               UpdateStreamOptions options)
+UpdateStreamWorker::UpdateStreamWorker(std::unique_ptr<v1::SceneService::Stub> stub,
+                                       const std::string& scene, const std::string& producer,
+                                       UpdateStreamOptions options)
     : stub_(std::move(stub)), options_(std::move(options)), backoff_(options_.attempts) {
   v1::OpenProducer& open = *opening_.mutable_open();
   open.set_scene(scene);
@@ -33,7 +33,7 @@ UpdateStream::Carrier::Carrier(std::unique_ptr<v1::SceneService::Stub> stub,
   thread_ = std::thread([this] { run(); });
 }
 
-UpdateStream::Carrier::~Carrier() {
+UpdateStreamWorker::~UpdateStreamWorker() {
   {
     const std::lock_guard lock(mutex_);
     abandoned_ = true;
@@ -43,7 +43,7 @@ UpdateStream::Carrier::~Carrier() {
   if (thread_.joinable()) thread_.join();
 }
 
-Status UpdateStream::Carrier::open(std::chrono::milliseconds patience) {
+Status UpdateStreamWorker::open(std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
   if (!changed_.wait_for(lock, patience, [this] { return opened_ || ended_; })) {
     return Error{Code::kDeadlineExceeded,
@@ -53,8 +53,7 @@ Status UpdateStream::Carrier::open(std::chrono::milliseconds patience) {
   return failed_ ? Status(*failed_) : Status();
 }
 
-Result<std::optional<std::uint64_t>> UpdateStream::Carrier::hand_over(Messages messages,
-                                                                      bool waits) {
+Result<std::optional<std::uint64_t>> UpdateStreamWorker::hand_over(Messages messages, bool waits) {
   std::unique_lock lock(mutex_);
   const auto may_go_on = [this] {
     return ended_ || closing_ || unanswered_.size() < state_.window;
@@ -71,7 +70,7 @@ Result<std::optional<std::uint64_t>> UpdateStream::Carrier::hand_over(Messages m
   return std::optional(sequence);
 }
 
-Status UpdateStream::Carrier::wait(std::uint64_t sequence) {
+Status UpdateStreamWorker::wait(std::uint64_t sequence) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return ended_ || state_.last_answered >= sequence; });
   if (const auto reject = rejects_.find(sequence); reject != rejects_.end()) return reject->second;
@@ -79,7 +78,7 @@ Status UpdateStream::Carrier::wait(std::uint64_t sequence) {
   return failed_ ? *failed_ : closed();
 }
 
-Status UpdateStream::Carrier::flush() {
+Status UpdateStreamWorker::flush() {
   std::unique_lock lock(mutex_);
   const std::uint64_t sequence = state_.last_sent;
   changed_.wait(lock, [&] { return ended_ || state_.last_answered >= sequence; });
@@ -87,7 +86,7 @@ Status UpdateStream::Carrier::flush() {
   return state_.last_answered >= sequence ? Status() : Status(closed());
 }
 
-Status UpdateStream::Carrier::close() {
+Status UpdateStreamWorker::close() {
   {
     std::unique_lock lock(mutex_);
     closing_ = true;
@@ -97,12 +96,12 @@ Status UpdateStream::Carrier::close() {
   return failed_ ? Status(*failed_) : Status();
 }
 
-UpdateStreamState UpdateStream::Carrier::state() const {
+UpdateStreamState UpdateStreamWorker::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
 }
 
-void UpdateStream::Carrier::run() {
+void UpdateStreamWorker::run() {
   while (true) {
     grpc::ClientContext context;
     {
@@ -125,7 +124,7 @@ void UpdateStream::Carrier::run() {
 }
 
 // Sets failed_ where the answer is no, and the stream has not been closed.
-bool UpdateStream::Carrier::worth_another_try(const Status& ended) {
+bool UpdateStreamWorker::worth_another_try(const Status& ended) {
   if (is_done()) return false;
   if (abandoned_) {
     failed_ = closed();
@@ -142,7 +141,7 @@ bool UpdateStream::Carrier::worth_another_try(const Status& ended) {
   return false;
 }
 
-Status UpdateStream::Carrier::carry(grpc::ClientContext& context) {
+Status UpdateStreamWorker::carry(grpc::ClientContext& context) {
   const std::unique_ptr<Call> call = stub_->StreamUpdates(&context);
   v1::StreamUpdatesResponse response;
   if (!call->Write(opening_) || !call->Read(&response)) {
@@ -168,7 +167,7 @@ Status UpdateStream::Carrier::carry(grpc::ClientContext& context) {
 }
 
 // The server says what it has committed; what follows is to be sent.
-Status UpdateStream::Carrier::resume(const v1::StreamUpdatesResponse& first) {
+Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   if (!first.has_opened())
     return Error{Code::kInternal, "the server answered before it opened a stream of updates", {}};
   const v1::ProducerOpened& opened = first.opened();
@@ -207,7 +206,7 @@ Status UpdateStream::Carrier::resume(const v1::StreamUpdatesResponse& first) {
   return {};
 }
 
-void UpdateStream::Carrier::write_batches(Call& call) {
+void UpdateStreamWorker::write_batches(Call& call) {
   while (const auto messages = next_to_write()) {
     for (const v1::StreamUpdatesRequest& message : *messages) {
       if (!call.Write(message)) return;
@@ -219,7 +218,7 @@ void UpdateStream::Carrier::write_batches(Call& call) {
 }
 
 // Waits for it; nothing if the call is over, or there will be none.
-std::shared_ptr<const UpdateStream::Carrier::Messages> UpdateStream::Carrier::next_to_write() {
+std::shared_ptr<const UpdateStreamWorker::Messages> UpdateStreamWorker::next_to_write() {
   std::unique_lock lock(mutex_);
   const auto all_written = [this] {
     return unanswered_.empty() || next_to_write_ > unanswered_.back().sequence;
@@ -230,13 +229,13 @@ std::shared_ptr<const UpdateStream::Carrier::Messages> UpdateStream::Carrier::ne
   return unanswered_[next_to_write_++ - unanswered_.front().sequence].messages;
 }
 
-void UpdateStream::Carrier::take(const v1::StreamUpdatesResponse& response) {
+void UpdateStreamWorker::take(const v1::StreamUpdatesResponse& response) {
   if (response.has_ack()) take(response.ack());
   if (response.has_reject()) take(response.reject());
   changed_.notify_all();
 }
 
-void UpdateStream::Carrier::take(const v1::UpdateAck& ack) {
+void UpdateStreamWorker::take(const v1::UpdateAck& ack) {
   StreamAck told{ack.up_to_sequence(), ack.revision().revision(), ack.revision().token(), {}};
   for (const v1::PutNodes& put : ack.put()) {
     told.put.push_back(decode(put));
@@ -249,7 +248,7 @@ void UpdateStream::Carrier::take(const v1::UpdateAck& ack) {
   answered(ack.up_to_sequence());
 }
 
-void UpdateStream::Carrier::take(const v1::UpdateReject& reject) {
+void UpdateStreamWorker::take(const v1::UpdateReject& reject) {
   const Error error = rpc_error(reject.code(), reject.message(), reject.reason());
   if (options_.on_reject) options_.on_reject({reject.sequence(), error});
   const std::lock_guard lock(mutex_);
@@ -259,21 +258,21 @@ void UpdateStream::Carrier::take(const v1::UpdateReject& reject) {
   answered(reject.sequence());  // as are all before it
 }
 
-void UpdateStream::Carrier::reached(const v1::SceneRevision& revision) {
+void UpdateStreamWorker::reached(const v1::SceneRevision& revision) {
   state_.revision = revision.revision();
   state_.token = revision.token();
 }
 
-void UpdateStream::Carrier::answered(std::uint64_t up_to) {
+void UpdateStreamWorker::answered(std::uint64_t up_to) {
   if (up_to <= state_.last_answered) return;
   state_.last_answered = up_to;
   moved_on_ = true;
   while (!unanswered_.empty() && unanswered_.front().sequence <= up_to) unanswered_.pop_front();
 }
 
-void UpdateStream::Carrier::fail(const Error& error) {
+void UpdateStreamWorker::fail(const Error& error) {
   const std::lock_guard lock(mutex_);
   failed_ = error;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -19,17 +19,17 @@
 #include "client/update_stream.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 namespace v1 = ::sightline::v1;
 
-class UpdateStream::Carrier {
+class UpdateStreamWorker {
  public:
   using Messages = std::vector<v1::StreamUpdatesRequest>;
 
-  Carrier(std::unique_ptr<v1::SceneService::Stub> stub, const std::string& scene,
-          const std::string& producer, UpdateStreamOptions options);
-  ~Carrier();
+  UpdateStreamWorker(std::unique_ptr<v1::SceneService::Stub> stub, const std::string& scene,
+                     const std::string& producer, UpdateStreamOptions options);
+  ~UpdateStreamWorker();
 
   /// Waits for the first opening. Errors: what it came to; kDeadlineExceeded.
   Status open(std::chrono::milliseconds patience);
@@ -86,4 +86,4 @@ class UpdateStream::Carrier {
   std::thread thread_;  // the last member: it uses all others
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

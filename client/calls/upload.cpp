@@ -9,7 +9,7 @@
 #include "client/calls/connection.h"
 #include "client/calls/rpc_error.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
@@ -85,4 +85,4 @@ Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std
   }
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

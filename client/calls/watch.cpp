@@ -11,7 +11,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/wire/update_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 constexpr int kAttempts = 8;
@@ -67,7 +67,7 @@ class Watch {
 
   Status take(const v1::WatchSceneResponse& response) {
     for (const v1::Update& update : response.updates()) {
-      auto decoded = decode(update);
+      auto decoded = wire::decode(update);
       if (!decoded) return decoded.error();
       change_.updates.push_back(*std::move(decoded));
     }
@@ -98,4 +98,4 @@ Status watch(const Connection& connection, const std::string& scene,
   return Watch(connection, scene, start, sink, stop).run();
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -8,7 +8,7 @@
 
 #include "client/update.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 
 struct SceneChange {
   std::uint64_t revision = 0;
@@ -22,4 +22,4 @@ struct SceneChange {
 /// Takes the revisions in order and without gaps, on the thread that watches; false ends the watch.
 using SceneChangeSink = std::function<bool(const SceneChange& change)>;
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

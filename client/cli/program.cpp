@@ -52,14 +52,14 @@ int parse_and_run(int argc, const char* const* argv) {
   require_verb(program);
   program.footer(kFooter);
   add_global_flags(program, session);
-  add_scene_verbs(program, session);
-  add_cast_verb(program, session);
-  add_prefetch_verb(program, session);
-  add_render_verb(program, session);
-  add_stats_verb(program, session);
-  add_update_verb(program, session);
-  add_stream_verb(program, session);
-  add_watch_verb(program, session);
+  verbs::add_scene_verbs(program, session);
+  verbs::add_cast_verb(program, session);
+  verbs::add_prefetch_verb(program, session);
+  verbs::add_render_verb(program, session);
+  verbs::add_stats_verb(program, session);
+  verbs::add_update_verb(program, session);
+  verbs::add_stream_verb(program, session);
+  verbs::add_watch_verb(program, session);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 Transform operator*(const Transform& a, const Transform& b) {
   Transform out{};
@@ -58,4 +58,4 @@ Transform compose(const Point& position, const Quaternion& q, const Point& s) {
   return out;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -3,7 +3,7 @@
 
 #include "client/importer/animation.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 Transform operator*(const Transform& a, const Transform& b);
 Point operator*(const Transform& m, const Point& p);
@@ -14,4 +14,4 @@ Transform inverse(const Transform& m);
 /// Scaled, then rotated, then moved.
 Transform compose(const Point& position, const Quaternion& rotation, const Point& scaling);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -9,7 +9,7 @@
 #include "client/importer/imported_scene.h"
 #include "client/transform.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 using Point = std::array<double, 3>;
 using Quaternion = std::array<double, 4>;  ///< w x y z, of unit length.
@@ -92,4 +92,4 @@ struct AnimatedScene {
   std::vector<Animation> animations;  ///< Of those in the file, all that move something.
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

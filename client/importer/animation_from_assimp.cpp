@@ -13,7 +13,7 @@
 #include "client/importer/node_name.h"
 #include "client/importer/skin_from_assimp.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 constexpr double kUsualTicksPerSecond = 25;  // where a file does not say, by Assimp's convention
@@ -234,4 +234,4 @@ Result<AnimatedScene> animation_from_assimp(const aiScene& source, ConvertedScen
   return out;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

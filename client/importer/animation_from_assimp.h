@@ -7,7 +7,7 @@
 #include "client/importer/scene_from_assimp.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// Takes the converted scene over; what turns or rebases it later is to be told to its rig. Keys
 /// are mixed linearly, as Assimp does not say where a file wants otherwise. Errors:
@@ -15,4 +15,4 @@ namespace sightline::client {
 /// ends, a bone that is no node, a weight of a vertex that there is not.
 Result<AnimatedScene> animation_from_assimp(const aiScene& source, ConvertedScene converted);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

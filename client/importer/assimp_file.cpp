@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 class ProgressAdapter final : public Assimp::ProgressHandler {
@@ -92,4 +92,4 @@ std::string AssimpFile::importer_name() const {
   return description != nullptr ? description->mName : "";
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -11,7 +11,7 @@
 #include "client/importer/assimp_import.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 class AssimpFile {
  public:
@@ -33,4 +33,4 @@ class AssimpFile {
   std::unique_ptr<Assimp::Importer> importer_;
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -16,7 +16,7 @@
 #include "client/importer/lattice.h"
 #include "client/importer/preflight.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
@@ -85,4 +85,4 @@ Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
   return read(file, options, progress, convert_animated_scene);
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -9,7 +9,7 @@
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 struct ImportOptions {
   /// The scene is to have this axis up. Turned if the file says otherwise, else only recorded.
@@ -46,4 +46,4 @@ Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
                                        const ImportOptions& options = {},
                                        const ImportProgress& progress = {});
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

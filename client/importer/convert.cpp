@@ -12,7 +12,7 @@
 #include "client/importer/lattice.h"
 #include "client/importer/scene_from_assimp.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 // With the frame that the file says it has.
@@ -64,4 +64,4 @@ Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_
   return animated;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -10,7 +10,7 @@
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// What import_unrebased makes of a scene that Assimp's importer of that name has read. Errors:
 /// those of scene_from_assimp; a transform that is not finite once it is scaled.
@@ -21,4 +21,4 @@ Result<ImportedScene> convert_scene(const aiScene& source, std::string_view impo
 Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
                                              const ImportOptions& options);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

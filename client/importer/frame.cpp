@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 constexpr double kMetersPerCentimeter = 0.01;
@@ -81,4 +81,4 @@ Transform frame_conversion(const ImportedScene& scene, std::optional<UpAxis> up_
   return probe.nodes[0].parent_from_local;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

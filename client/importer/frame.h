@@ -11,7 +11,7 @@
 
 struct aiScene;
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 struct Frame {
   UpAxis up_axis = UpAxis::kUnknown;
@@ -31,4 +31,4 @@ void convert_frame(ImportedScene& scene, std::optional<UpAxis> up_axis,
 Transform frame_conversion(const ImportedScene& scene, std::optional<UpAxis> up_axis,
                            std::optional<double> meters_per_unit);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

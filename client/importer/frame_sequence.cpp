@@ -13,7 +13,7 @@
 
 #include "client/importer/lattice.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
@@ -180,4 +180,4 @@ Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
   return sequence;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

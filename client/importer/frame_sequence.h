@@ -8,7 +8,7 @@
 #include "client/importer/assimp_import.h"
 #include "client/importer/pose.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 struct FrameSequence {
   ImportedScene scene;             ///< The first frame, as import_scene gives it.
@@ -30,4 +30,4 @@ Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
                                       const ImportOptions& options = {},
                                       const ImportProgress& progress = {});
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

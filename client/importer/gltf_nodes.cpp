@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using nlohmann::json;
@@ -124,4 +124,4 @@ Status check_gltf_nodes(std::string_view text) {
   return {};
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -8,7 +8,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 inline constexpr std::size_t kDeepestJson = 256;        ///< Brackets in brackets.
 inline constexpr std::size_t kDeepestNode = 4096;       ///< Assimp follows children by recursion.
@@ -20,4 +20,4 @@ inline constexpr std::uint64_t kMostNodes = 1U << 20U;  ///< But always as many 
 /// over these limits.
 Status check_gltf_nodes(std::string_view json);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

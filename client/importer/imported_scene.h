@@ -11,7 +11,7 @@
 #include "client/mesh_arrays.h"
 #include "client/up_axis.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// Stands for "no parent" and "no mesh".
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -42,4 +42,4 @@ struct ImportedScene {
   double meters_per_unit = 0;         ///< 0: the file does not say.
 };
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 // Beyond this cosine the arc is so short that its sine says nothing.
@@ -89,4 +89,4 @@ template Point sample(const Track<Point>&, double);
 template Quaternion sample(const Track<Quaternion>&, double);
 template std::vector<double> sample(const Track<std::vector<double>>&, double);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using Offset = std::array<double, 3>;
@@ -151,4 +151,4 @@ std::array<double, 3> rebase(ImportedScene& scene) {
   return shift(scene, offset) ? offset : Offset{};
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -5,7 +5,7 @@
 
 #include "client/importer/imported_scene.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// Vertices lie far if they are this many times their extent (rounded up to a power of two) from
 /// zero.
@@ -30,4 +30,4 @@ std::array<double, 3> rebase(ImportedScene& scene);
 /// it cannot be done, or not without rounding.
 bool shift(ImportedScene& scene, const std::array<double, 3>& offset);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -5,7 +5,7 @@
 
 #include "client/importer/imported_scene.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 bool is_continuation(unsigned char c) { return (c & 0xC0U) == 0x80U; }
@@ -63,4 +63,4 @@ std::string node_name(std::string_view name, std::string_view suffix) {
   return out.append(suffix);
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

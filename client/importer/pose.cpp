@@ -7,7 +7,7 @@
 #include "client/importer/affine.h"
 #include "client/importer/key_frames.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 double invertible(double scale) {
@@ -123,4 +123,4 @@ Pose pose(const AnimatedScene& animated, const Animation& animation, double seco
   return out;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -6,7 +6,7 @@
 
 #include "client/importer/animation.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 struct Pose {
   struct Placed {
@@ -31,4 +31,4 @@ inline constexpr double kLeastScale = 1e-6;
 /// the bones take them, whatever moves that node.
 Pose pose(const AnimatedScene& animated, const Animation& animation, double seconds);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -15,7 +15,7 @@
 
 #include "client/importer/gltf_nodes.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20;
@@ -108,4 +108,4 @@ Status check_damage(const std::filesystem::path& file) {
   return {};
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -6,7 +6,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// Assimp 5.2 never comes back, or takes the program with it, from a PLY file whose header has no
 /// end or announces more than the file can hold, a GLB file whose chunks are longer than it, and a
@@ -14,4 +14,4 @@ namespace sightline::client {
 /// for these. Any other file is left to Assimp.
 Status check_damage(const std::filesystem::path& file);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -10,7 +10,7 @@
 
 #include "client/importer/node_name.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
@@ -126,4 +126,4 @@ Result<ConvertedScene> scene_from_assimp(const aiScene& source) {
   return out;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -9,7 +9,7 @@
 #include "client/result.h"
 #include "client/transform.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 struct ConvertedScene {
   ImportedScene scene;  ///< Its frame not known yet, no vertex rebased.
@@ -24,4 +24,4 @@ Result<ConvertedScene> scene_from_assimp(const aiScene& source);
 /// Errors: kInvalidArgument: not finite; `node` is who it belongs to.
 Result<Transform> transform_from_assimp(const aiMatrix4x4& matrix, const std::string& node);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

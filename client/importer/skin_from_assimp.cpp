@@ -9,7 +9,7 @@
 
 #include "client/importer/scene_from_assimp.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
@@ -94,4 +94,4 @@ Result<Shapes> shapes_from_assimp(const aiMesh& mesh) {
   return shapes;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

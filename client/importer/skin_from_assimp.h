@@ -10,7 +10,7 @@
 #include "client/importer/animation.h"
 #include "client/result.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 
 /// The first node of each name, which is the one that Assimp means by it.
 using NodesByName = std::unordered_map<std::string, std::uint32_t>;
@@ -22,4 +22,4 @@ Result<Skin> skin_from_assimp(const aiMesh& mesh, const NodesByName& nodes);
 /// Errors: kInvalidArgument: a shape that has not as many vertices as the mesh.
 Result<Shapes> shapes_from_assimp(const aiMesh& mesh);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -9,7 +9,7 @@
 
 #include "client/wire/update_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::wire {
 namespace {
 
 v1::Culling encode(Culling culling) {
@@ -197,4 +197,4 @@ template RayColumns<double> make_room(std::size_t, RayShape, v1::Rays&);
 template void trim<float>(std::size_t, RayShape, v1::Rays&);
 template void trim<double>(std::size_t, RayShape, v1::Rays&);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

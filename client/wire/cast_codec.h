@@ -9,7 +9,7 @@
 #include "client/result.h"
 #include "sightline/v1/query.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::wire {
 
 namespace v1 = ::sightline::v1;
 
@@ -38,4 +38,4 @@ Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fi
 
 void add_stats(const v1::CastRaysResponse& response, CastReport& report);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace sightline::client {
+namespace sightline::client::wire {
 
 v1::UpAxis encode(UpAxis axis) {
   switch (axis) {
@@ -136,4 +136,4 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   return out;
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

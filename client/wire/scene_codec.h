@@ -5,7 +5,7 @@
 #include "sightline/v1/scene.pb.h"
 #include "sightline/v1/server.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::wire {
 
 namespace v1 = ::sightline::v1;
 
@@ -19,4 +19,4 @@ SceneStats decode(const v1::GetSceneStatsResponse& stats);
 NodeInfo decode(const v1::Node& node);
 ServerInfo decode(const v1::GetServerInfoResponse& info);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

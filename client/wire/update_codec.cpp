@@ -10,7 +10,7 @@
 
 #include "client/wire/scene_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::wire {
 namespace {
 
 constexpr std::size_t kTransformsPerUpdate = 4096;  // 96 bytes each, and a reference
@@ -70,7 +70,7 @@ PutNode decode(const v1::PutNode& put) {
               out.parent_from_local.begin());
   }
   out.mesh_digest = put.mesh_digest();
-  out.mobility = client::decode(put.mobility());
+  out.mobility = client::wire::decode(put.mobility());
   if (put.has_mask()) out.mask = put.mask();
   return out;
 }
@@ -151,4 +151,4 @@ Status each_piece(const Update& update, const std::function<Status(const Update&
   return use(update);
 }
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

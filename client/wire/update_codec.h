@@ -11,7 +11,7 @@
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::wire {
 
 namespace v1 = ::sightline::v1;
 
@@ -44,4 +44,4 @@ Status check(std::span<const Update> updates);
 /// An update too long for a message is cut into several that do the same; others come as they are.
 Status each_piece(const Update& update, const std::function<Status(const Update&)>& use);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

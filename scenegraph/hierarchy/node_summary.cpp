@@ -9,7 +9,7 @@
 
 #include "scenegraph/instances/sibling_clusters.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 namespace {
 
 constexpr std::uint32_t kEnterPrice = 4;
@@ -18,11 +18,11 @@ constexpr std::int32_t kHuge = 4096;
 
 /// Upper bound of the largest singular value: of A^T A, the eigenvalues are at most a row's sum. No
 /// more than that for a turned cube.
-double spectral_bound(const Affine& a) {
+double spectral_bound(const model::Affine& a) {
   const auto& m = a.m;
-  const Vec3d c[] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
+  const accel::geometry::Vec3d c[] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
   double largest = 0;
-  for (const Vec3d& row : c) {
+  for (const accel::geometry::Vec3d& row : c) {
     largest = std::max(
         largest, std::fabs(dot(row, c[0])) + std::fabs(dot(row, c[1])) + std::fabs(dot(row, c[2])));
   }
@@ -62,12 +62,12 @@ void replace_counts(Subtree& sum, const Subtree& before, const Subtree& after) {
 
 }  // namespace
 
-std::uint32_t price(const Mesh& mesh) {
+std::uint32_t price(const model::Mesh& mesh) {
   return kEnterPrice + static_cast<std::uint32_t>(std::bit_width(mesh.triangles()));
 }
 
-Vec3d mapped_reach(const Affine& a, const Vec3d& reach) {
-  Vec3d r;
+accel::geometry::Vec3d mapped_reach(const model::Affine& a, const accel::geometry::Vec3d& reach) {
+  accel::geometry::Vec3d r;
   for (std::size_t row = 0; row < 3; ++row) {
     const double* m = &a.m[4 * row];
     r[row] = std::fabs(m[0]) * reach.x + std::fabs(m[1]) * reach.y + std::fabs(m[2]) * reach.z +
@@ -76,15 +76,15 @@ Vec3d mapped_reach(const Affine& a, const Vec3d& reach) {
   return r;
 }
 
-std::int32_t log_stretch(const Affine& a) { return log_ceiling(spectral_bound(a)); }
+std::int32_t log_stretch(const model::Affine& a) { return log_ceiling(spectral_bound(a)); }
 
-Subtree own_part(const Node& node) {
+Subtree own_part(const model::Node& node) {
   Subtree own;
   if (node.mesh == nullptr) return own;
   own.mesh_nodes = 1;
   own.triangles = node.mesh->triangles();
   if (!is_instance(node)) return own;
-  own.box = DoubleBox(node.mesh->bounds());
+  own.box = model::DoubleBox(node.mesh->bounds());
   for (std::size_t a = 0; a < 3; ++a)
     own.reach[a] = std::max(std::fabs(own.box.lo[a]), std::fabs(own.box.hi[a]));
   own.stretch = own.squeeze = own.condition = 0;
@@ -93,20 +93,20 @@ Subtree own_part(const Node& node) {
   return own;
 }
 
-Subtree part_in_parent(const Node& node, const Subtree& child) {
+Subtree part_in_parent(const model::Node& node, const Subtree& child) {
   Subtree part = child;
   part.outermost = {};
   if (is_group(node, child)) {
     part.groups += 1;
-    part.runs += max_runs(node.children.size() + 1);
+    part.runs += instances::max_runs(node.children.size() + 1);
   }
   return carried(node.parent_from_local, part);
 }
 
-Subtree carried(const Affine& a, const Subtree& below) {
+Subtree carried(const model::Affine& a, const Subtree& below) {
   Subtree part = below;
   if (part.instances == 0) return part;
-  part.reach = mapped_reach(a, below.reach);
+  part.reach = hierarchy::mapped_reach(a, below.reach);
   part.box = mapped(a, below.box);
   // Four roundings of terms within reach, twice over.
   for (std::size_t row = 0; row < 3; ++row) {
@@ -114,8 +114,8 @@ Subtree carried(const Affine& a, const Subtree& below) {
     part.box.hi[row] += part.reach[row] * 0x1p-50;
   }
   const double stretch = spectral_bound(a);
-  const std::optional<Affine> back = inverse(a);
-  const double squeeze = back ? spectral_bound(*back) : accel::kInfinity;
+  const std::optional<model::Affine> back = inverse(a);
+  const double squeeze = back ? spectral_bound(*back) : accel::geometry::kInfinity;
   part.stretch += log_ceiling(stretch);
   part.squeeze += log_ceiling(squeeze);
   part.condition += log_ceiling(stretch * squeeze);
@@ -146,17 +146,17 @@ bool replace(Subtree& sum, const Subtree& before, const Subtree& after) {
          swap(sum.condition, before.condition, after.condition, more);
 }
 
-bool surely_invertible(const Affine& world_from_local, const Subtree& subtree) {
+bool surely_invertible(const model::Affine& world_from_local, const Subtree& subtree) {
   if (subtree.instances == 0) return true;
-  const std::optional<Affine> back = inverse(world_from_local);
+  const std::optional<model::Affine> back = inverse(world_from_local);
   if (!back) return false;
   // Far from where a determinant overflows or cancels: see inverse().
   constexpr std::int32_t kScale = 100, kCondition = 20;
   const std::int32_t stretch = log_stretch(world_from_local), squeeze = log_stretch(*back);
-  const Vec3d reach = mapped_reach(world_from_local, subtree.reach);
+  const accel::geometry::Vec3d reach = mapped_reach(world_from_local, subtree.reach);
   return stretch + subtree.stretch < kScale && squeeze + subtree.squeeze < kScale &&
          stretch + squeeze + subtree.condition < kCondition &&
          std::max({reach.x, reach.y, reach.z}) < 0x1p+500;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

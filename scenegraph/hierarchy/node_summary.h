@@ -9,7 +9,7 @@
 #include "scenegraph/model/node.h"
 #include "scenegraph/model/persistent_map.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 
 /// An instance is a node that carries a mesh with at least one finite triangle. Where there is none
 /// the extremes are those of nothing: a value that any other exceeds.
@@ -17,10 +17,10 @@ struct Subtree {
   static constexpr std::int32_t kNothing = -1'000'000;
 
   /// In the node's own frame: holds all instances, in exact arithmetic.
-  DoubleBox box;
+  model::DoubleBox box;
   /// No term of the sums that make a coordinate of an instance is larger, intermediate frames
   /// included: what rounding is in proportion to.
-  Vec3d reach;
+  accel::geometry::Vec3d reach;
   /// Of the transforms from the instances to this frame, as logarithms to base 2, rounded up (by
   /// kRoundUp): the largest singular value, that of the inverse, and their product.
   std::int32_t stretch = kNothing, squeeze = kNothing, condition = kNothing;
@@ -43,22 +43,22 @@ struct Subtree {
 inline constexpr double kRoundUp = 0.999;
 
 /// What the node is by its own mesh alone.
-Subtree own_part(const Node& node);
+Subtree own_part(const model::Node& node);
 
-inline bool is_instance(const Node& node) {
+inline bool is_instance(const model::Node& node) {
   return node.mesh != nullptr && !node.mesh->bounds().empty();
 }
 
 /// Whether rays open the node: there are instances below it, apart from itself.
-inline bool is_group(const Node& node, const Subtree& subtree) {
+inline bool is_group(const model::Node& node, const Subtree& subtree) {
   return subtree.instances > (is_instance(node) ? 1u : 0u);
 }
 
 /// What a child brings to its parent, in the parent's frame. `child` is of `node`.
-Subtree part_in_parent(const Node& node, const Subtree& child);
+Subtree part_in_parent(const model::Node& node, const Subtree& child);
 
 /// The same part one frame further up: what part_in_parent does to places and sizes.
-Subtree carried(const Affine& parent_from_local, const Subtree& part);
+Subtree carried(const model::Affine& parent_from_local, const Subtree& part);
 
 /// Adds a part to the sum over a node's own part and its children's.
 void include(Subtree& sum, const Subtree& part);
@@ -68,20 +68,20 @@ void include(Subtree& sum, const Subtree& part);
 bool replace(Subtree& sum, const Subtree& before, const Subtree& after);
 
 /// A reach in the frame that `a` maps to.
-Vec3d mapped_reach(const Affine& a, const Vec3d& reach);
+accel::geometry::Vec3d mapped_reach(const model::Affine& a, const accel::geometry::Vec3d& reach);
 
 /// The logarithm of an upper bound of the largest singular value of the linear part, as of Subtree.
-std::int32_t log_stretch(const Affine& a);
+std::int32_t log_stretch(const model::Affine& a);
 
 /// Whether all instances below a node with this world transform can surely be carried there and
 /// back: Scene::apply need not look at each.
-bool surely_invertible(const Affine& world_from_local, const Subtree& subtree);
+bool surely_invertible(const model::Affine& world_from_local, const Subtree& subtree);
 
 /// Entering an instance costs a transform and a few steps in its tree, whose depth goes with the
 /// logarithm of its size. In triangle tests.
-std::uint32_t price(const Mesh& mesh);
+std::uint32_t price(const model::Mesh& mesh);
 
 /// Of the nodes that have children; 0: of the whole scene.
-using SubtreeMap = PersistentMap<std::shared_ptr<const Subtree>>;
+using SubtreeMap = model::PersistentMap<std::shared_ptr<const Subtree>>;
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

@@ -6,52 +6,52 @@
 
 #include "scenegraph/hierarchy/wide_sum.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 namespace {
 
 /// A group of which more than one child in so many has changed is summed up again.
 constexpr std::size_t kAdjustBelow = 4;
 
-Subtree own_part(const Hierarchy& in, NodeId group) {
-  return group == 0 ? Subtree{} : own_part(*in.find(group));
+Subtree own_part(const Hierarchy& in, model::NodeId group) {
+  return group == 0 ? Subtree{} : hierarchy::own_part(*in.find(group));
 }
 
 }  // namespace
 
-Affine world_from_local(const Hierarchy& hierarchy, const Node& node) {
+model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node) {
   if (node.parent == 0) return node.parent_from_local;
   return compose(world_from_local(hierarchy, *hierarchy.find(node.parent)), node.parent_from_local);
 }
 
-const std::vector<NodeId>& children_of(const Hierarchy& in, NodeId group) {
+const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId group) {
   return group == 0 ? *in.roots : in.find(group)->children;
 }
 
-Subtree part_of_child(const Hierarchy& in, NodeId group, NodeId child) {
-  const Node* node = in.find(child);
+Subtree part_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child) {
+  const model::Node* node = in.find(child);
   if (node == nullptr || node->parent != group) return {};
   return part_in_parent(*node, in.subtree(*node));
 }
 
-Subtree Hierarchy::subtree(NodeId id) const {
+Subtree Hierarchy::subtree(model::NodeId id) const {
   if (id != 0) return subtree(*find(id));
   const std::shared_ptr<const Subtree>* known = subtrees.find(0);
   return known == nullptr ? Subtree{} : **known;
 }
 
-Subtree Hierarchy::subtree(const Node& node) const {
+Subtree Hierarchy::subtree(const model::Node& node) const {
   if (node.children.empty()) return own_part(node);
   return group(node.id);
 }
 
 SubtreeUpdate::SubtreeUpdate(const Hierarchy& before, Hierarchy& after)
     : before_(before), after_(after) {
-  for (int depth = 0; depth <= kMaxDepth; ++depth) changes_.emplace_back(&memory_);
+  for (int depth = 0; depth <= model::kMaxDepth; ++depth) changes_.emplace_back(&memory_);
 }
 
-void SubtreeUpdate::edited(NodeId id) {
-  const Node* node = after_.find(id);
-  const Node* old = before_.find(id);
+void SubtreeUpdate::edited(model::NodeId id) {
+  const model::Node* node = after_.find(id);
+  const model::Node* old = before_.find(id);
   const bool left = old != nullptr && (node == nullptr || node->parent != old->parent);
   if (left && is_parent(old->parent)) changes_at(old->parent)[old->parent].push_back(id);
   if (node != nullptr && !node->children.empty()) {
@@ -66,9 +66,9 @@ void SubtreeUpdate::edited(NodeId id) {
 }
 
 /// Whether the node is there and has children. One that has lost its last was edited too.
-bool SubtreeUpdate::is_parent(NodeId id) const {
+bool SubtreeUpdate::is_parent(model::NodeId id) const {
   if (id == 0) return true;
-  const Node* node = after_.find(id);
+  const model::Node* node = after_.find(id);
   return node != nullptr && !node->children.empty();
 }
 
@@ -77,25 +77,25 @@ void SubtreeUpdate::finish() {
     for (const auto& [group, children] : changes_[d]) {
       update(group, children);
       if (group == 0) continue;
-      const NodeId parent = after_.find(group)->parent;
+      const model::NodeId parent = after_.find(group)->parent;
       changes_[d - 1][parent].push_back(group);
     }
   }
 }
 
 /// Nodes of a hierarchy that is being loaded come parent by parent.
-std::size_t SubtreeUpdate::depth(NodeId id) {
+std::size_t SubtreeUpdate::depth(model::NodeId id) {
   if (id == last_) return last_depth_;
   std::size_t depth = 0;
-  for (NodeId at = id; at != 0; at = after_.find(at)->parent) ++depth;
+  for (model::NodeId at = id; at != 0; at = after_.find(at)->parent) ++depth;
   last_ = id;
   last_depth_ = depth;
   return depth;
 }
 
-void SubtreeUpdate::update(NodeId group, const Children& changed) {
+void SubtreeUpdate::update(model::NodeId group, const Children& changed) {
   Subtree sum;
-  const std::vector<NodeId>& children = children_of(after_, group);
+  const std::vector<model::NodeId>& children = children_of(after_, group);
   if (children.size() > WideSum::kWide) {
     sum = wide_sum_of(group, changed);
   } else {
@@ -106,11 +106,11 @@ void SubtreeUpdate::update(NodeId group, const Children& changed) {
   subtrees_.set(group, std::make_shared<const Subtree>(sum));
 }
 
-Subtree SubtreeUpdate::wide_sum_of(NodeId group, const Children& changed) {
+Subtree SubtreeUpdate::wide_sum_of(model::NodeId group, const Children& changed) {
   const std::shared_ptr<const WideSum>* known = before_.wide.find(group);
   auto children =
       known == nullptr ? std::make_shared<WideSum>() : std::make_shared<WideSum>(**known);
-  std::vector<NodeId> ids;
+  std::vector<model::NodeId> ids;
   if (known == nullptr) {
     ids = children_of(after_, group);
   } else {
@@ -118,10 +118,10 @@ Subtree SubtreeUpdate::wide_sum_of(NodeId group, const Children& changed) {
   }
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  children->update(ids, {[&](NodeId id) {
+  children->update(ids, {[&](model::NodeId id) {
                            return known == nullptr ? Subtree{} : part_of_child(before_, group, id);
                          },
-                         [&](NodeId id) { return part_of_child(after_, group, id); }});
+                         [&](model::NodeId id) { return part_of_child(after_, group, id); }});
   Subtree sum = own_part(after_, group);
   include(sum, children->total());
   wide_.set(group, std::move(children));
@@ -129,24 +129,25 @@ Subtree SubtreeUpdate::wide_sum_of(NodeId group, const Children& changed) {
 }
 
 /// False where all children must be looked at.
-bool SubtreeUpdate::adjust(NodeId group, const Children& changed, Subtree& sum) const {
+bool SubtreeUpdate::adjust(model::NodeId group, const Children& changed, Subtree& sum) const {
   const std::shared_ptr<const Subtree>* known = before_.subtrees.find(group);
   if (known == nullptr || changed.size() * kAdjustBelow > children_of(after_, group).size())
     return false;
   sum = **known;
   if (!replace(sum, own_part(before_, group), own_part(after_, group))) return false;
-  for (const NodeId child : changed) {
+  for (const model::NodeId child : changed) {
     if (!replace(sum, part_of_child(before_, group, child), part_of_child(after_, group, child)))
       return false;
   }
   return true;
 }
 
-Subtree SubtreeUpdate::sum_of(NodeId group, const std::vector<NodeId>& children) const {
+Subtree SubtreeUpdate::sum_of(model::NodeId group,
+                              const std::vector<model::NodeId>& children) const {
   Subtree sum;
   include(sum, own_part(after_, group));
-  for (const NodeId child : children) include(sum, part_of_child(after_, group, child));
+  for (const model::NodeId child : children) include(sum, part_of_child(after_, group, child));
   return sum;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

@@ -1,10 +1,10 @@
 // From the changed children up, step by step.
 #include "scenegraph/hierarchy/wide_sum.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 namespace {
 
-using Steps = PersistentMap<std::shared_ptr<const Subtree>>;
+using Steps = model::PersistentMap<std::shared_ptr<const Subtree>>;
 
 Subtree value(const Steps& steps, std::uint64_t key) {
   const std::shared_ptr<const Subtree>* step = steps.find(key);
@@ -50,7 +50,7 @@ std::vector<std::uint64_t> update_level(Steps& steps, std::span<const std::uint6
 
 }  // namespace
 
-void WideSum::update(std::span<const NodeId> changed, const Parts& parts) {
+void WideSum::update(std::span<const model::NodeId> changed, const Parts& parts) {
   std::vector<std::uint64_t> keys(changed.begin(), changed.end());
   Parts of_level = parts;
   for (std::size_t level = 0; !keys.empty(); ++level) {
@@ -70,10 +70,10 @@ void WideSum::update(std::span<const NodeId> changed, const Parts& parts) {
 
 Subtree WideSum::total() const { return levels_.empty() ? Subtree{} : value(levels_.back(), 0); }
 
-Subtree WideSum::total_with(std::span<const NodeId> changed, const Parts& parts) const {
+Subtree WideSum::total_with(std::span<const model::NodeId> changed, const Parts& parts) const {
   WideSum other = *this;
   other.update(changed, parts);
   return other.total();
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

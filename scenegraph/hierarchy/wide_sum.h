@@ -10,7 +10,7 @@
 
 #include "scenegraph/hierarchy/node_summary.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 
 /// Children are taken together by their ids: a step is the sum of up to kFan, or of as many steps
 /// below it. Immutable by sharing, as PersistentMap is: a copy costs a few pointers.
@@ -24,22 +24,22 @@ class WideSum {
   /// What a child brings to the sum, before and after; nothing (a Subtree of nothing) for an id
   /// that is not a child.
   struct Parts {
-    std::function<Subtree(NodeId)> before, after;
+    std::function<Subtree(model::NodeId)> before, after;
   };
 
   /// `changed`: children, or ids that were or will be, that bring something else than before;
   /// ascending, each once. Exact: the same whatever changes led here.
-  void update(std::span<const NodeId> changed, const Parts& parts);
+  void update(std::span<const model::NodeId> changed, const Parts& parts);
 
   /// Of all children.
   Subtree total() const;
   /// The same, had those in `changed` brought `after` and not `before`.
-  Subtree total_with(std::span<const NodeId> changed, const Parts& parts) const;
+  Subtree total_with(std::span<const model::NodeId> changed, const Parts& parts) const;
 
  private:
-  using Steps = PersistentMap<std::shared_ptr<const Subtree>>;
+  using Steps = model::PersistentMap<std::shared_ptr<const Subtree>>;
 
   std::vector<Steps> levels_;  // the first by id >> kBits
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

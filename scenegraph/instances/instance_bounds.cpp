@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
 /// For each unit of the condition: the share of the largest coordinate that a transform and its
@@ -13,19 +13,20 @@ constexpr double kPadPerCondition = 0x1p-48;
 /// More than the 260 roundings of a composed transform.
 constexpr double kComposedError = 0x1p-44;
 
-double magnitude(const DoubleBox& b) {
+double magnitude(const model::DoubleBox& b) {
   double m = 0;
   for (std::size_t a = 0; a < 3; ++a) m = std::max({m, std::fabs(b.lo[a]), std::fabs(b.hi[a])});
   return m;
 }
 
 /// Outward, through two roundings: the subtraction and the narrowing.
-accel::Aabb relative(const DoubleBox& world, const Vec3d& center) {
-  accel::Aabb box;
+accel::geometry::Aabb relative(const model::DoubleBox& world,
+                               const accel::geometry::Vec3d& center) {
+  accel::geometry::Aabb box;
   for (std::size_t a = 0; a < 3; ++a) {
     const double lo = world.lo[a] - center[a], hi = world.hi[a] - center[a];
-    box.lo[a] = accel::round_down(lo - std::fabs(lo) * 0x1p-50);
-    box.hi[a] = accel::round_up(hi + std::fabs(hi) * 0x1p-50);
+    box.lo[a] = accel::geometry::round_down(lo - std::fabs(lo) * 0x1p-50);
+    box.hi[a] = accel::geometry::round_up(hi + std::fabs(hi) * 0x1p-50);
   }
   return box;
 }
@@ -33,35 +34,42 @@ accel::Aabb relative(const DoubleBox& world, const Vec3d& center) {
 /// No instance below has a larger condition: it is at most the product of those on the way, but for
 /// a factor of 3 between the norms and what kRoundUp took off; and none beyond kMaxCondition is an
 /// instance.
-double worst_condition(const Affine& world_from_local, const Subtree& subtree) {
-  const std::optional<Affine> back = inverse(world_from_local);
-  if (!back) return kMaxCondition;
-  const int log = log_stretch(world_from_local) + log_stretch(*back) + subtree.condition;
-  return std::min(std::ldexp(3.5, std::min(log, 64)), kMaxCondition);
+double worst_condition(const model::Affine& world_from_local, const hierarchy::Subtree& subtree) {
+  const std::optional<model::Affine> back = inverse(world_from_local);
+  if (!back) return model::kMaxCondition;
+  const int log =
+      hierarchy::log_stretch(world_from_local) + hierarchy::log_stretch(*back) + subtree.condition;
+  return std::min(std::ldexp(3.5, std::min(log, 64)), model::kMaxCondition);
 }
 
 }  // namespace
 
-accel::Aabb instance_box(const Affine& world_from_local, const Affine& local_from_world,
-                         const accel::Aabb& mesh, const Vec3d& center) {
-  const DoubleBox world = mapped(world_from_local, DoubleBox(mesh));
+accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
+                                   const model::Affine& local_from_world,
+                                   const accel::geometry::Aabb& mesh,
+                                   const accel::geometry::Vec3d& center) {
+  const model::DoubleBox world = mapped(world_from_local, model::DoubleBox(mesh));
   const double off =
       magnitude(world) * condition(world_from_local, local_from_world) * kPadPerCondition;
-  return accel::widen_flat(relative(padded(world, off), center));
+  return accel::geometry::widen_flat(relative(padded(world, off), center));
 }
 
-accel::Aabb group_box(const Affine& world_from_local, const Subtree& subtree, const Vec3d& center) {
-  const Vec3d reach = mapped_reach(world_from_local, subtree.reach);
+accel::geometry::Aabb group_box(const model::Affine& world_from_local,
+                                const hierarchy::Subtree& subtree,
+                                const accel::geometry::Vec3d& center) {
+  const accel::geometry::Vec3d reach = hierarchy::mapped_reach(world_from_local, subtree.reach);
   const double off =
       std::max({reach.x, reach.y, reach.z}) *
       (worst_condition(world_from_local, subtree) * kPadPerCondition + kComposedError);
-  accel::Aabb box = relative(padded(mapped(world_from_local, subtree.box), off), center);
-  for (std::size_t a = 0; a < 3; ++a) box.hi[a] = accel::least_above(accel::least_above(box.hi[a]));
-  return accel::widen_flat(box);
+  accel::geometry::Aabb box = relative(padded(mapped(world_from_local, subtree.box), off), center);
+  for (std::size_t a = 0; a < 3; ++a)
+    box.hi[a] = accel::geometry::least_above(accel::geometry::least_above(box.hi[a]));
+  return accel::geometry::widen_flat(box);
 }
 
-accel::Aabb confined(const accel::Aabb& box, const accel::Aabb& outer) {
-  accel::Aabb part;
+accel::geometry::Aabb confined(const accel::geometry::Aabb& box,
+                               const accel::geometry::Aabb& outer) {
+  accel::geometry::Aabb part;
   for (std::size_t a = 0; a < 3; ++a) {
     part.lo[a] = std::max(box.lo[a], outer.lo[a]);
     part.hi[a] = std::min(box.hi[a], outer.hi[a]);
@@ -70,4 +78,4 @@ accel::Aabb confined(const accel::Aabb& box, const accel::Aabb& outer) {
   return part;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -11,18 +11,23 @@
 #include "accel/geometry/aabb.h"
 #include "scenegraph/hierarchy/node_summary.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// Of a mesh's box, padded for the rounding of the transform and of its inverse. Relative to the
 /// center, rounded outward.
-accel::Aabb instance_box(const Affine& world_from_local, const Affine& local_from_world,
-                         const accel::Aabb& mesh, const Vec3d& center);
+accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
+                                   const model::Affine& local_from_world,
+                                   const accel::geometry::Aabb& mesh,
+                                   const accel::geometry::Vec3d& center);
 
 /// Of a subtree with instances: holds the box of each.
-accel::Aabb group_box(const Affine& world_from_local, const Subtree& subtree, const Vec3d& center);
+accel::geometry::Aabb group_box(const model::Affine& world_from_local,
+                                const hierarchy::Subtree& subtree,
+                                const accel::geometry::Vec3d& center);
 
 /// The part of `box` that lies in `outer`: all of it, unless rounding went beyond what was
 /// foreseen. Never empty, never beyond `outer`.
-accel::Aabb confined(const accel::Aabb& box, const accel::Aabb& outer);
+accel::geometry::Aabb confined(const accel::geometry::Aabb& box,
+                               const accel::geometry::Aabb& outer);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -8,10 +8,10 @@
 
 #include "scenegraph/instances/instance_bounds.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::BoxRef;
+using accel::kdtree::BoxRef;
 
 /// A group that takes up more of its parent's surface does not tell where its instances are.
 constexpr double kNearlyAll = 0.75;
@@ -25,8 +25,8 @@ constexpr std::size_t kChildrenPerSlice = 1024;
 
 /// A child with instances at or below it.
 struct Member {
-  const Node* node = nullptr;
-  const Subtree* group = nullptr;  // null: an instance and nothing else
+  const model::Node* node = nullptr;
+  const hierarchy::Subtree* group = nullptr;  // null: an instance and nothing else
 };
 
 /// So many children are looked up together.
@@ -43,30 +43,30 @@ void call_for(const T* object) {
 /// Nodes of a large scene are far apart in memory, and what is needed of each is in many places.
 /// All children are taken one step before any is taken the next, so that they are waited for
 /// together.
-void add_members(const HalfView& view, std::span<const NodeId> children,
+void add_members(const HalfView& view, std::span<const model::NodeId> children,
                  std::vector<Member>& members) {
-  const Hierarchy& hierarchy = view.hierarchy();
-  std::array<const std::shared_ptr<const Node>*, kTogether> nodes;
-  std::array<const std::shared_ptr<const Subtree>*, kTogether> subtrees;
+  const hierarchy::Hierarchy& hierarchy = view.hierarchy();
+  std::array<const std::shared_ptr<const model::Node>*, kTogether> nodes;
+  std::array<const std::shared_ptr<const hierarchy::Subtree>*, kTogether> subtrees;
   const std::size_t count = children.size();
   hierarchy.nodes.find_all(children, std::span(nodes).first(count));
   for (std::size_t i = 0; i < count; ++i) call_for(nodes[i]->get());
   hierarchy.subtrees.find_all(children, std::span(subtrees).first(count));
   for (std::size_t i = 0; i < count; ++i) {
     if (subtrees[i] != nullptr) call_for(subtrees[i]->get());
-    if (const Mesh* mesh = (*nodes[i])->mesh.get()) call_for(mesh);
+    if (const model::Mesh* mesh = (*nodes[i])->mesh.get()) call_for(mesh);
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const Node& node = **nodes[i];
+    const model::Node& node = **nodes[i];
     if (!view.holds(node)) continue;
-    const Subtree* below =
+    const hierarchy::Subtree* below =
         subtrees[i] == nullptr ? nullptr : &view.group(children[i], **subtrees[i]);
     const bool opens = below != nullptr && is_group(node, *below);
-    if (opens || is_instance(node)) members.push_back({&node, opens ? below : nullptr});
+    if (opens || hierarchy::is_instance(node)) members.push_back({&node, opens ? below : nullptr});
   }
 }
 
-std::vector<Member> members_of(const HalfView& view, std::span<const NodeId> children) {
+std::vector<Member> members_of(const HalfView& view, std::span<const model::NodeId> children) {
   std::vector<Member> members;
   members.reserve(children.size());
   for (std::size_t first = 0; first < children.size(); first += kTogether) {
@@ -90,8 +90,8 @@ void take(const Member& member, Opened::Numbers& next) {
 /// Places some of a group's children and numbers what it meets.
 class Placing {
  public:
-  Placing(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
-          const Opened::Numbers& first)
+  Placing(const HalfView& view, const Group& group, const accel::geometry::Vec3d& center,
+          unsigned shift, const Opened::Numbers& first)
       : view_(view), group_(group), center_(center), shift_(shift), next_(first) {}
 
   std::unique_ptr<const OpenedSlice> place(const std::vector<Member>& members, bool own) {
@@ -115,10 +115,10 @@ class Placing {
 
  private:
   void place(const Member& member) {
-    const Node& node = *member.node;
-    const Affine world = group_.node == nullptr
-                             ? world_from_local(view_.hierarchy(), node)
-                             : compose(group_.world_from_local, node.parent_from_local);
+    const model::Node& node = *member.node;
+    const model::Affine world = group_.node == nullptr
+                                    ? world_from_local(view_.hierarchy(), node)
+                                    : compose(group_.world_from_local, node.parent_from_local);
     if (member.group == nullptr) {
       place_instance(node, world);
     } else {
@@ -126,13 +126,13 @@ class Placing {
     }
   }
 
-  void place_instance(const Node& node, const Affine& world) {
+  void place_instance(const model::Node& node, const model::Affine& world) {
     Instance& instance = placed_->instances.emplace_back();
     instance.index = static_cast<std::uint32_t>(next_.instances);
     instance.node = node.id;
     instance.mesh = node.mesh.get();
     instance.entered = node.entered.get();
-    const std::optional<Affine> local_from_world = inverse(world);
+    const std::optional<model::Affine> local_from_world = inverse(world);
     if (!local_from_world) {  // refused when the node was put: see Scene::apply
       instance.mask = 0;
       instance.box = group_.box;
@@ -143,11 +143,12 @@ class Placing {
     instance.mask = node.mask;
     instance.box =
         confined(instance_box(world, *local_from_world, node.mesh->bounds(), center_), group_.box);
-    placed_->refs.push_back(
-        {instance.box.lo, instance.index, instance.box.hi, weight(price(*node.mesh), shift_)});
+    placed_->refs.push_back({instance.box.lo, instance.index, instance.box.hi,
+                             weight(hierarchy::price(*node.mesh), shift_)});
   }
 
-  void place_group(const Node& node, const Affine& world, const Subtree& subtree) {
+  void place_group(const model::Node& node, const model::Affine& world,
+                   const hierarchy::Subtree& subtree) {
     Group& group = placed_->groups[groups_++];
     group.node = &node;
     group.world_from_local = world;
@@ -157,20 +158,21 @@ class Placing {
     group.first_instance = static_cast<std::uint32_t>(next_.instances);
     group.first_run = static_cast<std::uint32_t>(next_.runs);
     group.at_once = half_area(group.box) > kNearlyAll * half_area(group_.box);
-    placed_->refs.push_back({group.box.lo, accel::kOpenable | group.number, group.box.hi,
+    placed_->refs.push_back({group.box.lo, accel::kdtree::kOpenable | group.number, group.box.hi,
                              weight(subtree.price, shift_)});
   }
 
   const HalfView& view_;
   const Group& group_;
-  const Vec3d center_;
+  const accel::geometry::Vec3d center_;
   const unsigned shift_;
   Opened::Numbers next_;
   std::size_t groups_ = 0;
   std::unique_ptr<OpenedSlice> placed_ = std::make_unique<OpenedSlice>();
 };
 
-std::span<const NodeId> slice_of(const std::vector<NodeId>& children, std::size_t slice) {
+std::span<const model::NodeId> slice_of(const std::vector<model::NodeId>& children,
+                                        std::size_t slice) {
   const std::size_t begin = slice * kChildrenPerSlice;
   return std::span(children).subspan(begin, std::min(kChildrenPerSlice, children.size() - begin));
 }
@@ -221,7 +223,7 @@ const Group& child_towards_run(const Opened& opened, std::uint32_t number) {
 
 Group::~Group() { delete opened.load(std::memory_order_relaxed); }
 
-std::unique_ptr<Group> whole_half(const HalfView& view, const Vec3d& center) {
+std::unique_ptr<Group> whole_half(const HalfView& view, const accel::geometry::Vec3d& center) {
   auto half = std::make_unique<Group>();
   if (view.all().instances > 0) half->box = group_box(half->world_from_local, view.all(), center);
   return half;
@@ -237,14 +239,14 @@ Opened::Opened(std::size_t children)
     : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
       slices(numbers.size() + 1) {}
 
-const std::vector<NodeId>& children_of(const HalfView& view, const Group& group) {
+const std::vector<model::NodeId>& children_of(const HalfView& view, const Group& group) {
   return group.node == nullptr ? view.tops() : group.node->children;
 }
 
-void open_group(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
-                Opened& opened) {
-  const std::vector<NodeId>& children = children_of(view, group);
-  const bool own = group.node != nullptr && is_instance(*group.node);
+void open_group(const HalfView& view, const Group& group, const accel::geometry::Vec3d& center,
+                unsigned shift, Opened& opened) {
+  const std::vector<model::NodeId>& children = children_of(view, group);
+  const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
   // A few children are placed sooner than waited for.
   const bool wait = opened.slices.size() > 1;
   opened.numbers.complete(wait, [&](std::size_t slice) {
@@ -266,4 +268,4 @@ void open_group(const HalfView& view, const Group& group, const Vec3d& center, u
   opened.siblings.complete(wait, [&](std::size_t) { return take_together(group, opened); });
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -12,17 +12,17 @@
 #include "scenegraph/instances/shared_slices.h"
 #include "scenegraph/instances/sibling_clusters.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// A node that carries a mesh with a finite triangle, where it stands in the world.
 struct Instance {
-  Affine local_from_world;
-  bool mirrored = false;  ///< The transform turns windings around.
-  accel::Aabb box;        ///< World, less Instances::center(), rounded outward.
-  NodeId node = 0;
-  std::uint32_t mask = accel::kAllMasks;
+  model::Affine local_from_world;
+  bool mirrored = false;      ///< The transform turns windings around.
+  accel::geometry::Aabb box;  ///< World, less Instances::center(), rounded outward.
+  model::NodeId node = 0;
+  std::uint32_t mask = accel::geometry::kAllMasks;
   std::uint32_t index = 0;  ///< Its place in Instances.
-  const Mesh* mesh = nullptr;
+  const model::Mesh* mesh = nullptr;
   std::atomic<bool>* entered = nullptr;
 };
 
@@ -35,10 +35,10 @@ struct Group {
   Group& operator=(const Group&) = delete;
   ~Group();
 
-  const Node* node = nullptr;  ///< Null: all of the half.
-  Affine world_from_local;
-  accel::Aabb box;           ///< As of Instance; holds the boxes of all that is below.
-  std::uint32_t number = 0;  ///< Among the groups; all of the half has none.
+  const model::Node* node = nullptr;  ///< Null: all of the half.
+  model::Affine world_from_local;
+  accel::geometry::Aabb box;  ///< As of Instance; holds the boxes of all that is below.
+  std::uint32_t number = 0;   ///< Among the groups; all of the half has none.
   /// From here on what is below is numbered, in the order of a walk, node before children. The
   /// numbers do not depend on what was opened, nor when.
   std::uint32_t first_instance = 0, first_group = 0, first_run = 0;
@@ -52,7 +52,7 @@ struct OpenedSlice {
   std::uint32_t first_group = 0, first_run = 0;  ///< As of Group.
   std::vector<Instance> instances;
   std::vector<Group> groups;
-  std::vector<accel::BoxRef> refs;
+  std::vector<accel::kdtree::BoxRef> refs;
 };
 
 /// What a group is opened into, made by whoever needs it first and those who come meanwhile.
@@ -65,8 +65,9 @@ struct Opened {
   };
   struct Siblings {
     SiblingRuns levels;
-    std::vector<std::span<const accel::BoxRef>> runs;  ///< By number, from Group::first_run.
-    bool some_at_once = false;                         ///< Of the groups.
+    std::vector<std::span<const accel::kdtree::BoxRef>>
+        runs;                   ///< By number, from Group::first_run.
+    bool some_at_once = false;  ///< Of the groups.
   };
 
   SharedSlices<Numbers> numbers;
@@ -82,17 +83,17 @@ const Group& child_towards_group(const Opened& opened, std::uint32_t number);
 const Group& child_towards_run(const Opened& opened, std::uint32_t number);
 
 /// All of the half as one group.
-std::unique_ptr<Group> whole_half(const HalfView& view, const Vec3d& center);
+std::unique_ptr<Group> whole_half(const HalfView& view, const accel::geometry::Vec3d& center);
 
 /// How weights are made from prices: shifted right by this, so that they sum below 2^32.
 unsigned weight_shift(std::uint64_t total_price);
 
 /// The group's children, those that the half does not hold too; of the half, its tops.
-const std::vector<NodeId>& children_of(const HalfView& view, const Group& group);
+const std::vector<model::NodeId>& children_of(const HalfView& view, const Group& group);
 
 /// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
 /// std::bad_alloc.
-void open_group(const HalfView& view, const Group& group, const Vec3d& center, unsigned shift,
-                Opened& opened);
+void open_group(const HalfView& view, const Group& group, const accel::geometry::Vec3d& center,
+                unsigned shift, Opened& opened);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

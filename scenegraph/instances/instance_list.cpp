@@ -3,23 +3,23 @@
 
 #include <algorithm>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::BoxRef;
+using accel::kdtree::BoxRef;
 
 /// Groups of no use are opened at once until there are so many references.
 constexpr std::size_t kEnoughAtOnce = kFewSiblings;
 
 /// Of nothing, or of what reaches beyond all numbers: the origin.
-Vec3d middle(const DoubleBox& box) {
-  const Vec3d m = (box.lo + box.hi) * 0.5;
-  return is_finite(m) ? m : Vec3d{};
+accel::geometry::Vec3d middle(const model::DoubleBox& box) {
+  const accel::geometry::Vec3d m = (box.lo + box.hi) * 0.5;
+  return accel::geometry::is_finite(m) ? m : accel::geometry::Vec3d{};
 }
 
 }  // namespace
 
-Instances::Instances(Half half, const Hierarchy& hierarchy)
+Instances::Instances(Half half, const hierarchy::Hierarchy& hierarchy)
     : view_(half, hierarchy),
       center_(middle(view_.all().box)),
       weight_shift_(weight_shift(view_.all().price)),
@@ -32,21 +32,21 @@ void Instances::begin() const {
   if (begun()) return;
   auto made = std::make_unique<Beginning>();
   append(opened(*whole_), 0, made->coarsest);
-  accel::Aabb bounds;
+  accel::geometry::Aabb bounds;
   for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
-  accel::ReferenceSource source = accel::source_of(made->coarsest);
-  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out, accel::BuildCounters&) {
+  accel::lazy::ReferenceSource source = accel::lazy::source_of(made->coarsest);
+  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out, accel::kdtree::BuildCounters&) {
     open(ref, out);
   };
-  made->tree = std::make_unique<accel::LazyTree>(bounds, size(), accel::default_builder(),
-                                                 std::move(source));
+  made->tree = std::make_unique<accel::lazy::LazyTree>(
+      bounds, size(), accel::published::default_builder(), std::move(source));
   const Beginning* none = nullptr;
   if (beginning_.compare_exchange_strong(none, made.get(), std::memory_order_acq_rel))
     (void)made.release();
 }
 
 void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
-  const std::uint32_t number = ref.id & ~accel::kOpenable;
+  const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
   if ((number & kRun) != 0) {
     const Run& members = run(number & ~kRun);
     out.insert(out.end(), members.begin(), members.end());
@@ -112,7 +112,7 @@ void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxR
     return;
   }
   for (const BoxRef& ref : refs) {
-    const std::uint32_t number = ref.id & ~accel::kOpenable;
+    const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
     if (ref.openable() && (number & kRun) == 0 && out.size() - first < kEnoughAtOnce) {
       const Group& group = child_towards_group(opened, number);
       if (group.at_once) {
@@ -143,4 +143,4 @@ InstanceList Instances::list() const {
   return InstanceList(*this);
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

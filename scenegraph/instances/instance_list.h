@@ -12,7 +12,7 @@
 #include "scenegraph/instances/instance_group.h"
 #include "scenegraph/instances/lazy_array.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 class InstanceList;
 
@@ -21,7 +21,7 @@ class InstanceList;
 class Instances {
  public:
   /// The hierarchy must outlive this.
-  Instances(Half half, const Hierarchy& hierarchy);
+  Instances(Half half, const hierarchy::Hierarchy& hierarchy);
   ~Instances();
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;
@@ -39,15 +39,15 @@ class Instances {
 
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
-  const Vec3d& center() const { return center_; }
+  const accel::geometry::Vec3d& center() const { return center_; }
   /// Its leaves hold places of instances. Growing it is not a change of the snapshot.
-  accel::LazyTree& tree() const { return *beginning().tree; }
+  accel::lazy::LazyTree& tree() const { return *beginning().tree; }
 
   /// References that stand for all instances: the coarsest, openable or not.
-  const std::vector<accel::BoxRef>& coarsest() const { return beginning().coarsest; }
+  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return beginning().coarsest; }
   /// Appends what an openable reference stands for; the same every time, whoever asked before.
   /// Throws std::bad_alloc.
-  void open(const accel::BoxRef& ref, std::vector<accel::BoxRef>& out) const;
+  void open(const accel::kdtree::BoxRef& ref, std::vector<accel::kdtree::BoxRef>& out) const;
   /// Opens everything. In the order of a walk down from the roots, nodes before their children.
   InstanceList list() const;
 
@@ -55,12 +55,12 @@ class Instances {
   std::uint64_t placed() const { return placed_.load(std::memory_order_relaxed); }
 
  private:
-  using Run = std::span<const accel::BoxRef>;
+  using Run = std::span<const accel::kdtree::BoxRef>;
 
   /// What is known once the roots are opened.
   struct Beginning {
-    std::vector<accel::BoxRef> coarsest;
-    std::unique_ptr<accel::LazyTree> tree;
+    std::vector<accel::kdtree::BoxRef> coarsest;
+    std::unique_ptr<accel::lazy::LazyTree> tree;
   };
 
   const Beginning& beginning() const { return *beginning_.load(std::memory_order_acquire); }
@@ -68,11 +68,12 @@ class Instances {
   const Run& run(std::uint32_t number) const;
   const Opened& opened(const Group& group) const;
   void enlist(const Opened& opened) const;
-  void append(const Opened& opened, std::size_t first, std::vector<accel::BoxRef>& out) const;
+  void append(const Opened& opened, std::size_t first,
+              std::vector<accel::kdtree::BoxRef>& out) const;
   void open_all() const;
 
   HalfView view_;
-  Vec3d center_;
+  accel::geometry::Vec3d center_;
   unsigned weight_shift_;
   Zeroed<std::atomic<const Instance*>> instances_;
   std::unique_ptr<Group> whole_;
@@ -120,4 +121,4 @@ class InstanceList {
   const Instances* instances_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

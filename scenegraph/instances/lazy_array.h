@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// `size` objects of a type whose initial value is zero, in blocks that are made when first asked
 /// for. Making the array costs a pointer a block. Threads: all members, any, but for moves.
@@ -54,4 +54,4 @@ class Zeroed {
   std::size_t size_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

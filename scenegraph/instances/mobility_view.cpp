@@ -6,51 +6,52 @@
 
 #include "scenegraph/hierarchy/wide_sum.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-std::size_t depth(const Hierarchy& hierarchy, NodeId id) {
+std::size_t depth(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
   std::size_t depth = 0;
   for (; id != 0; id = hierarchy.find(id)->parent) ++depth;
   return depth;
 }
 
 /// What the node brings to the whole scene, in world space.
-Subtree part_in_world(const Hierarchy& hierarchy, const Node& node) {
-  Subtree part = part_in_parent(node, hierarchy.subtree(node));
-  for (NodeId above = node.parent; above != 0; above = hierarchy.find(above)->parent)
+hierarchy::Subtree part_in_world(const hierarchy::Hierarchy& hierarchy, const model::Node& node) {
+  hierarchy::Subtree part = part_in_parent(node, hierarchy.subtree(node));
+  for (model::NodeId above = node.parent; above != 0; above = hierarchy.find(above)->parent)
     part = carried(hierarchy.find(above)->parent_from_local, part);
   return part;
 }
 
 }  // namespace
 
-bool is_moving(const Hierarchy& hierarchy, NodeId id) {
+bool is_moving(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
   if (hierarchy.movers.size() == 0) return false;
   while (id != 0 && hierarchy.movers.find(id) == nullptr) id = hierarchy.find(id)->parent;
   return id != 0;
 }
 
-std::vector<NodeId> topmost_movers(const Hierarchy& hierarchy) {
-  std::vector<NodeId> movers;
+std::vector<model::NodeId> topmost_movers(const hierarchy::Hierarchy& hierarchy) {
+  std::vector<model::NodeId> movers;
   movers.reserve(hierarchy.movers.size());
-  hierarchy.movers.for_each([&](NodeId id, bool) {
+  hierarchy.movers.for_each([&](model::NodeId id, bool) {
     if (!is_moving(hierarchy, hierarchy.find(id)->parent)) movers.push_back(id);
   });
   return movers;
 }
 
-HalfView::HalfView(Half half, const Hierarchy& hierarchy)
+HalfView::HalfView(Half half, const hierarchy::Hierarchy& hierarchy)
     : hierarchy_(hierarchy), half_(half), movers_(topmost_movers(hierarchy)) {
   if (half == Half::kDynamic) {
-    for (const NodeId id : movers_) include(all_, part_in_world(hierarchy, *hierarchy.find(id)));
+    for (const model::NodeId id : movers_)
+      include(all_, part_in_world(hierarchy, *hierarchy.find(id)));
     return;
   }
   all_ = hierarchy.subtree(0);
   if (!movers_.empty()) thin_out();
 }
 
-const Subtree& HalfView::group(NodeId id, const Subtree& known) const {
+const hierarchy::Subtree& HalfView::group(model::NodeId id, const hierarchy::Subtree& known) const {
   if (thinned_.empty()) return known;
   const auto found = thinned_.find(id);
   return found == thinned_.end() ? known : found->second;
@@ -58,43 +59,46 @@ const Subtree& HalfView::group(NodeId id, const Subtree& known) const {
 
 /// From the deepest up, each group above a mover once.
 void HalfView::thin_out() {
-  std::map<std::size_t, std::map<NodeId, std::vector<NodeId>>, std::greater<>> by_depth;
-  for (const NodeId id : movers_) {
-    const NodeId parent = hierarchy_.find(id)->parent;
+  std::map<std::size_t, std::map<model::NodeId, std::vector<model::NodeId>>, std::greater<>>
+      by_depth;
+  for (const model::NodeId id : movers_) {
+    const model::NodeId parent = hierarchy_.find(id)->parent;
     by_depth[depth(hierarchy_, parent)][parent].push_back(id);
   }
   for (auto level = by_depth.begin(); level != by_depth.end(); ++level) {
     for (auto& [group, changed] : level->second) {
       std::sort(changed.begin(), changed.end());
-      const Subtree sum = thinned(group, changed);
+      const hierarchy::Subtree sum = thinned(group, changed);
       if (group == 0) {
         all_ = sum;
         continue;
       }
       thinned_[group] = sum;
-      const NodeId parent = hierarchy_.find(group)->parent;
+      const model::NodeId parent = hierarchy_.find(group)->parent;
       by_depth[level->first - 1][parent].push_back(group);
     }
   }
 }
 
 /// `changed`: the group's children that are movers or stand above some.
-Subtree HalfView::thinned(NodeId group, const std::vector<NodeId>& changed) const {
-  const auto before = [&](NodeId id) { return part_of_child(hierarchy_, group, id); };
-  const auto after = [&](NodeId id) {
-    const Node* node = hierarchy_.find(id);
-    if (node == nullptr || node->parent != group || !holds(*node)) return Subtree{};
+hierarchy::Subtree HalfView::thinned(model::NodeId group,
+                                     const std::vector<model::NodeId>& changed) const {
+  const auto before = [&](model::NodeId id) { return part_of_child(hierarchy_, group, id); };
+  const auto after = [&](model::NodeId id) {
+    const model::Node* node = hierarchy_.find(id);
+    if (node == nullptr || node->parent != group || !holds(*node)) return hierarchy::Subtree{};
     const auto found = thinned_.find(id);
     return found == thinned_.end() ? part_of_child(hierarchy_, group, id)
                                    : part_in_parent(*node, found->second);
   };
-  Subtree sum = group == 0 ? Subtree{} : own_part(*hierarchy_.find(group));
-  if (const std::shared_ptr<const WideSum>* wide = hierarchy_.wide.find(group)) {
+  hierarchy::Subtree sum =
+      group == 0 ? hierarchy::Subtree{} : hierarchy::own_part(*hierarchy_.find(group));
+  if (const std::shared_ptr<const hierarchy::WideSum>* wide = hierarchy_.wide.find(group)) {
     include(sum, (*wide)->total_with(changed, {before, after}));
     return sum;
   }
-  for (const NodeId child : children_of(hierarchy_, group)) include(sum, after(child));
+  for (const model::NodeId child : children_of(hierarchy_, group)) include(sum, after(child));
   return sum;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -8,7 +8,7 @@
 
 #include "scenegraph/hierarchy/summary_update.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 enum class Half : std::uint8_t { kStatic, kDynamic };
 
@@ -17,39 +17,40 @@ enum class Half : std::uint8_t { kStatic, kDynamic };
 class HalfView {
  public:
   /// The hierarchy must outlive this.
-  HalfView(Half half, const Hierarchy& hierarchy);
+  HalfView(Half half, const hierarchy::Hierarchy& hierarchy);
 
-  const Hierarchy& hierarchy() const { return hierarchy_; }
+  const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   /// What the half begins with: roots, or the topmost movers.
-  const std::vector<NodeId>& tops() const {
+  const std::vector<model::NodeId>& tops() const {
     return half_ == Half::kStatic ? *hierarchy_.roots : movers_;
   }
   /// Sum over the half, in world space.
-  const Subtree& all() const { return all_; }
+  const hierarchy::Subtree& all() const { return all_; }
   /// Whether a child of a node of this half belongs to it too.
-  bool holds(const Node& node) const {
+  bool holds(const model::Node& node) const {
     return half_ == Half::kDynamic || movers_.empty() || hierarchy_.movers.find(node.id) == nullptr;
   }
   /// Of what hangs under a node of this half that has children; `known` is that of the hierarchy.
-  const Subtree& group(NodeId id, const Subtree& known) const;
+  const hierarchy::Subtree& group(model::NodeId id, const hierarchy::Subtree& known) const;
   /// Whether any group differs from what the hierarchy knows.
   bool is_thinned() const { return !thinned_.empty(); }
 
  private:
   void thin_out();
-  Subtree thinned(NodeId group, const std::vector<NodeId>& changed) const;
+  hierarchy::Subtree thinned(model::NodeId group, const std::vector<model::NodeId>& changed) const;
 
-  const Hierarchy& hierarchy_;
+  const hierarchy::Hierarchy& hierarchy_;
   Half half_;
-  std::vector<NodeId> movers_;                   // the topmost, ascending
-  std::unordered_map<NodeId, Subtree> thinned_;  // of the static half: groups above movers
-  Subtree all_;
+  std::vector<model::NodeId> movers_;  // the topmost, ascending
+  std::unordered_map<model::NodeId, hierarchy::Subtree>
+      thinned_;  // of the static half: groups above movers
+  hierarchy::Subtree all_;
 };
 
 /// The movers that have none above them, ascending.
-std::vector<NodeId> topmost_movers(const Hierarchy& hierarchy);
+std::vector<model::NodeId> topmost_movers(const hierarchy::Hierarchy& hierarchy);
 
 /// Whether the node, or one above it, moves.
-bool is_moving(const Hierarchy& hierarchy, NodeId id);
+bool is_moving(const hierarchy::Hierarchy& hierarchy, model::NodeId id);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

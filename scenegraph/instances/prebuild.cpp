@@ -5,11 +5,11 @@
 
 #include "accel/kdtree/epoch.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::Aabb;
-using accel::Slot;
+using accel::geometry::Aabb;
+using accel::kdtree::Slot;
 
 /// So many leaves are gone through between two epochs.
 constexpr std::size_t kLeavesPerPin = 256;
@@ -20,31 +20,34 @@ struct Cell {
 };
 
 /// The middles of the leaves that hold something, in scene coordinates.
-std::vector<Vec3d> built_places(const Instances& grown) {
-  const accel::EpochPin pin;
-  const accel::KdTree& tree = grown.tree().tree();
-  std::vector<Vec3d> places;
-  std::vector<Cell> waiting{{accel::load(tree.root()), tree.bounds()}};
+std::vector<accel::geometry::Vec3d> built_places(const Instances& grown) {
+  const accel::kdtree::EpochPin pin;
+  const accel::kdtree::KdTree& tree = grown.tree().tree();
+  std::vector<accel::geometry::Vec3d> places;
+  std::vector<Cell> waiting{{accel::kdtree::load(tree.root()), tree.bounds()}};
   while (!waiting.empty()) {
     const auto [slot, box] = waiting.back();
     waiting.pop_back();
     if (slot.is_binary()) {
-      const accel::HalvedCell halves = accel::halve(box, slot.axis(), slot.position());
-      waiting.push_back({accel::load(tree.children(slot)[0]), halves.left});
-      waiting.push_back({accel::load(tree.children(slot)[1]), halves.right});
+      const accel::geometry::HalvedCell halves =
+          accel::geometry::halve(box, slot.axis(), slot.position());
+      waiting.push_back({accel::kdtree::load(tree.children(slot)[0]), halves.left});
+      waiting.push_back({accel::kdtree::load(tree.children(slot)[1]), halves.right});
     } else if (!slot.is_unbuilt() && slot.leaf_count() > 0) {
-      places.push_back((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 + grown.center());
+      places.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
+                       grown.center());
     }
   }
   return places;
 }
 
-void grow_at(accel::LazyTree& tree, const Vec3d& place) {
-  accel::BuildCounters built;
-  for (accel::AtomicSlot* at = &tree.root();;) {
-    const Slot slot = accel::load(*at);
+void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& place) {
+  accel::kdtree::BuildCounters built;
+  for (accel::kdtree::AtomicSlot* at = &tree.root();;) {
+    const Slot slot = accel::kdtree::load(*at);
     if (slot.is_unbuilt()) {
-      if (tree.expand(*at, accel::AtBusy::kWait, built) == accel::Expanded::kAgain) continue;
+      if (tree.expand(*at, accel::lazy::AtBusy::kWait, built) == accel::lazy::Expanded::kAgain)
+        continue;
       return;
     }
     if (!slot.is_binary()) return;
@@ -56,12 +59,12 @@ void grow_at(accel::LazyTree& tree, const Vec3d& place) {
 }  // namespace
 
 void grow_alike(const Instances& grown, const Instances& fresh) {
-  const std::vector<Vec3d> places = built_places(grown);
+  const std::vector<accel::geometry::Vec3d> places = built_places(grown);
   for (std::size_t first = 0; first < places.size(); first += kLeavesPerPin) {
-    const accel::EpochPin pin;
+    const accel::kdtree::EpochPin pin;
     for (std::size_t i = first; i < std::min(first + kLeavesPerPin, places.size()); ++i)
       grow_at(fresh.tree(), places[i] - fresh.center());
   }
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -9,9 +9,9 @@
 #include "scenegraph/instances/scene_half.h"
 #include "scenegraph/model/persistent_map.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
-using NodeSet = PersistentMap<bool>;
+using NodeSet = model::PersistentMap<bool>;
 
 /// Shared by all revisions between which nothing more departs. Whether an instance has departed is
 /// decided when a ray first comes to it, by looking up the hierarchy, and then remembered: making
@@ -38,4 +38,4 @@ class Departed {
   Zeroed<std::atomic<State>> states_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

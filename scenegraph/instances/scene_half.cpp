@@ -1,7 +1,7 @@
 // Opening a half.
 #include "scenegraph/instances/scene_half.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 SceneHalf::~SceneHalf() { delete instances_.load(std::memory_order_acquire); }
 
@@ -22,4 +22,4 @@ const Instances* SceneHalf::instances_so_far() const {
   return now != nullptr && now->begun() ? now : nullptr;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

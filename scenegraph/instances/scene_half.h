@@ -7,18 +7,19 @@
 
 #include "scenegraph/instances/instance_list.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// Immutable, but for being opened and grown. Threads: all members, any; nobody waits for anybody.
 class SceneHalf {
  public:
-  SceneHalf(Half half, Hierarchy hierarchy) : half_(half), hierarchy_(std::move(hierarchy)) {}
+  SceneHalf(Half half, hierarchy::Hierarchy hierarchy)
+      : half_(half), hierarchy_(std::move(hierarchy)) {}
   ~SceneHalf();
   SceneHalf(const SceneHalf&) = delete;
   SceneHalf& operator=(const SceneHalf&) = delete;
 
   /// Of the revision that this half was made for.
-  const Hierarchy& hierarchy() const { return hierarchy_; }
+  const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   /// Made by whoever asks first.
   const Instances& instances() const;
   /// The same, or null if nobody has asked.
@@ -26,8 +27,8 @@ class SceneHalf {
 
  private:
   const Half half_;
-  const Hierarchy hierarchy_;
+  const hierarchy::Hierarchy hierarchy_;
   mutable std::atomic<const Instances*> instances_{nullptr};
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -6,7 +6,7 @@
 
 #include "scenegraph/instances/removed_filter.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// A view; valid while the snapshot is.
 struct TwoTrees {
@@ -22,4 +22,4 @@ struct TwoTrees {
   }
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-Status check_node(const Snapshot& snapshot, NodeId id, const char* role) {
+Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const char* role) {
   if (snapshot.find(id) != nullptr) return {};
   return Error{Code::kNotFound,
                std::string(role) + " node " + std::to_string(id) + " is not in revision " +
@@ -18,21 +18,21 @@ Status check_node(const Snapshot& snapshot, NodeId id, const char* role) {
 
 }  // namespace
 
-Result<Selection> Selection::make(std::shared_ptr<const Snapshot> snapshot, NodeId root,
-                                  std::span<const NodeId> excluded) {
+Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snapshot,
+                                  model::NodeId root, std::span<const model::NodeId> excluded) {
   if (root != 0) {
     if (const Status known = check_node(*snapshot, root, "root"); !known) return known.error();
   }
-  std::vector<NodeId> sorted(excluded.begin(), excluded.end());
-  for (const NodeId id : sorted) {
+  std::vector<model::NodeId> sorted(excluded.begin(), excluded.end());
+  for (const model::NodeId id : sorted) {
     if (const Status known = check_node(*snapshot, id, "excluded"); !known) return known.error();
   }
   std::sort(sorted.begin(), sorted.end());
   return Selection(std::move(snapshot), root, std::move(sorted));
 }
 
-Selection::Selection(std::shared_ptr<const Snapshot> snapshot, NodeId root,
-                     std::vector<NodeId> excluded)
+Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
+                     std::vector<model::NodeId> excluded)
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
@@ -44,7 +44,7 @@ bool Selection::decide(std::size_t index) const {
   return selected;
 }
 
-bool Selection::contains(NodeId id) const {
+bool Selection::contains(model::NodeId id) const {
   bool under_root = root_ == 0;
   while (id != 0) {
     if (std::binary_search(excluded_.begin(), excluded_.end(), id)) return false;
@@ -54,4 +54,4 @@ bool Selection::contains(NodeId id) const {
   return under_root;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -12,7 +12,7 @@
 #include "scenegraph/instances/lazy_array.h"
 #include "scenegraph/revision/snapshot.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// Decided for an instance when a ray first comes to it, by looking up the hierarchy, and then
 /// remembered: making one costs nothing, however large the scene. Threads: any.
@@ -21,8 +21,8 @@ class Selection {
   /// `root` and all nodes under it, 0: the whole scene; less each node of `excluded` and all under
   /// it. Keeps the snapshot, which must be what is traced.
   /// Errors: kNotFound, naming the id that is no node of this revision.
-  static Result<Selection> make(std::shared_ptr<const Snapshot> snapshot, NodeId root,
-                                std::span<const NodeId> excluded);
+  static Result<Selection> make(std::shared_ptr<const revision::Snapshot> snapshot,
+                                model::NodeId root, std::span<const model::NodeId> excluded);
 
   /// `index`: an instance's place, which has been opened.
   bool selects(std::size_t index) const {
@@ -33,14 +33,15 @@ class Selection {
  private:
   enum class State : std::uint8_t { kUnknown, kIn, kOut };
 
-  Selection(std::shared_ptr<const Snapshot> snapshot, NodeId root, std::vector<NodeId> excluded);
+  Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
+            std::vector<model::NodeId> excluded);
   bool decide(std::size_t index) const;
-  bool contains(NodeId id) const;
+  bool contains(model::NodeId id) const;
 
-  std::shared_ptr<const Snapshot> snapshot_;
-  NodeId root_;
-  std::vector<NodeId> excluded_;  // ascending
+  std::shared_ptr<const revision::Snapshot> snapshot_;
+  model::NodeId root_;
+  std::vector<model::NodeId> excluded_;  // ascending
   Zeroed<std::atomic<State>> states_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -8,7 +8,7 @@
 
 #include "accel/lazy/stall_detector.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
 /// What is made of each slice, once. Threads: all members, any.
 template <class Result>
@@ -39,7 +39,7 @@ class SharedSlices {
       run(slice, make);
     }
     for (int stalls = 0; wait && done() < size() && stalls < kStalls; ++stalls) {
-      for (accel::Patience patience; done() < size() && patience.wait(done());) continue;
+      for (accel::lazy::Patience patience; done() < size() && patience.wait(done());) continue;
     }
     for (std::size_t slice = 0; slice < size(); ++slice) run(slice, make);
   }
@@ -65,4 +65,4 @@ class SharedSlices {
   std::atomic<std::size_t> begun_{0}, done_{0};
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::Aabb;
-using accel::BoxRef;
+using accel::geometry::Aabb;
+using accel::kdtree::BoxRef;
 
 /// Runs whose boxes have on average more than this share of the parent's surface divide nothing.
 constexpr double kLargestShare = 0.25;
@@ -22,7 +22,7 @@ BoxRef run_over(std::span<const BoxRef> members, std::uint32_t number) {
     weight += ref.weight;
   }
   constexpr std::uint64_t kLargest = std::numeric_limits<std::uint32_t>::max();
-  return {box.lo, accel::kOpenable | kRun | number, box.hi,
+  return {box.lo, accel::kdtree::kOpenable | kRun | number, box.hi,
           static_cast<std::uint32_t>(std::min(weight, kLargest))};
 }
 
@@ -105,4 +105,4 @@ SiblingRuns make_runs(std::vector<BoxRef> siblings, const Aabb& box, std::uint32
   return made;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -8,9 +8,9 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 
-/// In the id of a reference, beside accel::kOpenable: a run of siblings, not a group.
+/// In the id of a reference, beside accel::kdtree::kOpenable: a run of siblings, not a group.
 inline constexpr std::uint32_t kRun = std::uint32_t{1} << 30;
 
 /// As many of one level make a run of the next.
@@ -23,17 +23,17 @@ std::size_t max_runs(std::size_t siblings);
 
 /// Levels of references, each in the order of the runs above it, the siblings first.
 struct SiblingRuns {
-  std::vector<std::vector<accel::BoxRef>> levels;
+  std::vector<std::vector<accel::kdtree::BoxRef>> levels;
 
-  const std::vector<accel::BoxRef>& coarsest() const { return levels.back(); }
+  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return levels.back(); }
   /// What the runs stand for, in the order of their ids.
-  std::vector<std::span<const accel::BoxRef>> members() const;
+  std::vector<std::span<const accel::kdtree::BoxRef>> members() const;
 };
 
 /// `box` holds all siblings; `first` is the number of the first run. Consecutive siblings make a
 /// run; if those do not lie together, siblings near each other do; if these do not either, there
 /// are no runs. A pure function of its arguments.
-SiblingRuns make_runs(std::vector<accel::BoxRef> siblings, const accel::Aabb& box,
+SiblingRuns make_runs(std::vector<accel::kdtree::BoxRef> siblings, const accel::geometry::Aabb& box,
                       std::uint32_t first);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 Affine compose(const Affine& outer, const Affine& inner) {
   Affine r;
@@ -57,4 +57,4 @@ double condition(const Affine& a, const Affine& inverse_of_a) {
   return norm(a) * norm(inverse_of_a);
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -6,9 +6,9 @@
 
 #include "accel/geometry/vec3.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 struct Affine {
   /// Rows of [linear | translation].
@@ -47,4 +47,4 @@ bool mirrors(const Affine& a);
 /// |A| |A^-1| in the Frobenius norm of the linear parts.
 double condition(const Affine& a, const Affine& inverse_of_a);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

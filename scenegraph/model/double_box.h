@@ -8,14 +8,14 @@
 #include "accel/geometry/ray.h"
 #include "scenegraph/model/affine.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 struct DoubleBox {
-  Vec3d lo{accel::kInfinity, accel::kInfinity, accel::kInfinity};
-  Vec3d hi{-accel::kInfinity, -accel::kInfinity, -accel::kInfinity};
+  Vec3d lo{accel::geometry::kInfinity, accel::geometry::kInfinity, accel::geometry::kInfinity};
+  Vec3d hi{-accel::geometry::kInfinity, -accel::geometry::kInfinity, -accel::geometry::kInfinity};
 
   DoubleBox() = default;
-  explicit DoubleBox(const accel::Aabb& b) : lo(b.lo), hi(b.hi) {}
+  explicit DoubleBox(const accel::geometry::Aabb& b) : lo(b.lo), hi(b.hi) {}
 
   bool operator==(const DoubleBox&) const = default;
   bool empty() const { return !(lo.x <= hi.x); }
@@ -51,4 +51,4 @@ inline DoubleBox padded(const DoubleBox& box, double pad) {
   return r;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

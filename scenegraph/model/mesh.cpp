@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 namespace {
 
-Error bad_index(const accel::Face& face, std::size_t i, std::size_t vertices) {
+Error bad_index(const accel::geometry::Face& face, std::size_t i, std::size_t vertices) {
   const std::uint32_t worst = *std::max_element(face.begin(), face.end());
   return {Code::kInvalidArgument,
           "face " + std::to_string(i) + " has vertex index " + std::to_string(worst) +
@@ -20,10 +20,10 @@ constexpr std::uint64_t kSoupUpTo = std::uint64_t{1} << 18;
 
 }  // namespace
 
-Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertices,
-                                               std::vector<accel::Face> faces,
-                                               const accel::AnyBuilder& builder,
-                                               accel::References references) {
+Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3f> vertices,
+                                               std::vector<accel::geometry::Face> faces,
+                                               const accel::published::AnyBuilder& builder,
+                                               accel::mesh::References references) {
   if (faces.size() > kMaxFacesPerMesh) {
     return Error{Code::kResourceExhausted,
                  "the mesh has " + std::to_string(faces.size()) + " faces, the limit is " +
@@ -31,25 +31,28 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::Vec3f> vertice
                  "MESH_TOO_LARGE"};
   }
   auto arrays = std::make_shared<const Arrays>(
-      std::move(vertices), std::make_shared<const std::vector<accel::Face>>(std::move(faces)));
-  const accel::MeshView view{arrays->vertices, *arrays->faces};
-  const accel::MeshSurvey survey = accel::survey_mesh(view);
+      std::move(vertices),
+      std::make_shared<const std::vector<accel::geometry::Face>>(std::move(faces)));
+  const accel::geometry::MeshView view{arrays->vertices, *arrays->faces};
+  const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
   if (const std::size_t bad = survey.first_bad_face; bad < view.faces.size())
     return bad_index(view.faces[bad], bad, view.vertices.size());
   return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder, references));
 }
 
-Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::MeshSurvey& survey,
-           const accel::AnyBuilder& builder, accel::References references)
+Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
+           const accel::published::AnyBuilder& builder, accel::mesh::References references)
     : arrays_(std::move(arrays)),
       bounds_(survey.bounds),
       triangles_(survey.triangles),
       nonfinite_(survey.triangles - survey.finite_triangles),
       builder_(builder),
       references_(references),
-      tree_(std::make_unique<accel::MeshTree>(view(), survey, builder, references, arrays_)) {}
+      tree_(std::make_unique<accel::mesh::MeshTree>(view(), survey, builder, references, arrays_)) {
+}
 
-Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::Vec3f> vertices) const {
+Result<std::shared_ptr<const Mesh>> Mesh::deformed(
+    std::vector<accel::geometry::Vec3f> vertices) const {
   if (vertices.size() != arrays_->vertices.size()) {
     return Error{Code::kInvalidArgument,
                  std::to_string(vertices.size()) + " vertices, but the mesh has " +
@@ -57,16 +60,19 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(std::vector<accel::Vec3f> ver
                  "COUNT_MISMATCH"};
   }
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
-  const accel::MeshSurvey survey = accel::survey_mesh({arrays->vertices, *arrays->faces});
-  const bool by_default = builder_ == accel::AnyBuilder(accel::default_builder());
+  const accel::mesh::MeshSurvey survey =
+      accel::mesh::survey_mesh({arrays->vertices, *arrays->faces});
+  const bool by_default =
+      builder_ == accel::published::AnyBuilder(accel::published::default_builder());
   return std::shared_ptr<const Mesh>(new Mesh(
-      std::move(arrays), survey, by_default ? accel::AnyBuilder(accel::frame_builder()) : builder_,
-      by_default && triangles_ <= kSoupUpTo ? accel::References::kSoup : references_));
+      std::move(arrays), survey,
+      by_default ? accel::published::AnyBuilder(accel::published::frame_builder()) : builder_,
+      by_default && triangles_ <= kSoupUpTo ? accel::mesh::References::kSoup : references_));
 }
 
 std::uint64_t Mesh::bytes() const {
-  return arrays_->vertices.size() * sizeof(accel::Vec3f) +
-         arrays_->faces->size() * sizeof(accel::Face);
+  return arrays_->vertices.size() * sizeof(accel::geometry::Vec3f) +
+         arrays_->faces->size() * sizeof(accel::geometry::Face);
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

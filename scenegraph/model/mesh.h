@@ -12,7 +12,7 @@
 #include "accel/mesh/mesh_tree.h"
 #include "accel/result.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 /// Face slots of one mesh; keeps every place in its tree below the limits of a slot.
 inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
@@ -25,18 +25,18 @@ class Mesh {
   /// Faces with a non-finite vertex are accepted, counted and never hit.
   /// `builder` is what its tree will be grown by, `references` what it begins with.
   static Result<std::shared_ptr<const Mesh>> make(
-      std::vector<accel::Vec3f> vertices, std::vector<accel::Face> faces,
-      const accel::AnyBuilder& builder = accel::default_builder(),
-      accel::References references = accel::References::kRuns);
+      std::vector<accel::geometry::Vec3f> vertices, std::vector<accel::geometry::Face> faces,
+      const accel::published::AnyBuilder& builder = accel::published::default_builder(),
+      accel::mesh::References references = accel::mesh::References::kRuns);
 
   /// The same faces about other vertices, as many: only the tree begins anew, by the builder of the
   /// mesh if that is not the default, else by accel::frame_builder(), as it may last for one
   /// revision. Errors: kInvalidArgument, a count that differs.
-  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::Vec3f> vertices) const;
+  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices) const;
 
-  accel::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
+  accel::geometry::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
   /// Holds the finite triangles, closely; of positive extent, empty if there is none.
-  const accel::Aabb& bounds() const { return bounds_; }
+  const accel::geometry::Aabb& bounds() const { return bounds_; }
   std::uint64_t faces() const {
     return arrays_->faces->size();
   }  ///< Numbered slots, lines and points included.
@@ -47,23 +47,23 @@ class Mesh {
   std::uint64_t bytes() const;  ///< Vertex and index arrays.
 
   /// Grows while rays are traced; every member of the tree is safe to call from any thread.
-  accel::MeshTree& tree() const { return *tree_; }
+  accel::mesh::MeshTree& tree() const { return *tree_; }
 
  private:
   struct Arrays {
-    std::vector<accel::Vec3f> vertices;
-    std::shared_ptr<const std::vector<accel::Face>> faces;  // shared with deformed meshes
+    std::vector<accel::geometry::Vec3f> vertices;
+    std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
-  Mesh(std::shared_ptr<const Arrays> arrays, const accel::MeshSurvey& survey,
-       const accel::AnyBuilder& builder, accel::References references);
+  Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
+       const accel::published::AnyBuilder& builder, accel::mesh::References references);
 
   std::shared_ptr<const Arrays> arrays_;
-  accel::Aabb bounds_;
+  accel::geometry::Aabb bounds_;
   std::uint64_t triangles_ = 0;
   std::uint64_t nonfinite_ = 0;
-  accel::AnyBuilder builder_;
-  accel::References references_;
-  std::unique_ptr<accel::MeshTree> tree_;
+  accel::published::AnyBuilder builder_;
+  accel::mesh::References references_;
+  std::unique_ptr<accel::mesh::MeshTree> tree_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -11,7 +11,7 @@
 #include "scenegraph/model/affine.h"
 #include "scenegraph/model/mesh.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 /// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
 using NodeId = std::uint64_t;
@@ -32,7 +32,7 @@ struct Node {
   std::string mesh_digest;  ///< Names the content of the mesh it was put with; empty without one.
   bool patched = false;     ///< The mesh's vertices have been changed since.
   Mobility mobility = Mobility::kStatic;
-  std::uint32_t mask = accel::kAllMasks;
+  std::uint32_t mask = accel::geometry::kAllMasks;
   std::vector<NodeId> children;  ///< In order of creation.
   /// Set once rays have entered the mesh; carried over from revision to revision. Null without a
   /// mesh.
@@ -44,4 +44,4 @@ inline std::string described(const Node& node) {
   return "node " + std::to_string(node.id) + " \"" + node.name + "\"";
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 /// Keys are best dense (ids counted up): a radix tree of kFan-way blocks. Absent keys hold T{}.
 /// Threads: copies are independent; one object is not for concurrent change.
@@ -166,4 +166,4 @@ class PersistentMap {
   std::size_t size_ = 0;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -10,7 +10,7 @@
 
 #include "scenegraph/model/node.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 
 /// In a batch, a node is named by its id (> 0) or, if an earlier PutNode of the same batch made it,
 /// by the negative alias that PutNode gave it. 0 means "no node" where that is allowed.
@@ -27,7 +27,7 @@ struct PutNode {
   std::shared_ptr<const Mesh> mesh;
   std::string mesh_digest;
   Mobility mobility = Mobility::kStatic;
-  std::uint32_t mask = accel::kAllMasks;
+  std::uint32_t mask = accel::geometry::kAllMasks;
 };
 
 /// New local transforms for many nodes at once.
@@ -47,9 +47,9 @@ struct DeleteNode {
 struct PatchVertices {
   std::vector<NodeRef> nodes;
   std::uint32_t first = 0;
-  std::vector<accel::Vec3f> positions;  ///< In the mesh's frame.
+  std::vector<accel::geometry::Vec3f> positions;  ///< In the mesh's frame.
 };
 
 using Update = std::variant<PutNode, SetTransforms, DeleteNode, PatchVertices>;
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -8,14 +8,14 @@
 namespace sightline::scenegraph {
 namespace {
 
-void announce(BuildProgress& progress, const std::vector<const Mesh*>& meshes) {
+void announce(query::BuildProgress& progress, const std::vector<const model::Mesh*>& meshes) {
   std::uint64_t triangles = 0;
-  for (const Mesh* mesh : meshes) triangles += mesh->triangles();
+  for (const model::Mesh* mesh : meshes) triangles += mesh->triangles();
   progress.meshes_total.store(meshes.size(), std::memory_order_relaxed);
   progress.triangles_total.store(triangles, std::memory_order_relaxed);
 }
 
-void count_done(BuildProgress& progress, const Mesh& mesh) {
+void count_done(query::BuildProgress& progress, const model::Mesh& mesh) {
   progress.meshes_done.fetch_add(1, std::memory_order_relaxed);
   progress.triangles_done.fetch_add(mesh.triangles(), std::memory_order_relaxed);
 }
@@ -39,29 +39,30 @@ TraceStats& TraceStats::operator+=(const TraceStats& o) {
   return *this;
 }
 
-Result<TraceStats> build_all(const Snapshot& snapshot, const std::atomic<bool>* cancelled,
-                             BuildProgress* progress) {
-  const std::vector<const Mesh*> meshes = snapshot.meshes();
+Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atomic<bool>* cancelled,
+                             query::BuildProgress* progress) {
+  const std::vector<const model::Mesh*> meshes = snapshot.meshes();
   if (progress != nullptr) announce(*progress, meshes);
-  accel::BuildCounters built = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, meshes.size(), 1), accel::BuildCounters{},
-      [&](const tbb::blocked_range<std::size_t>& range, accel::BuildCounters sum) {
+  accel::kdtree::BuildCounters built = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, meshes.size(), 1), accel::kdtree::BuildCounters{},
+      [&](const tbb::blocked_range<std::size_t>& range, accel::kdtree::BuildCounters sum) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           meshes[i]->tree().expand_all(sum, cancelled);
-          if (progress != nullptr && !is_cancelled(cancelled)) count_done(*progress, *meshes[i]);
+          if (progress != nullptr && !query::is_cancelled(cancelled))
+            count_done(*progress, *meshes[i]);
         }
         return sum;
       },
-      [](accel::BuildCounters a, const accel::BuildCounters& b) { return a += b; });
-  const TwoTrees trees = snapshot.trees();
+      [](accel::kdtree::BuildCounters a, const accel::kdtree::BuildCounters& b) { return a += b; });
+  const instances::TwoTrees trees = snapshot.trees();
   trees.still.tree().expand_all(built, cancelled);
-  accel::BuildCounters moving;
+  accel::kdtree::BuildCounters moving;
   trees.moving.tree().expand_all(moving, cancelled);
   built += moving;
-  if (is_cancelled(cancelled))
+  if (query::is_cancelled(cancelled))
     return Error{Code::kCancelled, "cancelled while building", "CANCELLED"};
-  snapshot.nodes().for_each([](NodeId, const std::shared_ptr<const Node>& node) {
-    if (is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
+  snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
+    if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
   });
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 
 /// Written by build_all, for whoever wants to show it. Numbers only grow, and the totals are set
 /// before anything is done. Threads: any may read at any time.
@@ -22,4 +22,4 @@ struct BuildProgress {
   }
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

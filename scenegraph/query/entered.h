@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 
 /// The last few. Forgetting one costs time only, where a hit may be found twice.
 class RecentlyEntered {
@@ -74,4 +74,4 @@ class EnteredOnce {
   std::uint32_t ray_ = 1;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

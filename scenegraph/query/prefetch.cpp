@@ -12,7 +12,7 @@
 #include "accel/kdtree/epoch.h"
 #include "scenegraph/query/ray_blocks.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
 /// Rays that are grown for at a time: after each lot the progress is told.
@@ -23,12 +23,12 @@ constexpr int kLevelsNotLookedAt = 9;
 Error cancelled_error() { return {Code::kCancelled, "cancelled while building", "CANCELLED"}; }
 
 /// Ascending, each once. Errors: kNotFound.
-Result<std::vector<NodeId>> known_ids(const Snapshot& snapshot, std::span<const NodeId> ids,
-                                      const char* role) {
-  std::vector<NodeId> sorted(ids.begin(), ids.end());
+Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
+                                             std::span<const model::NodeId> ids, const char* role) {
+  std::vector<model::NodeId> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  for (const NodeId id : sorted) {
+  for (const model::NodeId id : sorted) {
     if (snapshot.find(id) != nullptr) continue;
     return Error{Code::kNotFound,
                  std::string(role) + " node " + std::to_string(id) + " is not in revision " +
@@ -38,47 +38,49 @@ Result<std::vector<NodeId>> known_ids(const Snapshot& snapshot, std::span<const 
   return sorted;
 }
 
-bool holds(std::span<const NodeId> sorted, NodeId id) {
+bool holds(std::span<const model::NodeId> sorted, model::NodeId id) {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
 /// Whether one of those above the node is among `sorted`.
-bool is_below(const Snapshot& snapshot, NodeId id, std::span<const NodeId> sorted) {
+bool is_below(const revision::Snapshot& snapshot, model::NodeId id,
+              std::span<const model::NodeId> sorted) {
   for (id = snapshot.find(id)->parent; id != 0; id = snapshot.find(id)->parent) {
     if (holds(sorted, id)) return true;
   }
   return false;
 }
 
-void announce(std::span<const Mesh* const> meshes, BuildProgress& progress) {
-  for (const Mesh* mesh : meshes) progress.triangles_total += mesh->triangles();
+void announce(std::span<const model::Mesh* const> meshes, BuildProgress& progress) {
+  for (const model::Mesh* mesh : meshes) progress.triangles_total += mesh->triangles();
   progress.meshes_total += meshes.size();
 }
 
-void add(const accel::BuildCounters& built, PrefetchProgress& progress) {
+void add(const accel::kdtree::BuildCounters& built, PrefetchProgress& progress) {
   progress.cells_expanded += built.cells_expanded;
   progress.build_us += static_cast<std::uint64_t>(built.seconds * 1e6);
 }
 
 /// Sums the weights of the cells that are to be built, as far as they lie in the first `levels`
 /// levels: what is further down is small.
-std::uint64_t weight_unbuilt(const accel::KdTree& tree, accel::Slot slot, int levels) {
+std::uint64_t weight_unbuilt(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
+                             int levels) {
   if (slot.is_unbuilt()) return slot.cell()->weight;
   if (!slot.is_binary() || levels == 0) return 0;
-  const accel::AtomicSlot* children = tree.children(slot);
-  return weight_unbuilt(tree, accel::load(children[0]), levels - 1) +
-         weight_unbuilt(tree, accel::load(children[1]), levels - 1);
+  const accel::kdtree::AtomicSlot* children = tree.children(slot);
+  return weight_unbuilt(tree, accel::kdtree::load(children[0]), levels - 1) +
+         weight_unbuilt(tree, accel::kdtree::load(children[1]), levels - 1);
 }
 
 /// About how many of its triangles lie in finished parts of its tree.
-std::uint64_t triangles_built(const Mesh& mesh) {
+std::uint64_t triangles_built(const model::Mesh& mesh) {
   // Cells of up to some ten thousand triangles appear all at once: enough levels to meet those.
   const int levels =
       std::max(0, static_cast<int>(std::bit_width(mesh.triangles())) - kLevelsNotLookedAt);
-  const accel::EpochPin pin;
-  const accel::KdTree* tree = mesh.tree().kd();
+  const accel::kdtree::EpochPin pin;
+  const accel::kdtree::KdTree* tree = mesh.tree().kd();
   if (tree == nullptr) return mesh.tree().untouched() ? 0 : mesh.triangles();
-  const std::uint64_t left = weight_unbuilt(*tree, accel::load(tree->root()), levels);
+  const std::uint64_t left = weight_unbuilt(*tree, accel::kdtree::load(tree->root()), levels);
   return mesh.triangles() - std::min(left, mesh.triangles());  // a triangle may be in several cells
 }
 
@@ -87,7 +89,8 @@ std::uint64_t triangles_built(const Mesh& mesh) {
 /// A mesh while its tree is built: under way, and then done unless it was cancelled.
 class TreeInWork {
  public:
-  TreeInWork(const Mesh& mesh, PrefetchProgress& progress) : mesh_(mesh), progress_(progress) {
+  TreeInWork(const model::Mesh& mesh, PrefetchProgress& progress)
+      : mesh_(mesh), progress_(progress) {
     const std::lock_guard lock(progress_.mutex_);
     progress_.under_way_.push_back(&mesh_);
   }
@@ -100,59 +103,59 @@ class TreeInWork {
   }
 
  private:
-  const Mesh& mesh_;
+  const model::Mesh& mesh_;
   PrefetchProgress& progress_;
 };
 
 std::uint64_t PrefetchProgress::triangles_reached() {
   const std::lock_guard lock(mutex_);
   std::uint64_t reached = trees.triangles_done;
-  for (const Mesh* mesh : under_way_) reached += triangles_built(*mesh);
+  for (const model::Mesh* mesh : under_way_) reached += triangles_built(*mesh);
   return told_ = std::max(told_, reached);
 }
 
-Result<std::vector<const Node*>> mesh_nodes_under(const Snapshot& snapshot,
-                                                  std::span<const NodeId> roots,
-                                                  std::span<const NodeId> excluded) {
+Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,
+                                                         std::span<const model::NodeId> roots,
+                                                         std::span<const model::NodeId> excluded) {
   const auto from = known_ids(snapshot, roots.empty() ? snapshot.roots() : roots, "root");
   if (!from) return from.error();
   const auto without = known_ids(snapshot, excluded, "excluded");
   if (!without) return without.error();
-  std::vector<NodeId> stack;
-  for (const NodeId root : *from) {
+  std::vector<model::NodeId> stack;
+  for (const model::NodeId root : *from) {
     if (!is_below(snapshot, root, *from) && !is_below(snapshot, root, *without))
       stack.push_back(root);
   }
-  std::vector<const Node*> nodes;
+  std::vector<const model::Node*> nodes;
   while (!stack.empty()) {
-    const NodeId id = stack.back();
+    const model::NodeId id = stack.back();
     stack.pop_back();
     if (holds(*without, id)) continue;
-    const Node& node = *snapshot.find(id);
+    const model::Node& node = *snapshot.find(id);
     stack.insert(stack.end(), node.children.begin(), node.children.end());
     if (node.mesh != nullptr && !node.mesh->bounds().empty()) nodes.push_back(&node);
   }
   return nodes;
 }
 
-std::vector<const Mesh*> meshes_of(std::span<const Node* const> nodes) {
-  std::vector<const Mesh*> meshes;
-  std::unordered_set<const Mesh*> seen;
-  for (const Node* node : nodes) {
+std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes) {
+  std::vector<const model::Mesh*> meshes;
+  std::unordered_set<const model::Mesh*> seen;
+  for (const model::Node* node : nodes) {
     if (seen.insert(node->mesh.get()).second) meshes.push_back(node->mesh.get());
   }
   return meshes;
 }
 
-Status build_mesh_trees(std::span<const Node* const> nodes, PrefetchProgress& progress,
+Status build_mesh_trees(std::span<const model::Node* const> nodes, PrefetchProgress& progress,
                         const std::atomic<bool>* cancelled) {
-  const std::vector<const Mesh*> meshes = meshes_of(nodes);
+  const std::vector<const model::Mesh*> meshes = meshes_of(nodes);
   announce(meshes, progress.trees);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshes.size(), 1),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin();
                            i != range.end() && !is_cancelled(cancelled); ++i) {
-                        accel::BuildCounters built;
+                        accel::kdtree::BuildCounters built;
                         TreeInWork work(*meshes[i], progress);
                         meshes[i]->tree().expand_all(built, cancelled);
                         add(built, progress);
@@ -160,26 +163,26 @@ Status build_mesh_trees(std::span<const Node* const> nodes, PrefetchProgress& pr
                       }
                     });
   if (is_cancelled(cancelled)) return cancelled_error();
-  for (const Node* node : nodes) node->entered->store(true, std::memory_order_relaxed);
+  for (const model::Node* node : nodes) node->entered->store(true, std::memory_order_relaxed);
   return {};
 }
 
-Status build_scene_tree(const Snapshot& snapshot, PrefetchProgress& progress,
+Status build_scene_tree(const revision::Snapshot& snapshot, PrefetchProgress& progress,
                         const std::atomic<bool>* cancelled) {
-  accel::BuildCounters built;
-  const TwoTrees trees = snapshot.trees();
-  for (const Instances* half : {&trees.still, &trees.moving}) {
+  accel::kdtree::BuildCounters built;
+  const instances::TwoTrees trees = snapshot.trees();
+  for (const instances::Instances* half : {&trees.still, &trees.moving}) {
     if (!is_cancelled(cancelled)) half->tree().expand_all(built, cancelled);
   }
   add(built, progress);
   return is_cancelled(cancelled) ? Status(cancelled_error()) : Status();
 }
 
-Status grow_for_rays(const Snapshot& snapshot, std::span<const accel::Ray> rays,
+Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
                      TraceOptions options, PrefetchProgress& progress) {
   options.surface = false;
   const bool counts = options.kind == QueryKind::kCount || options.kind == QueryKind::kAll;
-  std::vector<accel::Hit> hits(counts ? 0 : std::min(rays.size(), kRaysPerLot));
+  std::vector<accel::geometry::Hit> hits(counts ? 0 : std::min(rays.size(), kRaysPerLot));
   std::vector<RayTally> tallies(counts ? std::min(rays.size(), kRaysPerLot) : 0);
   while (!rays.empty()) {
     const auto lot = rays.first(std::min(rays.size(), kRaysPerLot));
@@ -195,4 +198,4 @@ Status grow_for_rays(const Snapshot& snapshot, std::span<const accel::Ray> rays,
   return {};
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

@@ -13,7 +13,7 @@
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 
 /// How far a prefetch has come. Numbers only grow. Threads: any, at any time.
 struct PrefetchProgress {
@@ -29,32 +29,32 @@ struct PrefetchProgress {
  private:
   friend class TreeInWork;
   std::mutex mutex_;
-  std::vector<const Mesh*> under_way_;
+  std::vector<const model::Mesh*> under_way_;
   std::uint64_t told_ = 0;
 };
 
 /// The nodes that carry a mesh with a finite triangle at or under one of `roots` (if there are
 /// none: all), less what is at or under one of `excluded`, each once. Errors: kNotFound, naming the
 /// id that is no node of this revision.
-Result<std::vector<const Node*>> mesh_nodes_under(const Snapshot& snapshot,
-                                                  std::span<const NodeId> roots,
-                                                  std::span<const NodeId> excluded);
+Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,
+                                                         std::span<const model::NodeId> roots,
+                                                         std::span<const model::NodeId> excluded);
 
 /// The meshes of these nodes, each once.
-std::vector<const Mesh*> meshes_of(std::span<const Node* const> nodes);
+std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes);
 
 /// Builds the trees of these nodes' meshes to their ends. What is built when it is cancelled stays.
 /// `progress` must be fresh. Parallel in the caller's arena. Errors: kCancelled.
-Status build_mesh_trees(std::span<const Node* const> nodes, PrefetchProgress& progress,
+Status build_mesh_trees(std::span<const model::Node* const> nodes, PrefetchProgress& progress,
                         const std::atomic<bool>* cancelled);
 
 /// The same for the scene's own tree, over all its instances.
-Status build_scene_tree(const Snapshot& snapshot, PrefetchProgress& progress,
+Status build_scene_tree(const revision::Snapshot& snapshot, PrefetchProgress& progress,
                         const std::atomic<bool>* cancelled);
 
 /// Grows what a cast of these rays would, and keeps no hit. `options` are those of the cast, of any
 /// kind. Parallel in the caller's arena. Errors: kCancelled.
-Status grow_for_rays(const Snapshot& snapshot, std::span<const accel::Ray> rays,
+Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
                      TraceOptions options, PrefetchProgress& progress);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

@@ -14,7 +14,7 @@
 #include "scenegraph/query/ray_caster.h"
 #include "scenegraph/trace.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 
 inline bool is_cancelled(const std::atomic<bool>* cancelled) {
   return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
@@ -32,10 +32,10 @@ template <class Answer>
 void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
   std::deque<std::size_t> aside;
   for (std::size_t ray = block.first; ray < block.end; ++ray) {
-    if (!answer(ray, accel::AtBusy::kLeave)) aside.push_back(ray);
+    if (!answer(ray, accel::lazy::AtBusy::kLeave)) aside.push_back(ray);
   }
-  accel::AtBusy at_busy = accel::AtBusy::kLeave;
-  accel::Patience patience;
+  accel::lazy::AtBusy at_busy = accel::lazy::AtBusy::kLeave;
+  accel::lazy::Patience patience;
   for (std::size_t in_vain = 0; !aside.empty();) {
     const std::size_t ray = aside.front();
     aside.pop_front();
@@ -48,14 +48,14 @@ void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& 
     constexpr std::size_t kTries = 8;
     if (++in_vain < std::min(kTries, aside.size())) continue;
     in_vain = 0;
-    if (!patience.wait(caster.progress())) at_busy = accel::AtBusy::kWait;
+    if (!patience.wait(caster.progress())) at_busy = accel::lazy::AtBusy::kWait;
   }
 }
 
 /// Cuts rays into blocks and has each answered: answer(caster, block), in parallel, in any order.
 /// Errors: kCancelled.
 template <class Answer>
-Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
+Result<TraceStats> answer_in_blocks(const revision::Snapshot& snapshot, std::size_t rays,
                                     std::size_t rays_per_block, const TraceOptions& options,
                                     const Answer& answer) {
   TraceStats total;
@@ -64,14 +64,14 @@ Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
     if (!built) return built.error();
     total += *built;
   }
-  const TwoTrees trees = snapshot.trees();
+  const instances::TwoTrees trees = snapshot.trees();
   total += tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, (rays + rays_per_block - 1) / rays_per_block, 1),
       TraceStats{},
       [&](const tbb::blocked_range<std::size_t>& blocks, TraceStats stats) {
         for (std::size_t b = blocks.begin(); b != blocks.end() && !is_cancelled(options.cancelled);
              ++b) {
-          const accel::EpochPin pin;
+          const accel::kdtree::EpochPin pin;
           RayCaster caster(trees, options);
           answer(caster, RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
           stats += caster.stats();
@@ -84,4 +84,4 @@ Result<TraceStats> answer_in_blocks(const Snapshot& snapshot, std::size_t rays,
   return total;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

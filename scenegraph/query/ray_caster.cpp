@@ -10,15 +10,15 @@
 #include "scenegraph/instances/selection.h"
 #include "scenegraph/query/surface.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
-using accel::AtUnbuilt;
-using accel::BoxRef;
-using accel::Hit;
-using accel::HitState;
-using accel::MeshQuery;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using accel::kdtree::BoxRef;
+using accel::mesh::AtUnbuilt;
+using accel::mesh::MeshQuery;
 
 AtUnbuilt at_unbuilt(Growth growth) {
   switch (growth) {
@@ -52,23 +52,24 @@ struct RayCaster::Visit {
     return false;
   }
 
-  accel::Unbuilt unbuilt(accel::AtomicSlot& slot, const accel::DeferredCell& cell) {
+  accel::kdtree::Unbuilt unbuilt(accel::kdtree::AtomicSlot& slot,
+                                 const accel::kdtree::DeferredCell& cell) {
     if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const accel::Expanded expanded =
+      const accel::lazy::Expanded expanded =
           entry.instances->tree().expand(slot, query.at_busy, *entry.built);
-      if (expanded == accel::Expanded::kAgain) return accel::Unbuilt::kAgain;
-      if (expanded == accel::Expanded::kBusy) {
+      if (expanded == accel::lazy::Expanded::kAgain) return accel::kdtree::Unbuilt::kAgain;
+      if (expanded == accel::lazy::Expanded::kBusy) {
         query.put_aside = true;
-        query.progress = accel::LazyTree::progress(slot);
-        return accel::Unbuilt::kStop;
+        query.progress = accel::lazy::LazyTree::progress(slot);
+        return accel::kdtree::Unbuilt::kStop;
       }
     }
     query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return accel::Unbuilt::kDone;
-    return search(cell) ? accel::Unbuilt::kStop : accel::Unbuilt::kDone;
+    if (query.at_unbuilt == AtUnbuilt::kSkip) return accel::kdtree::Unbuilt::kDone;
+    return search(cell) ? accel::kdtree::Unbuilt::kStop : accel::kdtree::Unbuilt::kDone;
   }
 
-  bool search(const accel::DeferredCell& cell) {
+  bool search(const accel::kdtree::DeferredCell& cell) {
     if (cell.listed)
       return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
     return search(entry.instances->coarsest());
@@ -89,7 +90,7 @@ struct RayCaster::Visit {
       waiting.pop_back();
       if (!next.openable()) {
         if (enter(next.id)) return true;
-      } else if (accel::may_meet(entry.ray, next.bounds(), limit())) {
+      } else if (accel::kdtree::may_meet(entry.ray, next.bounds(), limit())) {
         entry.instances->open(next, waiting);
       }
     }
@@ -99,11 +100,11 @@ struct RayCaster::Visit {
   /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
   /// here.
   bool enter(std::uint32_t id) {
-    const Instance& instance = (*entry.instances)[id];
+    const instances::Instance& instance = (*entry.instances)[id];
     const std::uint32_t place = entry.first + id;
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
     if (!is_seen(id, place)) return false;
-    if (!accel::may_meet(entry.ray, instance.box, limit())) return false;
+    if (!accel::kdtree::may_meet(entry.ray, instance.box, limit())) return false;
     if (query.collects() && !caster.entered_.add(place)) return false;
     caster.enter_instance(ray, instance, place, *entry.built, query);
     return query.put_aside || (query.any && query.found);
@@ -111,12 +112,12 @@ struct RayCaster::Visit {
 
   bool is_seen(std::uint32_t id, std::uint32_t place) const {
     if (entry.departed != nullptr && entry.departed->has(id)) return false;
-    const Selection* selection = caster.options_.selection;
+    const instances::Selection* selection = caster.options_.selection;
     return selection == nullptr || selection->selects(place);
   }
 };
 
-RayCaster::RayCaster(const TwoTrees& trees, const TraceOptions& options)
+RayCaster::RayCaster(const instances::TwoTrees& trees, const TraceOptions& options)
     : trees_(trees),
       options_(options),
       at_unbuilt_(at_unbuilt(options.growth)),
@@ -129,7 +130,7 @@ RayCaster::RayCaster(const TwoTrees& trees, const TraceOptions& options)
   moving_.first = static_cast<std::uint32_t>(trees_.still.size());
 }
 
-bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
+bool RayCaster::cast(const Ray& ray, accel::lazy::AtBusy at_busy, Hit& hit) {
   MeshQuery query;
   query.at_busy = at_busy;
   query.any = options_.kind == QueryKind::kAny;
@@ -149,7 +150,7 @@ bool RayCaster::cast(const Ray& ray, accel::AtBusy at_busy, Hit& hit) {
   return true;
 }
 
-std::optional<RayTally> RayCaster::count(const Ray& ray, accel::AtBusy at_busy) {
+std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::AtBusy at_busy) {
   MeshQuery query;
   query.at_busy = at_busy;
   query.primitives = &primitives_;
@@ -171,7 +172,7 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
   query.list = &list_;
   list_.clear();
   if (search(ray, query) == Search::kInvalid) return {.state = HitState::kInvalid};
-  std::span<const accel::ListedHit> found = list_.sorted();
+  std::span<const accel::mesh::ListedHit> found = list_.sorted();
   RayTally tally{.work = work_of(query),
                  .state = query.found ? HitState::kHit : HitState::kMiss,
                  .cut_off = found.size() > options_.max_hits};
@@ -179,7 +180,7 @@ RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
     found = found.first(options_.max_hits);
     ++stats_.cut_off;
   }
-  for (const accel::ListedHit& hit : found) {
+  for (const accel::mesh::ListedHit& hit : found) {
     set_hit(trees_[hit.instance], ray, hit.t, hit.primitive, options_.surface, hits.emplace_back());
   }
   tally.count = static_cast<std::uint32_t>(found.size());
@@ -192,7 +193,8 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   entered_.clear();
   frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
-  if (!accel::set_local_ray(ray.origin - trees_.still.center(), ray.direction, still_.centered) ||
+  if (!accel::geometry::set_local_ray(ray.origin - trees_.still.center(), ray.direction,
+                                      still_.centered) ||
       std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
     return Search::kInvalid;
@@ -217,8 +219,9 @@ void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
   if (trees_.moving.size() > 0) {
     moving_.centered.direction = still_.centered.direction;
     moving_.centered.unit = still_.centered.unit;
-    moving = accel::set_local_origin(ray.origin - trees_.moving.center(), moving_.centered) &&
-             enter_tree(ray, moving_);
+    moving =
+        accel::geometry::set_local_origin(ray.origin - trees_.moving.center(), moving_.centered) &&
+        enter_tree(ray, moving_);
   }
   const bool moving_first =
       still && moving &&
@@ -232,29 +235,32 @@ void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
 }
 
 bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
-  return accel::enter(entry.centered, entry.instances->tree().tree().bounds(),
-                      ray.tmin / entry.centered.unit, ray.tmax / entry.centered.unit, entry.ray);
+  return accel::kdtree::enter(entry.centered, entry.instances->tree().tree().bounds(),
+                              ray.tmin / entry.centered.unit, ray.tmax / entry.centered.unit,
+                              entry.ray);
 }
 
 void RayCaster::walk_tree(const Ray& ray, const Entry& entry, MeshQuery& query) {
-  accel::LazyTree& tree = entry.instances->tree();
+  accel::lazy::LazyTree& tree = entry.instances->tree();
   Visit visit{*this, ray, entry, query, {}};
-  accel::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
+  accel::kdtree::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
 }
 
 std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
   const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(work, accel::kWorkUnbuilt - 1)) |
-         (query.met_unbuilt ? accel::kWorkUnbuilt : 0);
+  return static_cast<std::uint32_t>(
+             std::min<std::uint64_t>(work, accel::geometry::kWorkUnbuilt - 1)) |
+         (query.met_unbuilt ? accel::geometry::kWorkUnbuilt : 0);
 }
 
-void RayCaster::enter_instance(const Ray& ray, const Instance& instance, std::uint32_t place,
-                               accel::BuildCounters& built, MeshQuery& query) {
+void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instance,
+                               std::uint32_t place, accel::kdtree::BuildCounters& built,
+                               MeshQuery& query) {
   // Most instances of a scene share a few frames.
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
-    in_frame_ = accel::set_local_ray(frame_->point(ray.origin), frame_->direction(ray.direction),
-                                     query.ray);
+    in_frame_ = accel::geometry::set_local_ray(frame_->point(ray.origin),
+                                               frame_->direction(ray.direction), query.ray);
   }
   if (!in_frame_) return;
   ++stats_.instances_entered;
@@ -281,4 +287,4 @@ TraceStats RayCaster::stats() const {
   return stats;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

@@ -6,30 +6,33 @@
 
 #include "accel/geometry/intersect.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 
-void set_hit(const Instance& instance, const accel::Ray& ray, double t, std::uint32_t primitive,
-             bool surface, accel::Hit& hit) {
-  hit.state = accel::HitState::kHit;
+void set_hit(const instances::Instance& instance, const accel::geometry::Ray& ray, double t,
+             std::uint32_t primitive, bool surface, accel::geometry::Hit& hit) {
+  hit.state = accel::geometry::HitState::kHit;
   hit.t = t;
   hit.node = instance.node;
   hit.primitive = primitive;
   if (!surface) return;
-  const accel::MeshView mesh = instance.mesh->view();
-  const accel::Face& f = mesh.faces[primitive];
-  const accel::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const std::optional<accel::LocalRay> local =
-      accel::make_local_ray(instance.local_from_world.point(ray.origin),
-                            instance.local_from_world.direction(ray.direction));
-  const accel::Barycentric weights = accel::barycentric(*local, t / local->unit, a, b, c);
+  const accel::geometry::MeshView mesh = instance.mesh->view();
+  const accel::geometry::Face& f = mesh.faces[primitive];
+  const accel::geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
+                               &c = mesh.vertices[f[2]];
+  const std::optional<accel::geometry::LocalRay> local =
+      accel::geometry::make_local_ray(instance.local_from_world.point(ray.origin),
+                                      instance.local_from_world.direction(ray.direction));
+  const accel::geometry::Barycentric weights =
+      accel::geometry::barycentric(*local, t / local->unit, a, b, c);
   hit.u = static_cast<float>(weights.u);
   hit.v = static_cast<float>(weights.v);
   // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
   // where space is mirrored.
-  const Vec3d normal =
-      instance.local_from_world.transposed(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+  const accel::geometry::Vec3d normal = instance.local_from_world.transposed(
+      accel::geometry::cross(accel::geometry::Vec3d(b) - accel::geometry::Vec3d(a),
+                             accel::geometry::Vec3d(c) - accel::geometry::Vec3d(a)));
   const double size = instance.mirrored ? -length(normal) : length(normal);
-  if (size != 0 && std::isfinite(size)) hit.normal = accel::Vec3f(normal * (1 / size));
+  if (size != 0 && std::isfinite(size)) hit.normal = accel::geometry::Vec3f(normal * (1 / size));
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

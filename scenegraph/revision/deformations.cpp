@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 namespace {
 
 Error invalid(std::string reason, std::string message) {
@@ -13,11 +13,11 @@ Error invalid(std::string reason, std::string message) {
 
 }  // namespace
 
-Status Deformations::patch(std::span<const Node* const> nodes, std::uint32_t first,
-                           std::span<const accel::Vec3f> positions) {
+Status Deformations::patch(std::span<const model::Node* const> nodes, std::uint32_t first,
+                           std::span<const accel::geometry::Vec3f> positions) {
   const auto deformation = deformation_of(nodes);
   if (!deformation) return deformation.error();
-  std::vector<accel::Vec3f>& vertices = (*deformation)->vertices;
+  std::vector<accel::geometry::Vec3f>& vertices = (*deformation)->vertices;
   if (positions.size() > vertices.size() || first > vertices.size() - positions.size()) {
     return invalid("VERTICES_OUT_OF_RANGE", "vertices " + std::to_string(first) + " to " +
                                                 std::to_string(first + positions.size()) +
@@ -29,12 +29,12 @@ Status Deformations::patch(std::span<const Node* const> nodes, std::uint32_t fir
 }
 
 Result<Deformations::Deformation*> Deformations::deformation_of(
-    std::span<const Node* const> nodes) {
+    std::span<const model::Node* const> nodes) {
   if (nodes.empty()) return invalid("NO_NODES", "no node is named");
-  const Node& one = *nodes.front();
+  const model::Node& one = *nodes.front();
   const std::shared_ptr<Deformation> known = find(one.id);
-  std::set<NodeId> ids;
-  for (const Node* node : nodes) {
+  std::set<model::NodeId> ids;
+  for (const model::Node* node : nodes) {
     if (node->mesh == nullptr) {
       return invalid("NODE_WITHOUT_MESH",
                      described(*node) + " carries no mesh whose vertices could change");
@@ -54,7 +54,7 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
   } else {
     fresh->vertices = known->vertices;
   }
-  for (const NodeId id : ids) {
+  for (const model::NodeId id : ids) {
     forget(id);
     by_node_[id] = fresh;
   }
@@ -62,23 +62,24 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
   return fresh.get();
 }
 
-std::shared_ptr<Deformations::Deformation> Deformations::find(NodeId id) const {
+std::shared_ptr<Deformations::Deformation> Deformations::find(model::NodeId id) const {
   const auto found = by_node_.find(id);
   return found == by_node_.end() ? nullptr : found->second;
 }
 
-void Deformations::forget(NodeId id) {
+void Deformations::forget(model::NodeId id) {
   const auto found = by_node_.find(id);
   if (found == by_node_.end()) return;
   found->second->nodes.erase(id);
   by_node_.erase(found);
 }
 
-Result<std::vector<std::pair<NodeId, std::shared_ptr<const Mesh>>>> Deformations::make() {
-  std::unordered_map<const Deformation*, std::shared_ptr<const Mesh>> made;
-  std::vector<std::pair<NodeId, std::shared_ptr<const Mesh>>> meshes;
+Result<std::vector<std::pair<model::NodeId, std::shared_ptr<const model::Mesh>>>>
+Deformations::make() {
+  std::unordered_map<const Deformation*, std::shared_ptr<const model::Mesh>> made;
+  std::vector<std::pair<model::NodeId, std::shared_ptr<const model::Mesh>>> meshes;
   for (const auto& [id, deformation] : by_node_) {
-    std::shared_ptr<const Mesh>& mesh = made[deformation.get()];
+    std::shared_ptr<const model::Mesh>& mesh = made[deformation.get()];
     if (mesh == nullptr) {
       auto deformed = deformation->mesh->deformed(std::move(deformation->vertices));
       if (!deformed) return deformed.error();
@@ -89,4 +90,4 @@ Result<std::vector<std::pair<NodeId, std::shared_ptr<const Mesh>>>> Deformations
   return meshes;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

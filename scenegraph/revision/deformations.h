@@ -12,7 +12,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 
 /// One writer.
 class Deformations {
@@ -20,27 +20,27 @@ class Deformations {
   /// The nodes, which have just been looked up, are to share a mesh in which vertices from `first`
   /// on stand at `positions`. Errors: kInvalidArgument (no node, a node without a mesh, meshes that
   /// differ, vertices beyond the mesh's).
-  Status patch(std::span<const Node* const> nodes, std::uint32_t first,
-               std::span<const accel::Vec3f> positions);
+  Status patch(std::span<const model::Node* const> nodes, std::uint32_t first,
+               std::span<const accel::geometry::Vec3f> positions);
 
   /// The node is deleted, or carries another mesh.
-  void forget(NodeId id);
+  void forget(model::NodeId id);
 
   /// The mesh of each node that was patched.
-  Result<std::vector<std::pair<NodeId, std::shared_ptr<const Mesh>>>> make();
+  Result<std::vector<std::pair<model::NodeId, std::shared_ptr<const model::Mesh>>>> make();
 
  private:
   /// Of these nodes and no others.
   struct Deformation {
-    std::set<NodeId> nodes;
-    std::shared_ptr<const Mesh> mesh;  // as it was
-    std::vector<accel::Vec3f> vertices;
+    std::set<model::NodeId> nodes;
+    std::shared_ptr<const model::Mesh> mesh;  // as it was
+    std::vector<accel::geometry::Vec3f> vertices;
   };
 
-  Result<Deformation*> deformation_of(std::span<const Node* const> nodes);
-  std::shared_ptr<Deformation> find(NodeId id) const;
+  Result<Deformation*> deformation_of(std::span<const model::Node* const> nodes);
+  std::shared_ptr<Deformation> find(model::NodeId id) const;
 
-  std::unordered_map<NodeId, std::shared_ptr<Deformation>> by_node_;
+  std::unordered_map<model::NodeId, std::shared_ptr<Deformation>> by_node_;
 };
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

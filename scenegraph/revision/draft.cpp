@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 namespace {
 
 Error error(Code code, std::string reason, std::string message) {
   return {code, std::move(message), std::move(reason)};
 }
 
-Status check_matrix(const Affine& matrix, const std::string& whose) {
+Status check_matrix(const model::Affine& matrix, const std::string& whose) {
   if (inverse(matrix)) return {};
   return error(Code::kInvalidArgument, "SINGULAR_TRANSFORM",
                "the transform of " + whose +
@@ -19,39 +19,39 @@ Status check_matrix(const Affine& matrix, const std::string& whose) {
 
 }  // namespace
 
-Status Draft::apply(const Update& update) {
-  if (const auto* u = std::get_if<PutNode>(&update)) return put(*u);
-  if (const auto* u = std::get_if<SetTransforms>(&update)) return set_transforms(*u);
-  if (const auto* u = std::get_if<PatchVertices>(&update)) return patch(*u);
-  return remove(std::get<DeleteNode>(update));
+Status Draft::apply(const model::Update& update) {
+  if (const auto* u = std::get_if<model::PutNode>(&update)) return put(*u);
+  if (const auto* u = std::get_if<model::SetTransforms>(&update)) return set_transforms(*u);
+  if (const auto* u = std::get_if<model::PatchVertices>(&update)) return patch(*u);
+  return remove(std::get<model::DeleteNode>(update));
 }
 
-Status Draft::put(const PutNode& put) {
-  if (put.name.size() > kMaxNodeName) {
+Status Draft::put(const model::PutNode& put) {
+  if (put.name.size() > model::kMaxNodeName) {
     return error(Code::kInvalidArgument, "NAME_TOO_LONG",
                  "a node's name has " + std::to_string(put.name.size()) + " bytes, the limit is " +
-                     std::to_string(kMaxNodeName));
+                     std::to_string(model::kMaxNodeName));
   }
   if (Status s = check_matrix(put.parent_from_local, "node \"" + put.name + "\""); !s) return s;
-  NodeId parent = 0;
+  model::NodeId parent = 0;
   if (put.parent != 0) {
-    const Result<NodeId> found = resolve(put.parent);
+    const Result<model::NodeId> found = resolve(put.parent);
     if (!found)
       return error(found.error().code, "PARENT_NOT_FOUND", "parent: " + found.error().message);
     parent = *found;
   }
-  NodeId id = 0;
+  model::NodeId id = 0;
   if (put.node < 0 && !aliases_.contains(put.node)) {
     id = next_id_++;
     aliases_[put.node] = id;
-    auto fresh = std::make_shared<Node>();
+    auto fresh = std::make_shared<model::Node>();
     fresh->id = id;
     fresh->parent = parent;
     edited_[id] = std::move(fresh);
     if (Status s = check_place(id, parent); !s) return s;
     join(id, parent);
   } else {
-    const Result<NodeId> found = resolve(put.node);
+    const Result<model::NodeId> found = resolve(put.node);
     if (!found) return found.error();
     id = *found;
     if (find(id)->parent != parent) {
@@ -60,7 +60,7 @@ Status Draft::put(const PutNode& put) {
       join(id, parent);
     }
   }
-  Node& node = edit(id);
+  model::Node& node = edit(id);
   node.parent = parent;
   node.name = put.name;
   node.parent_from_local = put.parent_from_local;
@@ -78,14 +78,14 @@ Status Draft::put(const PutNode& put) {
   return {};
 }
 
-Status Draft::set_transforms(const SetTransforms& set) {
+Status Draft::set_transforms(const model::SetTransforms& set) {
   if (set.nodes.size() != set.parent_from_local.size()) {
     return error(Code::kInvalidArgument, "COUNT_MISMATCH",
                  std::to_string(set.nodes.size()) + " nodes but " +
                      std::to_string(set.parent_from_local.size()) + " transforms");
   }
   for (std::size_t i = 0; i < set.nodes.size(); ++i) {
-    const Result<NodeId> id = resolve(set.nodes[i]);
+    const Result<model::NodeId> id = resolve(set.nodes[i]);
     if (!id) return id.error();
     if (Status s = check_matrix(set.parent_from_local[i], described(*find(*id))); !s) return s;
     edit(*id).parent_from_local = set.parent_from_local[i];
@@ -94,22 +94,22 @@ Status Draft::set_transforms(const SetTransforms& set) {
   return {};
 }
 
-Status Draft::remove(const DeleteNode& removal) {
-  const Result<NodeId> found = resolve(removal.node);
+Status Draft::remove(const model::DeleteNode& removal) {
+  const Result<model::NodeId> found = resolve(removal.node);
   if (!found) return found.error();
-  const Node& top = *find(*found);
-  const std::vector<NodeId> children = children_now(top);
+  const model::Node& top = *find(*found);
+  const std::vector<model::NodeId> children = children_now(top);
   if (!children.empty() && !removal.subtree) {
     return error(Code::kFailedPrecondition, "NODE_HAS_CHILDREN",
                  described(top) + " has " + std::to_string(children.size()) +
                      " children; set subtree to delete them too");
   }
   leave(top.id, top.parent);
-  std::vector<NodeId> doomed{top.id};
+  std::vector<model::NodeId> doomed{top.id};
   while (!doomed.empty()) {
-    const NodeId id = doomed.back();
+    const model::NodeId id = doomed.back();
     doomed.pop_back();
-    const std::vector<NodeId> below = children_now(*find(id));
+    const std::vector<model::NodeId> below = children_now(*find(id));
     doomed.insert(doomed.end(), below.begin(), below.end());
     left_.erase(id);
     edited_[id] = nullptr;
@@ -119,10 +119,10 @@ Status Draft::remove(const DeleteNode& removal) {
   return {};
 }
 
-Status Draft::patch(const PatchVertices& patch) {
-  std::vector<const Node*> nodes;
-  for (const NodeRef ref : patch.nodes) {
-    const Result<NodeId> id = resolve(ref);
+Status Draft::patch(const model::PatchVertices& patch) {
+  std::vector<const model::Node*> nodes;
+  for (const model::NodeRef ref : patch.nodes) {
+    const Result<model::NodeId> id = resolve(ref);
     if (!id) return id.error();
     nodes.push_back(find(*id));
   }
@@ -133,7 +133,7 @@ Status Draft::deform() {
   const auto meshes = deformations_.make();
   if (!meshes) return meshes.error();
   for (const auto& [id, mesh] : *meshes) {
-    Node& node = edit(id);
+    model::Node& node = edit(id);
     node.mesh = mesh;
     node.patched = true;
     node.entered = std::make_shared<std::atomic<bool>>(false);
@@ -142,49 +142,49 @@ Status Draft::deform() {
   return {};
 }
 
-Result<NodeId> Draft::resolve(NodeRef ref) const {
+Result<model::NodeId> Draft::resolve(model::NodeRef ref) const {
   if (ref < 0) {
     const auto found = aliases_.find(ref);
     if (found != aliases_.end() && find(found->second) != nullptr) return found->second;
     return error(Code::kNotFound, "NODE_NOT_FOUND",
                  "alias " + std::to_string(ref) + " names no node put earlier in this batch");
   }
-  const auto id = static_cast<NodeId>(ref);
+  const auto id = static_cast<model::NodeId>(ref);
   if (id != 0 && find(id) != nullptr) return id;
   return error(Code::kNotFound, "NODE_NOT_FOUND", "there is no node " + std::to_string(ref));
 }
 
-const Node* Draft::find(NodeId id) const {
+const model::Node* Draft::find(model::NodeId id) const {
   const auto found = edited_.find(id);
   return found != edited_.end() ? found->second.get() : base_.find(id);
 }
 
-Node& Draft::edit(NodeId id) {
-  std::shared_ptr<Node>& node = edited_[id];
-  if (node == nullptr) node = std::make_shared<Node>(*base_.find(id));
+model::Node& Draft::edit(model::NodeId id) {
+  std::shared_ptr<model::Node>& node = edited_[id];
+  if (node == nullptr) node = std::make_shared<model::Node>(*base_.find(id));
   return *node;
 }
 
-std::vector<NodeId>& Draft::siblings(NodeId parent) {
+std::vector<model::NodeId>& Draft::siblings(model::NodeId parent) {
   if (parent != 0) return edit(parent).children;
-  if (roots_ == nullptr) roots_ = std::make_shared<std::vector<NodeId>>(base_.roots());
+  if (roots_ == nullptr) roots_ = std::make_shared<std::vector<model::NodeId>>(base_.roots());
   return *roots_;
 }
 
-void Draft::join(NodeId id, NodeId parent) {
+void Draft::join(model::NodeId id, model::NodeId parent) {
   // It may have left the same parent before, and still be in its list.
   if (const auto left = left_.find(parent); left != left_.end() && left->second.erase(id) > 0)
     std::erase(siblings(parent), id);
   siblings(parent).push_back(id);
 }
 
-void Draft::leave(NodeId id, NodeId parent) { left_[parent].insert(id); }
+void Draft::leave(model::NodeId id, model::NodeId parent) { left_[parent].insert(id); }
 
 /// Less those that have left.
-std::vector<NodeId> Draft::children_now(const Node& node) const {
-  std::vector<NodeId> children = node.children;
+std::vector<model::NodeId> Draft::children_now(const model::Node& node) const {
+  std::vector<model::NodeId> children = node.children;
   if (const auto left = left_.find(node.id); left != left_.end())
-    std::erase_if(children, [&](NodeId id) { return left->second.contains(id); });
+    std::erase_if(children, [&](model::NodeId id) { return left->second.contains(id); });
   return children;
 }
 
@@ -192,15 +192,15 @@ std::vector<NodeId> Draft::children_now(const Node& node) const {
 void Draft::drop_left() {
   for (const auto& [parent, left] : left_) {
     if (!left.empty())
-      std::erase_if(siblings(parent), [&](NodeId id) { return left.contains(id); });
+      std::erase_if(siblings(parent), [&](model::NodeId id) { return left.contains(id); });
   }
   left_.clear();
 }
 
 /// The node may hang under this parent: no cycle, and nothing below it deeper than kMaxDepth.
-Status Draft::check_place(NodeId node, NodeId parent) const {
+Status Draft::check_place(model::NodeId node, model::NodeId parent) const {
   int depth = 0;
-  for (NodeId p = parent; p != 0; p = find(p)->parent) {
+  for (model::NodeId p = parent; p != 0; p = find(p)->parent) {
     if (p == node) {
       return error(Code::kInvalidArgument, "NODE_CYCLE",
                    described(*find(node)) + " cannot be put under " + described(*find(parent)) +
@@ -209,19 +209,20 @@ Status Draft::check_place(NodeId node, NodeId parent) const {
     ++depth;
   }
   const int deepest = depth + height(node);
-  if (deepest <= kMaxDepth) return {};
+  if (deepest <= model::kMaxDepth) return {};
   return error(Code::kInvalidArgument, "TOO_DEEP",
                "the hierarchy would be " + std::to_string(deepest) + " nodes deep, the limit is " +
-                   std::to_string(kMaxDepth));
+                   std::to_string(model::kMaxDepth));
 }
 
-int Draft::height(NodeId node) const {
+int Draft::height(model::NodeId node) const {
   int below = 0;
-  for (const NodeId child : children_now(*find(node))) below = std::max(below, height(child));
+  for (const model::NodeId child : children_now(*find(node)))
+    below = std::max(below, height(child));
   return below + 1;
 }
 
-Affine Draft::world_from_local(const Node& node) const {
+model::Affine Draft::world_from_local(const model::Node& node) const {
   return node.parent == 0 ? node.parent_from_local
                           : compose(world_from_local(*find(node.parent)), node.parent_from_local);
 }
@@ -232,30 +233,30 @@ Status Draft::finish() {
   marked_ = mark_movers(base_, edited_);
   hierarchy_.movers = marked_.movers;
   {
-    NodeMap::Edit nodes(hierarchy_.nodes);
+    hierarchy::NodeMap::Edit nodes(hierarchy_.nodes);
     for (const auto& [id, node] : edited_) nodes.set(id, node);
   }
   if (roots_ != nullptr) hierarchy_.roots = roots_;
-  SubtreeUpdate update(base_.hierarchy(), hierarchy_);
+  hierarchy::SubtreeUpdate update(base_.hierarchy(), hierarchy_);
   for (const auto& [id, node] : edited_) update.edited(id);
   update.finish();
   return check_transforms();
 }
 
 Status Draft::check_transforms() const {
-  for (const NodeId id : moved_) {
-    const Node& node = *find(id);
+  for (const model::NodeId id : moved_) {
+    const model::Node& node = *find(id);
     if (Status s = check_below(node, world_from_local(node)); !s) return s;
   }
   return {};
 }
 
-Status Draft::check_below(const Node& node, const Affine& world) const {
+Status Draft::check_below(const model::Node& node, const model::Affine& world) const {
   if (node.mesh != nullptr) {
     if (Status s = check_matrix(world, described(node) + ", with those above it,"); !s) return s;
   }
   if (node.children.empty() || surely_invertible(world, hierarchy_.group(node.id))) return {};
-  for (const NodeId child : node.children) {
+  for (const model::NodeId child : node.children) {
     // A child that moved too is checked on its own.
     if (moved_.contains(child)) continue;
     if (Status s = check_below(*find(child), compose(world, find(child)->parent_from_local)); !s)
@@ -269,11 +270,13 @@ Halves Draft::halves() const {
   Halves halves = base_.halves();
   const std::size_t departed = halves.departed == nullptr ? 0 : halves.departed->nodes().size();
   if (marked_.still_changed)
-    halves.still = std::make_shared<const SceneHalf>(Half::kStatic, hierarchy_);
+    halves.still =
+        std::make_shared<const instances::SceneHalf>(instances::Half::kStatic, hierarchy_);
   if (marked_.moving_changed)
-    halves.moving = std::make_shared<const SceneHalf>(Half::kDynamic, hierarchy_);
+    halves.moving =
+        std::make_shared<const instances::SceneHalf>(instances::Half::kDynamic, hierarchy_);
   if (marked_.departed.size() != departed)
-    halves.departed = std::make_shared<const Departed>(halves.still, marked_.departed);
+    halves.departed = std::make_shared<const instances::Departed>(halves.still, marked_.departed);
   return halves;
 }
 
@@ -282,4 +285,4 @@ std::shared_ptr<const Snapshot> Draft::publish(std::uint64_t revision) && {
   return std::make_shared<const Snapshot>(revision, std::move(hierarchy_), std::move(trees));
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

@@ -9,18 +9,18 @@
 
 #include "scenegraph/revision/snapshot.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 
 /// Nodes made or copied for a revision; null: deleted.
-using EditedNodes = std::pmr::unordered_map<NodeId, std::shared_ptr<Node>>;
+using EditedNodes = std::pmr::unordered_map<model::NodeId, std::shared_ptr<model::Node>>;
 
 /// What a batch of updates means for the two halves.
 struct Marked {
-  NodeSet movers;
-  NodeSet departed;            ///< From the static half, if that has been begun.
-  bool still_changed = false;  ///< What rests; in a half that nobody has looked at.
+  instances::NodeSet movers;
+  instances::NodeSet departed;  ///< From the static half, if that has been begun.
+  bool still_changed = false;   ///< What rests; in a half that nobody has looked at.
   bool moving_changed = false;
-  std::vector<NodeId> changed;  ///< Nodes whose place, mesh or mask is other than before.
+  std::vector<model::NodeId> changed;  ///< Nodes whose place, mesh or mask is other than before.
 };
 
 /// Before rays have looked at the static half a node is where its mobility says. From then on, a
@@ -29,6 +29,7 @@ struct Marked {
 Marked mark_movers(const Snapshot& base, const EditedNodes& edited);
 
 /// Those of the nodes that are there and have none of the others above them.
-NodeSet topmost_of(const Hierarchy& hierarchy, std::span<const NodeId> nodes);
+instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,
+                              std::span<const model::NodeId> nodes);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

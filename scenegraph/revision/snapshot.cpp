@@ -7,43 +7,45 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 namespace {
 
 /// Bounds are taken over vertices up to this many triangles, beyond that over the meshes' boxes.
 constexpr std::uint64_t kExactBoundsTriangles = 50'000'000;
 
-void grow_by_triangles(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
-  const accel::MeshView view = mesh.view();
+void grow_by_triangles(WorldBounds& bounds, const model::Mesh& mesh, const model::Affine& world) {
+  const accel::geometry::MeshView view = mesh.view();
   for (std::size_t i = 0; i < view.faces.size(); ++i) {
-    if (!accel::face_bounds(view, i)) continue;
-    for (const std::uint32_t v : view.faces[i]) bounds.grow(world.point(Vec3d(view.vertices[v])));
+    if (!accel::mesh::face_bounds(view, i)) continue;
+    for (const std::uint32_t v : view.faces[i])
+      bounds.grow(world.point(accel::geometry::Vec3d(view.vertices[v])));
   }
 }
 
-void grow_by_box(WorldBounds& bounds, const Mesh& mesh, const Affine& world) {
+void grow_by_box(WorldBounds& bounds, const model::Mesh& mesh, const model::Affine& world) {
   if (mesh.bounds().empty()) return;
-  const DoubleBox box = mapped(world, DoubleBox(mesh.bounds()));
+  const model::DoubleBox box = mapped(world, model::DoubleBox(mesh.bounds()));
   bounds.grow(box.lo);
   bounds.grow(box.hi);
 }
 
 }  // namespace
 
-Snapshot::Snapshot(std::uint64_t revision, const Hierarchy& hierarchy)
+Snapshot::Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy)
     : Snapshot(revision, hierarchy,
-               {std::make_shared<const SceneHalf>(Half::kStatic, hierarchy),
-                std::make_shared<const SceneHalf>(Half::kDynamic, hierarchy), nullptr}) {}
+               {std::make_shared<const instances::SceneHalf>(instances::Half::kStatic, hierarchy),
+                std::make_shared<const instances::SceneHalf>(instances::Half::kDynamic, hierarchy),
+                nullptr}) {}
 
-TwoTrees Snapshot::trees() const {
+instances::TwoTrees Snapshot::trees() const {
   return {halves_.still->instances(), halves_.moving->instances(), halves_.departed.get()};
 }
 
-std::vector<const Mesh*> Snapshot::meshes() const {
-  std::vector<const Mesh*> meshes;
-  std::unordered_set<const Mesh*> seen;
-  nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
-    const Mesh* mesh = node->mesh.get();
+std::vector<const model::Mesh*> Snapshot::meshes() const {
+  std::vector<const model::Mesh*> meshes;
+  std::unordered_set<const model::Mesh*> seen;
+  nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
+    const model::Mesh* mesh = node->mesh.get();
     if (mesh != nullptr && seen.insert(mesh).second) meshes.push_back(mesh);
   });
   return meshes;
@@ -52,9 +54,9 @@ std::vector<const Mesh*> Snapshot::meshes() const {
 const WorldBounds& Snapshot::bounds() const {
   std::call_once(bounds_once_, [this] {
     const std::uint64_t triangles = hierarchy_.subtree(0).triangles;
-    nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+    nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
       if (node->mesh == nullptr) return;
-      const Affine world = world_from_local(hierarchy_, *node);
+      const model::Affine world = world_from_local(hierarchy_, *node);
       if (triangles <= kExactBoundsTriangles) {
         grow_by_triangles(bounds_, *node->mesh, world);
       } else {
@@ -69,12 +71,12 @@ SceneSummary summarize(const Snapshot& snapshot) {
   SceneSummary s;
   s.revision = snapshot.revision();
   s.nodes = snapshot.node_count();
-  const Subtree all = snapshot.hierarchy().subtree(0);
+  const hierarchy::Subtree all = snapshot.hierarchy().subtree(0);
   s.instances = all.mesh_nodes;
   s.triangles_instanced = all.triangles;
-  std::unordered_set<const Mesh*> seen;
-  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
-    const Mesh* mesh = node->mesh.get();
+  std::unordered_set<const model::Mesh*> seen;
+  snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
+    const model::Mesh* mesh = node->mesh.get();
     if (mesh == nullptr || !seen.insert(mesh).second) return;
     ++s.meshes;
     s.triangles_unique += mesh->triangles();
@@ -89,19 +91,19 @@ SceneSummary summarize(const Snapshot& snapshot) {
 
 BuildSummary summarize_build(const Snapshot& snapshot) {
   BuildSummary s;
-  const Subtree all = snapshot.hierarchy().subtree(0);
+  const hierarchy::Subtree all = snapshot.hierarchy().subtree(0);
   s.instances_total = all.mesh_nodes;
-  for (const NodeId id : topmost_movers(snapshot.hierarchy()))
+  for (const model::NodeId id : instances::topmost_movers(snapshot.hierarchy()))
     s.dynamic_instances += snapshot.hierarchy().subtree(id).mesh_nodes;
   s.static_instances = all.mesh_nodes - s.dynamic_instances;
-  std::unordered_set<const Mesh*> seen;
-  snapshot.nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
-    const Mesh* mesh = node->mesh.get();
+  std::unordered_set<const model::Mesh*> seen;
+  snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
+    const model::Mesh* mesh = node->mesh.get();
     if (mesh == nullptr) return;
     if (node->entered->load(std::memory_order_relaxed)) ++s.instances_entered;
     if (!seen.insert(mesh).second) return;
-    const accel::EpochPin pin;
-    const accel::GrowthMetrics growth = mesh->tree().growth();
+    const accel::kdtree::EpochPin pin;
+    const accel::kdtree::GrowthMetrics growth = mesh->tree().growth();
     s.trees_built += growth.references_built > 0 ? 1 : 0;
     s.cells_deferred += growth.cells_deferred;
     s.cells_expanded += growth.cells_built;
@@ -110,13 +112,13 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.bytes_geometry += mesh->bytes();
     s.bytes_trees += mesh->tree().bytes();
   });
-  const accel::EpochPin pin;
-  if (const Instances* still = snapshot.halves().still->instances_so_far())
+  const accel::kdtree::EpochPin pin;
+  if (const instances::Instances* still = snapshot.halves().still->instances_so_far())
     s.bytes_static_tree = still->tree().tree().bytes();
-  if (const Instances* moving = snapshot.halves().moving->instances_so_far())
+  if (const instances::Instances* moving = snapshot.halves().moving->instances_so_far())
     s.bytes_dynamic_tree = moving->tree().tree().bytes();
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;
 }
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

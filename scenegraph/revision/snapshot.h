@@ -10,40 +10,40 @@
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/model/node.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 
 /// In world space.
-using WorldBounds = DoubleBox;
+using WorldBounds = model::DoubleBox;
 
 /// The trees of a revision, as far as they are shared with others.
 struct Halves {
-  std::shared_ptr<const SceneHalf> still, moving;
-  std::shared_ptr<const Departed> departed;  ///< From `still`; null: none.
+  std::shared_ptr<const instances::SceneHalf> still, moving;
+  std::shared_ptr<const instances::Departed> departed;  ///< From `still`; null: none.
 };
 
 class Snapshot {
  public:
-  Snapshot(std::uint64_t revision, Hierarchy hierarchy, Halves halves)
+  Snapshot(std::uint64_t revision, hierarchy::Hierarchy hierarchy, Halves halves)
       : revision_(revision), hierarchy_(std::move(hierarchy)), halves_(std::move(halves)) {}
   /// With trees of its own.
-  Snapshot(std::uint64_t revision, const Hierarchy& hierarchy);
+  Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy);
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
 
   std::uint64_t revision() const { return revision_; }
   std::size_t node_count() const { return hierarchy_.nodes.size(); }
   /// Null if there is no such node in this revision.
-  const Node* find(NodeId id) const { return hierarchy_.find(id); }
-  const NodeMap& nodes() const { return hierarchy_.nodes; }
-  const std::vector<NodeId>& roots() const { return *hierarchy_.roots; }
-  const Hierarchy& hierarchy() const { return hierarchy_; }
+  const model::Node* find(model::NodeId id) const { return hierarchy_.find(id); }
+  const hierarchy::NodeMap& nodes() const { return hierarchy_.nodes; }
+  const std::vector<model::NodeId>& roots() const { return *hierarchy_.roots; }
+  const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
 
   /// The nodes that carry a mesh, in world space, and the kd-trees over them. Opened by whoever
   /// asks first; nobody waits for that.
-  TwoTrees trees() const;
+  instances::TwoTrees trees() const;
   const Halves& halves() const { return halves_; }
   /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
-  std::vector<const Mesh*> meshes() const;
+  std::vector<const model::Mesh*> meshes() const;
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
   /// scenes. Made by whoever asks first.
@@ -51,7 +51,7 @@ class Snapshot {
 
  private:
   std::uint64_t revision_ = 0;
-  Hierarchy hierarchy_;
+  hierarchy::Hierarchy hierarchy_;
   Halves halves_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
@@ -92,4 +92,4 @@ struct BuildSummary {
 };
 BuildSummary summarize_build(const Snapshot& snapshot);
 
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

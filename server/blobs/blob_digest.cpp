@@ -7,7 +7,7 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 constexpr std::string_view kPrefix = "sha256:";
@@ -45,10 +45,10 @@ Result<BlobDigest> BlobDigest::parse(std::string_view text) {
                     parse_sum(text.substr(kPrefix.size(), kHex), digest.sum) &&
                     parse_size(text.substr(kPrefix.size() + kHex + 1), digest.size);
   if (good) return digest;
-  return Error{
-      Code::kInvalidArgument,
-      fmt::format("{} is not a digest of the form sha256:<64 hex digits>/<size>", in_quotes(text)),
-      "BAD_DIGEST"};
+  return Error{Code::kInvalidArgument,
+               fmt::format("{} is not a digest of the form sha256:<64 hex digits>/<size>",
+                           exec::in_quotes(text)),
+               "BAD_DIGEST"};
 }
 
 std::string BlobDigest::text() const {
@@ -57,4 +57,4 @@ std::string BlobDigest::text() const {
   return out + fmt::format("/{}", size);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

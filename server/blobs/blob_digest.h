@@ -9,7 +9,7 @@
 #include "accel/result.h"
 #include "server/blobs/sha256.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 struct BlobDigest {
   Sha256Sum sum{};
@@ -23,4 +23,4 @@ struct BlobDigest {
   std::string text() const;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -6,7 +6,7 @@
 #include "server/blobs/upload_rpc.h"
 #include "server/exec/unary_rpc.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 Status find_missing(const v1::FindMissingBlobsRequest& request, const BlobStore& blobs,
@@ -56,4 +56,4 @@ grpc::ServerUnaryReactor* BlobRpc::GetUploadStatus(grpc::CallbackServerContext* 
                          [=, this] { return upload_status(*request, blobs_, *reply); });
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -7,14 +7,15 @@
 #include "server/scenes/scene_store.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 inline constexpr int kMaxDigestsPerRequest = 8192;
 
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:
   /// All outlive every call.
-  BlobRpc(SceneStore& scenes, BlobStore& blobs, Compute& compute, Admission& admission)
+  BlobRpc(scenes::SceneStore& scenes, BlobStore& blobs, exec::Compute& compute,
+          exec::Admission& admission)
       : scenes_(scenes), blobs_(blobs), compute_(compute), admission_(admission) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
@@ -27,10 +28,10 @@ class BlobRpc final : public v1::BlobService::CallbackService {
                                             v1::GetUploadStatusResponse* reply) override;
 
  private:
-  SceneStore& scenes_;
+  scenes::SceneStore& scenes_;
   BlobStore& blobs_;
-  Compute& compute_;
-  Admission& admission_;
+  exec::Compute& compute_;
+  exec::Admission& admission_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
   const std::lock_guard lock(mutex_);
@@ -161,4 +161,4 @@ bool BlobStore::drop_unused_mesh(Freed& freed) {
   return true;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -16,7 +16,7 @@
 #include "server/blobs/blob_digest.h"
 #include "server/blobs/upload.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 struct BlobLimits {
   std::uint64_t memory_budget = std::uint64_t{1}
@@ -36,7 +36,7 @@ struct UploadStatus {
 /// end wins.
 class BlobStore {
  public:
-  using MeshPointer = std::shared_ptr<const scenegraph::Mesh>;
+  using MeshPointer = std::shared_ptr<const scenegraph::model::Mesh>;
 
   explicit BlobStore(BlobLimits limits) : limits_(limits) {}
 
@@ -90,4 +90,4 @@ class BlobStore {
   std::uint64_t next_order_ = 0;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -77,11 +77,11 @@ Status MeshBlobReader::read_header() {
     return bad_blob(fmt::format("{} vertices and {} faces do not make a blob of {} bytes", vertices,
                                 faces, size_));
   }
-  if (faces > scenegraph::kMaxFacesPerMesh) {
-    return Error{
-        Code::kResourceExhausted,
-        fmt::format("the mesh has {} faces, the limit is {}", faces, scenegraph::kMaxFacesPerMesh),
-        "MESH_TOO_LARGE"};
+  if (faces > scenegraph::model::kMaxFacesPerMesh) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("the mesh has {} faces, the limit is {}", faces,
+                             scenegraph::model::kMaxFacesPerMesh),
+                 "MESH_TOO_LARGE"};
   }
   positions_end_ = kMeshBlobHeader + vertices * kRow;
   vertices_.reserve(vertices);
@@ -89,11 +89,11 @@ Status MeshBlobReader::read_header() {
   return {};
 }
 
-Result<std::shared_ptr<const scenegraph::Mesh>> MeshBlobReader::finish() {
+Result<std::shared_ptr<const scenegraph::model::Mesh>> MeshBlobReader::finish() {
   if (received_ != size_ || size_ < kMeshBlobHeader) {
     return bad_blob(fmt::format("{} bytes arrived of a blob of {}", received_, size_));
   }
-  return scenegraph::Mesh::make(std::move(vertices_), std::move(faces_));
+  return scenegraph::model::Mesh::make(std::move(vertices_), std::move(faces_));
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -13,7 +13,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/mesh.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 inline constexpr std::size_t kMeshBlobHeader = 24;  ///< Bytes before the positions.
 
@@ -33,7 +33,7 @@ class MeshBlobReader {
   /// The mesh, once all has arrived; the arrays move into it.
   /// Errors: kInvalidArgument (bytes are missing, an index is out of range), as
   /// scenegraph::Mesh::make.
-  Result<std::shared_ptr<const scenegraph::Mesh>> finish();
+  Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();
 
  private:
   Status read_header();
@@ -42,8 +42,8 @@ class MeshBlobReader {
   std::uint64_t received_ = 0;
   std::array<std::byte, kMeshBlobHeader> header_{};
   std::uint64_t positions_end_ = 0;  // offset in the blob
-  std::vector<accel::Vec3f> vertices_;
-  std::vector<accel::Face> faces_;
+  std::vector<accel::geometry::Vec3f> vertices_;
+  std::vector<accel::geometry::Face> faces_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

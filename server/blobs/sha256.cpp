@@ -5,7 +5,7 @@
 
 #include <new>
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 void Sha256::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
 
@@ -25,4 +25,4 @@ Sha256Sum Sha256::finish() {
   return sum;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

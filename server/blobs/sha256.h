@@ -9,7 +9,7 @@
 
 struct evp_md_ctx_st;
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 using Sha256Sum = std::array<std::uint8_t, 32>;
 
@@ -29,4 +29,4 @@ class Sha256 {
   std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 Error dropped(const BlobDigest& digest) {
@@ -31,7 +31,7 @@ Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
   return {};
 }
 
-Result<std::shared_ptr<const scenegraph::Mesh>> Upload::finish() {
+Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
   const std::lock_guard lock(mutex_);
   if (!content_) return dropped(digest_);
   // Bytes that are missing are told as such, before their checksum is found to differ.
@@ -50,4 +50,4 @@ bool Upload::drop() {
   return true;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

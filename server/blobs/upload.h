@@ -16,7 +16,7 @@
 #include "server/blobs/mesh_blob.h"
 #include "server/blobs/sha256.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 
 class Upload {
  public:
@@ -35,7 +35,7 @@ class Upload {
 
   /// Errors: kDataLoss (the bytes are not what the digest says), kAborted, as
   /// MeshBlobReader::finish.
-  Result<std::shared_ptr<const scenegraph::Mesh>> finish();
+  Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();
 
   /// Frees what has arrived, unless a thread is at work on it just now. Returns whether it is
   /// freed.
@@ -55,4 +55,4 @@ class Upload {
   std::optional<Content> content_;  // empty once dropped
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

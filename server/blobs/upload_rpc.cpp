@@ -13,7 +13,7 @@
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 /// Whether a later call may go on where this one failed.
@@ -24,7 +24,7 @@ bool leaves_upload_whole(Code code) {
 /// One chunk at a time: read, then checked and copied in the arena, then the next is read.
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
-  UploadReactor(SceneStore& scenes, BlobStore& blobs, Compute& compute,
+  UploadReactor(scenes::SceneStore& scenes, BlobStore& blobs, exec::Compute& compute,
                 v1::UploadBlobResponse& reply)
       : scenes_(scenes), blobs_(blobs), compute_(compute), reply_(reply) {}
 
@@ -35,7 +35,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     // later.
     if (!ok) return end({});
     compute_.enqueue([this] {
-      const Status taken = guarded([this] { return take(); });
+      const Status taken = exec::guarded([this] { return take(); });
       if (!taken || done_) return end(taken);
       StartRead(&chunk_);
     });
@@ -55,8 +55,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       if (Status begun = begin(); !begun || done_) return begun;
     } else if (!chunk_.digest().empty() && chunk_.digest() != digest_text_) {
       return Error{Code::kInvalidArgument,
-                   fmt::format("a chunk of {} in the upload of {}", in_quotes(chunk_.digest()),
-                               digest_text_),
+                   fmt::format("a chunk of {} in the upload of {}",
+                               exec::in_quotes(chunk_.digest()), digest_text_),
                    "DIGEST_CHANGED"};
     }
     if (Status added = upload_->append(chunk_.offset(), std::as_bytes(std::span(chunk_.data())));
@@ -92,7 +92,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     return {};
   }
 
-  void report(const scenegraph::Mesh& mesh, std::uint64_t size) {
+  void report(const scenegraph::model::Mesh& mesh, std::uint64_t size) {
     reply_.set_committed_size(size);
     reply_.set_triangles(mesh.triangles());
     reply_.set_triangles_nonfinite(mesh.nonfinite());
@@ -109,15 +109,15 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       }
     }
     reply_.set_digest(digest_text_);
-    const grpc::Status answer = to_grpc(status);
-    log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
+    const grpc::Status answer = exec::to_grpc(status);
+    exec::log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
     Finish(answer);
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
-  SceneStore& scenes_;
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  scenes::SceneStore& scenes_;
   BlobStore& blobs_;
-  Compute& compute_;
+  exec::Compute& compute_;
   v1::UploadBlobResponse& reply_;
   v1::UploadBlobRequest chunk_;
   std::string digest_text_;
@@ -127,12 +127,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(SceneStore& scenes, BlobStore& blobs,
-                                                             Compute& compute,
+grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(scenes::SceneStore& scenes,
+                                                             BlobStore& blobs,
+                                                             exec::Compute& compute,
                                                              v1::UploadBlobResponse& reply) {
   auto* reactor = new UploadReactor(scenes, blobs, compute, reply);
   reactor->start();
   return reactor;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 Error over(std::string_view what, std::uint64_t asked, std::uint64_t in_flight,
@@ -56,4 +56,4 @@ void Admission::Ticket::give_back() {
   admission_ = nullptr;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

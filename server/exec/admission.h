@@ -7,7 +7,7 @@
 
 #include "accel/result.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 struct AdmissionLimits {
   std::uint64_t rays = std::uint64_t{1} << 20;     ///< Rays decoded and not yet answered.
@@ -54,4 +54,4 @@ class Admission {
   AdmissionLimits in_flight_{0, 0};
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

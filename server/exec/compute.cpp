@@ -1,7 +1,7 @@
 // The threads that work: the server's own oneTBB arenas.
 #include "server/exec/compute.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 Compute::Compute(int threads)
     : threads_(threads),
@@ -26,4 +26,4 @@ void Compute::end() {
   if (--pending_ == 0) idle_.notify_all();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

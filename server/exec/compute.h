@@ -10,7 +10,7 @@
 #include <mutex>
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 class Compute {
  public:
@@ -66,4 +66,4 @@ class Compute {
   std::size_t pending_ = 0;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -6,7 +6,7 @@
 
 #include "accel/result.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// The Status that work() returns, or kResourceExhausted for std::bad_alloc, or kInternal for
 /// anything else.
@@ -22,4 +22,4 @@ Status guarded(Work&& work) {
   }
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 std::string in_quotes(std::string_view text) {
   std::string out = "\"";
@@ -16,4 +16,4 @@ std::string in_quotes(std::string_view text) {
   return out;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

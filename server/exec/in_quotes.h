@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a value that are shown.
 
@@ -12,4 +12,4 @@ inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a value that are sh
 /// backslash is escaped), cut after kMaxQuoted bytes with the full length told.
 std::string in_quotes(std::string_view text);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

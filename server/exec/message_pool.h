@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// A reply taken from the pool holds what it last held. Must outlive the calls that use it.
 template <class Request, class Reply>
@@ -52,4 +52,4 @@ class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
   std::vector<std::unique_ptr<Messages>> pooled_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 Error stopping() { return {Code::kUnavailable, "the server is stopping", "STOPPING"}; }
 
@@ -36,4 +36,4 @@ void OpenCalls::stop() {
   for (const auto& [call, stop] : open_) stop();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

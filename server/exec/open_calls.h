@@ -9,7 +9,7 @@
 
 #include "accel/result.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// What a call that the server's stopping ends is told.
 Error stopping();
@@ -37,4 +37,4 @@ class OpenCalls {
   bool stopped_ = false;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 Error unfinished() {
@@ -12,7 +12,7 @@ Error unfinished() {
 
 }  // namespace
 
-Status PrefetchCalls::enter(PrefetchJob& job) {
+Status PrefetchCalls::enter(queries::PrefetchJob& job) {
   const std::lock_guard lock(mutex_);
   if (stopped_) return unfinished();
   if (in_work_.size() >= limit_) {
@@ -25,7 +25,7 @@ Status PrefetchCalls::enter(PrefetchJob& job) {
   return {};
 }
 
-Status PrefetchCalls::leave(PrefetchJob& job) {
+Status PrefetchCalls::leave(queries::PrefetchJob& job) {
   const std::lock_guard lock(mutex_);
   std::erase(in_work_, &job);
   return stopped_ ? Status(unfinished()) : Status();
@@ -34,7 +34,7 @@ Status PrefetchCalls::leave(PrefetchJob& job) {
 void PrefetchCalls::stop() {
   const std::lock_guard lock(mutex_);
   stopped_ = true;
-  for (PrefetchJob* job : in_work_) job->cancel();
+  for (queries::PrefetchJob* job : in_work_) job->cancel();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -8,7 +8,7 @@
 #include "accel/result.h"
 #include "server/queries/prefetch_job.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// Threads: any, for every member.
 class PrefetchCalls {
@@ -16,9 +16,9 @@ class PrefetchCalls {
   explicit PrefetchCalls(std::size_t limit) : limit_(limit) {}
 
   /// Errors: kResourceExhausted, at once, naming the limit; kUnavailable after stop().
-  Status enter(PrefetchJob& job);
+  Status enter(queries::PrefetchJob& job);
   /// Errors: kUnavailable if stop() came meanwhile.
-  Status leave(PrefetchJob& job);
+  Status leave(queries::PrefetchJob& job);
 
   /// Cancels those that are in work, and lets no other in.
   void stop();
@@ -26,8 +26,8 @@ class PrefetchCalls {
  private:
   const std::size_t limit_;
   std::mutex mutex_;
-  std::vector<PrefetchJob*> in_work_;
+  std::vector<queries::PrefetchJob*> in_work_;
   bool stopped_ = false;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -5,7 +5,7 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
              std::string_view more) {
@@ -21,4 +21,4 @@ void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time
   }
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

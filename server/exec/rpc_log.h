@@ -6,7 +6,7 @@
 #include <chrono>
 #include <string_view>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 using LogClock = std::chrono::steady_clock;
 
@@ -14,4 +14,4 @@ using LogClock = std::chrono::steady_clock;
 void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
              std::string_view more = {});
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

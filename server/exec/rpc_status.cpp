@@ -6,7 +6,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 struct GrpcCode {
@@ -76,4 +76,4 @@ grpc::Status to_grpc(const Status& status) {
   return status.ok() ? grpc::Status::OK : to_grpc(status.error());
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

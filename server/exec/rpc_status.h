@@ -7,7 +7,7 @@
 
 #include "accel/result.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 inline constexpr const char* kErrorDomain = "sightline";
 /// A status travels in HTTP/2 trailers, which peers bound (8 KiB by default): longer messages are
@@ -24,4 +24,4 @@ grpc::Status to_grpc(const Error& error);
 /// OK, or the error.
 grpc::Status to_grpc(const Status& status);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

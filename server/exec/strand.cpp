@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 void SerialQueue::post(Compute& compute, std::function<void()> task) {
   auto line = line_;  // the task may be done, and this gone, before this returns
@@ -34,4 +34,4 @@ void SerialQueue::run_next(Compute& compute, std::shared_ptr<Line> line) {
   });
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

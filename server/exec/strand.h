@@ -8,7 +8,7 @@
 
 #include "server/exec/compute.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// On the workers for updates. None waits for another task, as it would for a lock; between two
 /// tasks other queues get their turn. What a task holds may hold the queue itself.
@@ -28,4 +28,4 @@ class SerialQueue {
   const std::shared_ptr<Line> line_ = std::make_shared<Line>();
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

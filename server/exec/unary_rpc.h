@@ -13,7 +13,7 @@
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 
 /// Answers a call with what work(), a Status, comes to on a worker. The request counts in the
 /// queue's bytes.
@@ -38,4 +38,4 @@ grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
   return reactor;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -8,7 +8,7 @@
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 /// With every field asked for.
@@ -22,7 +22,7 @@ std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
 }  // namespace
 
 Status CastJob::open(const v1::CastRaysRequest& request) {
-  if (Status good = check_scene_name(request.scene()); !good) return good;
+  if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   auto query = decode_query(request, services_.policy);
   if (!query) return query.error();
   auto scene = services_.scenes.get(request.scene());
@@ -32,7 +32,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   return {};
 }
 
-void CastJob::pin(std::shared_ptr<const scenegraph::Snapshot> snapshot) {
+void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {
   revision_ = scene_->token(snapshot->revision());
   snapshot_ = std::move(snapshot);
   scene_.reset();
@@ -50,7 +50,8 @@ Status CastJob::take(const v1::Rays& rays) {
                              kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
-  const std::size_t bytes_per_ray = sizeof(accel::Ray) + sizeof(accel::Hit) + kReplyBytesPerRay;
+  const std::size_t bytes_per_ray =
+      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit) + kReplyBytesPerRay;
   std::size_t bytes = rays.ByteSizeLong() + rays_.size() * bytes_per_ray;
   if (lists) {
     bytes += bytes_of_lister(rays_.size(), query_.max_hits, services_.compute.threads());
@@ -69,7 +70,7 @@ Status CastJob::take(const v1::Rays& rays) {
 Status CastJob::run(v1::CastRaysResponse& reply) {
   // Given back before the last reply is written: a client that is slow to read must not hold up
   // the others.
-  Admission::Ticket ticket = std::move(ticket_), listing = std::move(listing_ticket_);
+  exec::Admission::Ticket ticket = std::move(ticket_), listing = std::move(listing_ticket_);
   const auto begun = Clock::now();
   if (Status selected = select(); !selected) return selected;
   const scenegraph::TraceOptions options{.kind = query_.kind,
@@ -104,7 +105,7 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
 /// On a worker, as it may be the first to need the revision's instances.
 Status CastJob::select() {
   if (!query_.selects() || selection_) return {};
-  auto selection = scenegraph::Selection::make(snapshot_, query_.root, query_.excluded);
+  auto selection = scenegraph::instances::Selection::make(snapshot_, query_.root, query_.excluded);
   if (!selection) return selection.error();
   selection_.emplace(std::move(*selection));
   return {};
@@ -140,4 +141,4 @@ void CastJob::close() {
   snapshot_.reset();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

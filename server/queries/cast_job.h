@@ -19,18 +19,18 @@
 #include "server/scenes/scene_store.h"
 #include "sightline/v1/query.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 /// What casting needs of the server; all outlive every call.
 struct CastServices {
-  SceneStore& scenes;
-  Compute& compute;
-  Admission& admission;
+  scenes::SceneStore& scenes;
+  exec::Compute& compute;
+  exec::Admission& admission;
   /// A part of it, for batches that ask for all hits: those keep their places while a client reads,
   /// and however slow some are, room for other batches is left.
-  Admission& listing;
+  exec::Admission& listing;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
-  WaitServices waiting;
+  scenes::WaitServices waiting;
 };
 
 /// How many messages the answer to a batch may be.
@@ -44,10 +44,10 @@ class CastJob {
 
   /// Looks the scene up and reads what is asked. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
-  const std::shared_ptr<StoredScene>& scene() const { return scene_; }
+  const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
 
   /// After open(): pins the revision that answers every batch.
-  void pin(std::shared_ptr<const scenegraph::Snapshot> snapshot);
+  void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
   /// kInvalidArgument, where one reply could not hold all hits.
@@ -73,20 +73,20 @@ class CastJob {
   const CastServices& services_;
   const Replies replies_;
   CastQuery query_;
-  std::shared_ptr<StoredScene> scene_;  // until it is pinned
-  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
-  RevisionToken revision_;
-  std::vector<accel::Ray> rays_;
-  std::optional<scenegraph::Selection> selection_;
-  std::vector<accel::Hit> hits_;
+  std::shared_ptr<scenes::StoredScene> scene_;  // until it is pinned
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
+  scenes::RevisionToken revision_;
+  std::vector<accel::geometry::Ray> rays_;
+  std::optional<scenegraph::instances::Selection> selection_;
+  std::vector<accel::geometry::Hit> hits_;
   std::vector<scenegraph::RayTally> tallies_;
   HitLister lister_;
   scenegraph::TraceStats stats_;
-  Admission::Ticket ticket_, listing_ticket_;
+  exec::Admission::Ticket ticket_, listing_ticket_;
   Clock::time_point taken_;
   Clock::duration queued_{}, traced_{};  // of the batch
   bool begun_ = false;                   // a reply to the batch has been made
   std::atomic<bool> cancelled_{false};
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

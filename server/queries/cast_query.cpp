@@ -7,10 +7,10 @@
 #include <span>
 #include <string>
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
-using accel::Culling;
+using accel::geometry::Culling;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
 
@@ -180,4 +180,4 @@ Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy
   return query;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

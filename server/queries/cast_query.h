@@ -11,7 +11,7 @@
 #include "scenegraph/trace_options.h"
 #include "sightline/v1/query.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 inline constexpr std::uint32_t kDefaultMaxHits = 256;
 /// So many hits fit one message with every field asked for.
@@ -21,9 +21,9 @@ inline constexpr int kMaxExclusions = 4096;
 struct CastQuery {
   scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
   scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
-  accel::Culling culling = accel::Culling::kNone;
-  scenegraph::NodeId root = 0;                 ///< 0: the whole scene.
-  std::vector<scenegraph::NodeId> excluded{};  ///< Not looked up yet.
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
+  scenegraph::model::NodeId root = 0;                 ///< 0: the whole scene.
+  std::vector<scenegraph::model::NodeId> excluded{};  ///< Not looked up yet.
   std::uint32_t max_hits = kDefaultMaxHits;
   std::vector<v1::HitField> fields{};  ///< Columns of the reply, in this order; no field twice.
   bool surface = false;                ///< Whether barycentrics or normals are among them.
@@ -37,4 +37,4 @@ struct CastQuery {
 /// exceeded).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

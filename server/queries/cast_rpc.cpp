@@ -10,7 +10,7 @@
 #include "server/queries/prefetch_rpc.h"
 #include "server/queries/stream_cast_rpc.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 /// Lives until its task in the arena has called Finish, however early the client has gone.
@@ -19,14 +19,14 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
       : compute_(services.compute),
         job_(services, Replies::kOne),
-        wait_(std::make_shared<RevisionWait>(services.waiting)),
+        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)),
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
-    if (const Status opened = guarded([&] { return job_.open(request); }); !opened)
+    if (const Status opened = exec::guarded([&] { return job_.open(request); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
-                [this, &request](Result<RevisionWait::SnapshotPointer> pinned) {
+                [this, &request](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   job_.pin(std::move(*pinned));
                   cast(request);
@@ -41,25 +41,25 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void cast(const v1::CastRaysRequest& request) {
-    if (const Status taken = guarded([&] { return job_.take(request.rays()); }); !taken)
+    if (const Status taken = exec::guarded([&] { return job_.take(request.rays()); }); !taken)
       return end(taken);
     compute_.enqueue([this] {
-      const Status done = guarded([this] { return job_.run(reply_); });
+      const Status done = exec::guarded([this] { return job_.run(reply_); });
       job_.close();
       end(done);
     });
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = to_grpc(status);
-    log_rpc("CastRays", answer, begun_);
+    const grpc::Status answer = exec::to_grpc(status);
+    exec::log_rpc("CastRays", answer, begun_);
     Finish(answer);  // this reactor may be gone when it returns
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
-  Compute& compute_;
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  exec::Compute& compute_;
   CastJob job_;
-  const std::shared_ptr<RevisionWait> wait_;
+  const std::shared_ptr<scenes::RevisionWait> wait_;
   v1::CastRaysResponse& reply_;
 };
 
@@ -88,4 +88,4 @@ grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
   return start_prefetch(services_, prefetches_, *request);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

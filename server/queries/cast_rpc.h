@@ -9,7 +9,7 @@
 #include "server/queries/cast_job.h"
 #include "sightline/v1/query.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 /// Open StreamCastRays calls on the whole server: each keeps the memory of one batch.
 inline constexpr std::size_t kMaxCastStreams = 256;
@@ -32,9 +32,9 @@ class RayQueryRpc final : public v1::RayQueryService::CallbackService {
 
  private:
   const CastServices services_;
-  MessagePool<v1::CastRaysRequest, v1::CastRaysResponse> messages_;
+  exec::MessagePool<v1::CastRaysRequest, v1::CastRaysResponse> messages_;
   std::atomic<std::size_t> open_streams_{0};
-  PrefetchCalls prefetches_;
+  exec::PrefetchCalls prefetches_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

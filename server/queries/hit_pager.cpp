@@ -5,15 +5,15 @@
 
 #include "server/queries/query_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 std::size_t bytes_of_lister(std::size_t rays, std::size_t max_hits, int threads) {
   const std::size_t overshoot = static_cast<std::size_t>(threads) * scenegraph::kHitsPerListBlock;
   const std::size_t hits = std::min(rays * max_hits, kHitsListed + overshoot);
-  return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::Hit);
+  return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
 }
 
-void HitLister::begin(std::span<const accel::Ray> rays) {
+void HitLister::begin(std::span<const accel::geometry::Ray> rays) {
   rays_ = rays;
   sent_ = listed_ = sent_hits_ = 0;
   tallies_.resize(rays.size());
@@ -21,7 +21,8 @@ void HitLister::begin(std::span<const accel::Ray> rays) {
   stats_ = {};
 }
 
-Status HitLister::list(const scenegraph::Snapshot& snapshot, scenegraph::TraceOptions options) {
+Status HitLister::list(const scenegraph::revision::Snapshot& snapshot,
+                       scenegraph::TraceOptions options) {
   options.hits_at_once = kHitsListed;
   const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
                                             std::span(tallies_).subspan(listed_), hits_, options);
@@ -32,7 +33,7 @@ Status HitLister::list(const scenegraph::Snapshot& snapshot, scenegraph::TraceOp
   return {};
 }
 
-Status HitLister::next(const scenegraph::Snapshot& snapshot,
+Status HitLister::next(const scenegraph::revision::Snapshot& snapshot,
                        const scenegraph::TraceOptions& options,
                        std::span<const v1::HitField> fields, v1::CastRaysResponse& reply) {
   if (sent_ == listed_) {
@@ -51,4 +52,4 @@ Status HitLister::next(const scenegraph::Snapshot& snapshot,
   return {};
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

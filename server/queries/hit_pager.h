@@ -10,7 +10,7 @@
 #include "scenegraph/trace.h"
 #include "sightline/v1/query.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 /// Rays are traced until about so many hits are listed, and on once those are sent.
 inline constexpr std::size_t kHitsListed = 65536;
@@ -22,26 +22,27 @@ std::size_t bytes_of_lister(std::size_t rays, std::size_t max_hits, int threads)
 class HitLister {
  public:
   /// `rays` stay as they are until all parts are made.
-  void begin(std::span<const accel::Ray> rays);
+  void begin(std::span<const accel::geometry::Ray> rays);
 
   /// Makes the next part: columns, first_ray and more. Without rays there is one empty part.
   /// Errors: kCancelled.
-  Status next(const scenegraph::Snapshot& snapshot, const scenegraph::TraceOptions& options,
-              std::span<const v1::HitField> fields, v1::CastRaysResponse& reply);
+  Status next(const scenegraph::revision::Snapshot& snapshot,
+              const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
+              v1::CastRaysResponse& reply);
 
   /// Of the parts so far.
   const scenegraph::TraceStats& stats() const { return stats_; }
 
  private:
-  Status list(const scenegraph::Snapshot& snapshot, scenegraph::TraceOptions options);
+  Status list(const scenegraph::revision::Snapshot& snapshot, scenegraph::TraceOptions options);
 
-  std::span<const accel::Ray> rays_;
+  std::span<const accel::geometry::Ray> rays_;
   std::size_t sent_ = 0;    // rays in parts that are made
   std::size_t listed_ = 0;  // rays that are traced
   std::size_t sent_hits_ = 0;
   std::vector<scenegraph::RayTally> tallies_;  // of all rays
-  std::vector<accel::Hit> hits_;               // of the last rays traced
+  std::vector<accel::geometry::Hit> hits_;     // of the last rays traced
   scenegraph::TraceStats stats_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

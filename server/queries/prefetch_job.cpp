@@ -11,7 +11,7 @@
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 /// As a cast asks it; its rays see one root at most.
@@ -24,15 +24,15 @@ v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   return query;
 }
 
-std::uint64_t bytes_of_tree(const scenegraph::SceneHalf& half) {
-  const scenegraph::Instances* instances = half.instances_so_far();
+std::uint64_t bytes_of_tree(const scenegraph::instances::SceneHalf& half) {
+  const scenegraph::instances::Instances* instances = half.instances_so_far();
   return instances != nullptr && instances->begun() ? instances->tree().tree().bytes() : 0;
 }
 
 }  // namespace
 
 Status PrefetchJob::open(const v1::PrefetchRequest& request) {
-  if (Status good = check_scene_name(request.scene()); !good) return good;
+  if (Status good = scenes::check_scene_name(request.scene()); !good) return good;
   if (Status good = check_roots(request); !good) return good;
   auto query = decode_query(query_of(request), services_.policy);
   if (!query) return query.error();
@@ -43,7 +43,7 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   auto ticket = services_.admission.admit(
-      rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::Ray));
+      rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
   snapshot_ = (*scene)->snapshot();
@@ -63,20 +63,20 @@ Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
 Status PrefetchJob::run() { return has_rays_ ? grow() : build(); }
 
 Status PrefetchJob::build() {
-  const auto nodes = scenegraph::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
+  const auto nodes = scenegraph::query::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
   if (!nodes) return nodes.error();
-  meshes_ = scenegraph::meshes_of(*nodes);
+  meshes_ = scenegraph::query::meshes_of(*nodes);
   known_.store(true, std::memory_order_release);
-  if (Status built = scenegraph::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
+  if (Status built = scenegraph::query::build_mesh_trees(*nodes, progress_, &cancelled_); !built)
     return built;
-  return roots_.empty() ? scenegraph::build_scene_tree(*snapshot_, progress_, &cancelled_)
+  return roots_.empty() ? scenegraph::query::build_scene_tree(*snapshot_, progress_, &cancelled_)
                         : Status();
 }
 
 Status PrefetchJob::grow() {
-  std::optional<scenegraph::Selection> selection;
+  std::optional<scenegraph::instances::Selection> selection;
   if (query_.selects()) {
-    auto made = scenegraph::Selection::make(snapshot_, query_.root, query_.excluded);
+    auto made = scenegraph::instances::Selection::make(snapshot_, query_.root, query_.excluded);
     if (!made) return made.error();
     selection.emplace(std::move(*made));
   }
@@ -84,7 +84,7 @@ Status PrefetchJob::grow() {
                                          .growth = query_.growth,
                                          .selection = selection ? &*selection : nullptr,
                                          .cancelled = &cancelled_};
-  return scenegraph::grow_for_rays(*snapshot_, rays_, options, progress_);
+  return scenegraph::query::grow_for_rays(*snapshot_, rays_, options, progress_);
 }
 
 void PrefetchJob::report(v1::PrefetchResponse& response) {
@@ -102,10 +102,10 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
   if (!known_.load(std::memory_order_acquire)) return;
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
-    const scenegraph::Halves& halves = snapshot_->halves();
+    const scenegraph::revision::Halves& halves = snapshot_->halves();
     bytes = bytes_of_tree(*halves.still) + bytes_of_tree(*halves.moving);
   }
-  for (const scenegraph::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
+  for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
   response.set_bytes_trees(bytes);
 }
 
@@ -115,4 +115,4 @@ void PrefetchJob::close() {
   snapshot_.reset();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

@@ -13,7 +13,7 @@
 #include "server/queries/cast_job.h"
 #include "sightline/v1/query.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 inline constexpr int kMaxPrefetchRoots = 4096;
 
@@ -50,16 +50,16 @@ class PrefetchJob {
   const CastServices& services_;
   const Clock::time_point begun_ = Clock::now();
   CastQuery query_;
-  std::vector<scenegraph::NodeId> roots_;
+  std::vector<scenegraph::model::NodeId> roots_;
   bool has_rays_ = false;
-  std::vector<accel::Ray> rays_;
-  Admission::Ticket ticket_;
-  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
-  RevisionToken revision_;
-  std::vector<const scenegraph::Mesh*> meshes_;  // whose trees are asked for
-  scenegraph::PrefetchProgress progress_;
+  std::vector<accel::geometry::Ray> rays_;
+  exec::Admission::Ticket ticket_;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
+  scenes::RevisionToken revision_;
+  std::vector<const scenegraph::model::Mesh*> meshes_;  // whose trees are asked for
+  scenegraph::query::PrefetchProgress progress_;
   std::atomic<bool> known_{false};  // meshes_ is written
   std::atomic<bool> cancelled_{false};
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

@@ -11,7 +11,7 @@
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 constexpr std::chrono::milliseconds kBeforeFirstReport{20};
@@ -21,11 +21,11 @@ constexpr std::chrono::milliseconds kBetweenReports{250};
 /// Each calls go_on() when it rests; the last one to rest ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
-  PrefetchCall(const CastServices& services, PrefetchCalls& calls)
+  PrefetchCall(const CastServices& services, exec::PrefetchCalls& calls)
       : compute_(services.compute), calls_(calls), job_(services) {}
 
   void start(const v1::PrefetchRequest& request) {
-    const Status ready = guarded([&] {
+    const Status ready = exec::guarded([&] {
       if (Status opened = job_.open(request); !opened) return opened;
       return calls_.enter(job_);
     });
@@ -47,7 +47,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
  private:
   void build() {
-    Status built = guarded([this] { return job_.run(); });
+    Status built = exec::guarded([this] { return job_.run(); });
     // Before the last report is read: whoever has read it may ask for the next prefetch.
     if (Status stopped = calls_.leave(job_); !stopped && !built) built = stopped;
     {
@@ -63,7 +63,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   Status report_to(v1::PrefetchResponse& response) {
-    return guarded([&] {
+    return exec::guarded([&] {
       job_.report(response);
       return Status();
     });
@@ -101,18 +101,18 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = to_grpc(status);
+    const grpc::Status answer = exec::to_grpc(status);
     log(answer);
     Finish(answer);
   }
 
   void log(const grpc::Status& answer) const {
-    log_rpc("Prefetch", answer, log_begun_, fmt::format("cells={}", last_.cells_expanded()));
+    exec::log_rpc("Prefetch", answer, log_begun_, fmt::format("cells={}", last_.cells_expanded()));
   }
 
-  const LogClock::time_point log_begun_ = LogClock::now();
-  Compute& compute_;
-  PrefetchCalls& calls_;
+  const exec::LogClock::time_point log_begun_ = exec::LogClock::now();
+  exec::Compute& compute_;
+  exec::PrefetchCalls& calls_;
   PrefetchJob job_;
   std::mutex mutex_;                                          // of all below
   bool building_ = true, ticking_ = false, writing_ = false;  // under way
@@ -125,11 +125,11 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 }  // namespace
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const CastServices& services,
-                                                               PrefetchCalls& calls,
+                                                               exec::PrefetchCalls& calls,
                                                                const v1::PrefetchRequest& request) {
   auto* call = new PrefetchCall(services, calls);
   call->start(request);
   return call;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

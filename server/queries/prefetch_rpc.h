@@ -5,12 +5,12 @@
 #include "server/queries/cast_job.h"
 #include "sightline/v1/query.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 
 /// The reactor of a new call, already at work; it frees itself. `calls` outlives it, as `services`
 /// does.
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const CastServices& services,
-                                                               PrefetchCalls& calls,
+                                                               exec::PrefetchCalls& calls,
                                                                const v1::PrefetchRequest& request);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

@@ -9,14 +9,14 @@
 #include <string>
 #include <string_view>
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "columns are little-endian and are copied as they are");
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 using scenegraph::RayTally;
 
 Error invalid(std::string message, std::string reason) {
@@ -31,7 +31,7 @@ T load(const std::string& column, std::size_t index) {
 }
 
 template <class T>
-accel::Vec3d load_vector(const std::string& column, std::size_t row) {
+accel::geometry::Vec3d load_vector(const std::string& column, std::size_t row) {
   const auto v = load<std::array<T, 3>>(column, row);
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
@@ -151,7 +151,8 @@ void write_columns(std::span<const v1::HitField> fields, v1::CastRaysResponse& r
   }
 }
 
-static_assert(sizeof(accel::Vec3f) == 3 * sizeof(float) && sizeof(accel::HitState) == 1);
+static_assert(sizeof(accel::geometry::Vec3f) == 3 * sizeof(float) &&
+              sizeof(accel::geometry::HitState) == 1);
 
 }  // namespace
 
@@ -209,4 +210,4 @@ void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply) {
   reply.set_build_us(static_cast<std::uint64_t>(stats.build_seconds * 1e6));
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

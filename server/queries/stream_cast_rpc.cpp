@@ -10,7 +10,7 @@
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 /// Read, trace, write, and only then read again, or go on with what is left of the batch: at most
@@ -25,7 +25,7 @@ class CastStream final
         context_(context),
         open_(open),
         job_(services, Replies::kMany),
-        wait_(std::make_shared<RevisionWait>(services.waiting)) {}
+        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)) {}
 
   void start(std::size_t limit) {
     const std::size_t before = open_.fetch_add(1);
@@ -42,10 +42,10 @@ class CastStream final
     if (!ok) return end({});  // the client has closed its side, or is gone
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
-    if (const Status opened = guarded([&] { return job_.open(first); }); !opened)
+    if (const Status opened = exec::guarded([&] { return job_.open(first); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
-                [this](Result<RevisionWait::SnapshotPointer> pinned) {
+                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   job_.pin(std::move(*pinned));
                   cast();
@@ -71,31 +71,31 @@ class CastStream final
 
  private:
   void cast() {
-    if (const Status taken = guarded([this] { return job_.take(request_.request().rays()); });
+    if (const Status taken = exec::guarded([this] { return job_.take(request_.request().rays()); });
         !taken)
       return end(taken);
     compute_.enqueue([this] { answer(); });
   }
 
   void answer() {
-    const Status done = guarded([this] { return job_.run(*reply_.mutable_response()); });
+    const Status done = exec::guarded([this] { return job_.run(*reply_.mutable_response()); });
     if (!done) return end(done);
     reply_.set_chunk(request_.chunk());
     StartWrite(&reply_);
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = to_grpc(status);
-    log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
+    const grpc::Status answer = exec::to_grpc(status);
+    exec::log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
     Finish(answer);
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
-  Compute& compute_;
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  exec::Compute& compute_;
   const grpc::CallbackServerContext& context_;
   std::atomic<std::size_t>& open_;
   CastJob job_;
-  const std::shared_ptr<RevisionWait> wait_;
+  const std::shared_ptr<scenes::RevisionWait> wait_;
   std::uint64_t batches_ = 0;
   v1::StreamCastRaysRequest request_;
   v1::StreamCastRaysResponse reply_;
@@ -111,4 +111,4 @@ grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* 
   return stream;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

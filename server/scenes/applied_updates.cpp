@@ -9,18 +9,18 @@
 
 #include "scenegraph/instances/scene_half.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::DeleteNode;
-using scenegraph::Mesh;
-using scenegraph::Node;
-using scenegraph::NodeId;
-using scenegraph::NodeRef;
-using scenegraph::PatchVertices;
-using scenegraph::PutNode;
-using scenegraph::SetTransforms;
-using scenegraph::Snapshot;
+using scenegraph::model::DeleteNode;
+using scenegraph::model::Mesh;
+using scenegraph::model::Node;
+using scenegraph::model::NodeId;
+using scenegraph::model::NodeRef;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::PutNode;
+using scenegraph::model::SetTransforms;
+using scenegraph::revision::Snapshot;
 
 /// A node, and its share of the blocks of the map that were copied for it.
 constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
@@ -125,16 +125,17 @@ class Deformed {
   std::uint64_t bytes_ = 0;
 };
 
-bool patches(const scenegraph::Update& update) {
+bool patches(const scenegraph::model::Update& update) {
   return std::holds_alternative<PatchVertices>(update);
 }
 
 }  // namespace
 
-Status check_deformed(const Snapshot& before, const std::vector<scenegraph::Update>& updates) {
+Status check_deformed(const Snapshot& before,
+                      const std::vector<scenegraph::model::Update>& updates) {
   if (std::ranges::none_of(updates, patches)) return {};
   Deformed deformed(before);
-  for (const scenegraph::Update& update : updates) std::visit(deformed, update);
+  for (const scenegraph::model::Update& update : updates) std::visit(deformed, update);
   if (deformed.bytes() <= kMaxDeformedBytes) return {};
   return Error{Code::kResourceExhausted,
                fmt::format("the meshes that are patched have {} bytes of vertices, the limit of a "
@@ -143,22 +144,22 @@ Status check_deformed(const Snapshot& before, const std::vector<scenegraph::Upda
                "TOO_MUCH_DEFORMED"};
 }
 
-void resolve(std::vector<scenegraph::Update>& updates, const std::vector<NodeId>& put) {
+void resolve(std::vector<scenegraph::model::Update>& updates, const std::vector<NodeId>& put) {
   Resolver resolver(put);
-  for (scenegraph::Update& update : updates) std::visit(resolver, update);
+  for (scenegraph::model::Update& update : updates) std::visit(resolver, update);
 }
 
 std::uint64_t bytes_replaced(const Snapshot& before,
-                             const std::vector<scenegraph::Update>& updates) {
+                             const std::vector<scenegraph::model::Update>& updates) {
   ReplacedBytes replaced(before);
-  for (const scenegraph::Update& update : updates) std::visit(replaced, update);
+  for (const scenegraph::model::Update& update : updates) std::visit(replaced, update);
   return replaced.bytes() + bytes_of(*before.halves().moving);
 }
 
-std::uint64_t bytes_of(const scenegraph::SceneHalf& half) {
-  const scenegraph::Instances* instances = half.instances_so_far();
+std::uint64_t bytes_of(const scenegraph::instances::SceneHalf& half) {
+  const scenegraph::instances::Instances* instances = half.instances_so_far();
   if (instances == nullptr || !instances->begun()) return 0;
   return instances->placed() * kBytesPerPlaced + instances->tree().tree().bytes();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 Result<std::shared_ptr<StoredScene>> MemorySceneStore::create(SceneInfo info) {
   const std::lock_guard lock(mutex_);
   if (scenes_.contains(info.name)) {
@@ -70,4 +70,4 @@ void MemorySceneStore::forget_old_revisions() {
   for (const auto& scene : scenes) scene->forget_old_revisions();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -9,7 +9,7 @@
 
 #include "server/scenes/scene_store.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 class MemorySceneStore final : public SceneStore {
  public:
@@ -27,4 +27,4 @@ class MemorySceneStore final : public SceneStore {
   std::map<std::string, std::shared_ptr<StoredScene>> scenes_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -7,7 +7,7 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 constexpr std::string_view kProjects = "projects/";
@@ -15,7 +15,7 @@ constexpr std::string_view kScenes = "/scenes/";
 
 Error bad_name(std::string_view name, std::string_view shape) {
   return {Code::kInvalidArgument,
-          fmt::format("{} is not a name of the form {}", in_quotes(name), shape),
+          fmt::format("{} is not a name of the form {}", exec::in_quotes(name), shape),
           "BAD_RESOURCE_NAME"};
 }
 
@@ -23,7 +23,7 @@ Status check_id(std::string_view what, std::string_view id) {
   if (is_id(id)) return {};
   return Error{
       Code::kInvalidArgument,
-      fmt::format("{} id {} does not match [a-z0-9][a-z0-9._-]{{0,62}}", what, in_quotes(id)),
+      fmt::format("{} id {} does not match [a-z0-9][a-z0-9._-]{{0,62}}", what, exec::in_quotes(id)),
       "BAD_RESOURCE_NAME"};
 }
 
@@ -55,4 +55,4 @@ std::string_view project_of(std::string_view scene_name) {
   return scene_name.substr(0, scene_name.find(kScenes));
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -6,7 +6,7 @@
 
 #include "accel/result.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxId = 63;  ///< Bytes of a project or scene id.
 
@@ -22,4 +22,4 @@ Status check_project_name(std::string_view name);
 /// The project part, "projects/{project}", of a checked scene name.
 std::string_view project_of(std::string_view scene_name);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -7,9 +7,9 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
-void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::NodeId>& nodes) {
+void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes) {
   if (!nodes.empty()) put.push_back({sequence, nodes});
   last_committed = sequence;
   std::size_t ids = 0;
@@ -39,9 +39,9 @@ Status check_producer_name(std::string_view name) {
   if (!name.empty() && name.size() <= kMaxProducerName && std::ranges::all_of(name, allowed))
     return {};
   return Error{Code::kInvalidArgument,
-               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}", in_quotes(name),
-                           kMaxProducerName),
+               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}",
+                           exec::in_quotes(name), kMaxProducerName),
                "BAD_PRODUCER"};
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -13,7 +13,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxProducerName = 64;  ///< Bytes.
 inline constexpr std::size_t kMaxProducers = 4096;   ///< Names a scene.
@@ -23,11 +23,11 @@ struct Producer {
   /// The ids that a batch has put.
   struct Put {
     std::uint64_t sequence = 0;
-    std::vector<scenegraph::NodeId> nodes;
+    std::vector<scenegraph::model::NodeId> nodes;
   };
 
   /// Of the batch after the last, which was applied or rejected; in the scene's turn.
-  void commit(std::uint64_t sequence, const std::vector<scenegraph::NodeId>& put);
+  void commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& put);
 
   std::uint64_t last_committed = 0;        ///< Sequence. In the scene's turn, as the next.
   std::deque<Put> put;                     ///< Of the last kPutsKept batches at most.
@@ -53,4 +53,4 @@ class Producers {
 /// Errors: kInvalidArgument unless it matches [A-Za-z0-9._-]{1,64}.
 Status check_producer_name(std::string_view name);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 RecentRevisions::SnapshotPointer RecentRevisions::keep(SnapshotPointer snapshot) {
   const std::lock_guard lock(mutex_);
@@ -51,4 +51,4 @@ std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::forget() {
   return dropped;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -10,7 +10,7 @@
 
 #include "scenegraph/revision/snapshot.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 struct RecentLimits {
   std::size_t revisions = 64;
@@ -21,7 +21,7 @@ struct RecentLimits {
 /// Threads: one that keeps and charges, any that find.
 class RecentRevisions {
  public:
-  using SnapshotPointer = std::shared_ptr<const scenegraph::Snapshot>;
+  using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
   explicit RecentRevisions(RecentLimits limits = {}) : limits_(limits) {}
 
@@ -53,4 +53,4 @@ class RecentRevisions {
   std::uint64_t bytes_ = 0;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -7,7 +7,7 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
                                                         std::uint64_t content) const {
@@ -16,7 +16,7 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
   if (found->second.content == content) return &found->second.answer;
   return Error{Code::kInvalidArgument,
                fmt::format("request id {} was used for another request, which made revision {}",
-                           in_quotes(id), found->second.answer.revision),
+                           exec::in_quotes(id), found->second.answer.revision),
                "REQUEST_ID_REUSED"};
 }
 
@@ -41,4 +41,4 @@ Status check_request_id(std::string_view id) {
                "REQUEST_ID_TOO_LONG"};
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -11,7 +11,7 @@
 #include "accel/result.h"
 #include "scenegraph/scene.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxRequestId = 64;  ///< Bytes.
 
@@ -46,4 +46,4 @@ class RequestAnswers {
 /// Errors: kInvalidArgument beyond kMaxRequestId.
 Status check_request_id(std::string_view id);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -8,7 +8,7 @@
 
 #include "server/exec/in_quotes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 constexpr std::size_t kIncarnationDigits = 16;
@@ -30,8 +30,8 @@ Result<RevisionToken> RevisionToken::parse(std::string_view text) {
       parse_number(text.substr(kIncarnationDigits + 1), 10, token.revision)) {
     return token;
   }
-  return Error{Code::kInvalidArgument, fmt::format("{} is not a revision token", in_quotes(text)),
-               "BAD_TOKEN"};
+  return Error{Code::kInvalidArgument,
+               fmt::format("{} is not a revision token", exec::in_quotes(text)), "BAD_TOKEN"};
 }
 
 std::uint64_t new_incarnation() {
@@ -44,4 +44,4 @@ void encode_revision(const RevisionToken& token, v1::SceneRevision& out) {
   out.set_token(token.text());
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -8,7 +8,7 @@
 #include "accel/result.h"
 #include "sightline/v1/common.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 struct RevisionToken {
   std::uint64_t incarnation = 0;  ///< Of the scene: another one after it was created anew.
@@ -24,4 +24,4 @@ std::uint64_t new_incarnation();
 
 void encode_revision(const RevisionToken& token, v1::SceneRevision& out);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELLED"}; }
@@ -61,7 +61,7 @@ Status RevisionWait::enter(std::size_t bytes) {
   auto ticket = services_.admission.admit(0, bytes);
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  return services_.waits.enter(this, [this] { end(stopping()); });
+  return services_.waits.enter(this, [this] { end(exec::stopping()); });
 }
 
 void RevisionWait::look() {
@@ -94,4 +94,4 @@ void RevisionWait::finish(const std::optional<Error>& error) {
   done(scene->snapshot());
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -18,23 +18,23 @@
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/common.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxWaitingReads = 256;
 inline constexpr std::chrono::milliseconds kMaxReadWait{2000};
 
 /// What waiting needs of the server; all outlive every call.
 struct WaitServices {
-  Compute& compute;
-  Admission& admission;  ///< The requests that wait count among the bytes in work.
-  OpenCalls& waits;
+  exec::Compute& compute;
+  exec::Admission& admission;  ///< The requests that wait count among the bytes in work.
+  exec::OpenCalls& waits;
 };
 
 /// One for a call. No thread waits: whoever publishes the revision wakes the call. Made by
 /// std::make_shared.
 class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
  public:
-  using SnapshotPointer = std::shared_ptr<const scenegraph::Snapshot>;
+  using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;
   using Done = std::function<void(Result<SnapshotPointer>)>;
   using Deadline = std::chrono::system_clock::time_point;
 
@@ -62,7 +62,7 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   std::shared_ptr<StoredScene> scene_;
   std::uint64_t revision_ = 0;
   Done done_;
-  Admission::Ticket ticket_;
+  exec::Admission::Ticket ticket_;
   std::uint64_t listener_ = 0;
   std::atomic<bool> waiting_{false};  // until the first of all that may end it
   std::atomic<bool> cancelled_{false};
@@ -70,4 +70,4 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   std::optional<grpc::Alarm> clock_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 std::uint64_t SceneEvents::subscribe(Listener listener) {
   const std::lock_guard lock(mutex_);
@@ -21,4 +21,4 @@ void SceneEvents::notify() {
   for (const auto& [id, listener] : listeners_) listener();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

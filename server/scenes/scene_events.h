@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 /// A new revision, a producer taken over, the removal of the scene: what it was is for the listener
 /// to see. Threads: any, for every member.
@@ -26,4 +26,4 @@ class SceneEvents {
   std::uint64_t next_ = 1;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -9,15 +9,15 @@
 #include "accel/result.h"
 #include "server/scenes/stored_scene.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 struct ScenePage {
   std::vector<std::shared_ptr<StoredScene>> scenes;  ///< By name.
   std::string next;  ///< The last name of this page if more follow, else empty.
 };
 
-/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. Whoever holds
-/// a scene keeps it alive after its removal.
+/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. Whoever
+/// holds a scene keeps it alive after its removal.
 class SceneStore {
  public:
   virtual ~SceneStore() = default;
@@ -37,4 +37,4 @@ class SceneStore {
   virtual void forget_old_revisions() = 0;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

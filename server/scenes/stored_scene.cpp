@@ -5,13 +5,14 @@
 
 #include "server/scenes/applied_updates.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 Error unknown_scene(const std::string& name) {
   return {Code::kNotFound, fmt::format("there is no scene {}", name), "SCENE_NOT_FOUND"};
 }
 
-Result<std::shared_ptr<const scenegraph::Snapshot>> StoredScene::at(std::uint64_t revision) const {
+Result<std::shared_ptr<const scenegraph::revision::Snapshot>> StoredScene::at(
+    std::uint64_t revision) const {
   auto head = scene_.snapshot();
   if (revision == head->revision()) return head;
   if (auto kept = recent_.find(revision)) return kept;
@@ -21,22 +22,22 @@ Result<std::shared_ptr<const scenegraph::Snapshot>> StoredScene::at(std::uint64_
                "REVISION_NOT_KEPT"};
 }
 
-scenegraph::SceneSummary StoredScene::summary() {
+scenegraph::revision::SceneSummary StoredScene::summary() {
   const auto snapshot = scene_.snapshot();
   {
     const std::lock_guard lock(summary_mutex_);
     if (summarized_revision_ == snapshot->revision()) return summary_;
   }
-  const auto summary = scenegraph::summarize(*snapshot);
+  const auto summary = scenegraph::revision::summarize(*snapshot);
   const std::lock_guard lock(summary_mutex_);
   summarized_revision_ = summary.revision;
   summary_ = summary;
   return summary;
 }
 
-Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::Update> updates,
+Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
                                                std::optional<std::uint64_t> expected_revision,
-                                               Compute& compute) {
+                                               exec::Compute& compute) {
   if (removed()) return gone();
   std::vector<RecentRevisions::SnapshotPointer> dropped;
   auto before = scene_.snapshot();
@@ -72,4 +73,4 @@ Error StoredScene::gone() const { return unknown_scene(info_.name); }
 
 void StoredScene::forget_old_revisions() { recent_.forget().clear(); }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

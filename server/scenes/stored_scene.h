@@ -22,7 +22,7 @@
 #include "server/scenes/scene_events.h"
 #include "server/scenes/update_log.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
 
@@ -43,19 +43,21 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
 
   /// The newest revision.
-  std::shared_ptr<const scenegraph::Snapshot> snapshot() const { return scene_.snapshot(); }
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot() const {
+    return scene_.snapshot();
+  }
   /// Errors: kOutOfRange, naming the oldest revision that is kept and the newest.
-  Result<std::shared_ptr<const scenegraph::Snapshot>> at(std::uint64_t revision) const;
+  Result<std::shared_ptr<const scenegraph::revision::Snapshot>> at(std::uint64_t revision) const;
   /// Of the current revision. Walks the scene once per revision.
-  scenegraph::SceneSummary summary();
+  scenegraph::revision::SceneSummary summary();
 
-  SerialQueue& turns() { return turns_; }
+  exec::SerialQueue& turns() { return turns_; }
   /// As Scene::apply; and kNotFound after remove(), kResourceExhausted as check_deformed(). The
   /// next revision is in the log, and listeners know, when it returns. What is left to do is done
   /// apart from queries.
-  Result<scenegraph::Applied> apply(std::vector<scenegraph::Update> updates,
+  Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
                                     std::optional<std::uint64_t> expected_revision,
-                                    Compute& compute);
+                                    exec::Compute& compute);
   RequestAnswers& answers() { return answers_; }
   Producers& producers() { return producers_; }
 
@@ -79,15 +81,15 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   UpdateLog log_;
   SceneEvents events_;
   std::atomic<bool> removed_{false};
-  SerialQueue turns_;
+  exec::SerialQueue turns_;
   RequestAnswers answers_;
   Producers producers_;
   std::mutex summary_mutex_;
   std::optional<std::uint64_t> summarized_revision_;
-  scenegraph::SceneSummary summary_;
+  scenegraph::revision::SceneSummary summary_;
 };
 
 /// Errors: kNotFound.
 Error unknown_scene(const std::string& name);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,37 +5,38 @@
 
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::DeleteNode;
-using scenegraph::PatchVertices;
-using scenegraph::PutNode;
-using scenegraph::SetTransforms;
+using scenegraph::model::DeleteNode;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::PutNode;
+using scenegraph::model::SetTransforms;
 
 std::uint64_t held_by(const PutNode& put) { return put.name.size() + put.mesh_digest.size(); }
 std::uint64_t held_by(const SetTransforms& set) {
-  return set.nodes.size() * sizeof(scenegraph::NodeRef) +
-         set.parent_from_local.size() * sizeof(scenegraph::Affine);
+  return set.nodes.size() * sizeof(scenegraph::model::NodeRef) +
+         set.parent_from_local.size() * sizeof(scenegraph::model::Affine);
 }
 std::uint64_t held_by(const DeleteNode&) { return 0; }
 std::uint64_t held_by(const PatchVertices& patch) {
-  return patch.nodes.size() * sizeof(scenegraph::NodeRef) +
-         patch.positions.size() * sizeof(accel::Vec3f);
+  return patch.nodes.size() * sizeof(scenegraph::model::NodeRef) +
+         patch.positions.size() * sizeof(accel::geometry::Vec3f);
 }
 
 }  // namespace
 
-std::uint64_t bytes_of(const std::vector<scenegraph::Update>& updates) {
-  std::uint64_t bytes = sizeof(updates) + updates.size() * sizeof(scenegraph::Update);
-  for (const scenegraph::Update& update : updates)
+std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
+  std::uint64_t bytes = sizeof(updates) + updates.size() * sizeof(scenegraph::model::Update);
+  for (const scenegraph::model::Update& update : updates)
     bytes += std::visit([](const auto& kind) { return held_by(kind); }, update);
   return bytes;
 }
 
-void UpdateLog::add(std::vector<scenegraph::Update> updates) {
+void UpdateLog::add(std::vector<scenegraph::model::Update> updates) {
   const std::uint64_t bytes = bytes_of(updates);
-  Entry entry{std::make_shared<const std::vector<scenegraph::Update>>(std::move(updates)), bytes};
+  Entry entry{std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates)),
+              bytes};
   std::vector<Updates> dropped;  // freed after the lock is released
   const std::lock_guard lock(mutex_);
   entries_.push_back(std::move(entry));
@@ -65,4 +66,4 @@ Result<UpdateLog::Updates> UpdateLog::find(std::uint64_t revision) const {
                "REVISION_NOT_KEPT"};
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

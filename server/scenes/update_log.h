@@ -11,7 +11,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/update.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 
 struct LogLimits {
   std::size_t revisions = 1024;
@@ -19,17 +19,17 @@ struct LogLimits {
 };
 
 /// About what the updates hold.
-std::uint64_t bytes_of(const std::vector<scenegraph::Update>& updates);
+std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates);
 
 /// Readers share the updates. Threads: one that adds, any that find.
 class UpdateLog {
  public:
-  using Updates = std::shared_ptr<const std::vector<scenegraph::Update>>;
+  using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
 
   explicit UpdateLog(LogLimits limits = {}) : limits_(limits) {}
 
   /// Of the revision after the last, the first being 1. Nodes are named by their ids.
-  void add(std::vector<scenegraph::Update> updates);
+  void add(std::vector<scenegraph::model::Update> updates);
 
   /// The last revision; 0 before the first.
   std::uint64_t last() const;
@@ -49,4 +49,4 @@ class UpdateLog {
   std::uint64_t bytes_ = 0;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -15,7 +15,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/updates/update_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 /// A change of what is in the scene, not merely of where it is: rare enough for the log.
@@ -38,8 +38,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     services_.compute.enqueue_update([this] {
-      if (const Status ready = guarded([this] { return prepare(); }); !ready) return end(ready);
-      scene_->turns().post(services_.compute, [this] { end(guarded([this] { return apply(); })); });
+      if (const Status ready = exec::guarded([this] { return prepare(); }); !ready)
+        return end(ready);
+      scene_->turns().post(services_.compute,
+                           [this] { end(exec::guarded([this] { return apply(); })); });
     });
   }
 
@@ -50,7 +52,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   Status prepare() {
     auto scene = services_.find(request_.scene());
     if (!scene) return scene.error();
-    if (Status good = check_request_id(request_.request_id()); !good) return good;
+    if (Status good = scenes::check_request_id(request_.request_id()); !good) return good;
     scene_ = std::move(*scene);
     // Not an error yet: a request that was answered before is answered again.
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
@@ -99,21 +101,21 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = to_grpc(status);
+    const grpc::Status answer = exec::to_grpc(status);
     ticket_ = {};
     updates_.reset();
     scene_.reset();
-    log_rpc("ApplyUpdates", answer, begun_);
+    exec::log_rpc("ApplyUpdates", answer, begun_);
     Finish(answer);  // this reactor may be gone when it returns
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const UpdateServices& services_;
   const v1::ApplyUpdatesRequest& request_;
   v1::ApplyUpdatesResponse& reply_;
-  Admission::Ticket ticket_;
-  std::shared_ptr<StoredScene> scene_;
-  std::optional<Result<std::vector<scenegraph::Update>>> updates_;
+  exec::Admission::Ticket ticket_;
+  std::shared_ptr<scenes::StoredScene> scene_;
+  std::optional<Result<std::vector<scenegraph::model::Update>>> updates_;
   std::uint64_t content_ = 0;
   std::atomic<bool> cancelled_{false};
 };
@@ -128,4 +130,4 @@ grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
   return call;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

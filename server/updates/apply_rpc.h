@@ -6,11 +6,11 @@
 #include "server/updates/update_services.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// The reactor of a new call; it frees itself. All arguments outlive the call.
 grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -8,14 +8,14 @@
 #include <unordered_map>
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
-using scenegraph::Affine;
-using scenegraph::NodeRef;
-using scenegraph::PatchVertices;
-using scenegraph::SetTransforms;
-using scenegraph::Update;
+using scenegraph::model::Affine;
+using scenegraph::model::NodeRef;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::SetTransforms;
+using scenegraph::model::Update;
 
 bool are_ids(const std::vector<NodeRef>& nodes) {
   return std::ranges::all_of(nodes, [](NodeRef node) { return node > 0; });
@@ -108,4 +108,4 @@ std::vector<Update> coalesce(const std::deque<UpdateBatch>& batches, std::size_t
   return updates;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

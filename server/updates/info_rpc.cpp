@@ -1,7 +1,7 @@
 // ServerService.
 #include "server/updates/info_rpc.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* context,
                                                  const v1::GetServerInfoRequest*,
@@ -12,4 +12,4 @@ grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* co
   return reactor;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

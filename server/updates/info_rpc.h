@@ -3,7 +3,7 @@
 
 #include "sightline/v1/server.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 class InfoRpc final : public v1::ServerService::CallbackService {
  public:
@@ -17,4 +17,4 @@ class InfoRpc final : public v1::ServerService::CallbackService {
   const v1::GetServerInfoResponse info_;  // the same for as long as the server runs
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

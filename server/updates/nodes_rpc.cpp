@@ -12,7 +12,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/updates/scene_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 class NodesCall final : public grpc::ServerUnaryReactor {
@@ -20,17 +20,17 @@ class NodesCall final : public grpc::ServerUnaryReactor {
   NodesCall(const UpdateServices& services, const v1::BatchGetNodesRequest& request,
             v1::BatchGetNodesResponse& reply)
       : services_(services),
-        wait_(std::make_shared<RevisionWait>(services.waiting)),
+        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)),
         request_(request),
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context) {
-    if (const Status good = guarded([this] { return open(); }); !good) return end(good);
+    if (const Status good = exec::guarded([this] { return open(); }); !good) return end(good);
     wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
-                [this](Result<RevisionWait::SnapshotPointer> pinned) {
+                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   services_.compute.enqueue([this, snapshot = std::move(*pinned)] {
-                    end(guarded([&] { return answer(*snapshot); }));
+                    end(exec::guarded([&] { return answer(*snapshot); }));
                   });
                 });
   }
@@ -55,30 +55,30 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     return {};
   }
 
-  Status answer(const scenegraph::Snapshot& snapshot) {
+  Status answer(const scenegraph::revision::Snapshot& snapshot) {
     encode_revision(scene_->token(snapshot.revision()), *reply_.mutable_served());
     for (const std::uint64_t id : request_.ids()) {
       v1::Node& node = *reply_.add_nodes();
-      if (const scenegraph::Node* found = snapshot.find(id)) encode_node(*found, node);
+      if (const scenegraph::model::Node* found = snapshot.find(id)) encode_node(*found, node);
     }
     return {};
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = to_grpc(status);
+    const grpc::Status answer = exec::to_grpc(status);
     ticket_ = {};
     scene_.reset();
-    log_rpc("BatchGetNodes", answer, begun_);
+    exec::log_rpc("BatchGetNodes", answer, begun_);
     Finish(answer);  // this reactor may be gone when it returns
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const UpdateServices& services_;
-  const std::shared_ptr<RevisionWait> wait_;
+  const std::shared_ptr<scenes::RevisionWait> wait_;
   const v1::BatchGetNodesRequest& request_;
   v1::BatchGetNodesResponse& reply_;
-  std::shared_ptr<StoredScene> scene_;
-  Admission::Ticket ticket_;
+  std::shared_ptr<scenes::StoredScene> scene_;
+  exec::Admission::Ticket ticket_;
 };
 
 }  // namespace
@@ -92,4 +92,4 @@ grpc::ServerUnaryReactor* start_get_nodes(const UpdateServices& services,
   return call;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

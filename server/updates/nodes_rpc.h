@@ -6,7 +6,7 @@
 #include "server/updates/update_services.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 inline constexpr int kMaxNodesPerRequest =
     512;  ///< Their names are up to 1 KiB: the reply stays below 1 MiB.
@@ -17,4 +17,4 @@ grpc::ServerUnaryReactor* start_get_nodes(const UpdateServices& services,
                                           const v1::BatchGetNodesRequest& request,
                                           v1::BatchGetNodesResponse& reply);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

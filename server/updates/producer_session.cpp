@@ -5,7 +5,7 @@
 
 #include "server/updates/coalesce.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 /// Of the server, not of the batch: it may succeed when it is sent again.
@@ -68,9 +68,10 @@ Status ProducerTurn::apply_first(std::deque<UpdateBatch>& batches,
 void ProducerTurn::commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
                           std::vector<BatchOutcome>& outcomes) {
   const UpdateBatch& batch = batches.front();
-  producer_.commit(batch.sequence, applied ? applied->nodes : std::vector<scenegraph::NodeId>());
+  producer_.commit(batch.sequence,
+                   applied ? applied->nodes : std::vector<scenegraph::model::NodeId>());
   outcomes.push_back({batch.sequence, batch.bytes, std::move(applied)});
   batches.pop_front();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -13,7 +13,7 @@
 #include "server/scenes/stored_scene.h"
 #include "server/updates/update_batches.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// What became of a batch.
 struct BatchOutcome {
@@ -26,8 +26,8 @@ struct BatchOutcome {
 class ProducerTurn {
  public:
   /// `producer` is of `scene`. Both, and `call`, outlive this.
-  ProducerTurn(StoredScene& scene, Producer& producer, const void* call, Compute& compute,
-               bool latest_wins)
+  ProducerTurn(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
+               exec::Compute& compute, bool latest_wins)
       : scene_(scene),
         producer_(producer),
         call_(call),
@@ -53,10 +53,10 @@ class ProducerTurn {
   void commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
               std::vector<BatchOutcome>& outcomes);
 
-  StoredScene& scene_;
-  Producer& producer_;
+  scenes::StoredScene& scene_;
+  scenes::Producer& producer_;
   const void* const call_;
-  Compute& compute_;
+  exec::Compute& compute_;
   const bool latest_wins_;
   std::size_t alone_ = 0;  // first batches that cannot be made one
   std::uint64_t coalesced_ = 0;
@@ -65,4 +65,4 @@ class ProducerTurn {
 /// What a call is told whose producer was opened by a newer one.
 Error taken_over();
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

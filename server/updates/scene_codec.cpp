@@ -9,7 +9,7 @@
 
 #include "server/scenes/names.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 Error invalid(std::string message, std::string reason) {
@@ -18,9 +18,9 @@ Error invalid(std::string message, std::string reason) {
 
 }  // namespace
 
-Result<SceneInfo> decode_scene(const v1::Scene& scene) {
-  if (const Status good = check_scene_name(scene.name()); !good) return good.error();
-  SceneInfo info{scene.name(), UpAxis::kUnspecified, scene.meters_per_unit()};
+Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene) {
+  if (const Status good = scenes::check_scene_name(scene.name()); !good) return good.error();
+  scenes::SceneInfo info{scene.name(), scenes::UpAxis::kUnspecified, scene.meters_per_unit()};
   if (!std::isfinite(info.meters_per_unit) || info.meters_per_unit < 0) {
     return invalid(fmt::format("meters_per_unit is {}, expected a positive "
                                "number, or 0 for unknown",
@@ -31,10 +31,10 @@ Result<SceneInfo> decode_scene(const v1::Scene& scene) {
     case v1::UP_AXIS_UNSPECIFIED:
       break;
     case v1::UP_AXIS_Y:
-      info.up_axis = UpAxis::kY;
+      info.up_axis = scenes::UpAxis::kY;
       break;
     case v1::UP_AXIS_Z:
-      info.up_axis = UpAxis::kZ;
+      info.up_axis = scenes::UpAxis::kZ;
       break;
     default:
       return invalid(fmt::format("up axis {} is not known", static_cast<int>(scene.up_axis())),
@@ -43,25 +43,25 @@ Result<SceneInfo> decode_scene(const v1::Scene& scene) {
   return info;
 }
 
-v1::Mobility encode_mobility(scenegraph::Mobility mobility) {
+v1::Mobility encode_mobility(scenegraph::model::Mobility mobility) {
   switch (mobility) {
-    case scenegraph::Mobility::kRigid:
+    case scenegraph::model::Mobility::kRigid:
       return v1::MOBILITY_RIGID;
-    case scenegraph::Mobility::kDeforming:
+    case scenegraph::model::Mobility::kDeforming:
       return v1::MOBILITY_DEFORMING;
-    case scenegraph::Mobility::kStatic:
+    case scenegraph::model::Mobility::kStatic:
       break;
   }
   return v1::MOBILITY_STATIC;
 }
 
-void encode_scene(const SceneInfo& info, const RevisionToken& head,
-                  const scenegraph::SceneSummary& summary, v1::Scene& scene) {
+void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
+                  const scenegraph::revision::SceneSummary& summary, v1::Scene& scene) {
   scene.set_name(info.name);
   encode_revision(head, *scene.mutable_head());
-  scene.set_up_axis(info.up_axis == UpAxis::kY   ? v1::UP_AXIS_Y
-                    : info.up_axis == UpAxis::kZ ? v1::UP_AXIS_Z
-                                                 : v1::UP_AXIS_UNSPECIFIED);
+  scene.set_up_axis(info.up_axis == scenes::UpAxis::kY   ? v1::UP_AXIS_Y
+                    : info.up_axis == scenes::UpAxis::kZ ? v1::UP_AXIS_Z
+                                                         : v1::UP_AXIS_UNSPECIFIED);
   scene.set_meters_per_unit(info.meters_per_unit);
   scene.set_nodes(summary.nodes);
   scene.set_instances(summary.instances);
@@ -74,7 +74,7 @@ void encode_scene(const SceneInfo& info, const RevisionToken& head,
     scene.mutable_bounds()->Assign(summary.bounds.begin(), summary.bounds.end());
 }
 
-void encode_node(const scenegraph::Node& node, v1::Node& out) {
+void encode_node(const scenegraph::model::Node& node, v1::Node& out) {
   out.set_id(node.id);
   out.set_parent(node.parent);
   out.set_name(node.name);
@@ -86,7 +86,8 @@ void encode_node(const scenegraph::Node& node, v1::Node& out) {
   out.set_patched(node.patched);
 }
 
-void encode_stats(const RevisionToken& revision, const scenegraph::BuildSummary& summary,
+void encode_stats(const scenes::RevisionToken& revision,
+                  const scenegraph::revision::BuildSummary& summary,
                   v1::GetSceneStatsResponse& reply) {
   encode_revision(revision, *reply.mutable_revision());
   reply.set_instances_total(summary.instances_total);
@@ -102,4 +103,4 @@ void encode_stats(const RevisionToken& revision, const scenegraph::BuildSummary&
   reply.set_dynamic_instances(summary.dynamic_instances);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

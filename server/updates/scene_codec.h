@@ -7,17 +7,18 @@
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// Checks the name and the recorded properties; output-only fields are ignored. Errors:
 /// kInvalidArgument.
-Result<SceneInfo> decode_scene(const v1::Scene& scene);
+Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene);
 
-void encode_scene(const SceneInfo& info, const RevisionToken& head,
-                  const scenegraph::SceneSummary& summary, v1::Scene& scene);
-v1::Mobility encode_mobility(scenegraph::Mobility mobility);
-void encode_node(const scenegraph::Node& node, v1::Node& out);
-void encode_stats(const RevisionToken& revision, const scenegraph::BuildSummary& summary,
+void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
+                  const scenegraph::revision::SceneSummary& summary, v1::Scene& scene);
+v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);
+void encode_node(const scenegraph::model::Node& node, v1::Node& out);
+void encode_stats(const scenes::RevisionToken& revision,
+                  const scenegraph::revision::BuildSummary& summary,
                   v1::GetSceneStatsResponse& reply);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -14,11 +14,11 @@
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
-void encode(StoredScene& scene, v1::Scene& out) {
-  const scenegraph::SceneSummary summary = scene.summary();
+void encode(scenes::StoredScene& scene, v1::Scene& out) {
+  const scenegraph::revision::SceneSummary summary = scene.summary();
   encode_scene(scene.info(), scene.token(summary.revision), summary, out);
 }
 
@@ -42,22 +42,23 @@ Status SceneRpc::get(const v1::GetSceneRequest& request, v1::GetSceneResponse& r
 }
 
 Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply) {
-  if (Status good = check_project_name(request.parent()); !good) return good;
+  if (Status good = scenes::check_project_name(request.parent()); !good) return good;
   if (request.page_size() < 0) {
     return Error{Code::kInvalidArgument,
                  fmt::format("page_size is {}, expected 0 to {}", request.page_size(), kMaxPage),
                  "BAD_PAGE_SIZE"};
   }
   const std::string& token = request.page_token();
-  if (!token.empty() && (!check_scene_name(token) || project_of(token) != request.parent())) {
-    return Error{
-        Code::kInvalidArgument,
-        fmt::format("page_token {} is not from a list of {}", in_quotes(token), request.parent()),
-        "BAD_PAGE_TOKEN"};
+  if (!token.empty() &&
+      (!scenes::check_scene_name(token) || scenes::project_of(token) != request.parent())) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("page_token {} is not from a list of {}", exec::in_quotes(token),
+                             request.parent()),
+                 "BAD_PAGE_TOKEN"};
   }
   const int size =
       request.page_size() == 0 ? kDefaultPage : std::min(request.page_size(), kMaxPage);
-  const ScenePage page =
+  const scenes::ScenePage page =
       services_.scenes.list(request.parent(), token, static_cast<std::size_t>(size));
   for (const auto& scene : page.scenes) encode(*scene, *reply.add_scenes());
   reply.set_next_page_token(page.next);
@@ -65,7 +66,7 @@ Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesRespon
 }
 
 Status SceneRpc::remove(const v1::DeleteSceneRequest& request) {
-  if (Status good = check_scene_name(request.name()); !good) return good;
+  if (Status good = scenes::check_scene_name(request.name()); !good) return good;
   if (Status removed = services_.scenes.remove(request.name()); !removed) return removed;
   spdlog::info("event=scene_deleted scene={}", request.name());
   return {};
@@ -75,8 +76,8 @@ Status SceneRpc::stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStat
   const auto scene = services_.find(request.scene());
   if (!scene) return scene.error();
   const auto snapshot = (*scene)->snapshot();
-  encode_stats((*scene)->token(snapshot->revision()), scenegraph::summarize_build(*snapshot),
-               reply);
+  encode_stats((*scene)->token(snapshot->revision()),
+               scenegraph::revision::summarize_build(*snapshot), reply);
   return {};
 }
 
@@ -137,4 +138,4 @@ grpc::ServerUnaryReactor* SceneRpc::GetSceneStats(grpc::CallbackServerContext* c
                          services_.admission, [=, this] { return stats(*request, *reply); });
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

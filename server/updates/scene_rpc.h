@@ -5,7 +5,7 @@
 #include "server/updates/update_services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 inline constexpr int kDefaultPage = 100;
 inline constexpr int kMaxPage = 1000;
@@ -50,4 +50,4 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   const UpdateServices services_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

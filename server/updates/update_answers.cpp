@@ -5,13 +5,13 @@
 
 #include "server/exec/rpc_status.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 /// Of up to 10 bytes each: the message stays below 1 MiB.
 constexpr std::size_t kMaxIdsPerAck = 65536;
 
-void encode_put(std::uint64_t sequence, const std::vector<scenegraph::NodeId>& ids,
+void encode_put(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& ids,
                 v1::PutNodes& out) {
   out.set_sequence(sequence);
   out.mutable_nodes()->Assign(ids.begin(), ids.end());
@@ -19,18 +19,18 @@ void encode_put(std::uint64_t sequence, const std::vector<scenegraph::NodeId>& i
 
 }  // namespace
 
-void UpdateAnswers::opened(const Producer& producer, std::uint32_t window,
-                           const RevisionToken& revision) {
+void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t window,
+                           const scenes::RevisionToken& revision) {
   v1::ProducerOpened& opened = *answers_.emplace_back().message.mutable_opened();
   opened.set_last_committed(producer.last_committed);
   opened.set_window(window);
   encode_revision(revision, *opened.mutable_revision());
-  for (const Producer::Put& put : producer.put)
+  for (const scenes::Producer::Put& put : producer.put)
     encode_put(put.sequence, put.nodes, *opened.add_put());
 }
 
-void UpdateAnswers::ack(std::uint64_t sequence, const RevisionToken& revision,
-                        std::uint64_t coalesced, const std::vector<scenegraph::NodeId>& put,
+void UpdateAnswers::ack(std::uint64_t sequence, const scenes::RevisionToken& revision,
+                        std::uint64_t coalesced, const std::vector<scenegraph::model::NodeId>& put,
                         std::size_t batches) {
   Answer& answer = open_ack(put.size());
   answer.batches += batches;
@@ -47,10 +47,10 @@ void UpdateAnswers::reject(std::uint64_t sequence, const Error& error) {
   Answer& answer = answers_.emplace_back();
   answer.batches = 1;
   v1::UpdateReject& reject = *answer.message.mutable_reject();
-  const grpc::Status status = to_grpc(error);
+  const grpc::Status status = exec::to_grpc(error);
   reject.set_sequence(sequence);
   reject.set_code(status.error_code());
-  reject.set_reason(reason_of(error));
+  reject.set_reason(exec::reason_of(error));
   reject.set_message(status.error_message());
 }
 
@@ -67,4 +67,4 @@ UpdateAnswers::Answer& UpdateAnswers::open_ack(std::size_t ids) {
   return fits ? answers_.back() : answers_.emplace_back();
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -12,16 +12,17 @@
 #include "server/scenes/revision_token.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// Acks that follow each other are made one, as long as it stays a small message. So there are at
 /// most twice as many as batches that they answer.
 class UpdateAnswers {
  public:
-  void opened(const Producer& producer, std::uint32_t window, const RevisionToken& revision);
+  void opened(const scenes::Producer& producer, std::uint32_t window,
+              const scenes::RevisionToken& revision);
   /// Of one batch; or, with `batches` 0, of one that came again. `put`: ids of its PutNodes' nodes.
-  void ack(std::uint64_t sequence, const RevisionToken& revision, std::uint64_t coalesced,
-           const std::vector<scenegraph::NodeId>& put, std::size_t batches = 1);
+  void ack(std::uint64_t sequence, const scenes::RevisionToken& revision, std::uint64_t coalesced,
+           const std::vector<scenegraph::model::NodeId>& put, std::size_t batches = 1);
   void reject(std::uint64_t sequence, const Error& error);
 
   bool empty() const { return answers_.empty(); }
@@ -40,4 +41,4 @@ class UpdateAnswers {
   std::deque<Answer> answers_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -8,7 +8,7 @@
 
 #include "server/updates/update_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 Result<UpdateBatches::Came> UpdateBatches::take(const v1::UpdateBatch& message) {
   if (const Status good = check_sequence(message.sequence()); !good) return good.error();
@@ -74,4 +74,4 @@ void UpdateBatches::refuse(Error error) {
   batch_.bytes = 0;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -12,22 +12,22 @@
 #include "server/exec/admission.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;  ///< On the wire.
 
 struct UpdateBatch {
   std::uint64_t sequence = 0;
-  std::vector<scenegraph::Update> updates;
-  std::optional<Error> bad;                ///< Why it cannot be applied; then there are no updates.
-  std::size_t bytes = 0;                   ///< On the wire.
-  std::vector<Admission::Ticket> tickets;  ///< Its place among the bytes in work.
+  std::vector<scenegraph::model::Update> updates;
+  std::optional<Error> bad;  ///< Why it cannot be applied; then there are no updates.
+  std::size_t bytes = 0;     ///< On the wire.
+  std::vector<exec::Admission::Ticket> tickets;  ///< Its place among the bytes in work.
 };
 
 /// One thread at a time.
 class UpdateBatches {
  public:
-  UpdateBatches(const BlobStore& blobs, Admission& admission)
+  UpdateBatches(const blobs::BlobStore& blobs, exec::Admission& admission)
       : blobs_(blobs), admission_(admission) {}
 
   /// Batches are expected from the one after this sequence on.
@@ -48,12 +48,12 @@ class UpdateBatches {
   Status append(const v1::UpdateBatch& message);
   void refuse(Error error);
 
-  const BlobStore& blobs_;
-  Admission& admission_;
+  const blobs::BlobStore& blobs_;
+  exec::Admission& admission_;
   std::uint64_t last_ = 0;  // sequence that came whole
   bool open_ = false;       // a message with `more` was the last
   std::uint64_t open_sequence_ = 0;
   UpdateBatch batch_;
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

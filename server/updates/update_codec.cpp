@@ -11,11 +11,11 @@
 
 #include "server/updates/scene_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
-using scenegraph::Affine;
-using scenegraph::Mobility;
+using scenegraph::model::Affine;
+using scenegraph::model::Mobility;
 
 constexpr std::size_t kMatrixBytes = sizeof(Affine::m);
 constexpr std::size_t kMaxNodeBytes = 10;  // of a node's number on the wire
@@ -53,17 +53,17 @@ Result<Mobility> decode_mobility(v1::Mobility mobility) {
 /// Decodes one batch, and gathers the digests that no mesh was uploaded for.
 class UpdateDecoder {
  public:
-  explicit UpdateDecoder(const BlobStore& blobs) : blobs_(blobs) {}
+  explicit UpdateDecoder(const blobs::BlobStore& blobs) : blobs_(blobs) {}
 
-  Result<scenegraph::Update> decode(const v1::Update& update) {
+  Result<scenegraph::model::Update> decode(const v1::Update& update) {
     switch (update.update_case()) {
       case v1::Update::kPutNode:
         return decode_put(update.put_node());
       case v1::Update::kSetTransforms:
         return decode_set(update.set_transforms());
       case v1::Update::kDeleteNode:
-        return scenegraph::Update(
-            scenegraph::DeleteNode{update.delete_node().node(), update.delete_node().subtree()});
+        return scenegraph::model::Update(scenegraph::model::DeleteNode{
+            update.delete_node().node(), update.delete_node().subtree()});
       case v1::Update::kPatchVertices:
         return decode_patch(update.patch_vertices());
       case v1::Update::UPDATE_NOT_SET:
@@ -86,8 +86,8 @@ class UpdateDecoder {
   }
 
  private:
-  Result<scenegraph::Update> decode_put(const v1::PutNode& put) {
-    scenegraph::PutNode node;
+  Result<scenegraph::model::Update> decode_put(const v1::PutNode& put) {
+    scenegraph::model::PutNode node;
     node.node = put.node();
     node.parent = put.parent();
     node.name = put.name();
@@ -101,16 +101,16 @@ class UpdateDecoder {
     node.mobility = *mobility;
     if (put.has_mask()) node.mask = put.mask();
     if (!put.mesh_digest().empty()) {
-      const auto digest = BlobDigest::parse(put.mesh_digest());
+      const auto digest = blobs::BlobDigest::parse(put.mesh_digest());
       if (!digest) return digest.error();
       node.mesh = blobs_.find(*digest);
       node.mesh_digest = put.mesh_digest();
       if (node.mesh == nullptr) missing_.insert(put.mesh_digest());
     }
-    return scenegraph::Update(std::move(node));
+    return scenegraph::model::Update(std::move(node));
   }
 
-  static Result<scenegraph::Update> decode_set(const v1::SetTransforms& set) {
+  static Result<scenegraph::model::Update> decode_set(const v1::SetTransforms& set) {
     const auto count = static_cast<std::size_t>(set.nodes_size());
     if (set.matrices().size() != count * kMatrixBytes) {
       return invalid(fmt::format("column matrices has {} bytes, expected {} "
@@ -118,21 +118,21 @@ class UpdateDecoder {
                                  set.matrices().size(), count * kMatrixBytes, count, kMatrixBytes),
                      "COLUMN_LENGTH");
     }
-    scenegraph::SetTransforms transforms;
+    scenegraph::model::SetTransforms transforms;
     transforms.nodes.assign(set.nodes().begin(), set.nodes().end());
     transforms.parent_from_local.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       std::memcpy(transforms.parent_from_local[i].m.data(),
                   set.matrices().data() + i * kMatrixBytes, kMatrixBytes);
     }
-    return scenegraph::Update(std::move(transforms));
+    return scenegraph::model::Update(std::move(transforms));
   }
 
-  static Result<scenegraph::Update> decode_patch(const v1::PatchVertices& patch) {
+  static Result<scenegraph::model::Update> decode_patch(const v1::PatchVertices& patch) {
     const std::size_t bytes = patch.positions().size();
-    if (bytes % sizeof(accel::Vec3f) != 0) {
+    if (bytes % sizeof(accel::geometry::Vec3f) != 0) {
       return invalid(fmt::format("column positions has {} bytes, expected a multiple of {}", bytes,
-                                 sizeof(accel::Vec3f)),
+                                 sizeof(accel::geometry::Vec3f)),
                      "COLUMN_LENGTH");
     }
     if (patch.nodes_size() > kMaxNodesPerPatch) {
@@ -140,15 +140,15 @@ class UpdateDecoder {
                                  kMaxNodesPerPatch),
                      "TOO_MANY_NODES");
     }
-    scenegraph::PatchVertices vertices;
+    scenegraph::model::PatchVertices vertices;
     vertices.nodes.assign(patch.nodes().begin(), patch.nodes().end());
     vertices.first = patch.first();
-    vertices.positions.resize(bytes / sizeof(accel::Vec3f));
+    vertices.positions.resize(bytes / sizeof(accel::geometry::Vec3f));
     std::memcpy(vertices.positions.data(), patch.positions().data(), bytes);
-    return scenegraph::Update(std::move(vertices));
+    return scenegraph::model::Update(std::move(vertices));
   }
 
-  const BlobStore& blobs_;
+  const blobs::BlobStore& blobs_;
   std::set<std::string> missing_;
 };
 
@@ -158,7 +158,7 @@ struct Encoder {
   std::size_t bytes;
   v1::Update& out;
 
-  std::size_t operator()(const scenegraph::PutNode& put) const {
+  std::size_t operator()(const scenegraph::model::PutNode& put) const {
     v1::PutNode& node = *out.mutable_put_node();
     node.set_node(put.node);
     node.set_parent(put.parent);
@@ -171,7 +171,7 @@ struct Encoder {
     return 0;
   }
 
-  std::size_t operator()(const scenegraph::SetTransforms& set) const {
+  std::size_t operator()(const scenegraph::model::SetTransforms& set) const {
     const std::size_t end = end_of_rows(set.nodes.size(), bytes, kMatrixBytes + kMaxNodeBytes);
     v1::SetTransforms& rows = *out.mutable_set_transforms();
     const auto at = [](const auto& column, std::size_t row) {
@@ -187,20 +187,21 @@ struct Encoder {
     return end == set.nodes.size() ? 0 : end;
   }
 
-  std::size_t operator()(const scenegraph::DeleteNode& removal) const {
+  std::size_t operator()(const scenegraph::model::DeleteNode& removal) const {
     out.mutable_delete_node()->set_node(removal.node);
     out.mutable_delete_node()->set_subtree(removal.subtree);
     return 0;
   }
 
-  std::size_t operator()(const scenegraph::PatchVertices& patch) const {
+  std::size_t operator()(const scenegraph::model::PatchVertices& patch) const {
     const std::size_t nodes = patch.nodes.size() * kMaxNodeBytes;
-    const std::size_t end =
-        end_of_rows(patch.positions.size(), bytes - std::min(bytes, nodes), sizeof(accel::Vec3f));
+    const std::size_t end = end_of_rows(patch.positions.size(), bytes - std::min(bytes, nodes),
+                                        sizeof(accel::geometry::Vec3f));
     v1::PatchVertices& rows = *out.mutable_patch_vertices();
     rows.mutable_nodes()->Assign(patch.nodes.begin(), patch.nodes.end());
     rows.set_first(patch.first + static_cast<std::uint32_t>(first));
-    rows.set_positions(patch.positions.data() + first, (end - first) * sizeof(accel::Vec3f));
+    rows.set_positions(patch.positions.data() + first,
+                       (end - first) * sizeof(accel::geometry::Vec3f));
     return end == patch.positions.size() ? 0 : end;
   }
 
@@ -212,8 +213,8 @@ struct Encoder {
 
 }  // namespace
 
-Result<std::vector<scenegraph::Update>> decode_updates(
-    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const BlobStore& blobs,
+Result<std::vector<scenegraph::model::Update>> decode_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const blobs::BlobStore& blobs,
     std::size_t first) {
   const auto count = static_cast<std::size_t>(updates.size());
   if (first + count > static_cast<std::size_t>(kMaxUpdatesPerBatch)) {
@@ -223,7 +224,7 @@ Result<std::vector<scenegraph::Update>> decode_updates(
                  "TOO_MANY_UPDATES"};
   }
   UpdateDecoder decoder(blobs);
-  std::vector<scenegraph::Update> decoded;
+  std::vector<scenegraph::model::Update> decoded;
   decoded.reserve(count);
   for (const v1::Update& update : updates) {
     auto one = decoder.decode(update);
@@ -238,9 +239,9 @@ Result<std::vector<scenegraph::Update>> decode_updates(
   return decoded;
 }
 
-std::size_t encode_update(const scenegraph::Update& update, std::size_t first, std::size_t bytes,
-                          v1::Update& out) {
+std::size_t encode_update(const scenegraph::model::Update& update, std::size_t first,
+                          std::size_t bytes, v1::Update& out) {
   return std::visit(Encoder{first, bytes, out}, update);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

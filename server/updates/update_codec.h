@@ -11,7 +11,7 @@
 #include "server/blobs/blob_store.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 inline constexpr int kMaxUpdatesPerBatch = 65536;
 inline constexpr int kMaxNodesPerPatch = 65536;
@@ -21,13 +21,13 @@ inline constexpr int kMaxNodesPerPatch = 65536;
 /// to a matrix, columns that disagree, an unknown mobility, a bad digest, too many nodes to a
 /// patch), kFailedPrecondition (listing the digests that are missing), kResourceExhausted over
 /// kMaxUpdatesPerBatch. What only the scene can know is left to Scene::apply.
-Result<std::vector<scenegraph::Update>> decode_updates(
-    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const BlobStore& blobs,
+Result<std::vector<scenegraph::model::Update>> decode_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const blobs::BlobStore& blobs,
     std::size_t first = 0);
 
 /// Part of an update: from row `first` of its columns on, as many rows as `bytes` hold and one at
 /// least; an update without columns whole. Returns the row that is next, 0 if none is left.
-std::size_t encode_update(const scenegraph::Update& update, std::size_t first, std::size_t bytes,
-                          v1::Update& out);
+std::size_t encode_update(const scenegraph::model::Update& update, std::size_t first,
+                          std::size_t bytes, v1::Update& out);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

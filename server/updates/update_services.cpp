@@ -3,11 +3,11 @@
 
 #include "server/scenes/names.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
-Result<std::shared_ptr<StoredScene>> UpdateServices::find(const std::string& scene) const {
-  if (const Status good = check_scene_name(scene); !good) return good.error();
+Result<std::shared_ptr<scenes::StoredScene>> UpdateServices::find(const std::string& scene) const {
+  if (const Status good = scenes::check_scene_name(scene); !good) return good.error();
   return scenes.get(scene);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

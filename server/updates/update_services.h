@@ -12,23 +12,23 @@
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// All outlive every call.
 struct UpdateServices {
-  SceneStore& scenes;
-  BlobStore& blobs;
-  Compute& compute;
-  Admission& admission;
-  OpenCalls& streams;  ///< Of updates.
-  OpenCalls& watches;
-  WaitServices waiting;
+  scenes::SceneStore& scenes;
+  blobs::BlobStore& blobs;
+  exec::Compute& compute;
+  exec::Admission& admission;
+  exec::OpenCalls& streams;  ///< Of updates.
+  exec::OpenCalls& watches;
+  scenes::WaitServices waiting;
 
   /// Errors: kInvalidArgument (the name), kNotFound.
-  Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const;
+  Result<std::shared_ptr<scenes::StoredScene>> find(const std::string& scene) const;
 };
 
 inline constexpr std::size_t kMaxUpdateStreams = 256;
 inline constexpr std::size_t kMaxWatches = 256;
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

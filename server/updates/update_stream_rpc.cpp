@@ -13,7 +13,7 @@
 #include "server/updates/producer_session.h"
 #include "server/updates/update_answers.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 Error invalid(std::string message, std::string reason) {
@@ -32,8 +32,8 @@ class UpdateStream final
       : services_(services), batches_(services.blobs, services.admission) {}
 
   void start() {
-    const Status entered =
-        services_.streams.enter(this, [this] { go_on([this] { end_after_answers(stopping()); }); });
+    const Status entered = services_.streams.enter(
+        this, [this] { go_on([this] { end_after_answers(exec::stopping()); }); });
     go_on([&] {
       starting_ = false;
       if (!entered) end_now(entered.error());
@@ -43,7 +43,7 @@ class UpdateStream final
   void OnReadDone(bool ok) override {
     // Only this thread reads: what has come is looked at outside of the lock.
     Status taken;
-    if (ok) taken = guarded([this] { return take(); });
+    if (ok) taken = exec::guarded([this] { return take(); });
     go_on([&] {
       reading_ = false;
       if (!ok) return end_after_answers({});  // the client has closed its side, or is gone
@@ -102,7 +102,7 @@ class UpdateStream final
   }
 
   Status open(const v1::OpenProducer& open) {
-    if (Status good = check_producer_name(open.producer()); !good) return good;
+    if (Status good = scenes::check_producer_name(open.producer()); !good) return good;
     auto scene = services_.find(open.scene());
     if (!scene) return scene.error();
     {
@@ -112,7 +112,7 @@ class UpdateStream final
     }
     scene_->turns().post(
         services_.compute, [this, name = open.producer(), latest_wins = open.latest_wins()] {
-          const Status opened = guarded([&] { return enter_scene(name, latest_wins); });
+          const Status opened = exec::guarded([&] { return enter_scene(name, latest_wins); });
           go_on([&] {
             working_ = false;
             if (!opened) return end_now(opened);
@@ -155,7 +155,7 @@ class UpdateStream final
     }
     for (bool go = true; go;) {
       std::vector<BatchOutcome> outcomes;
-      const Status applied = guarded([&]() -> Status {
+      const Status applied = exec::guarded([&]() -> Status {
         if (batches.empty()) return {};  // forgotten meanwhile
         auto some = turn_->apply_some(batches);
         if (!some) return some.error();
@@ -236,22 +236,22 @@ class UpdateStream final
       }
       if (!may_end()) return;
       ended_ = true;
-      status = to_grpc(*ending_);
-      log_rpc("StreamUpdates", status, begun_,
-              fmt::format("up_to={} coalesced={}", answered_, coalesced_));
+      status = exec::to_grpc(*ending_);
+      exec::log_rpc("StreamUpdates", status, begun_,
+                    fmt::format("up_to={} coalesced={}", answered_, coalesced_));
     }
     Finish(status);
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const UpdateServices& services_;
   v1::StreamUpdatesRequest request_;
   UpdateBatches batches_;  // while reading
   std::optional<UpdateBatch> came_;
   bool repeated_ = false;
   // Written once, before the producer is opened.
-  std::shared_ptr<StoredScene> scene_;
-  Producer* producer_ = nullptr;
+  std::shared_ptr<scenes::StoredScene> scene_;
+  scenes::Producer* producer_ = nullptr;
   std::uint64_t listener_ = 0;
   std::optional<ProducerTurn> turn_;  // in turn
 
@@ -278,4 +278,4 @@ grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* st
   return stream;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

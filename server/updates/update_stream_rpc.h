@@ -8,7 +8,7 @@
 #include "server/updates/update_services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// Batches that a call may send beyond the last that it was told about.
 inline constexpr std::uint32_t kUpdateWindow = 16;
@@ -19,4 +19,4 @@ inline constexpr std::size_t kUpdateWindowBytes = std::size_t{64} << 20;
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* start_update_stream(
     const UpdateServices& services);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -3,7 +3,7 @@
 
 #include "server/updates/update_codec.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 Status WatchCursor::next(v1::WatchSceneResponse& out) {
   out.Clear();
@@ -34,4 +34,4 @@ void WatchCursor::progress(v1::WatchSceneResponse& out) const {
   out.set_progress(true);
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

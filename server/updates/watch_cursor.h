@@ -9,7 +9,7 @@
 #include "server/scenes/update_log.h"
 #include "sightline/v1/scene.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// About so much of a revision goes into one message.
 inline constexpr std::size_t kWatchMessageBytes = std::size_t{960} << 10;
@@ -18,7 +18,7 @@ inline constexpr std::size_t kWatchMessageBytes = std::size_t{960} << 10;
 class WatchCursor {
  public:
   /// What made the revisions after `revision` is wanted. `scene` outlives this.
-  WatchCursor(const StoredScene& scene, std::uint64_t revision)
+  WatchCursor(const scenes::StoredScene& scene, std::uint64_t revision)
       : scene_(scene), reached_(revision) {}
 
   /// The last revision that was told to its end.
@@ -32,11 +32,11 @@ class WatchCursor {
   void progress(v1::WatchSceneResponse& out) const;
 
  private:
-  const StoredScene& scene_;
+  const scenes::StoredScene& scene_;
   std::uint64_t reached_;
-  UpdateLog::Updates updates_;  // of the revision after, once it is begun
-  std::size_t update_ = 0;      // the next
-  std::size_t row_ = 0;         // in it
+  scenes::UpdateLog::Updates updates_;  // of the revision after, once it is begun
+  std::size_t update_ = 0;              // the next
+  std::size_t row_ = 0;                 // in it
 };
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

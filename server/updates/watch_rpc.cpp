@@ -14,7 +14,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/updates/watch_cursor.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 /// Encodes a message on a worker, writes it, and only then encodes the next: one message is kept,
@@ -24,7 +24,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   explicit Watch(const UpdateServices& services) : services_(services) {}
 
   void start(const v1::WatchSceneRequest& request) {
-    const Status ready = guarded([&] { return open(request); });
+    const Status ready = exec::guarded([&] { return open(request); });
     go_on([&] {
       starting_ = false;
       if (!ready) return end(ready);
@@ -65,7 +65,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     }
     cursor_.emplace(*scene_, from);
     if (Status entered =
-            services_.watches.enter(this, [this] { go_on([this] { end(stopping()); }); });
+            services_.watches.enter(this, [this] { go_on([this] { end(exec::stopping()); }); });
         !entered)
       return entered;
     listener_ = scene_->events().subscribe([this] { look(); });
@@ -81,7 +81,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 
   /// On a worker.
   void encode() {
-    const Status encoded = guarded([this]() -> Status {
+    const Status encoded = exec::guarded([this]() -> Status {
       if (std::exchange(begun_telling_, true) && cursor_->behind()) return cursor_->next(message_);
       cursor_->progress(message_);
       return {};
@@ -132,16 +132,16 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
       }
       if (ticking_) return;
       ended_ = true;
-      status = to_grpc(*ending_);
-      log_rpc("WatchScene", status, begun_,
-              fmt::format("revision={}", cursor_ ? cursor_->reached() : 0));
+      status = exec::to_grpc(*ending_);
+      exec::log_rpc("WatchScene", status, begun_,
+                    fmt::format("revision={}", cursor_ ? cursor_->reached() : 0));
     }
     Finish(status);
   }
 
-  const LogClock::time_point begun_ = LogClock::now();
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const UpdateServices& services_;
-  std::shared_ptr<StoredScene> scene_;
+  std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
   std::optional<WatchCursor> cursor_;  // while encoding, as the next two
   bool begun_telling_ = false;
@@ -166,4 +166,4 @@ grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(
   return watch;
 }
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

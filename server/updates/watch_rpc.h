@@ -6,7 +6,7 @@
 #include "server/updates/update_services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 
 /// Between two messages of a watch, at most.
 inline constexpr std::chrono::seconds kWatchProgress{5};
@@ -15,4 +15,4 @@ inline constexpr std::chrono::seconds kWatchProgress{5};
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(const UpdateServices& services,
                                                               const v1::WatchSceneRequest& request);
 
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -10,44 +10,47 @@
 
 namespace sightline::tests {
 
-inline accel::BoxRef box_ref(const accel::Vec3f& lo, const accel::Vec3f& hi, std::uint32_t id = 0,
-                             std::uint32_t weight = 1) {
-  const accel::Aabb box = accel::widen_flat({lo, hi});
+inline accel::kdtree::BoxRef box_ref(const accel::geometry::Vec3f& lo,
+                                     const accel::geometry::Vec3f& hi, std::uint32_t id = 0,
+                                     std::uint32_t weight = 1) {
+  const accel::geometry::Aabb box = accel::geometry::widen_flat({lo, hi});
   return {box.lo, id, box.hi, weight};
 }
 
 /// Corners uniform in the unit cube, extents uniform up to `size`.
-inline std::vector<accel::BoxRef> random_boxes(std::size_t n, double size, std::uint64_t seed) {
+inline std::vector<accel::kdtree::BoxRef> random_boxes(std::size_t n, double size,
+                                                       std::uint64_t seed) {
   Random random(seed);
-  std::vector<accel::BoxRef> refs;
+  std::vector<accel::kdtree::BoxRef> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.uniform()); };
-    const accel::Vec3f lo{x(), x(), x()};
+    const accel::geometry::Vec3f lo{x(), x(), x()};
     const auto e = [&] { return static_cast<float>(random.uniform() * size); };
-    refs.push_back(box_ref(lo, lo + accel::Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
+    refs.push_back(
+        box_ref(lo, lo + accel::geometry::Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
   }
   return refs;
 }
 
 /// Bounds on a coarse lattice, many of them flat, weights of 1 to `heaviest`.
-inline std::vector<accel::BoxRef> lattice_boxes(std::size_t n, std::uint32_t heaviest,
-                                                std::uint64_t seed) {
+inline std::vector<accel::kdtree::BoxRef> lattice_boxes(std::size_t n, std::uint32_t heaviest,
+                                                        std::uint64_t seed) {
   Random random(seed);
-  std::vector<accel::BoxRef> refs;
+  std::vector<accel::kdtree::BoxRef> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.below(6)); };
-    accel::Aabb box;
-    box.grow(accel::Vec3f{x(), x(), x()});
-    box.grow(accel::Vec3f{x(), x(), x()});
+    accel::geometry::Aabb box;
+    box.grow(accel::geometry::Vec3f{x(), x(), x()});
+    box.grow(accel::geometry::Vec3f{x(), x(), x()});
     const auto weight = static_cast<std::uint32_t>(1 + random.below(heaviest));
     refs.push_back(box_ref(box.lo, box.hi, static_cast<std::uint32_t>(i), weight));
   }
   return refs;
 }
 
-inline accel::Aabb bounds_of(const std::vector<accel::BoxRef>& refs) {
-  accel::Aabb b;
-  for (const accel::BoxRef& r : refs) b.grow(r.bounds());
+inline accel::geometry::Aabb bounds_of(const std::vector<accel::kdtree::BoxRef>& refs) {
+  accel::geometry::Aabb b;
+  for (const accel::kdtree::BoxRef& r : refs) b.grow(r.bounds());
   return b;
 }
 

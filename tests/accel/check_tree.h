@@ -12,26 +12,28 @@
 
 namespace sightline::tests {
 
-inline std::vector<std::uint32_t> ids_of(const accel::CellList& list) {
+inline std::vector<std::uint32_t> ids_of(const accel::kdtree::CellList& list) {
   std::vector<std::uint32_t> ids;
-  list.any_part([&](std::span<const accel::BoxRef> refs) {
-    for (const accel::BoxRef& ref : refs) ids.push_back(ref.id);
+  list.any_part([&](std::span<const accel::kdtree::BoxRef> refs) {
+    for (const accel::kdtree::BoxRef& ref : refs) ids.push_back(ref.id);
     return false;
   });
   return ids;
 }
 
 /// `bounds[id]` is the builder's box of a reference; references without one have an empty box.
-inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
-                       int depth, const std::vector<accel::Aabb>& bounds) {
-  ASSERT_LE(depth, accel::kMaxTreeDepth);
+inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
+                       const accel::geometry::Aabb& cell, int depth,
+                       const std::vector<accel::geometry::Aabb>& bounds) {
+  ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
   if (slot.is_binary()) {
     const auto axis = static_cast<std::size_t>(slot.axis());
     ASSERT_GT(slot.position(), cell.lo[axis]);
     ASSERT_LT(slot.position(), cell.hi[axis]);
-    const accel::HalvedCell halves = accel::halve(cell, slot.axis(), slot.position());
-    check_cell(tree, accel::load(tree.children(slot)[0]), halves.left, depth + 1, bounds);
-    check_cell(tree, accel::load(tree.children(slot)[1]), halves.right, depth + 1, bounds);
+    const accel::geometry::HalvedCell halves =
+        accel::geometry::halve(cell, slot.axis(), slot.position());
+    check_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1, bounds);
+    check_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1, bounds);
     return;
   }
   std::vector<std::uint32_t> held, members;
@@ -46,27 +48,30 @@ inline void check_cell(const accel::KdTree& tree, accel::Slot slot, const accel:
     }
   }
   for (std::size_t id = 0; id < bounds.size(); ++id) {
-    if (!bounds[id].empty() && accel::is_member(bounds[id], cell))
+    if (!bounds[id].empty() && accel::geometry::is_member(bounds[id], cell))
       members.push_back(static_cast<std::uint32_t>(id));
   }
   std::sort(held.begin(), held.end());
   ASSERT_EQ(held, members);
 }
 
-inline void check_tree(const accel::KdTree& tree, const std::vector<accel::Aabb>& bounds) {
-  check_cell(tree, accel::load(tree.root()), tree.bounds(), 0, bounds);
+inline void check_tree(const accel::kdtree::KdTree& tree,
+                       const std::vector<accel::geometry::Aabb>& bounds) {
+  check_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, bounds);
 }
 
 /// Whether some leaf whose closed cell holds the point holds the reference.
-inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
-                       const accel::Vec3f& point, std::uint32_t id) {
+inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
+                       const accel::geometry::Aabb& cell, const accel::geometry::Vec3f& point,
+                       std::uint32_t id) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (point[a] < cell.lo[a] || point[a] > cell.hi[a]) return false;
   }
   if (slot.is_binary()) {
-    const accel::HalvedCell halves = accel::halve(cell, slot.axis(), slot.position());
-    return is_held_at(tree, accel::load(tree.children(slot)[0]), halves.left, point, id) ||
-           is_held_at(tree, accel::load(tree.children(slot)[1]), halves.right, point, id);
+    const accel::geometry::HalvedCell halves =
+        accel::geometry::halve(cell, slot.axis(), slot.position());
+    return is_held_at(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, point, id) ||
+           is_held_at(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, point, id);
   }
   if (slot.is_unbuilt()) {
     if (!slot.cell()->listed || slot.cell()->openable) return true;
@@ -79,16 +84,20 @@ inline bool is_held_at(const accel::KdTree& tree, accel::Slot slot, const accel:
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const accel::Aabb& cell,
-                              int depth, const std::vector<accel::Aabb>& bounds) {
-  ASSERT_LE(depth, accel::kMaxTreeDepth);
+inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
+                              const accel::geometry::Aabb& cell, int depth,
+                              const std::vector<accel::geometry::Aabb>& bounds) {
+  ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
   if (slot.is_binary()) {
     const auto axis = static_cast<std::size_t>(slot.axis());
     ASSERT_GE(slot.position(), cell.lo[axis]);
     ASSERT_LE(slot.position(), cell.hi[axis]);
-    const accel::HalvedCell halves = accel::halve(cell, slot.axis(), slot.position());
-    check_closed_cell(tree, accel::load(tree.children(slot)[0]), halves.left, depth + 1, bounds);
-    check_closed_cell(tree, accel::load(tree.children(slot)[1]), halves.right, depth + 1, bounds);
+    const accel::geometry::HalvedCell halves =
+        accel::geometry::halve(cell, slot.axis(), slot.position());
+    check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1,
+                      bounds);
+    check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1,
+                      bounds);
     return;
   }
   std::vector<std::uint32_t> held;
@@ -113,14 +122,14 @@ inline void check_closed_cell(const accel::KdTree& tree, accel::Slot slot, const
 /// bounds, flat ones among them; a leaf holds nothing twice and nothing that does not touch its
 /// closed cell; and every corner of every face is in the closed cell of a leaf that holds the face.
 /// `bounds` as above.
-inline void check_closed_tree(const accel::KdTree& tree, const TestMesh& mesh,
-                              const std::vector<accel::Aabb>& bounds) {
-  check_closed_cell(tree, accel::load(tree.root()), tree.bounds(), 0, bounds);
+inline void check_closed_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
+                              const std::vector<accel::geometry::Aabb>& bounds) {
+  check_closed_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, bounds);
   for (std::size_t id = 0; id < bounds.size(); ++id) {
     if (bounds[id].empty()) continue;
     for (const std::uint32_t v : mesh.faces[id]) {
-      ASSERT_TRUE(is_held_at(tree, accel::load(tree.root()), tree.bounds(), mesh.vertices[v],
-                             static_cast<std::uint32_t>(id)))
+      ASSERT_TRUE(is_held_at(tree, accel::kdtree::load(tree.root()), tree.bounds(),
+                             mesh.vertices[v], static_cast<std::uint32_t>(id)))
           << "face " << id;
     }
   }

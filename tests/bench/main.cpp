@@ -59,7 +59,7 @@ void add_builders(CLI::App& verb, std::vector<std::string>& builders) {
     if (!names.empty()) names += '|';
     names += name;
   };
-  for (const std::string_view name : accel::builder_names()) add(name);
+  for (const std::string_view name : accel::published::builder_names()) add(name);
   if (embree_found()) {
     for (const std::string_view name : embree_names()) add(name);
   }

@@ -59,7 +59,7 @@ TEST_F(LiveClient, ListsMoreScenesThanOnePage) {
 }
 
 TEST_F(LiveClient, NodesComeBackAsTheyWent) {
-  ImportedScene scene = tests::row_of_sheets(1500);
+  importer::ImportedScene scene = tests::row_of_sheets(1500);
   const auto uploaded = upload_scene(client_, kScene, scene, {.mobility = Mobility::kRigid});
   ASSERT_TRUE(uploaded) << uploaded.error().message;
   std::vector<std::uint64_t> ids;

@@ -237,7 +237,7 @@ TEST_F(UpdateStreamTest, WhatCannotBeOpenedIsToldAtOnce) {
 }
 
 TEST_F(UpdateStreamTest, ABatchLargerThanAMessageIsOneRevision) {
-  ImportedScene scene;
+  importer::ImportedScene scene;
   scene.meshes.push_back(tests::sheets(50'000));
   scene.nodes.push_back({.name = "sheets", .mesh = 0});
   const char* const name = "projects/default/scenes/large";

@@ -28,27 +28,27 @@ std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
 }
 
 // A row a ray, or a row a hit.
-std::vector<accel::Hit> rows_of(const v1::CastRaysResponse& reply) {
+std::vector<accel::geometry::Hit> rows_of(const v1::CastRaysResponse& reply) {
   const auto t = values<double>(reply, v1::HIT_FIELD_T);
   const auto node = values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
   const auto primitive = values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
-  std::vector<accel::Hit> hits(t.size());
+  std::vector<accel::geometry::Hit> hits(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
     hits[k].t = t[k];
     hits[k].node = node[k];
     hits[k].primitive = primitive[k];
-    hits[k].state = accel::HitState::kHit;
+    hits[k].state = accel::geometry::HitState::kHit;
   }
   return hits;
 }
 
-v1::Culling to_message(accel::Culling culling) {
+v1::Culling to_message(accel::geometry::Culling culling) {
   switch (culling) {
-    case accel::Culling::kBack:
+    case accel::geometry::Culling::kBack:
       return v1::CULLING_BACK;
-    case accel::Culling::kFront:
+    case accel::geometry::Culling::kFront:
       return v1::CULLING_FRONT;
-    case accel::Culling::kNone:
+    case accel::geometry::Culling::kNone:
       break;
   }
   return v1::CULLING_NONE;
@@ -70,14 +70,14 @@ grpc::StatusCode wire_code(Code code) {
 void begin(Api& api, ServedStress& stress) {
   ASSERT_TRUE(api.create(kMovingScene).ok());
   for (MeshChoice choice : small_meshes()) {
-    const accel::MeshView view = choice.mesh->view();
+    const accel::geometry::MeshView view = choice.mesh->view();
     choice.digest = api.add_mesh(
         {{view.vertices.begin(), view.vertices.end()}, {view.faces.begin(), view.faces.end()}});
     stress.meshes.push_back(std::move(choice));
   }
   RandomEdit first = ground(stress.meshes);
   std::vector<v1::Update> updates;
-  for (const scenegraph::Update& update : first.updates)
+  for (const scenegraph::model::Update& update : first.updates)
     updates.push_back(sightline::tests::to_message(update));
   const grpc::Status applied = api.apply(kMovingScene, updates);
   ASSERT_TRUE(applied.ok()) << applied.error_message();
@@ -150,17 +150,17 @@ void CastingClient::judge(const PlainScene& plain, const RandomQuestion& questio
   ASSERT_EQ(states.size(), question.rays.size());
   const auto counts = values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
   const auto offsets = values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
-  const std::vector<accel::Hit> rows = rows_of(reply);
+  const std::vector<accel::geometry::Hit> rows = rows_of(reply);
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Reference all = oracle.trace_all(question.rays[i], filter);
-    const auto state = static_cast<accel::HitState>(states[i] == 3 ? 1 : states[i]);
+    const auto state = static_cast<accel::geometry::HitState>(states[i] == 3 ? 1 : states[i]);
     Agreement agreement = Agreement::kMismatch;
     if (kind == v1::QUERY_KIND_CLOSEST) {
-      accel::Hit hit = rows[i];
+      accel::geometry::Hit hit = rows[i];
       hit.state = state;
       agreement = compare(hit, nearest_part(all));
     } else if (kind == v1::QUERY_KIND_ANY) {
-      accel::Hit hit;
+      accel::geometry::Hit hit;
       hit.state = state;
       agreement = compare_any(hit, all);
     } else if (kind == v1::QUERY_KIND_COUNT) {

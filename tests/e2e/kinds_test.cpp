@@ -18,9 +18,9 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 
 constexpr std::uint32_t kMaxHits = 1000;
 
@@ -99,10 +99,10 @@ std::vector<Question> questions(const bench::SceneSource& scene) {
 }
 
 double diagonal_of(const std::vector<PlacedMesh>& placed) {
-  scenegraph::WorldBounds bounds;
+  scenegraph::revision::WorldBounds bounds;
   for (const PlacedMesh& mesh : placed) {
-    for (const accel::Vec3f& v : mesh.mesh.vertices) {
-      if (is_finite(v)) bounds.grow(mesh.world_from_local.point(accel::Vec3d(v)));
+    for (const accel::geometry::Vec3f& v : mesh.mesh.vertices) {
+      if (is_finite(v)) bounds.grow(mesh.world_from_local.point(accel::geometry::Vec3d(v)));
     }
   }
   return length(bounds.hi - bounds.lo);
@@ -118,7 +118,7 @@ void vary(double diagonal, std::vector<Ray>& rays) {
       ray.tmax = ray.tmin + random.uniform(0, 1.5) * reach;
     }
     ray.mask = static_cast<std::uint32_t>(random.below(8));
-    if (random.below(4) == 0) ray.mask = accel::kAllMasks;
+    if (random.below(4) == 0) ray.mask = accel::geometry::kAllMasks;
   }
 }
 
@@ -260,7 +260,7 @@ TEST_P(KindsTest, AgreeWithEachOtherAndWithBruteForce) {
     const auto mine = std::span<const Ray>(rays).subspan(q * each, each);
     const KindAnswers answers = ask(mine, asked[q]);
     EXPECT_EQ(contradiction(answers, kMaxHits), "") << "question " << q;
-    const auto culling = static_cast<accel::Culling>(asked[q].culling);
+    const auto culling = static_cast<accel::geometry::Culling>(asked[q].culling);
     const KindComparison compared =
         compare_kinds(mine, answers, oracle, {culling, hidden_nodes(*scene, asked[q])});
     EXPECT_EQ(compared.mismatches, 0u) << compared.report();

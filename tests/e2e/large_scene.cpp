@@ -8,9 +8,9 @@
 
 namespace sightline::tests {
 
-using scenegraph::Affine;
-using scenegraph::NodeId;
-using scenegraph::NodeRef;
+using scenegraph::model::Affine;
+using scenegraph::model::NodeId;
+using scenegraph::model::NodeRef;
 
 namespace {
 
@@ -51,18 +51,18 @@ Affine LargeScene::place(std::size_t n, std::uint64_t step) const {
                kApart * static_cast<double>(k / raster.side));
 }
 
-accel::Vec3d LargeScene::where(std::size_t n) const {
+accel::geometry::Vec3d LargeScene::where(std::size_t n) const {
   const Raster raster(*this);
-  const accel::Vec3d at = place(n, 0).point({});
+  const accel::geometry::Vec3d at = place(n, 0).point({});
   return groups == 0 ? at : raster.group(n / raster.in_group).point(at);
 }
 
-std::vector<scenegraph::Update> LargeScene::batch(std::size_t first, std::size_t most,
-                                                  const std::vector<MeshChoice>& meshes) const {
+std::vector<scenegraph::model::Update> LargeScene::batch(
+    std::size_t first, std::size_t most, const std::vector<MeshChoice>& meshes) const {
   const Raster raster(*this);
-  std::vector<scenegraph::Update> updates;
+  std::vector<scenegraph::model::Update> updates;
   for (std::size_t i = first; i < std::min(first + most, all_nodes()); ++i) {
-    scenegraph::PutNode put;
+    scenegraph::model::PutNode put;
     put.node = -1 - static_cast<NodeRef>(i);
     if (i < groups) {
       put.parent_from_local = raster.group(i);
@@ -83,10 +83,10 @@ std::vector<scenegraph::Update> LargeScene::batch(std::size_t first, std::size_t
   return updates;
 }
 
-scenegraph::SetTransforms LargeScene::move(std::size_t moving, bool random,
-                                           std::uint64_t step) const {
+scenegraph::model::SetTransforms LargeScene::move(std::size_t moving, bool random,
+                                                  std::uint64_t step) const {
   Random draw(step);
-  scenegraph::SetTransforms set;
+  scenegraph::model::SetTransforms set;
   for (std::size_t k = 0; k < std::min(moving, nodes); ++k) {
     // The same nodes are spread over all groups, too.
     const std::size_t n = random ? draw.below(nodes) : k * (nodes / std::min(moving, nodes));

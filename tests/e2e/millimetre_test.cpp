@@ -20,21 +20,21 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;
 constexpr std::size_t kRays = 20'000;
 
-client::ImportedScene plate_at(const Vec3d& place) {
+client::importer::ImportedScene plate_at(const Vec3d& place) {
   const TestMesh plate = ridged_plate();
-  client::ImportedMesh mesh;
-  for (const accel::Vec3f& v : plate.vertices) mesh.vertices.push_back({v.x, v.y, v.z});
+  client::importer::ImportedMesh mesh;
+  for (const accel::geometry::Vec3f& v : plate.vertices) mesh.vertices.push_back({v.x, v.y, v.z});
   mesh.faces = plate.faces;
   mesh.triangles = mesh.faces.size();
-  client::ImportedScene scene;
+  client::importer::ImportedScene scene;
   scene.meshes.push_back(std::move(mesh));
   scene.nodes.push_back(
       {.name = "plate",
@@ -62,8 +62,8 @@ class Millimetres : public testing::Test {
     client_.emplace(std::move(*connected));
   }
 
-  void upload(const char* name, const client::ImportedScene& scene) {
-    const auto uploaded = client::upload_scene(*client_, name, scene, {});
+  void upload(const char* name, const client::importer::ImportedScene& scene) {
+    const auto uploaded = client::calls::upload_scene(*client_, name, scene, {});
     ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
   }
 
@@ -83,7 +83,7 @@ class Millimetres : public testing::Test {
     for (std::size_t i = 0; i < hits.size(); ++i) {
       hits[i].t = t[i];
       hits[i].primitive = primitive[i];
-      hits[i].state = static_cast<accel::HitState>(hit[i]);
+      hits[i].state = static_cast<accel::geometry::HitState>(hit[i]);
     }
     return hits;
   }
@@ -111,13 +111,13 @@ TEST_F(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
 // What a file of this plate a kilometre out would hold: floats, an eighth of a millimetre apart.
 TEST_F(Millimetres, AFileBroughtNearAnswersAsItStood) {
   const Vec3d far{1024, 0, -1024};
-  client::ImportedScene stood = plate_at({0, 0, 0});
+  client::importer::ImportedScene stood = plate_at({0, 0, 0});
   for (client::Vertex& v : stood.meshes[0].vertices) {
     v[0] += static_cast<float>(far.x);
     v[2] += static_cast<float>(far.z);
   }
-  client::ImportedScene brought = stood;
-  ASSERT_EQ(client::rebase(brought), (std::array<double, 3>{far.x, 0, far.z}));
+  client::importer::ImportedScene brought = stood;
+  ASSERT_EQ(client::importer::rebase(brought), (std::array<double, 3>{far.x, 0, far.z}));
   ASSERT_NO_FATAL_FAILURE(upload(kHere, stood));
   ASSERT_NO_FATAL_FAILURE(upload(kThere, brought));
   const std::vector<Ray> rays = moved(kilometre_rays(kRays, 2, 30), far);
@@ -127,7 +127,7 @@ TEST_F(Millimetres, AFileBroughtNearAnswersAsItStood) {
     ASSERT_EQ(a[i].state, b[i].state) << "ray " << i;
     ASSERT_EQ(std::memcmp(&a[i].t, &b[i].t, sizeof a[i].t), 0) << "ray " << i;
     ASSERT_EQ(a[i].primitive, b[i].primitive) << "ray " << i;
-    hits += a[i].state == accel::HitState::kHit ? 1 : 0;
+    hits += a[i].state == accel::geometry::HitState::kHit ? 1 : 0;
   }
   EXPECT_EQ(hits, rays.size());
 }

@@ -15,8 +15,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 
 struct Case {
   const char* name;
@@ -67,7 +67,7 @@ struct Columns {
       rows[i].u = barycentric[2 * i];
       rows[i].v = barycentric[2 * i + 1];
       rows[i].normal = {normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]};
-      rows[i].state = static_cast<accel::HitState>(hit[i]);
+      rows[i].state = static_cast<accel::geometry::HitState>(hit[i]);
     }
     return rows;
   }

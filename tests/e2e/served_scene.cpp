@@ -32,15 +32,15 @@ void ServedScene::serve(const std::string& file) {
   ASSERT_TRUE(connected.ok()) << connected.error().message;
   client_.emplace(std::move(*connected));
 
-  auto imported = client::import_scene(file_);
+  auto imported = client::importer::import_scene(file_);
   ASSERT_TRUE(imported.ok()) << imported.error().message;
-  const auto uploaded = client::upload_scene(*client_, kScene, *imported, {});
+  const auto uploaded = client::calls::upload_scene(*client_, kScene, *imported, {});
   ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
 }
 
 std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
   std::vector<PlacedMesh> placed;
-  std::vector<scenegraph::Affine> world;
+  std::vector<scenegraph::model::Affine> world;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const bench::SourceNode& node = scene.nodes[i];
     world.push_back(node.parent ? compose(world[*node.parent], node.parent_from_local)
@@ -52,8 +52,8 @@ std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
   return placed;
 }
 
-std::vector<accel::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count) {
-  std::vector<accel::Ray> rays;
+std::vector<accel::geometry::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count) {
+  std::vector<accel::geometry::Ray> rays;
   for (const bench::RayKind kind : {bench::RayKind::kOverview, bench::RayKind::kRandom}) {
     auto some = bench::make_rays(scene, kind, count / 2, 1);
     EXPECT_TRUE(some.ok());

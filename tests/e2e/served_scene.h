@@ -35,7 +35,7 @@ class ServedScene : public testing::Test {
 std::vector<PlacedMesh> place(const bench::SceneSource& scene);
 
 /// Half overview, half random.
-std::vector<accel::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count);
+std::vector<accel::geometry::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count);
 
 /// SIGHTLINE_TEST_DIVISOR (default 10): divides the number of rays; 1 casts them all.
 std::size_t divisor();

@@ -70,7 +70,7 @@ class Producer {
     v1::StreamUpdatesRequest message;
     std::optional<Code> refusal;
     std::uint64_t revision = 0;  // the scene's, after it
-    std::vector<scenegraph::NodeId> put_nodes;
+    std::vector<scenegraph::model::NodeId> put_nodes;
   };
 
   void draw() {

@@ -74,7 +74,8 @@ struct Latencies {
 std::vector<MeshChoice> meshes_for(Api& api) {
   std::vector<MeshChoice> choices;
   for (const TestMesh& mesh : {icosphere(1), icosphere(2), cube()}) {
-    choices.push_back({*scenegraph::Mesh::make(mesh.vertices, mesh.faces), api.add_mesh(mesh)});
+    choices.push_back(
+        {*scenegraph::model::Mesh::make(mesh.vertices, mesh.faces), api.add_mesh(mesh)});
   }
   return choices;
 }
@@ -94,11 +95,11 @@ Status fill(Api& api, const LargeScene& scene, const std::vector<MeshChoice>& me
 }
 
 // At nodes, from above.
-std::vector<accel::Ray> some_rays(const UpdatesOptions& options, Random& random) {
-  std::vector<accel::Ray> rays(static_cast<std::size_t>(options.rays));
-  for (accel::Ray& ray : rays) {
-    const accel::Vec3d at = options.scene.where(random.below(options.scene.nodes));
-    ray.origin = at + accel::Vec3d{random.uniform(-5, 5), 30, random.uniform(-5, 5)};
+std::vector<accel::geometry::Ray> some_rays(const UpdatesOptions& options, Random& random) {
+  std::vector<accel::geometry::Ray> rays(static_cast<std::size_t>(options.rays));
+  for (accel::geometry::Ray& ray : rays) {
+    const accel::geometry::Vec3d at = options.scene.where(random.below(options.scene.nodes));
+    ray.origin = at + accel::geometry::Vec3d{random.uniform(-5, 5), 30, random.uniform(-5, 5)};
     ray.direction = at - ray.origin;
   }
   return rays;
@@ -154,7 +155,7 @@ class Caster {
   std::uint64_t revision_ = 0;
 };
 
-std::vector<scenegraph::Update> revision(const UpdatesOptions& options, std::uint64_t step) {
+std::vector<scenegraph::model::Update> revision(const UpdatesOptions& options, std::uint64_t step) {
   return {options.scene.move(options.moving, options.moved == "random", step)};
 }
 
@@ -202,11 +203,11 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
   Random random(1);
   const auto count = static_cast<std::uint64_t>(options.rate * options.seconds);
   for (std::uint64_t step = 0; step < count; ++step) {
-    const std::vector<accel::Ray> rays = some_rays(options, random);
-    std::vector<accel::Hit> hits(rays.size());
+    const std::vector<accel::geometry::Ray> rays = some_rays(options, random);
+    std::vector<accel::geometry::Hit> hits(rays.size());
     const auto traced = scenegraph::trace(*scene.snapshot(), rays, hits, {.surface = false});
     if (!traced.ok()) return traced.error();
-    const std::vector<scenegraph::Update> updates = revision(options, step);
+    const std::vector<scenegraph::model::Update> updates = revision(options, step);
     const auto begin = Clock::now();
     const auto applied = scene.apply(updates);
     publishing.add(ms_since(begin), static_cast<double>(step) / options.rate);

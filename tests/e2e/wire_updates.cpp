@@ -4,13 +4,13 @@
 namespace sightline::tests {
 namespace {
 
-v1::Mobility to_message(scenegraph::Mobility mobility) {
+v1::Mobility to_message(scenegraph::model::Mobility mobility) {
   switch (mobility) {
-    case scenegraph::Mobility::kRigid:
+    case scenegraph::model::Mobility::kRigid:
       return v1::MOBILITY_RIGID;
-    case scenegraph::Mobility::kDeforming:
+    case scenegraph::model::Mobility::kDeforming:
       return v1::MOBILITY_DEFORMING;
-    case scenegraph::Mobility::kStatic:
+    case scenegraph::model::Mobility::kStatic:
       break;
   }
   return v1::MOBILITY_STATIC;
@@ -19,7 +19,7 @@ v1::Mobility to_message(scenegraph::Mobility mobility) {
 struct Writer {
   v1::Update& out;
 
-  void operator()(const scenegraph::PutNode& put) const {
+  void operator()(const scenegraph::model::PutNode& put) const {
     v1::PutNode& node = *out.mutable_put_node();
     node.set_node(put.node);
     node.set_parent(put.parent);
@@ -30,28 +30,29 @@ struct Writer {
     node.set_mobility(to_message(put.mobility));
     node.set_mask(put.mask);
   }
-  void operator()(const scenegraph::SetTransforms& set) const {
+  void operator()(const scenegraph::model::SetTransforms& set) const {
     v1::SetTransforms& transforms = *out.mutable_set_transforms();
     transforms.mutable_nodes()->Assign(set.nodes.begin(), set.nodes.end());
-    static_assert(sizeof(scenegraph::Affine) == 96);
+    static_assert(sizeof(scenegraph::model::Affine) == 96);
     transforms.set_matrices(set.parent_from_local.data(),
-                            set.parent_from_local.size() * sizeof(scenegraph::Affine));
+                            set.parent_from_local.size() * sizeof(scenegraph::model::Affine));
   }
-  void operator()(const scenegraph::DeleteNode& removal) const {
+  void operator()(const scenegraph::model::DeleteNode& removal) const {
     out.mutable_delete_node()->set_node(removal.node);
     out.mutable_delete_node()->set_subtree(removal.subtree);
   }
-  void operator()(const scenegraph::PatchVertices& patch) const {
+  void operator()(const scenegraph::model::PatchVertices& patch) const {
     v1::PatchVertices& vertices = *out.mutable_patch_vertices();
     vertices.mutable_nodes()->Assign(patch.nodes.begin(), patch.nodes.end());
     vertices.set_first(patch.first);
-    vertices.set_positions(patch.positions.data(), patch.positions.size() * sizeof(accel::Vec3f));
+    vertices.set_positions(patch.positions.data(),
+                           patch.positions.size() * sizeof(accel::geometry::Vec3f));
   }
 };
 
 }  // namespace
 
-v1::Update to_message(const scenegraph::Update& update) {
+v1::Update to_message(const scenegraph::model::Update& update) {
   v1::Update out;
   std::visit(Writer{out}, update);
   return out;

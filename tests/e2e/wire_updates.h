@@ -9,11 +9,12 @@
 namespace sightline::tests {
 
 /// Meshes go by their digests.
-v1::Update to_message(const scenegraph::Update& update);
+v1::Update to_message(const scenegraph::model::Update& update);
 
 template <class Request>
-void add_updates(Request& request, std::span<const scenegraph::Update> updates) {
-  for (const scenegraph::Update& update : updates) *request.add_updates() = to_message(update);
+void add_updates(Request& request, std::span<const scenegraph::model::Update> updates) {
+  for (const scenegraph::model::Update& update : updates)
+    *request.add_updates() = to_message(update);
 }
 
 }  // namespace sightline::tests

@@ -18,10 +18,10 @@
 
 namespace sightline::tests {
 
-using accel::Barycentric;
-using accel::LocalRay;
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Barycentric;
+using accel::geometry::LocalRay;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -61,7 +61,7 @@ void report(Tally& tally, const std::string& what, const LocalRay& ray, const Ha
   for (std::size_t i = 0; i < hard.vertex_count; ++i) {
     text += "\n  vertex " + std::to_string(i) + " " + in_hex(Vec3d(hard.vertex[i]));
   }
-  for (const accel::Face& f : hard.faces()) {
+  for (const accel::geometry::Face& f : hard.faces()) {
     text += "\n  face " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " +
             std::to_string(f[2]);
   }
@@ -105,7 +105,7 @@ class Check {
 
   void patch() {
     int sum = 0;
-    for (const accel::Face& f : hard_.faces()) sum += triangle(f) ? 1 : 0;
+    for (const accel::geometry::Face& f : hard_.faces()) sum += triangle(f) ? 1 : 0;
     const ExpectedSum expected = expected_sum(exact_ray_, hard_, exact_);
     const bool one = expected == ExpectedSum::kOne, folded = expected == ExpectedSum::kNoneOrTwo;
     count_.one += one ? 1 : 0;
@@ -119,7 +119,7 @@ class Check {
 
  private:
   /// Whether the intersector hits it.
-  bool triangle(const accel::Face& face) {
+  bool triangle(const accel::geometry::Face& face) {
     const DyadicVec &a = exact_[face[0]], &b = exact_[face[1]], &c = exact_[face[2]];
     const RationalHit expected = judge(exact_ray_, a, b, c);
     ++count_.pairs;
@@ -137,7 +137,7 @@ class Check {
     return hit;
   }
 
-  bool ask(const accel::Face& face, bool expected) {
+  bool ask(const accel::geometry::Face& face, bool expected) {
     const auto [a, b, c] = corners(face);
     std::optional<double> t;
     Barycentric weights;
@@ -145,11 +145,12 @@ class Check {
     bool possible = false;
     {
       const FlushDenormals flush(asking_.flush_denormals);
-      t = accel::intersect(ray_, a, b, c);
-      if (t) weights = accel::barycentric(ray_, *t, a, b, c);
-      facing = accel::facing(ray_, a, b, c);
+      t = accel::geometry::intersect(ray_, a, b, c);
+      if (t) weights = accel::geometry::barycentric(ray_, *t, a, b, c);
+      facing = accel::geometry::facing(ray_, a, b, c);
       const std::uint32_t first = 0;
-      possible = accel::possible_hits({vertices_, {&face, 1}}, accel::sheared(ray_), {&first, 1});
+      possible = accel::geometry::possible_hits({vertices_, {&face, 1}},
+                                                accel::geometry::sheared(ray_), {&first, 1});
     }
     if (expected && !possible) {
       ++count_.wrong_misses;
@@ -168,31 +169,32 @@ class Check {
     return t.has_value();
   }
 
-  void check_meeting(const accel::Face& face, double t, const Barycentric& weights) {
+  void check_meeting(const accel::geometry::Face& face, double t, const Barycentric& weights) {
     const auto [u, v] = weights;
     // What is no number cannot be given to the reference.
-    double t_error = accel::kInfinity, point_error = accel::kInfinity;
+    double t_error = accel::geometry::kInfinity, point_error = accel::geometry::kInfinity;
     const RationalMeeting meeting(exact_ray_, exact_[face[0]], exact_[face[1]], exact_[face[2]]);
     if (std::isfinite(t)) t_error = meeting.t_error(t);
     if (u >= 0 && v >= 0 && u + v <= 1) point_error = meeting.point_error(u, v);
     tally_.largest_t_error = std::max(tally_.largest_t_error, t_error);
     tally_.largest_point_error = std::max(tally_.largest_point_error, point_error);
-    if (t_error > accel::kHitError) {
+    if (t_error > accel::geometry::kHitError) {
       ++count_.wrong_t;
-      found("t off by " + std::to_string(t_error / accel::kHitError) + " kHitError", face);
+      found("t off by " + std::to_string(t_error / accel::geometry::kHitError) + " kHitError",
+            face);
     }
-    if (point_error > 16 * accel::kHitError) {
+    if (point_error > 16 * accel::geometry::kHitError) {
       ++count_.wrong_weights;
       found("weights " + std::to_string(u) + " " + std::to_string(v) + " name a point off by " +
-                std::to_string(point_error / accel::kHitError) + " kHitError",
+                std::to_string(point_error / accel::geometry::kHitError) + " kHitError",
             face);
     }
   }
 
-  std::array<Vec3f, 3> corners(const accel::Face& f) const {
+  std::array<Vec3f, 3> corners(const accel::geometry::Face& f) const {
     return {hard_.vertex[f[0]], hard_.vertex[f[1]], hard_.vertex[f[2]]};
   }
-  void found(const std::string& what, const accel::Face& f) {
+  void found(const std::string& what, const accel::geometry::Face& f) {
     report(tally_,
            what + ": triangle " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " +
                std::to_string(f[2]),
@@ -242,7 +244,7 @@ PairCount Tally::total() const {
 }
 
 void check(const HardCase& hard, const Asking& asking, Tally& tally) {
-  const std::optional<LocalRay> ray = accel::make_local_ray(hard.origin, hard.direction);
+  const std::optional<LocalRay> ray = accel::geometry::make_local_ray(hard.origin, hard.direction);
   if (ray) Check(hard, asking, *ray, tally).patch();
 }
 

@@ -9,7 +9,7 @@
 namespace sightline::tests {
 
 /// What is wrong, or nothing. Origin and direction may be anything but NaN and infinite.
-std::optional<std::string> check_local_ray(const accel::Vec3d& origin,
-                                           const accel::Vec3d& direction);
+std::optional<std::string> check_local_ray(const accel::geometry::Vec3d& origin,
+                                           const accel::geometry::Vec3d& direction);
 
 }  // namespace sightline::tests

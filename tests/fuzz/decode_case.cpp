@@ -9,8 +9,8 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 

@@ -25,12 +25,12 @@ struct HardCase {
   static constexpr std::size_t kMaxFaces = 8;
 
   Patch patch = Patch::kTriangle;
-  accel::Vec3d origin, direction;
+  accel::geometry::Vec3d origin, direction;
   std::size_t vertex_count = 0, face_count = 0;
-  std::array<accel::Vec3f, kMaxVertices> vertex;
-  std::array<accel::Face, kMaxFaces> face;
+  std::array<accel::geometry::Vec3f, kMaxVertices> vertex;
+  std::array<accel::geometry::Face, kMaxFaces> face;
 
-  std::span<const accel::Face> faces() const { return {face.data(), face_count}; }
+  std::span<const accel::geometry::Face> faces() const { return {face.data(), face_count}; }
   /// Sets vertex_count and the faces; `rim` is how many vertices surround a fan.
   void connect(Patch as, std::size_t rim = 0);
 };

@@ -7,8 +7,8 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -223,7 +223,7 @@ double HardCases::stand_off(const Vec3d& direction) {
 
 /// A ray in the plane of a face, as far as rounding lets it: along an edge, from a vertex, across.
 void HardCases::lie_in_plane(HardCase& hard) {
-  const accel::Face& face = hard.face[random_.below(hard.face_count)];
+  const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
   const auto weight = [&] { return lattice_ ? integer(-2, 2) * 0.5 : random_.uniform(-2, 2); };
   hard.origin = a + (b - a) * (chance(0.5) ? 0 : weight()) + (c - a) * (chance(0.5) ? 0 : weight());
@@ -232,7 +232,7 @@ void HardCases::lie_in_plane(HardCase& hard) {
 
 /// A direction by which a face is seen nearly edge-on.
 void HardCases::graze(HardCase& hard) {
-  const accel::Face& face = hard.face[random_.below(hard.face_count)];
+  const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
   const Vec3d u = (b - a) * (1 / size_), v = (c - a) * (1 / size_);
   const Vec3d d = u * random_.uniform(-1, 1) + v * random_.uniform(-1, 1) +

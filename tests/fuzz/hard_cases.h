@@ -24,26 +24,26 @@ class HardCases {
 
   // What the case is made in: coordinates of about `size_` around `center_`.
   void choose_place();
-  accel::Vec3f place(const accel::Vec3d& local) const;
-  accel::Vec3d local_point();
+  accel::geometry::Vec3f place(const accel::geometry::Vec3d& local) const;
+  accel::geometry::Vec3d local_point();
 
-  accel::Vec3d choose_direction();
+  accel::geometry::Vec3d choose_direction();
   void surround_hub(HardCase& hard);
   void spoil(HardCase& hard);
   void shuffle_faces(HardCase& hard);
 
   // The ray: where to, where from.
   void aim(HardCase& hard);
-  accel::Vec3d point_on_border(const HardCase& hard);
-  accel::Vec3d beside(accel::Vec3d point);
-  double stand_off(const accel::Vec3d& direction);
+  accel::geometry::Vec3d point_on_border(const HardCase& hard);
+  accel::geometry::Vec3d beside(accel::geometry::Vec3d point);
+  double stand_off(const accel::geometry::Vec3d& direction);
   void lie_in_plane(HardCase& hard);
   void graze(HardCase& hard);
   void rescale_direction(HardCase& hard);
 
   Random random_;
   double size_ = 1;
-  accel::Vec3d center_;
+  accel::geometry::Vec3d center_;
   bool lattice_ = false;  // vertices at small integers
 };
 

@@ -25,7 +25,7 @@ namespace {
 
 using scenegraph::Growth;
 using scenegraph::Scene;
-using scenegraph::Snapshot;
+using scenegraph::revision::Snapshot;
 
 constexpr std::size_t kRays = 24;
 constexpr int kThreads = 4;
@@ -113,11 +113,12 @@ class Actor {
     constexpr Growth kGrowths[] = {Growth::kFirstTouch, Growth::kFirstTouch, Growth::kFirstTouch,
                                    Growth::kNone, Growth::kFull};
     options.growth = kGrowths[random_.below(std::size(kGrowths))];
-    std::unique_ptr<scenegraph::Selection> selection;
+    std::unique_ptr<scenegraph::instances::Selection> selection;
     if (question.root != 0 || !question.excluded.empty()) {
-      auto made = scenegraph::Selection::make(snapshot, question.root, question.excluded);
+      auto made =
+          scenegraph::instances::Selection::make(snapshot, question.root, question.excluded);
       ASSERT_TRUE(made) << made.error().message;
-      selection = std::make_unique<scenegraph::Selection>(std::move(*made));
+      selection = std::make_unique<scenegraph::instances::Selection>(std::move(*made));
       options.selection = selection.get();
     }
     const KindAnswers answers = ask_all_kinds(*snapshot, question.rays, options);
@@ -160,23 +161,24 @@ TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
 }
 
 // Twenty balls in a row; the odd ones declared to move.
-std::vector<scenegraph::Update> row_of_balls(const std::shared_ptr<const scenegraph::Mesh>& ball) {
-  std::vector<scenegraph::Update> updates;
+std::vector<scenegraph::model::Update> row_of_balls(
+    const std::shared_ptr<const scenegraph::model::Mesh>& ball) {
+  std::vector<scenegraph::model::Update> updates;
   for (int i = 0; i < 20; ++i) {
-    scenegraph::PutNode put;
+    scenegraph::model::PutNode put;
     put.node = -1 - i;
     put.parent_from_local.m[3] = 3 * i;
     put.mesh = ball;
-    if (i % 2 == 1) put.mobility = scenegraph::Mobility::kRigid;
+    if (i % 2 == 1) put.mobility = scenegraph::model::Mobility::kRigid;
     updates.emplace_back(put);
   }
   return updates;
 }
 
-std::vector<scenegraph::Update> step(std::uint64_t revision) {
-  scenegraph::SetTransforms set;
+std::vector<scenegraph::model::Update> step(std::uint64_t revision) {
+  scenegraph::model::SetTransforms set;
   for (int i = 0; i < 20; ++i) {
-    scenegraph::Affine place;
+    scenegraph::model::Affine place;
     place.m[3] = 3 * i;
     place.m[7] = 0.01 * static_cast<double>((revision * 7 + static_cast<std::uint64_t>(i)) % 100);
     set.nodes.push_back(i + 1);
@@ -185,10 +187,10 @@ std::vector<scenegraph::Update> step(std::uint64_t revision) {
   return {set};
 }
 
-std::vector<accel::Ray> rays_along(std::size_t count) {
+std::vector<accel::geometry::Ray> rays_along(std::size_t count) {
   Random random(11);
-  std::vector<accel::Ray> rays(count);
-  for (accel::Ray& ray : rays) {
+  std::vector<accel::geometry::Ray> rays(count);
+  for (accel::geometry::Ray& ray : rays) {
     ray.origin = {random.uniform(-2, 60), random.uniform(-2, 2), 30};
     ray.direction = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1};
   }
@@ -204,16 +206,17 @@ double hold_seconds() {
 TEST(HeldSnapshot, StaysWhatItWasWhileAWriterGoesOnAndLetsTheOthersDie) {
   const TestMesh sphere = icosphere(4);
   Scene scene;
-  ASSERT_TRUE(scene.apply(row_of_balls(*scenegraph::Mesh::make(sphere.vertices, sphere.faces))));
+  ASSERT_TRUE(
+      scene.apply(row_of_balls(*scenegraph::model::Mesh::make(sphere.vertices, sphere.faces))));
   std::shared_ptr<const Snapshot> held = scene.snapshot();
-  const std::vector<accel::Ray> rays = rays_along(20'000);
+  const std::vector<accel::geometry::Ray> rays = rays_along(20'000);
   const auto answers = [&](const Snapshot& snapshot) {
-    std::vector<accel::Hit> hits(rays.size());
+    std::vector<accel::geometry::Hit> hits(rays.size());
     EXPECT_TRUE(scenegraph::trace(snapshot, rays, hits, {}));
     return hits;
   };
-  const std::vector<accel::Hit> first = answers(*held);
-  const auto same = [&](const std::vector<accel::Hit>& again) {
+  const std::vector<accel::geometry::Hit> first = answers(*held);
+  const auto same = [&](const std::vector<accel::geometry::Hit>& again) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (first[i].t != again[i].t || first[i].node != again[i].node ||
           first[i].primitive != again[i].primitive)

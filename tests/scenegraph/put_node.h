@@ -10,14 +10,15 @@
 
 namespace sightline::tests {
 
-inline std::shared_ptr<const scenegraph::Mesh> mesh_of(const TestMesh& mesh) {
-  return *scenegraph::Mesh::make(mesh.vertices, mesh.faces);
+inline std::shared_ptr<const scenegraph::model::Mesh> mesh_of(const TestMesh& mesh) {
+  return *scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
 }
 
 /// A node where its parent is; without a mesh, a group.
-inline scenegraph::PutNode put_node(scenegraph::NodeRef node, scenegraph::NodeRef parent,
-                                    std::shared_ptr<const scenegraph::Mesh> mesh) {
-  scenegraph::PutNode put;
+inline scenegraph::model::PutNode put_node(scenegraph::model::NodeRef node,
+                                           scenegraph::model::NodeRef parent,
+                                           std::shared_ptr<const scenegraph::model::Mesh> mesh) {
+  scenegraph::model::PutNode put;
   put.node = node;
   put.parent = parent;
   put.mesh = std::move(mesh);

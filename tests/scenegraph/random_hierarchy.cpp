@@ -9,14 +9,14 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using scenegraph::Affine;
-using scenegraph::Mesh;
-using scenegraph::NodeRef;
-using scenegraph::PutNode;
+using accel::geometry::Vec3d;
 using scenegraph::Scene;
-using scenegraph::Snapshot;
-using scenegraph::Update;
+using scenegraph::model::Affine;
+using scenegraph::model::Mesh;
+using scenegraph::model::NodeRef;
+using scenegraph::model::PutNode;
+using scenegraph::model::Update;
+using scenegraph::revision::Snapshot;
 
 namespace {
 
@@ -62,7 +62,7 @@ std::shared_ptr<const Mesh> to_mesh(const TestMesh& mesh) {
 std::shared_ptr<const Mesh> some_mesh(std::uint64_t place) {
   const auto not_finite = [] {
     TestMesh mesh = single_triangle();
-    for (accel::Vec3f& v : mesh.vertices) v.x = std::numeric_limits<float>::quiet_NaN();
+    for (accel::geometry::Vec3f& v : mesh.vertices) v.x = std::numeric_limits<float>::quiet_NaN();
     return mesh;
   };
   static const std::shared_ptr<const Mesh> kMeshes[] = {
@@ -93,8 +93,8 @@ std::vector<Update> random_hierarchy(int nodes, Frames frames, std::uint64_t see
     if (random.below(2) == 0) {
       put.mesh = some_mesh(random.next());
       put.mesh_digest = "digest";
-      put.mobility =
-          random.below(3) == 0 ? scenegraph::Mobility::kRigid : scenegraph::Mobility::kStatic;
+      put.mobility = random.below(3) == 0 ? scenegraph::model::Mobility::kRigid
+                                          : scenegraph::model::Mobility::kStatic;
     }
     updates.push_back(put);
   }
@@ -108,27 +108,28 @@ std::shared_ptr<const Snapshot> snapshot_of(const std::vector<Update>& updates) 
   return scene.snapshot();
 }
 
-std::vector<accel::Ray> rays_through(const Snapshot& snapshot, std::size_t count,
-                                     std::uint64_t seed) {
+std::vector<accel::geometry::Ray> rays_through(const Snapshot& snapshot, std::size_t count,
+                                               std::uint64_t seed) {
   Random random(seed);
-  const scenegraph::WorldBounds& b = snapshot.bounds();
-  std::vector<const scenegraph::Node*> targets;
-  snapshot.nodes().for_each([&](std::uint64_t, const std::shared_ptr<const scenegraph::Node>& n) {
-    if (n->mesh != nullptr && !n->mesh->bounds().empty()) targets.push_back(n.get());
-  });
+  const scenegraph::revision::WorldBounds& b = snapshot.bounds();
+  std::vector<const scenegraph::model::Node*> targets;
+  snapshot.nodes().for_each(
+      [&](std::uint64_t, const std::shared_ptr<const scenegraph::model::Node>& n) {
+        if (n->mesh != nullptr && !n->mesh->bounds().empty()) targets.push_back(n.get());
+      });
   const auto within = [&](const Vec3d& lo, const Vec3d& hi) {
     return Vec3d{random.uniform(lo.x, hi.x), random.uniform(lo.y, hi.y),
                  random.uniform(lo.z, hi.z)};
   };
-  std::vector<accel::Ray> rays(count);
-  for (accel::Ray& ray : rays) {
+  std::vector<accel::geometry::Ray> rays(count);
+  for (accel::geometry::Ray& ray : rays) {
     if (random.below(2) == 0) {
       ray.origin = within(b.lo, b.hi);
       ray.direction = within(b.lo, b.hi) - ray.origin;
       continue;
     }
-    const scenegraph::Node& target = *targets[random.below(targets.size())];
-    const accel::Aabb& box = target.mesh->bounds();
+    const scenegraph::model::Node& target = *targets[random.below(targets.size())];
+    const accel::geometry::Aabb& box = target.mesh->bounds();
     const Vec3d at =
         world_from_local(snapshot.hierarchy(), target).point(within(Vec3d(box.lo), Vec3d(box.hi)));
     ray.origin = at + random.direction() * random.uniform(0.1, 20);

@@ -21,26 +21,28 @@ enum class Frames {
 };
 
 /// Moved by up to `reach` (kFar: by that many millions too).
-scenegraph::Affine random_frame(Random& random, Frames frames, double reach = 4);
+scenegraph::model::Affine random_frame(Random& random, Frames frames, double reach = 4);
 
-std::shared_ptr<const scenegraph::Mesh> to_mesh(const TestMesh& mesh);
+std::shared_ptr<const scenegraph::model::Mesh> to_mesh(const TestMesh& mesh);
 
 /// A few small meshes, one without triangles and one with only such as are not finite. By place.
-std::shared_ptr<const scenegraph::Mesh> some_mesh(std::uint64_t place);
+std::shared_ptr<const scenegraph::model::Mesh> some_mesh(std::uint64_t place);
 
 /// One update that puts a node under any node put before it, or a root; a chain now and then. About
 /// half of the nodes carry a mesh. Aliases are -1, -2, ...
-std::vector<scenegraph::Update> random_hierarchy(int nodes, Frames frames, std::uint64_t seed);
+std::vector<scenegraph::model::Update> random_hierarchy(int nodes, Frames frames,
+                                                        std::uint64_t seed);
 
-std::shared_ptr<const scenegraph::Snapshot> snapshot_of(
-    const std::vector<scenegraph::Update>& updates);
+std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_of(
+    const std::vector<scenegraph::model::Update>& updates);
 
 /// Between points of the scene's box, and from near by at instances.
-std::vector<accel::Ray> rays_through(const scenegraph::Snapshot& snapshot, std::size_t count,
-                                     std::uint64_t seed);
+std::vector<accel::geometry::Ray> rays_through(const scenegraph::revision::Snapshot& snapshot,
+                                               std::size_t count, std::uint64_t seed);
 
 /// `leaves` squares beside each other in a hierarchy of `fan` children each; a fan of 0: all under
 /// one node. The square (x, y) of the grid of kSide(leaves) is that of [x, x + 1] x [y, y + 1].
-std::shared_ptr<const scenegraph::Snapshot> tiled_plane(std::size_t leaves, std::size_t fan);
+std::shared_ptr<const scenegraph::revision::Snapshot> tiled_plane(std::size_t leaves,
+                                                                  std::size_t fan);
 
 }  // namespace sightline::tests

@@ -8,13 +8,14 @@
 namespace sightline::scenegraph {
 namespace {
 
-std::shared_ptr<const Mesh> triangle() {
-  static const auto kMesh = *Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+std::shared_ptr<const model::Mesh> triangle() {
+  static const auto kMesh = *model::Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   return kMesh;
 }
 
-PutNode put(NodeRef node, NodeRef parent, std::string name, bool mesh = false) {
-  PutNode p;
+model::PutNode put(model::NodeRef node, model::NodeRef parent, std::string name,
+                   bool mesh = false) {
+  model::PutNode p;
   p.node = node;
   p.parent = parent;
   p.name = std::move(name);
@@ -25,10 +26,10 @@ PutNode put(NodeRef node, NodeRef parent, std::string name, bool mesh = false) {
   return p;
 }
 
-Affine shifted(double x) { return Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
+model::Affine shifted(double x) { return model::Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
 
 /// Refused with this reason, and the scene is as it was.
-void expect_refused(Scene& scene, const std::vector<Update>& updates, Code code,
+void expect_refused(Scene& scene, const std::vector<model::Update>& updates, Code code,
                     const std::string& reason) {
   const auto before = scene.snapshot();
   const auto result = scene.apply(updates);
@@ -50,11 +51,11 @@ TEST(Scene, PutsAHierarchyInOneBatch) {
       scene.apply({put(-1, 0, "root"), put(-2, -1, "arm"), put(-3, -2, "hand", true)});
   ASSERT_TRUE(applied);
   EXPECT_EQ(applied->revision, 1u);
-  EXPECT_EQ(applied->nodes, (std::vector<NodeId>{1, 2, 3}));
+  EXPECT_EQ(applied->nodes, (std::vector<model::NodeId>{1, 2, 3}));
   const auto snapshot = scene.snapshot();
-  EXPECT_EQ(snapshot->roots(), std::vector<NodeId>{1});
+  EXPECT_EQ(snapshot->roots(), std::vector<model::NodeId>{1});
   EXPECT_EQ(snapshot->find(3)->parent, 2u);
-  EXPECT_EQ(snapshot->find(2)->children, std::vector<NodeId>{3});
+  EXPECT_EQ(snapshot->find(2)->children, std::vector<model::NodeId>{3});
   EXPECT_EQ(snapshot->find(4), nullptr);
 }
 
@@ -62,10 +63,10 @@ TEST(Scene, SnapshotsAreImmutableAndShareWhatDidNotChange) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, 0, "b")}));
   const auto first = scene.snapshot();
-  ASSERT_TRUE(scene.apply({SetTransforms{{1}, {shifted(5)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {shifted(5)}}}));
   const auto second = scene.snapshot();
   EXPECT_EQ(second->revision(), 2u);
-  EXPECT_EQ(first->find(1)->parent_from_local, Affine{});
+  EXPECT_EQ(first->find(1)->parent_from_local, model::Affine{});
   EXPECT_EQ(second->find(1)->parent_from_local, shifted(5));
   EXPECT_EQ(first->find(2), second->find(2));
 }
@@ -73,9 +74,10 @@ TEST(Scene, SnapshotsAreImmutableAndShareWhatDidNotChange) {
 TEST(Scene, IdsAreNeverUsedAgain) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
-  ASSERT_TRUE(scene.apply({DeleteNode{1}}));
-  expect_refused(scene, {put(-1, 0, "b"), DeleteNode{99}}, Code::kNotFound, "NODE_NOT_FOUND");
-  EXPECT_EQ(scene.apply({put(-1, 0, "b")})->nodes, std::vector<NodeId>{2});
+  ASSERT_TRUE(scene.apply({model::DeleteNode{1}}));
+  expect_refused(scene, {put(-1, 0, "b"), model::DeleteNode{99}}, Code::kNotFound,
+                 "NODE_NOT_FOUND");
+  EXPECT_EQ(scene.apply({put(-1, 0, "b")})->nodes, std::vector<model::NodeId>{2});
 }
 
 TEST(Scene, ReplacesAndMovesNodes) {
@@ -84,17 +86,17 @@ TEST(Scene, ReplacesAndMovesNodes) {
   ASSERT_TRUE(scene.apply({put(3, 2, "moved", true)}));
   const auto s = scene.snapshot();
   EXPECT_TRUE(s->find(1)->children.empty());
-  EXPECT_EQ(s->find(2)->children, std::vector<NodeId>{3});
+  EXPECT_EQ(s->find(2)->children, std::vector<model::NodeId>{3});
   EXPECT_EQ(s->find(3)->name, "moved");
   ASSERT_TRUE(scene.apply({put(3, 0, "root now", true)}));
-  EXPECT_EQ(scene.snapshot()->roots(), (std::vector<NodeId>{1, 2, 3}));
+  EXPECT_EQ(scene.snapshot()->roots(), (std::vector<model::NodeId>{1, 2, 3}));
 }
 
 TEST(Scene, DeletesSubtreesOnlyIfAsked) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b"), put(-3, -2, "c")}));
-  expect_refused(scene, {DeleteNode{1}}, Code::kFailedPrecondition, "NODE_HAS_CHILDREN");
-  ASSERT_TRUE(scene.apply({DeleteNode{2, true}}));
+  expect_refused(scene, {model::DeleteNode{1}}, Code::kFailedPrecondition, "NODE_HAS_CHILDREN");
+  ASSERT_TRUE(scene.apply({model::DeleteNode{2, true}}));
   EXPECT_EQ(scene.snapshot()->node_count(), 1u);
   EXPECT_TRUE(scene.snapshot()->find(1)->children.empty());
   expect_refused(scene, {put(3, 0, "gone")}, Code::kNotFound, "NODE_NOT_FOUND");
@@ -109,9 +111,11 @@ TEST(Scene, RefusesCyclesUnknownNodesAndDepth) {
   expect_refused(scene, {put(-9, -8, "x")}, Code::kNotFound, "PARENT_NOT_FOUND");
   expect_refused(scene, {put(77, 0, "x")}, Code::kNotFound, "NODE_NOT_FOUND");
   expect_refused(scene, {put(0, 0, "x")}, Code::kNotFound, "NODE_NOT_FOUND");
-  expect_refused(scene, {SetTransforms{{77}, {Affine{}}}}, Code::kNotFound, "NODE_NOT_FOUND");
-  std::vector<Update> chain;
-  for (int i = 1; i <= kMaxDepth + 1; ++i) chain.push_back(put(-i, i == 1 ? 0 : -i + 1, "n"));
+  expect_refused(scene, {model::SetTransforms{{77}, {model::Affine{}}}}, Code::kNotFound,
+                 "NODE_NOT_FOUND");
+  std::vector<model::Update> chain;
+  for (int i = 1; i <= model::kMaxDepth + 1; ++i)
+    chain.push_back(put(-i, i == 1 ? 0 : -i + 1, "n"));
   expect_refused(scene, chain, Code::kInvalidArgument, "TOO_DEEP");
   chain.pop_back();
   EXPECT_TRUE(scene.apply(chain));
@@ -119,27 +123,29 @@ TEST(Scene, RefusesCyclesUnknownNodesAndDepth) {
 
 TEST(Scene, RefusesTransformsThatCannotBeInverted) {
   Scene scene;
-  PutNode flat = put(-1, 0, "flat");
-  flat.parent_from_local = Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
+  model::PutNode flat = put(-1, 0, "flat");
+  flat.parent_from_local = model::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
   expect_refused(scene, {flat}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b", true)}));
-  expect_refused(scene, {SetTransforms{{1}, {flat.parent_from_local}}}, Code::kInvalidArgument,
-                 "SINGULAR_TRANSFORM");
-  expect_refused(scene, {SetTransforms{{1, 2}, {Affine{}}}}, Code::kInvalidArgument,
+  expect_refused(scene, {model::SetTransforms{{1}, {flat.parent_from_local}}},
+                 Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+  expect_refused(scene, {model::SetTransforms{{1, 2}, {model::Affine{}}}}, Code::kInvalidArgument,
                  "COUNT_MISMATCH");
   // Each is fine alone; both, one above the other, are not.
-  const Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
-  ASSERT_TRUE(scene.apply({SetTransforms{{2}, {thin}}}));
-  expect_refused(scene, {SetTransforms{{1}, {thin}}}, Code::kInvalidArgument, "SINGULAR_TRANSFORM");
+  const model::Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{2}, {thin}}}));
+  expect_refused(scene, {model::SetTransforms{{1}, {thin}}}, Code::kInvalidArgument,
+                 "SINGULAR_TRANSFORM");
 }
 
 TEST(Scene, AppliesABatchWholeOrNotAtAll) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
-  expect_refused(scene, {put(-1, 0, "b"), SetTransforms{{1}, {shifted(3)}}, DeleteNode{5}},
+  expect_refused(scene,
+                 {put(-1, 0, "b"), model::SetTransforms{{1}, {shifted(3)}}, model::DeleteNode{5}},
                  Code::kNotFound, "NODE_NOT_FOUND");
   EXPECT_EQ(scene.snapshot()->node_count(), 1u);
-  EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, Affine{});
+  EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, model::Affine{});
 }
 
 TEST(Scene, HoldsWritersToTheExpectedRevision) {
@@ -167,8 +173,8 @@ TEST(Scene, WritersTakeTurns) {
 TEST(Summary, CountsSharedMeshesOnce) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a", true), put(-2, -1, "b", true), put(-3, 0, "group")}));
-  ASSERT_TRUE(scene.apply({SetTransforms{{2}, {shifted(10)}}}));
-  const SceneSummary s = summarize(*scene.snapshot());
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{2}, {shifted(10)}}}));
+  const revision::SceneSummary s = summarize(*scene.snapshot());
   EXPECT_EQ(s.nodes, 3u);
   EXPECT_EQ(s.instances, 2u);
   EXPECT_EQ(s.meshes, 1u);

@@ -19,17 +19,17 @@
 namespace sightline::scenegraph {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 
-std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m) {
-  return *Mesh::make(m.vertices, m.faces);
+std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
+  return *model::Mesh::make(m.vertices, m.faces);
 }
 
-PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& where,
-              NodeRef parent = 0) {
-  PutNode p;
+model::PutNode place(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
+                     const model::Affine& where, model::NodeRef parent = 0) {
+  model::PutNode p;
   p.node = node;
   p.parent = parent;
   p.name = "n" + std::to_string(-node);
@@ -39,9 +39,9 @@ PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& wher
   return p;
 }
 
-Affine random_affine(tests::Random& random, double reach) {
+model::Affine random_affine(tests::Random& random, double reach) {
   for (;;) {
-    Affine a;
+    model::Affine a;
     for (double& x : a.m) x = random.uniform(-1, 1);
     for (const std::size_t i : {3u, 7u, 11u}) a.m[i] = random.uniform(-reach, reach);
     const auto back = inverse(a);
@@ -50,11 +50,11 @@ Affine random_affine(tests::Random& random, double reach) {
 }
 
 /// Two meshes, many instances: turned, sheared, mirrored, overlapping, some under a moved parent.
-std::shared_ptr<const Snapshot> crowd(int instances, double reach = 4) {
+std::shared_ptr<const revision::Snapshot> crowd(int instances, double reach = 4) {
   tests::Random random(21);
   const auto sphere = to_mesh(tests::icosphere(3)), soup = to_mesh(tests::random_soup(500, 0.2, 5));
   Scene scene;
-  std::vector<Update> updates{place(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{place(-1, nullptr, random_affine(random, 1))};
   for (int i = 0; i < instances; ++i) {
     updates.push_back(place(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach),
                             i % 2 == 0 ? -1 : 0));
@@ -63,9 +63,10 @@ std::shared_ptr<const Snapshot> crowd(int instances, double reach = 4) {
   return scene.snapshot();
 }
 
-std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint64_t seed) {
+std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
+                              std::uint64_t seed) {
   tests::Random random(seed);
-  const WorldBounds& b = snapshot.bounds();
+  const revision::WorldBounds& b = snapshot.bounds();
   std::vector<Ray> rays(n);
   for (Ray& ray : rays) {
     const auto p = [&] {
@@ -78,7 +79,7 @@ std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint
   return rays;
 }
 
-std::vector<Hit> cast(const Snapshot& snapshot, const std::vector<Ray>& rays,
+std::vector<Hit> cast(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
                       TraceOptions options = {}) {
   std::vector<Hit> hits(rays.size());
   const auto stats = trace(snapshot, rays, hits, options);
@@ -157,11 +158,12 @@ TEST(Trace, TheSameRaysAgainExpandNothing) {
 TEST(Trace, OnlyEnteredInstancesGrow) {
   const auto sphere = to_mesh(tests::icosphere(3)), other = to_mesh(tests::icosphere(4));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, sphere, Affine{}),
-                           place(-2, other, Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
+  ASSERT_TRUE(
+      scene.apply({place(-1, sphere, model::Affine{}),
+                   place(-2, other, model::Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(cast(*snapshot, {Ray{{0, 0, 5}, {0, 0, -1}}})[0].node, 1u);
-  const BuildSummary s = summarize_build(*snapshot);
+  const revision::BuildSummary s = summarize_build(*snapshot);
   EXPECT_EQ(s.instances_total, 2u);
   EXPECT_EQ(s.instances_entered, 1u);
   EXPECT_EQ(s.trees_built, 1u);
@@ -169,7 +171,8 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
   EXPECT_LT(s.triangles_built, sphere->triangles());
   EXPECT_TRUE(other->tree().untouched());
   // What was grown stays when the scene changes.
-  ASSERT_TRUE(scene.apply({SetTransforms{{2}, {Affine{{1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}}}}));
+  ASSERT_TRUE(scene.apply(
+      {model::SetTransforms{{2}, {model::Affine{{1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}}}}));
   EXPECT_EQ(summarize_build(*scene.snapshot()).triangles_built, s.triangles_built);
 }
 
@@ -180,7 +183,7 @@ TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
   sketch.growth = Growth::kBuiltOnly;
   for (const Hit& hit : cast(*snapshot, rays, sketch)) {
     EXPECT_EQ(hit.state, HitState::kMiss);
-    EXPECT_EQ(hit.work & ~accel::kWorkUnbuilt, 0u);
+    EXPECT_EQ(hit.work & ~accel::geometry::kWorkUnbuilt, 0u);
   }
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 0u);
   ASSERT_TRUE(build_all(*snapshot));
@@ -189,7 +192,7 @@ TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
 
 TEST(Trace, MarksBadRaysAndAnswersTheRest) {
   const auto snapshot = crowd(5);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = accel::kInfinity;
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = accel::geometry::kInfinity;
   std::vector<Ray> rays = rays_through(*snapshot, 7, 7);
   const std::vector<Hit> good = cast(*snapshot, rays);
   rays[0].direction = {0, 0, 0};
@@ -212,7 +215,7 @@ TEST(Trace, MarksBadRaysAndAnswersTheRest) {
 
 TEST(Trace, LimitsAreClosedAndMasksHide) {
   Scene scene;
-  PutNode wall = place(-1, to_mesh(tests::cube()), Affine{});
+  model::PutNode wall = place(-1, to_mesh(tests::cube()), model::Affine{});
   wall.mask = 2;
   ASSERT_TRUE(scene.apply({wall}));
   const auto snapshot = scene.snapshot();
@@ -223,7 +226,7 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
   limited.tmax = 2;
   EXPECT_EQ(t_of(limited), 2);
   limited.tmax = std::nextafter(2.0, 0.0);
-  EXPECT_EQ(t_of(limited), accel::kInfinity);
+  EXPECT_EQ(t_of(limited), accel::geometry::kInfinity);
   limited = ray;
   limited.tmin = 2;
   EXPECT_EQ(t_of(limited), 2);
@@ -231,10 +234,10 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
   EXPECT_EQ(t_of(limited), 3);
   limited.tmin = 4;
   limited.tmax = 3;
-  EXPECT_EQ(t_of(limited), accel::kInfinity);
+  EXPECT_EQ(t_of(limited), accel::geometry::kInfinity);
   limited = ray;
   limited.mask = 1;
-  EXPECT_EQ(t_of(limited), accel::kInfinity);
+  EXPECT_EQ(t_of(limited), accel::geometry::kInfinity);
   limited.mask = 3;
   EXPECT_EQ(t_of(limited), 2);
 }
@@ -242,9 +245,9 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
 TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
   const auto mesh = to_mesh(tests::duplicates(5));
   Scene scene;
-  ASSERT_TRUE(scene.apply(
-      {place(-1, mesh, Affine{}), place(-2, mesh, Affine{}), place(-3, mesh, Affine{})}));
-  ASSERT_TRUE(scene.apply({DeleteNode{1}}));
+  ASSERT_TRUE(scene.apply({place(-1, mesh, model::Affine{}), place(-2, mesh, model::Affine{}),
+                           place(-3, mesh, model::Affine{})}));
+  ASSERT_TRUE(scene.apply({model::DeleteNode{1}}));
   const Hit hit = cast(*scene.snapshot(), {Ray{{0.2, 0.2, 1}, {0, 0, -1}}})[0];
   EXPECT_EQ(hit.node, 2u);
   EXPECT_EQ(hit.primitive, 0u);
@@ -252,11 +255,11 @@ TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
 
 TEST(Trace, MillimetresTenThousandKilometresOut) {
   const auto sphere = to_mesh(tests::icosphere(3));
-  const Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
+  const model::Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
   Scene scene, home;
   ASSERT_TRUE(scene.apply({place(-1, sphere, far)}));
-  ASSERT_TRUE(
-      home.apply({place(-1, sphere, Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
+  ASSERT_TRUE(home.apply(
+      {place(-1, sphere, model::Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
   // On a lattice of 2^-20 the far origin is exact.
   const auto lattice = [](double x) { return std::round(x * 0x1p+20) * 0x1p-20; };
   tests::Random random(5);
@@ -314,13 +317,13 @@ TEST(Trace, EightThreadsMeetInAColdScene) {
 TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
   const auto sphere = to_mesh(tests::icosphere(3));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, sphere, Affine{})}));
+  ASSERT_TRUE(scene.apply({place(-1, sphere, model::Affine{})}));
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     for (int i = 1; !stop; ++i) {
       const double z = i % 2 == 0 ? 0.0 : 10.0;
-      EXPECT_TRUE(
-          scene.apply({SetTransforms{{1}, {Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}}}}}));
+      EXPECT_TRUE(scene.apply(
+          {model::SetTransforms{{1}, {model::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}}}}}));
     }
   });
   const std::vector<Ray> rays(2000, Ray{{0.1, 0.1, 50}, {0, 0, -1}});

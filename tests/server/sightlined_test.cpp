@@ -99,7 +99,8 @@ class SightlinedAbuse : public Sightlined {
     api.make_scene(kScene, planar_sheet(100));
     v1::CastRaysResponse reply;
     EXPECT_TRUE(
-        api.cast(cast_request(kScene, rays_downward(server::kMaxRaysPerRequest)), &reply).ok());
+        api.cast(cast_request(kScene, rays_downward(server::queries::kMaxRaysPerRequest)), &reply)
+            .ok());
     before_ = child_.resident_bytes();
   }
 
@@ -181,11 +182,11 @@ TEST_F(SightlinedAbuse, ClientsThatNeverRead) {
 }
 
 TEST_F(SightlinedAbuse, RaysThatAreNoRays) {
-  auto rays = rays_downward(server::kMaxRaysPerRequest);
+  auto rays = rays_downward(server::queries::kMaxRaysPerRequest);
   for (auto& ray : rays) ray.direction.x = std::numeric_limits<double>::quiet_NaN();
   v1::CastRaysResponse reply;
   ASSERT_TRUE(Api(connect(port_)).cast(cast_request(kScene, rays), &reply).ok());
-  EXPECT_EQ(reply.stats().invalid(), server::kMaxRaysPerRequest);
+  EXPECT_EQ(reply.stats().invalid(), server::queries::kMaxRaysPerRequest);
   expect_serving_in_bounds("not rays");
 }
 

@@ -15,7 +15,7 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 namespace {
 
@@ -25,9 +25,9 @@ constexpr double kBoxPad = 1e-9;
 
 double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-scenegraph::Affine compose_in_double(const scenegraph::Affine& outer,
-                                     const scenegraph::Affine& inner) {
-  scenegraph::Affine product;
+scenegraph::model::Affine compose_in_double(const scenegraph::model::Affine& outer,
+                                            const scenegraph::model::Affine& inner) {
+  scenegraph::model::Affine product;
   for (std::size_t r = 0; r < 12; r += 4) {
     for (std::size_t c = 0; c < 4; ++c) {
       product.m[r + c] = outer.m[r] * inner.m[c] + outer.m[r + 1] * inner.m[4 + c] +
@@ -37,22 +37,23 @@ scenegraph::Affine compose_in_double(const scenegraph::Affine& outer,
   return product;
 }
 
-void place_subtree(const scenegraph::Snapshot& snapshot, scenegraph::NodeId id,
-                   const scenegraph::Affine& world_from_parent, std::vector<PlacedMesh>& placed) {
-  const scenegraph::Node* node = snapshot.find(id);
-  const scenegraph::Affine world_from_local =
+void place_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
+                   const scenegraph::model::Affine& world_from_parent,
+                   std::vector<PlacedMesh>& placed) {
+  const scenegraph::model::Node* node = snapshot.find(id);
+  const scenegraph::model::Affine world_from_local =
       compose_in_double(world_from_parent, node->parent_from_local);
   if (node->mesh) placed.push_back({node->mesh->view(), world_from_local, id, node->mask});
-  for (const scenegraph::NodeId child : node->children) {
+  for (const scenegraph::model::NodeId child : node->children) {
     place_subtree(snapshot, child, world_from_local, placed);
   }
 }
 
-bool has_area(const accel::MeshView& mesh, const accel::Face& face) {
+bool has_area(const accel::geometry::MeshView& mesh, const accel::geometry::Face& face) {
   for (const std::uint32_t index : face) {
     if (index >= mesh.vertices.size() || !is_finite(mesh.vertices[index])) return false;
   }
-  const scenegraph::Affine identity;
+  const scenegraph::model::Affine identity;
   const QuadVec a = transform(identity, mesh.vertices[face[0]]);
   const QuadVec n = cross(transform(identity, mesh.vertices[face[1]]) - a,
                           transform(identity, mesh.vertices[face[2]]) - a);
@@ -77,34 +78,34 @@ std::uint64_t morton(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
 }
 
 // Removes what does not exist for the query; where rounding decides on the side, all is possible.
-void cull(accel::Culling culling, std::vector<Candidate>& found) {
-  if (culling == accel::Culling::kNone) return;
-  const int culled = culling == accel::Culling::kBack ? 1 : -1;
+void cull(accel::geometry::Culling culling, std::vector<Candidate>& found) {
+  if (culling == accel::geometry::Culling::kNone) return;
+  const int culled = culling == accel::geometry::Culling::kBack ? 1 : -1;
   std::erase_if(found, [&](const Candidate& c) { return c.side == culled; });
   for (Candidate& c : found) c.borderline = c.borderline || c.side == 0;
 }
 
-bool is_valid(const accel::Ray& ray) {
+bool is_valid(const accel::geometry::Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3d{} &&
          !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
 }  // namespace
 
-std::vector<PlacedMesh> placed_meshes(const scenegraph::Snapshot& snapshot) {
+std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot) {
   std::vector<PlacedMesh> placed;
-  for (const scenegraph::NodeId root : snapshot.roots()) {
-    place_subtree(snapshot, root, scenegraph::Affine{}, placed);
+  for (const scenegraph::model::NodeId root : snapshot.roots()) {
+    place_subtree(snapshot, root, scenegraph::model::Affine{}, placed);
   }
   return placed;
 }
 
 // The ray's line, its direction scaled so that the largest component is about 1.
 struct BruteForce::Line {
-  const accel::Ray& ray;
+  const accel::geometry::Ray& ray;
   Vec3d direction;
 
-  explicit Line(const accel::Ray& r) : ray(r) {
+  explicit Line(const accel::geometry::Ray& r) : ray(r) {
     int exponent = 0;
     (void)std::frexp(largest(r.direction), &exponent);
     direction = {std::ldexp(r.direction.x, -exponent), std::ldexp(r.direction.y, -exponent),
@@ -124,7 +125,8 @@ BruteForce::BruteForce(std::vector<PlacedMesh> meshes, Tolerance tolerance)
                     [&](std::size_t i) { instances_[i] = make_instance(meshes[i]); });
 }
 
-BruteForce::BruteForce(std::shared_ptr<const scenegraph::Snapshot> snapshot, Tolerance tolerance)
+BruteForce::BruteForce(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
+                       Tolerance tolerance)
     : BruteForce(placed_meshes(*snapshot), tolerance) {
   snapshot_ = std::move(snapshot);
 }
@@ -133,7 +135,7 @@ BruteForce::Instance BruteForce::make_instance(const PlacedMesh& placed) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const Box nothing{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
   Instance instance{placed, nothing, 0, {}};
-  const accel::MeshView& mesh = placed.mesh;
+  const accel::geometry::MeshView& mesh = placed.mesh;
 
   std::vector<std::uint32_t> faces;
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
@@ -146,7 +148,7 @@ BruteForce::Instance BruteForce::make_instance(const PlacedMesh& placed) {
   for (const std::uint32_t f : faces) {
     for (std::size_t i = 0; i < 3; ++i) {
       instance.box.grow(corner(f, i));
-      const accel::Vec3f& v = mesh.vertices[mesh.faces[f][i]];
+      const accel::geometry::Vec3f& v = mesh.vertices[mesh.faces[f][i]];
       for (std::size_t a = 0; a < 3; ++a) {
         reach[a] = std::max(reach[a], std::abs(static_cast<double>(v[a])));
       }
@@ -226,7 +228,7 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
   for (std::size_t i = 0; i < chunk.count; ++i) {
     if (!suspect[i]) continue;
     const PlacedMesh& placed = instance.placed;
-    const accel::Face& face = placed.mesh.faces[chunk.face[i]];
+    const accel::geometry::Face& face = placed.mesh.faces[chunk.face[i]];
     std::array<QuadVec, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k] = transform(placed.world_from_local, placed.mesh.vertices[face[k]]);
@@ -239,7 +241,7 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
   }
 }
 
-Reference BruteForce::trace_all(const accel::Ray& ray, const Filter& filter) const {
+Reference BruteForce::trace_all(const accel::geometry::Ray& ray, const Filter& filter) const {
   Reference reference;
   reference.invalid = !is_valid(ray);
   if (reference.invalid) return reference;
@@ -265,7 +267,7 @@ Reference BruteForce::trace_all(const accel::Ray& ray, const Filter& filter) con
   return reference;
 }
 
-Reference BruteForce::trace(const accel::Ray& ray, const Filter& filter) const {
+Reference BruteForce::trace(const accel::geometry::Ray& ray, const Filter& filter) const {
   return nearest_part(trace_all(ray, filter));
 }
 
@@ -281,7 +283,7 @@ Reference nearest_part(Reference all) {
   return all;
 }
 
-std::vector<Reference> BruteForce::trace(std::span<const accel::Ray> rays) const {
+std::vector<Reference> BruteForce::trace(std::span<const accel::geometry::Ray> rays) const {
   std::vector<Reference> references(rays.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 4), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) references[i] = trace(rays[i]);

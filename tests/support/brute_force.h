@@ -18,14 +18,14 @@ namespace sightline::tests {
 
 /// A mesh at a place in the world. The arrays must outlive the oracle.
 struct PlacedMesh {
-  accel::MeshView mesh;
-  scenegraph::Affine world_from_local{};
+  accel::geometry::MeshView mesh;
+  scenegraph::model::Affine world_from_local{};
   std::uint64_t node = 1;
-  std::uint32_t mask = accel::kAllMasks;
+  std::uint32_t mask = accel::geometry::kAllMasks;
 };
 
 /// Every node of the snapshot that carries a mesh. Transforms are composed root to leaf in double.
-std::vector<PlacedMesh> placed_meshes(const scenegraph::Snapshot& snapshot);
+std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot);
 
 /// Less the candidates that lie farther than the first that is accepted beyond doubt.
 Reference nearest_part(Reference all);
@@ -34,15 +34,15 @@ class BruteForce {
  public:
   explicit BruteForce(std::vector<PlacedMesh> meshes, Tolerance tolerance = {});
   /// Keeps the snapshot alive.
-  explicit BruteForce(std::shared_ptr<const scenegraph::Snapshot> snapshot,
+  explicit BruteForce(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
                       Tolerance tolerance = {});
 
   /// nearest_part of trace_all. Threads: any.
-  Reference trace(const accel::Ray& ray, const Filter& filter = {}) const;
+  Reference trace(const accel::geometry::Ray& ray, const Filter& filter = {}) const;
   /// With every candidate, however far.
-  Reference trace_all(const accel::Ray& ray, const Filter& filter = {}) const;
+  Reference trace_all(const accel::geometry::Ray& ray, const Filter& filter = {}) const;
   /// In parallel in the calling thread's oneTBB arena.
-  std::vector<Reference> trace(std::span<const accel::Ray> rays) const;
+  std::vector<Reference> trace(std::span<const accel::geometry::Ray> rays) const;
 
   const Tolerance& tolerance() const { return tolerance_; }
 
@@ -50,8 +50,8 @@ class BruteForce {
   static constexpr std::size_t kLanes = 64;
 
   struct Box {
-    accel::Vec3d lo, hi;
-    void grow(const accel::Vec3d& p);
+    accel::geometry::Vec3d lo, hi;
+    void grow(const accel::geometry::Vec3d& p);
   };
 
   /// Triangles that lie together, as double world coordinates: good enough to say "clearly not".
@@ -76,7 +76,7 @@ class BruteForce {
   void test_chunk(const Instance& instance, const Chunk& chunk, const Line& line, double scale,
                   std::vector<Candidate>& found) const;
 
-  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   std::vector<Instance> instances_;
   Tolerance tolerance_;
 };

@@ -12,9 +12,9 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Ray;
-using accel::Vec3d;
-using scenegraph::Affine;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using scenegraph::model::Affine;
 
 Ray ray(const Vec3d& origin, const Vec3d& direction) {
   Ray r;
@@ -51,7 +51,7 @@ TEST(BruteForce, IntervalIsClosedAndItsEndsAreBorderline) {
   EXPECT_TRUE(at_end.closest()->borderline);
   r.tmax = 0.999;
   EXPECT_TRUE(oracle.trace(r).candidates.empty());
-  r.tmax = accel::kInfinity;
+  r.tmax = accel::geometry::kInfinity;
   r.tmin = 1.001;
   EXPECT_TRUE(oracle.trace(r).candidates.empty());
 }
@@ -147,7 +147,7 @@ TEST(BruteForce, BadRaysAreInvalid) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(oracle.trace(ray({nan, 0, 0}, {0, 0, 1})).invalid);
   EXPECT_TRUE(oracle.trace(ray({0, 0, 0}, {0, 0, 0})).invalid);
-  EXPECT_TRUE(oracle.trace(ray({0, 0, 0}, {0, accel::kInfinity, 0})).invalid);
+  EXPECT_TRUE(oracle.trace(ray({0, 0, 0}, {0, accel::geometry::kInfinity, 0})).invalid);
 }
 
 TEST(BruteForce, BadTrianglesAreNeverHit) {
@@ -155,7 +155,10 @@ TEST(BruteForce, BadTrianglesAreNeverHit) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   mesh.vertices.push_back({nan, 0, 0});
   mesh.faces = {
-      {0, 1, 3}, {accel::kNoVertex, accel::kNoVertex, accel::kNoVertex}, {0, 1, 1}, {0, 1, 2}};
+      {0, 1, 3},
+      {accel::geometry::kNoVertex, accel::geometry::kNoVertex, accel::geometry::kNoVertex},
+      {0, 1, 1},
+      {0, 1, 2}};
   const Reference hit = over(mesh).trace(ray({0.25, 0.25, 1}, {0, 0, -1}));
   ASSERT_EQ(hit.candidates.size(), 1u);
   EXPECT_EQ(hit.candidates[0].primitive, 3u);
@@ -177,7 +180,7 @@ TEST(BruteForce, BoxesLoseNoTriangleOfASoup) {
   const std::vector<Ray> rays = rays_at(soup, 200, 6);
   const BruteForce oracle = over(soup);
   const std::vector<Reference> together = oracle.trace(rays);
-  std::vector<double> nearest(rays.size(), accel::kInfinity);
+  std::vector<double> nearest(rays.size(), accel::geometry::kInfinity);
   std::vector<std::uint32_t> primitive(rays.size());
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
     const TestMesh one{soup.vertices, {soup.faces[f]}};
@@ -192,7 +195,7 @@ TEST(BruteForce, BoxesLoseNoTriangleOfASoup) {
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Candidate* closest = together[i].closest();
-    ASSERT_EQ(closest != nullptr, nearest[i] < accel::kInfinity) << i;
+    ASSERT_EQ(closest != nullptr, nearest[i] < accel::geometry::kInfinity) << i;
     if (closest == nullptr) continue;
     ++hits;
     EXPECT_EQ(closest->t, nearest[i]);
@@ -221,15 +224,16 @@ TEST(BruteForce, SphereIsHitNearItsRadius) {
 
 TEST(BruteForce, WalksTheSnapshotsHierarchy) {
   const TestMesh mesh = single_triangle();
-  auto made = scenegraph::Mesh::make(mesh.vertices, mesh.faces);
+  auto made = scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
   ASSERT_TRUE(made.ok());
-  const auto put = [&](scenegraph::NodeRef node, scenegraph::NodeRef parent, double z, bool leaf) {
-    scenegraph::PutNode p;
+  const auto put = [&](scenegraph::model::NodeRef node, scenegraph::model::NodeRef parent, double z,
+                       bool leaf) {
+    scenegraph::model::PutNode p;
     p.node = node;
     p.parent = parent;
     p.parent_from_local = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}};
     if (leaf) p.mesh = *made;
-    return scenegraph::Update(p);
+    return scenegraph::model::Update(p);
   };
   scenegraph::Scene scene;
   const auto applied =

@@ -12,22 +12,22 @@ namespace {
 constexpr std::size_t kExamples = 10;
 constexpr double kSurfaceTolerance = 1e-4;
 
-using accel::HitState;
+using accel::geometry::HitState;
 
-bool close_in_t(const accel::Hit& hit, const Candidate& c) {
+bool close_in_t(const accel::geometry::Hit& hit, const Candidate& c) {
   return std::abs(hit.t - c.t) <= c.t_tolerance;
 }
 
-bool same_triangle(const accel::Hit& hit, const Candidate& c) {
+bool same_triangle(const accel::geometry::Hit& hit, const Candidate& c) {
   return hit.node == c.node && hit.primitive == c.primitive;
 }
 
-bool is_miss(const accel::Hit& hit) {
-  return hit.state == HitState::kMiss && hit.node == 0 && hit.t == accel::kInfinity;
+bool is_miss(const accel::geometry::Hit& hit) {
+  return hit.state == HitState::kMiss && hit.node == 0 && hit.t == accel::geometry::kInfinity;
 }
 
 // A hit that some choice among the borderline candidates makes right.
-bool edge_explains_hit(const accel::Hit& hit, const Reference& reference) {
+bool edge_explains_hit(const accel::geometry::Hit& hit, const Reference& reference) {
   return std::any_of(
       reference.candidates.begin(), reference.candidates.end(),
       [&](const Candidate& c) { return same_triangle(hit, c) && close_in_t(hit, c); });
@@ -38,10 +38,10 @@ bool edge_explains_miss(const Reference& reference) {
                      [](const Candidate& c) { return c.borderline; });
 }
 
-bool surface_agrees(const accel::Hit& hit, const Reference& reference) {
+bool surface_agrees(const accel::geometry::Hit& hit, const Reference& reference) {
   for (const Candidate& c : reference.candidates) {
     if (!same_triangle(hit, c)) continue;
-    const accel::Vec3d n(hit.normal);
+    const accel::geometry::Vec3d n(hit.normal);
     return std::abs(static_cast<double>(hit.u) - c.u) <= kSurfaceTolerance &&
            std::abs(static_cast<double>(hit.v) - c.v) <= kSurfaceTolerance &&
            length(n - c.normal) <= kSurfaceTolerance;
@@ -49,8 +49,8 @@ bool surface_agrees(const accel::Hit& hit, const Reference& reference) {
   return true;
 }
 
-std::string describe(std::size_t index, const char* what, const accel::Ray& ray,
-                     const accel::Hit& hit, const Reference& reference) {
+std::string describe(std::size_t index, const char* what, const accel::geometry::Ray& ray,
+                     const accel::geometry::Hit& hit, const Reference& reference) {
   std::string text = fmt::format(
       "{} at ray {}: o=({}, {}, {}) d=({}, {}, {}) t in [{}, {}]\n  got state {} t {} node {} "
       "primitive {} uv ({}, {}) normal ({}, {}, {})",
@@ -71,7 +71,7 @@ std::string describe(std::size_t index, const char* what, const accel::Ray& ray,
 
 }  // namespace
 
-Agreement compare(const accel::Hit& hit, const Reference& reference) {
+Agreement compare(const accel::geometry::Hit& hit, const Reference& reference) {
   if (reference.invalid) {
     const bool marked = hit.state == HitState::kInvalid && hit.node == 0 && std::isnan(hit.t);
     return marked ? Agreement::kEqual : Agreement::kMismatch;
@@ -93,7 +93,7 @@ Agreement compare(const accel::Hit& hit, const Reference& reference) {
   return edge_explains_hit(hit, reference) ? Agreement::kEdge : Agreement::kMismatch;
 }
 
-Agreement compare_any(const accel::Hit& hit, const Reference& reference) {
+Agreement compare_any(const accel::geometry::Hit& hit, const Reference& reference) {
   if (reference.invalid) {
     return hit.state == HitState::kInvalid ? Agreement::kEqual : Agreement::kMismatch;
   }
@@ -112,8 +112,9 @@ std::string Comparison::report() const {
   return text;
 }
 
-Comparison compare(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits,
-                   const BruteForce& oracle, const CompareOptions& options) {
+Comparison compare(std::span<const accel::geometry::Ray> rays,
+                   std::span<const accel::geometry::Hit> hits, const BruteForce& oracle,
+                   const CompareOptions& options) {
   Comparison result;
   result.rays = rays.size();
   if (rays.size() != hits.size()) {

@@ -18,9 +18,9 @@ enum class Agreement : std::uint8_t {
   kMismatch,  ///< Wrong.
 };
 
-Agreement compare(const accel::Hit& hit, const Reference& reference);
+Agreement compare(const accel::geometry::Hit& hit, const Reference& reference);
 /// For any-hit answers: `state` alone.
-Agreement compare_any(const accel::Hit& hit, const Reference& reference);
+Agreement compare_any(const accel::geometry::Hit& hit, const Reference& reference);
 
 struct Comparison {
   std::uint64_t rays = 0;
@@ -44,7 +44,8 @@ struct CompareOptions {
 
 /// hits[i] answers rays[i]. The oracle traces the rays in the calling thread's oneTBB arena.
 /// Sizes that disagree are a mismatch.
-Comparison compare(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits,
-                   const BruteForce& oracle, const CompareOptions& options = {});
+Comparison compare(std::span<const accel::geometry::Ray> rays,
+                   std::span<const accel::geometry::Hit> hits, const BruteForce& oracle,
+                   const CompareOptions& options = {});
 
 }  // namespace sightline::tests

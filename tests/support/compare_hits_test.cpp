@@ -10,9 +10,9 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 
 Hit hit_at(double t, std::uint64_t node, std::uint32_t primitive) {
   Hit hit;

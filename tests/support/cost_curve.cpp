@@ -5,8 +5,8 @@
 
 namespace sightline::tests {
 
-TrueCounts::TrueCounts(std::span<const accel::BoxRef> refs, std::size_t axis) {
-  for (const accel::BoxRef& ref : refs) {
+TrueCounts::TrueCounts(std::span<const accel::kdtree::BoxRef> refs, std::size_t axis) {
+  for (const accel::kdtree::BoxRef& ref : refs) {
     lower_.push_back({static_cast<double>(ref.lo[axis]), static_cast<double>(ref.weight)});
     upper_.push_back({static_cast<double>(ref.hi[axis]), static_cast<double>(ref.weight)});
     steps_.push_back(lower_.back().at);
@@ -40,7 +40,7 @@ double TrueCounts::right(double x) const {
   return upper_.back().weight_to_here - below;
 }
 
-std::vector<SampleSegment> segments(const accel::Samples& samples) {
+std::vector<SampleSegment> segments(const accel::published::kd::Samples& samples) {
   std::vector<SampleSegment> segments;
   for (std::size_t i = 0; i + 1 < samples.size; ++i) {
     const SampleSegment segment{samples.at[i], samples.at[i + 1]};

@@ -14,7 +14,7 @@ namespace sightline::tests {
 /// C_L and C_R by their definition, from sorted bounds.
 class TrueCounts {
  public:
-  TrueCounts(std::span<const accel::BoxRef> refs, std::size_t axis);
+  TrueCounts(std::span<const accel::kdtree::BoxRef> refs, std::size_t axis);
 
   double left(double x) const;   ///< Weight with lo < x.
   double right(double x) const;  ///< Weight with hi > x.
@@ -34,7 +34,7 @@ class TrueCounts {
 
 /// Two neighbouring samples; C_L and C_R are taken to be linear between them.
 struct SampleSegment {
-  accel::Sample begin, end;
+  accel::published::kd::Sample begin, end;
 
   double width() const { return end.position - begin.position; }
   /// Of C_L - C_R, which only rises: that of C_L and that of -C_R together.
@@ -49,7 +49,7 @@ struct SampleSegment {
 };
 
 /// All segments of some width, in order.
-std::vector<SampleSegment> segments(const accel::Samples& samples);
+std::vector<SampleSegment> segments(const accel::published::kd::Samples& samples);
 
 /// The segment that holds x, the left one at a border; x lies between the first sample and the
 /// last.

@@ -8,8 +8,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::cross;
-using accel::dot;
+using accel::geometry::cross;
+using accel::geometry::dot;
 
 // Below this share of its largest possible value a volume is what rounding in 113 bits left of
 // zero.
@@ -45,8 +45,9 @@ Sides classify(const std::array<Quad, 3>& volume, const std::array<Quad, 3>& nea
 
 }  // namespace
 
-std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<QuadVec, 3>& corners,
-                                       double scale, const Tolerance& tolerance) {
+std::optional<Candidate> test_triangle(const accel::geometry::Ray& ray,
+                                       const std::array<QuadVec, 3>& corners, double scale,
+                                       const Tolerance& tolerance) {
   const QuadVec o = widen(ray.origin);
   const QuadVec d = widen(ray.direction);
   const std::array<QuadVec, 3> p{corners[0] - o, corners[1] - o, corners[2] - o};

@@ -12,7 +12,8 @@ namespace sightline::tests {
 /// The candidate that the triangle (in world space) makes for the ray, node and primitive left out.
 /// `scale` is the largest coordinate in play.
 /// Nothing where the ray misses by more than the tolerance.
-std::optional<Candidate> test_triangle(const accel::Ray& ray, const std::array<QuadVec, 3>& corners,
-                                       double scale, const Tolerance& tolerance);
+std::optional<Candidate> test_triangle(const accel::geometry::Ray& ray,
+                                       const std::array<QuadVec, 3>& corners, double scale,
+                                       const Tolerance& tolerance);
 
 }  // namespace sightline::tests

@@ -7,8 +7,8 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 TestMesh walls_among_scattered(std::uint32_t triangles, std::uint32_t walls, std::uint64_t seed) {
   constexpr double kPlaces[] = {1 / std::numbers::phi, 1 / std::numbers::pi};

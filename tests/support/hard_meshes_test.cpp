@@ -16,7 +16,7 @@ namespace {
 bool same_bits(const TestMesh& a, const TestMesh& b) {
   return a.faces == b.faces && a.vertices.size() == b.vertices.size() &&
          std::memcmp(a.vertices.data(), b.vertices.data(),
-                     a.vertices.size() * sizeof(accel::Vec3f)) == 0;
+                     a.vertices.size() * sizeof(accel::geometry::Vec3f)) == 0;
 }
 
 TEST(HardMeshes, HaveAboutAsManyTrianglesAsAskedFor) {
@@ -27,7 +27,7 @@ TEST(HardMeshes, HaveAboutAsManyTrianglesAsAskedFor) {
       if (n >= 700) {
         EXPECT_GE(made.faces.size(), n / 2) << mesh.name;
       }
-      for (const accel::Face& face : made.faces) {
+      for (const accel::geometry::Face& face : made.faces) {
         for (const std::uint32_t v : face) ASSERT_LT(v, made.vertices.size()) << mesh.name;
       }
     }
@@ -76,7 +76,7 @@ TEST(HardRays, AreValidAndTakeTurns) {
     const TestMesh made = mesh.make(300, 1);
     const auto rays = make_hard_rays(made, 10 * kHardRayKinds, 2);
     ASSERT_EQ(rays.size(), 10 * kHardRayKinds) << mesh.name;
-    for (const accel::Ray& ray : rays) {
+    for (const accel::geometry::Ray& ray : rays) {
       EXPECT_TRUE(is_finite(ray.origin) && is_finite(ray.direction)) << mesh.name;
     }
   }

@@ -8,7 +8,7 @@
 
 namespace sightline::tests {
 
-using accel::Face;
+using accel::geometry::Face;
 
 TestMesh interleaved(std::uint32_t triangles, std::uint64_t seed) {
   const auto period =
@@ -57,10 +57,11 @@ TestMesh with_zero_area(std::uint32_t triangles, std::uint64_t seed) {
         face = {face[0], face[1], face[0]};
         break;
       default: {  // the middle of two corners that a float can tell from both
-        const accel::Vec3d middle =
-            (accel::Vec3d(mesh.vertices[face[0]]) + accel::Vec3d(mesh.vertices[face[1]])) * 0.5;
+        const accel::geometry::Vec3d middle = (accel::geometry::Vec3d(mesh.vertices[face[0]]) +
+                                               accel::geometry::Vec3d(mesh.vertices[face[1]])) *
+                                              0.5;
         face[2] = static_cast<std::uint32_t>(mesh.vertices.size());
-        mesh.vertices.push_back(accel::Vec3f(middle));
+        mesh.vertices.push_back(accel::geometry::Vec3f(middle));
       }
     }
   }

@@ -8,8 +8,8 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -78,7 +78,7 @@ TestMesh pages_of_book(std::uint32_t triangles, std::uint64_t seed) {
 TestMesh stacked_hills(std::uint32_t triangles, std::uint64_t seed) {
   constexpr std::uint32_t kCopies = 100;
   TestMesh mesh = hills((triangles + kCopies - 1) / kCopies, seed);
-  const std::vector<accel::Face> once = mesh.faces;
+  const std::vector<accel::geometry::Face> once = mesh.faces;
   while (mesh.faces.size() < triangles) {
     mesh.faces.push_back(once[mesh.faces.size() % once.size()]);
   }

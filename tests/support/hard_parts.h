@@ -9,18 +9,20 @@
 
 namespace sightline::tests {
 
-inline void add_triangle(TestMesh& mesh, const accel::Vec3d& a, const accel::Vec3d& b,
-                         const accel::Vec3d& c) {
+inline void add_triangle(TestMesh& mesh, const accel::geometry::Vec3d& a,
+                         const accel::geometry::Vec3d& b, const accel::geometry::Vec3d& c) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), {accel::Vec3f(a), accel::Vec3f(b), accel::Vec3f(c)});
+  mesh.vertices.insert(mesh.vertices.end(), {accel::geometry::Vec3f(a), accel::geometry::Vec3f(b),
+                                             accel::geometry::Vec3f(c)});
   mesh.faces.push_back({first, first + 1, first + 2});
 }
 
 /// A lattice over the parallelogram at `corner`, exactly `triangles` faces, row by row.
 /// `place(point, i, j)` moves a lattice point.
 template <class Place>
-void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
-                 const accel::Vec3d& u, const accel::Vec3d& v, const Place& place) {
+void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::geometry::Vec3d& corner,
+                 const accel::geometry::Vec3d& u, const accel::geometry::Vec3d& v,
+                 const Place& place) {
   const std::uint32_t quads = (triangles + 1) / 2;
   if (quads == 0) return;
   const auto columns = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(quads)));
@@ -28,9 +30,9 @@ void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& co
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (std::uint32_t j = 0; j <= rows; ++j) {
     for (std::uint32_t i = 0; i <= columns; ++i) {
-      const accel::Vec3d p =
+      const accel::geometry::Vec3d p =
           corner + u * (static_cast<double>(i) / columns) + v * (static_cast<double>(j) / rows);
-      mesh.vertices.push_back(accel::Vec3f(place(p, i, j)));
+      mesh.vertices.push_back(accel::geometry::Vec3f(place(p, i, j)));
     }
   }
   const std::size_t end = mesh.faces.size() + triangles;
@@ -42,22 +44,23 @@ void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& co
   }
 }
 
-inline void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
-                        const accel::Vec3d& u, const accel::Vec3d& v) {
+inline void add_lattice(TestMesh& mesh, std::uint32_t triangles,
+                        const accel::geometry::Vec3d& corner, const accel::geometry::Vec3d& u,
+                        const accel::geometry::Vec3d& v) {
   add_lattice(mesh, triangles, corner, u, v,
-              [](const accel::Vec3d& p, std::uint32_t, std::uint32_t) { return p; });
+              [](const accel::geometry::Vec3d& p, std::uint32_t, std::uint32_t) { return p; });
 }
 
 /// Triangles of a size that leaves room between them, in the cube of this width at `corner`.
-inline void add_scattered(TestMesh& mesh, std::uint32_t triangles, const accel::Vec3d& corner,
-                          double width, Random& random) {
+inline void add_scattered(TestMesh& mesh, std::uint32_t triangles,
+                          const accel::geometry::Vec3d& corner, double width, Random& random) {
   const double size = 0.5 * width / std::cbrt(1.0 + triangles);
   const auto point = [&](double extent) {
-    return accel::Vec3d{random.uniform() * extent, random.uniform() * extent,
-                        random.uniform() * extent};
+    return accel::geometry::Vec3d{random.uniform() * extent, random.uniform() * extent,
+                                  random.uniform() * extent};
   };
   for (std::uint32_t i = 0; i < triangles; ++i) {
-    const accel::Vec3d at = corner + point(width - size);
+    const accel::geometry::Vec3d at = corner + point(width - size);
     add_triangle(mesh, at + point(size), at + point(size), at + point(size));
   }
 }

@@ -10,9 +10,9 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Ray;
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 // One of the 26 directions to the neighbours in a lattice; zeros have either sign.
 Vec3d lattice_direction(Random& random) {
@@ -29,7 +29,7 @@ Vec3d lattice_direction(Random& random) {
 class HardRays {
  public:
   explicit HardRays(const TestMesh& mesh) : mesh_(mesh) {
-    for (const accel::Face& face : mesh.faces) {
+    for (const accel::geometry::Face& face : mesh.faces) {
       bool finite = true;
       for (const std::uint32_t v : face) finite = finite && is_finite(Vec3d(mesh.vertices[v]));
       if (!finite) continue;
@@ -44,7 +44,7 @@ class HardRays {
   bool empty() const { return finite_.empty(); }
 
   Ray make(std::size_t kind, Random& random) const {
-    const accel::Face& face = finite_[random.below(finite_.size())];
+    const accel::geometry::Face& face = finite_[random.below(finite_.size())];
     const std::size_t corner = random.below(3);
     const Vec3d vertex(mesh_.vertices[face[corner]]);
     const Vec3d next(mesh_.vertices[face[(corner + 1) % 3]]);
@@ -90,8 +90,8 @@ class HardRays {
   }
 
   const TestMesh& mesh_;
-  std::vector<accel::Face> finite_;
-  accel::Aabb bounds_;
+  std::vector<accel::geometry::Face> finite_;
+  accel::geometry::Aabb bounds_;
   Vec3d lo_, hi_;
   double diagonal_;
 };
@@ -106,7 +106,7 @@ std::vector<Ray> make_hard_rays(const TestMesh& mesh, std::size_t count, std::ui
   Random random(seed);
   for (std::size_t turn = 0; rays.size() < count; ++turn) {
     const Ray ray = maker.make(turn % kHardRayKinds, random);
-    if (accel::make_local_ray(ray.origin, ray.direction)) rays.push_back(ray);
+    if (accel::geometry::make_local_ray(ray.origin, ray.direction)) rays.push_back(ray);
   }
   return rays;
 }

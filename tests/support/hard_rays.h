@@ -18,6 +18,7 @@ inline constexpr std::size_t kHardRayKinds = 8;
 /// signs), the same from the vertex itself, from a plane through a vertex along that plane, and
 /// with limits that end at a vertex. All are valid; the mesh needs a finite vertex, else there are
 /// none.
-std::vector<accel::Ray> make_hard_rays(const TestMesh& mesh, std::size_t count, std::uint64_t seed);
+std::vector<accel::geometry::Ray> make_hard_rays(const TestMesh& mesh, std::size_t count,
+                                                 std::uint64_t seed);
 
 }  // namespace sightline::tests

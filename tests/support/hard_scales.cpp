@@ -6,7 +6,7 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 TestMesh hills(std::uint32_t triangles, std::uint64_t seed) {
   TestMesh mesh;
@@ -36,10 +36,10 @@ TestMesh ball(std::uint32_t triangles, const Vec3d& center, double radius, doubl
   TestMesh mesh = tiled_cube(triangles);
   Random random(seed);
   const double width = std::min(1.0, 2 * std::sqrt(12 / (1.0 + triangles)));
-  for (accel::Vec3f& vertex : mesh.vertices) {
+  for (accel::geometry::Vec3f& vertex : mesh.vertices) {
     const Vec3d from_middle = Vec3d(vertex) - Vec3d{0.5, 0.5, 0.5};
     const double far = radius * (1 + noise * width * random.uniform(-0.5, 0.5));
-    vertex = accel::Vec3f(center + from_middle * (far / length(from_middle)));
+    vertex = accel::geometry::Vec3f(center + from_middle * (far / length(from_middle)));
   }
   return mesh;
 }
@@ -89,12 +89,12 @@ TestMesh halving_staircase(std::uint32_t triangles, std::uint64_t seed) {
 
 TestMesh huge_and_tiny(std::uint32_t triangles, std::uint64_t seed) {
   TestMesh mesh = tiled_cube(triangles / 3);
-  for (accel::Vec3f& v : mesh.vertices) {
+  for (accel::geometry::Vec3f& v : mesh.vertices) {
     const Vec3d p = Vec3d(v) - Vec3d{0.5, 0.5, 0.5};
-    v = accel::Vec3f(Vec3d{p.x * 5.9e11, p.y * 1.2e5, p.z * 1.2e5});
+    v = accel::geometry::Vec3f(Vec3d{p.x * 5.9e11, p.y * 1.2e5, p.z * 1.2e5});
   }
   TestMesh ground = hills(triangles / 3, seed);
-  for (accel::Vec3f& v : ground.vertices) v = accel::Vec3f(Vec3d(v) * 1e3);
+  for (accel::geometry::Vec3f& v : ground.vertices) v = accel::geometry::Vec3f(Vec3d(v) * 1e3);
   mesh.append(ground);
   const auto rest = triangles - static_cast<std::uint32_t>(mesh.faces.size());
   mesh.append(ball(rest, {0, 0, 0}, 1e-3, 0.3, seed));

@@ -31,8 +31,8 @@ TestMesh furnished_rooms(std::uint32_t triangles);
 // hard_scales.cpp: large and small together, far away, near the least of floats.
 
 /// A tiled ball about `center`; its radius varies by `noise` widths of its triangles.
-TestMesh ball(std::uint32_t triangles, const accel::Vec3d& center, double radius, double noise,
-              std::uint64_t seed);
+TestMesh ball(std::uint32_t triangles, const accel::geometry::Vec3d& center, double radius,
+              double noise, std::uint64_t seed);
 /// Nine in ten of them a ball in a millionth of the box, the rest stands around it.
 TestMesh ball_in_stadium(std::uint32_t triangles, std::uint64_t seed);
 /// Ten balls about one point, each a thousandth of the size of the one before.

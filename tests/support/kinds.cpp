@@ -12,8 +12,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
 using scenegraph::RayTally;
 
 constexpr std::size_t kExamples = 5;
@@ -59,7 +59,8 @@ bool holds(std::span<const Hit> hits, const Candidate& c) {
 
 }  // namespace
 
-KindAnswers ask_all_kinds(const scenegraph::Snapshot& snapshot, std::span<const accel::Ray> rays,
+KindAnswers ask_all_kinds(const scenegraph::revision::Snapshot& snapshot,
+                          std::span<const accel::geometry::Ray> rays,
                           scenegraph::TraceOptions options) {
   KindAnswers answers;
   answers.closest.resize(rays.size());
@@ -137,7 +138,7 @@ std::string KindComparison::report() const {
   return text;
 }
 
-KindComparison compare_kinds(std::span<const accel::Ray> rays, const KindAnswers& answers,
+KindComparison compare_kinds(std::span<const accel::geometry::Ray> rays, const KindAnswers& answers,
                              const BruteForce& oracle, const Filter& filter) {
   std::vector<std::size_t> begin(rays.size() + 1);
   for (std::size_t i = 0; i < rays.size(); ++i) begin[i + 1] = begin[i] + answers.lists[i].count;
@@ -159,7 +160,7 @@ KindComparison compare_kinds(std::span<const accel::Ray> rays, const KindAnswers
       result.mismatches += agreement == Agreement::kMismatch;
       if (agreement != Agreement::kMismatch || result.examples.size() >= kExamples) continue;
       static constexpr std::array kNames{"closest", "any", "count", "all"};
-      const accel::Ray& r = rays[i];
+      const accel::geometry::Ray& r = rays[i];
       result.examples.push_back(fmt::format(
           "{} of ray {}: o=({}, {}, {}) d=({}, {}, {}) t in [{}, {}] mask {:x}: count {}, listed "
           "{}",

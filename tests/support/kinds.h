@@ -17,13 +17,14 @@ namespace sightline::tests {
 
 /// Row i of each answers ray i.
 struct KindAnswers {
-  std::vector<accel::Hit> closest, any;
+  std::vector<accel::geometry::Hit> closest, any;
   std::vector<scenegraph::RayTally> counts, lists;
-  std::vector<accel::Hit> listed;  ///< lists[i].count for ray i, one ray after the other.
+  std::vector<accel::geometry::Hit> listed;  ///< lists[i].count for ray i, one ray after the other.
 };
 
 /// Asks for every kind, with these options but for the kind.
-KindAnswers ask_all_kinds(const scenegraph::Snapshot& snapshot, std::span<const accel::Ray> rays,
+KindAnswers ask_all_kinds(const scenegraph::revision::Snapshot& snapshot,
+                          std::span<const accel::geometry::Ray> rays,
                           scenegraph::TraceOptions options);
 
 /// In words, how the kinds contradict each other for the first ray where they do; empty if they
@@ -32,8 +33,8 @@ std::string contradiction(const KindAnswers& answers, std::uint32_t max_hits);
 
 /// A whole list against a reference of trace_all: hits that are in it, in order, each once, and
 /// none left out; of one that is cut off, none that is nearer than its last.
-Agreement compare_list(std::span<const accel::Hit> hits, const scenegraph::RayTally& tally,
-                       const Reference& all);
+Agreement compare_list(std::span<const accel::geometry::Hit> hits,
+                       const scenegraph::RayTally& tally, const Reference& all);
 Agreement compare_count(const scenegraph::RayTally& tally, const Reference& all);
 
 struct KindComparison {
@@ -46,7 +47,7 @@ struct KindComparison {
 };
 
 /// Every kind against the oracle, ray by ray, in parallel in the calling thread's oneTBB arena.
-KindComparison compare_kinds(std::span<const accel::Ray> rays, const KindAnswers& answers,
+KindComparison compare_kinds(std::span<const accel::geometry::Ray> rays, const KindAnswers& answers,
                              const BruteForce& oracle, const Filter& filter);
 
 }  // namespace sightline::tests

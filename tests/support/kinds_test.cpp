@@ -8,8 +8,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
 
 Hit hit_at(double t, std::uint32_t primitive) {
   Hit hit;
@@ -24,7 +24,7 @@ Hit hit_at(double t, std::uint32_t primitive) {
 struct OneRay {
   TestMesh mesh = cube();
   BruteForce oracle{{PlacedMesh{mesh.view()}}};
-  accel::Ray ray{{0.25, 0.125, 5}, {0, 0, -1}};
+  accel::geometry::Ray ray{{0.25, 0.125, 5}, {0, 0, -1}};
   KindAnswers answers;
 
   OneRay() {
@@ -48,8 +48,8 @@ TEST(Oracle, ListsEveryCandidateLessWhatIsLeftOut) {
     return t;
   };
   EXPECT_EQ(seen({}), (std::vector<double>{4, 6}));
-  EXPECT_EQ(seen({.culling = accel::Culling::kBack}), std::vector<double>{4});
-  EXPECT_EQ(seen({.culling = accel::Culling::kFront}), std::vector<double>{6});
+  EXPECT_EQ(seen({.culling = accel::geometry::Culling::kBack}), std::vector<double>{4});
+  EXPECT_EQ(seen({.culling = accel::geometry::Culling::kFront}), std::vector<double>{6});
   EXPECT_EQ(seen({.hidden = {1}}), std::vector<double>{});
   EXPECT_EQ(seen({.hidden = {2}}), (std::vector<double>{4, 6}));
   EXPECT_EQ(one.oracle.trace(one.ray).candidates.size(), 1u) << "the nearest alone";
@@ -100,7 +100,8 @@ TEST(CompareKinds, FindsWhatTheOracleDoesNot) {
             }),
             0u)
       << "and said so";
-  EXPECT_EQ(OneRay().mismatches({.culling = accel::Culling::kFront}), 3u) << "any is right";
+  EXPECT_EQ(OneRay().mismatches({.culling = accel::geometry::Culling::kFront}), 3u)
+      << "any is right";
 }
 
 TEST(CompareKinds, KnowsABadRay) {

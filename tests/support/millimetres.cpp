@@ -10,11 +10,11 @@
 
 namespace sightline::tests {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 

@@ -19,11 +19,12 @@ TestMesh ridged_plate();
 /// From points one kilometre off, 30 degrees or more above the plate's plane, toward points of the
 /// plate at least 5 cm from its rim; directions are of length 1, so t is in metres. `bits`: origins
 /// are multiples of 2^-bits.
-std::vector<accel::Ray> kilometre_rays(std::size_t count, std::uint64_t seed, int bits);
+std::vector<accel::geometry::Ray> kilometre_rays(std::size_t count, std::uint64_t seed, int bits);
 
 /// The rays, and four more of each, their origins moved by `distance` to and fro along x and y: in
 /// fives, each ray first.
-std::vector<accel::Ray> with_nudges(std::span<const accel::Ray> rays, double distance);
+std::vector<accel::geometry::Ray> with_nudges(std::span<const accel::geometry::Ray> rays,
+                                              double distance);
 
 /// Answers to with_nudges at the origin and elsewhere. A ray is steady if it and its four nudges
 /// have hit the same primitive at the origin.
@@ -36,7 +37,7 @@ struct Displacement {
 
   std::string report() const;
 };
-Displacement displacement(std::span<const accel::Hit> at_origin,
-                          std::span<const accel::Hit> elsewhere);
+Displacement displacement(std::span<const accel::geometry::Hit> at_origin,
+                          std::span<const accel::geometry::Hit> elsewhere);
 
 }  // namespace sightline::tests

@@ -6,10 +6,10 @@
 
 namespace sightline::tests {
 
-using accel::Vec3f;
-using scenegraph::Affine;
-using scenegraph::NodeId;
-using scenegraph::NodeRef;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
+using scenegraph::model::NodeId;
+using scenegraph::model::NodeRef;
 
 namespace {
 
@@ -26,9 +26,9 @@ Affine product(const Affine& outer, const Affine& inner) {
 
 }  // namespace
 
-accel::MeshView PlainNode::view() const {
-  const accel::MeshView as_put = mesh->view();
-  return vertices ? accel::MeshView{*vertices, as_put.faces} : as_put;
+accel::geometry::MeshView PlainNode::view() const {
+  const accel::geometry::MeshView as_put = mesh->view();
+  return vertices ? accel::geometry::MeshView{*vertices, as_put.faces} : as_put;
 }
 
 std::uint64_t PlainScene::triangles() const {
@@ -68,16 +68,16 @@ Affine PlainScene::world_from_local(NodeId id) const {
                           : product(world_from_local(node.parent), node.parent_from_local);
 }
 
-void PlainScene::apply(const scenegraph::Update& update) {
-  if (const auto* u = std::get_if<scenegraph::PutNode>(&update)) {
+void PlainScene::apply(const scenegraph::model::Update& update) {
+  if (const auto* u = std::get_if<scenegraph::model::PutNode>(&update)) {
     put(*u);
-  } else if (const auto* m = std::get_if<scenegraph::SetTransforms>(&update)) {
+  } else if (const auto* m = std::get_if<scenegraph::model::SetTransforms>(&update)) {
     for (std::size_t i = 0; i < m->nodes.size(); ++i)
       nodes_.at(resolve(m->nodes[i])).parent_from_local = m->parent_from_local[i];
-  } else if (const auto* p = std::get_if<scenegraph::PatchVertices>(&update)) {
+  } else if (const auto* p = std::get_if<scenegraph::model::PatchVertices>(&update)) {
     patch(*p);
   } else {
-    remove(resolve(std::get<scenegraph::DeleteNode>(update).node));
+    remove(resolve(std::get<scenegraph::model::DeleteNode>(update).node));
   }
 }
 
@@ -98,7 +98,7 @@ NodeRef PlainScene::refer(NodeId id) const {
   return static_cast<NodeRef>(id);
 }
 
-void PlainScene::put(const scenegraph::PutNode& put) {
+void PlainScene::put(const scenegraph::model::PutNode& put) {
   if (put.node < 0 && !aliases_.contains(put.node)) aliases_[put.node] = next_id_++;
   const NodeId id = resolve(put.node);
   nodes_[id] = {put.parent == 0 ? 0 : resolve(put.parent),
@@ -111,7 +111,7 @@ void PlainScene::put(const scenegraph::PutNode& put) {
   put_nodes_.push_back(id);
 }
 
-void PlainScene::patch(const scenegraph::PatchVertices& patch) {
+void PlainScene::patch(const scenegraph::model::PatchVertices& patch) {
   const auto before = nodes_.at(resolve(patch.nodes.front())).view().vertices;
   std::vector<Vec3f> after(before.begin(), before.end());
   std::copy(patch.positions.begin(), patch.positions.end(), after.begin() + patch.first);

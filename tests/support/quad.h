@@ -7,13 +7,13 @@
 namespace sightline::tests {
 
 __extension__ using Quad = __float128;
-using QuadVec = accel::Vec3<Quad>;
+using QuadVec = accel::geometry::Vec3<Quad>;
 
-inline QuadVec widen(const accel::Vec3d& v) { return {v.x, v.y, v.z}; }
+inline QuadVec widen(const accel::geometry::Vec3d& v) { return {v.x, v.y, v.z}; }
 inline Quad absolute(Quad x) { return x < 0 ? -x : x; }
 
 /// A point through a double matrix; wrong by a few units in the 113th bit at most.
-inline QuadVec transform(const scenegraph::Affine& a, const accel::Vec3f& p) {
+inline QuadVec transform(const scenegraph::model::Affine& a, const accel::geometry::Vec3f& p) {
   const auto row = [&](std::size_t r) {
     return Quad{a.m[r]} * static_cast<Quad>(p.x) + Quad{a.m[r + 1]} * static_cast<Quad>(p.y) +
            Quad{a.m[r + 2]} * static_cast<Quad>(p.z) + Quad{a.m[r + 3]};

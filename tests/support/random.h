@@ -33,10 +33,10 @@ class Random {
   std::uint64_t below(std::uint64_t n) { return next() % n; }
 
   /// Uniform on the unit sphere. By rejection: sine and cosine differ between C libraries.
-  accel::Vec3d direction() {
+  accel::geometry::Vec3d direction() {
     for (;;) {
-      const accel::Vec3d p{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-      const double square = accel::dot(p, p);
+      const accel::geometry::Vec3d p{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+      const double square = accel::geometry::dot(p, p);
       if (square > 1e-6 && square <= 1) return p * (1 / std::sqrt(square));
     }
   }

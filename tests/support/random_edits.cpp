@@ -10,13 +10,13 @@
 
 namespace sightline::tests {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Affine;
-using scenegraph::Mobility;
-using scenegraph::NodeId;
-using scenegraph::NodeRef;
-using scenegraph::PutNode;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
+using scenegraph::model::Mobility;
+using scenegraph::model::NodeId;
+using scenegraph::model::NodeRef;
+using scenegraph::model::PutNode;
 
 namespace {
 
@@ -44,7 +44,7 @@ std::vector<MeshChoice> small_meshes() {
   std::vector<MeshChoice> choices;
   for (const TestMesh& mesh : {planar_sheet(1), icosphere(1), icosphere(2), cube(), planar_sheet(6),
                                staircase(8), random_soup(60, 0.3, 3), random_soup(200, 0.1, 4)}) {
-    choices.push_back({*scenegraph::Mesh::make(mesh.vertices, mesh.faces), ""});
+    choices.push_back({*scenegraph::model::Mesh::make(mesh.vertices, mesh.faces), ""});
   }
   return choices;
 }
@@ -73,11 +73,11 @@ RandomEdit ground(const std::vector<MeshChoice>& meshes) {
 }
 
 struct RandomEdits::Batch {
-  std::vector<scenegraph::Update> updates;
+  std::vector<scenegraph::model::Update> updates;
   PlainScene scene;  // with all of them
   NodeRef next_alias = -1;
 
-  void add(scenegraph::Update update) {
+  void add(scenegraph::model::Update update) {
     scene.apply(update);
     updates.push_back(std::move(update));
   }
@@ -183,7 +183,7 @@ void RandomEdits::change(Batch& batch) {
                          batch.scene.depth(parent) + batch.scene.height(id) <= kDeep;
     put.parent = allowed ? batch.scene.refer(parent) : 0;
   } else if (what == 1) {
-    put.mask = random_.below(2) == 0 ? accel::kAllMasks : 1u << random_.below(3);
+    put.mask = random_.below(2) == 0 ? accel::geometry::kAllMasks : 1u << random_.below(3);
   } else if (what == 2) {
     put.mobility = mobility();
   } else {
@@ -195,7 +195,7 @@ void RandomEdits::change(Batch& batch) {
 }
 
 void RandomEdits::move(Batch& batch) {
-  scenegraph::SetTransforms set;
+  scenegraph::model::SetTransforms set;
   for (std::uint64_t n = 1 + random_.below(8); n > 0; --n) {
     // Now and then the ground itself.
     const bool whole = random_.below(100) == 0 && batch.scene.nodes().contains(1);
@@ -211,7 +211,7 @@ void RandomEdits::patch(Batch& batch) {
   const auto id = pick(batch.scene, true);
   if (!id) return;
   const PlainNode& node = batch.scene.nodes().at(*id);
-  scenegraph::PatchVertices patch;
+  scenegraph::model::PatchVertices patch;
   for (const auto& [other, twin] : batch.scene.nodes()) {
     const bool shares = twin.mesh && twin.same_mesh(node);
     if (other == *id || (shares && random_.below(2) == 0))
@@ -229,7 +229,7 @@ void RandomEdits::remove(Batch& batch) {
   const NodeId id = *pick(batch.scene, false);
   const int height = batch.scene.height(id);
   if (height > 3 || (id <= kGround + 1 && (height > 1 || random_.below(8) != 0))) return;
-  batch.add(scenegraph::DeleteNode{batch.scene.refer(id), height > 1});
+  batch.add(scenegraph::model::DeleteNode{batch.scene.refer(id), height > 1});
 }
 
 // Adds an update for which the batch is to be refused.
@@ -237,7 +237,7 @@ Code RandomEdits::spoil(Batch& batch) {
   const auto id = pick(batch.scene, true);
   const std::uint64_t what = id ? random_.below(6) : 0;
   if (what == 0) {
-    batch.updates.push_back(scenegraph::SetTransforms{{kNobody}, {Affine{}}});
+    batch.updates.push_back(scenegraph::model::SetTransforms{{kNobody}, {Affine{}}});
     return Code::kNotFound;
   }
   const NodeRef ref = batch.scene.refer(*id);
@@ -246,22 +246,22 @@ Code RandomEdits::spoil(Batch& batch) {
     put.parent = ref;
     batch.updates.push_back(put);
   } else if (what == 2) {
-    batch.updates.push_back(scenegraph::SetTransforms{{ref}, {Affine{{}}}});
+    batch.updates.push_back(scenegraph::model::SetTransforms{{ref}, {Affine{{}}}});
   } else if (what == 3) {
     const auto vertices = batch.scene.nodes().at(*id).view().vertices.size();
     batch.updates.push_back(
-        scenegraph::PatchVertices{{ref}, static_cast<std::uint32_t>(vertices), {Vec3f{}}});
+        scenegraph::model::PatchVertices{{ref}, static_cast<std::uint32_t>(vertices), {Vec3f{}}});
   } else if (what == 4) {
-    batch.updates.push_back(scenegraph::SetTransforms{{ref, ref}, {Affine{}}});
+    batch.updates.push_back(scenegraph::model::SetTransforms{{ref, ref}, {Affine{}}});
   } else {
     NodeId parent = *id;
     while (batch.scene.nodes().at(parent).parent != 0)
       parent = batch.scene.nodes().at(parent).parent;
     if (batch.scene.height(parent) == 1) {
-      batch.updates.push_back(scenegraph::PatchVertices{});
+      batch.updates.push_back(scenegraph::model::PatchVertices{});
       return Code::kInvalidArgument;
     }
-    batch.updates.push_back(scenegraph::DeleteNode{batch.scene.refer(parent), false});
+    batch.updates.push_back(scenegraph::model::DeleteNode{batch.scene.refer(parent), false});
     return Code::kFailedPrecondition;
   }
   return Code::kInvalidArgument;

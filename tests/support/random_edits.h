@@ -14,7 +14,7 @@
 namespace sightline::tests {
 
 struct MeshChoice {
-  std::shared_ptr<const scenegraph::Mesh> mesh;
+  std::shared_ptr<const scenegraph::model::Mesh> mesh;
   std::string digest;
 };
 
@@ -22,11 +22,11 @@ struct MeshChoice {
 std::vector<MeshChoice> small_meshes();
 
 struct RandomEdit {
-  std::vector<scenegraph::Update> updates;
+  std::vector<scenegraph::model::Update> updates;
   std::optional<Code> refusal;  ///< Why the whole batch is to be refused; nothing: it is good.
   /// Of a good one: what the scene is to be then, and which ids its PutNodes' nodes are to get.
   PlainScene after;
-  std::vector<scenegraph::NodeId> put_nodes;
+  std::vector<scenegraph::model::NodeId> put_nodes;
 };
 
 /// A wide group that mostly rests, to begin with: kGround small nodes under one.
@@ -45,14 +45,14 @@ class RandomEdits {
 
  private:
   struct Batch;
-  using NodeId = scenegraph::NodeId;
+  using NodeId = scenegraph::model::NodeId;
 
-  scenegraph::Affine frame();
+  scenegraph::model::Affine frame();
   const MeshChoice& mesh() { return meshes_[random_.below(meshes_.size())]; }
-  scenegraph::Mobility mobility();
+  scenegraph::model::Mobility mobility();
   std::optional<NodeId> pick(const PlainScene& scene, bool with_mesh);
   void edit(Batch& batch);
-  void put_new(Batch& batch, scenegraph::NodeRef parent, bool group);
+  void put_new(Batch& batch, scenegraph::model::NodeRef parent, bool group);
   void put_group(Batch& batch);
   void change(Batch& batch);
   void move(Batch& batch);

@@ -5,16 +5,16 @@
 
 namespace sightline::tests {
 
-using accel::Ray;
-using accel::Vec3d;
-using scenegraph::NodeId;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using scenegraph::model::NodeId;
 
 namespace {
 
 constexpr std::size_t kNewest = 40;
 
 Vec3d point_on(const PlacedMesh& placed, Random& random) {
-  const accel::Face& face = placed.mesh.faces[random.below(placed.mesh.faces.size())];
+  const accel::geometry::Face& face = placed.mesh.faces[random.below(placed.mesh.faces.size())];
   const auto corner = [&](std::size_t k) {
     return placed.world_from_local.point(Vec3d(placed.mesh.vertices[face[k]]));
   };
@@ -54,8 +54,9 @@ RandomQuestion random_question(const PlainScene& scene, std::size_t rays, Random
     for (std::uint64_t n = 1 + random.below(3); n > 0; --n)
       question.excluded.push_back(any_node(scene, random));
   }
-  constexpr accel::Culling kCullings[] = {accel::Culling::kNone, accel::Culling::kNone,
-                                          accel::Culling::kBack, accel::Culling::kFront};
+  constexpr accel::geometry::Culling kCullings[] = {
+      accel::geometry::Culling::kNone, accel::geometry::Culling::kNone,
+      accel::geometry::Culling::kBack, accel::geometry::Culling::kFront};
   question.culling = kCullings[random.below(4)];
   if (random.below(4) == 0) question.max_hits = static_cast<std::uint32_t>(1 + random.below(4));
   return question;

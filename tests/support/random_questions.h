@@ -13,10 +13,10 @@ namespace sightline::tests {
 
 /// A root that there is, nodes to leave out, sides to leave out; each of them not always.
 struct RandomQuestion {
-  std::vector<accel::Ray> rays;
-  scenegraph::NodeId root = 0;
-  std::vector<scenegraph::NodeId> excluded;
-  accel::Culling culling = accel::Culling::kNone;
+  std::vector<accel::geometry::Ray> rays;
+  scenegraph::model::NodeId root = 0;
+  std::vector<scenegraph::model::NodeId> excluded;
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   std::uint32_t max_hits = 256;
 };
 

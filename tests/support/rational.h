@@ -79,8 +79,12 @@ class Dyadic {
 
 using DyadicVec = std::array<Dyadic, 3>;
 
-inline DyadicVec exactly(const accel::Vec3d& v) { return {Dyadic(v.x), Dyadic(v.y), Dyadic(v.z)}; }
-inline DyadicVec exactly(const accel::Vec3f& v) { return exactly(accel::Vec3d(v)); }
+inline DyadicVec exactly(const accel::geometry::Vec3d& v) {
+  return {Dyadic(v.x), Dyadic(v.y), Dyadic(v.z)};
+}
+inline DyadicVec exactly(const accel::geometry::Vec3f& v) {
+  return exactly(accel::geometry::Vec3d(v));
+}
 
 inline DyadicVec operator-(const DyadicVec& a, const DyadicVec& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

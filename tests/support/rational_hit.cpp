@@ -31,7 +31,8 @@ std::array<Polynomial, 3> from_moved_origin(const DyadicVec& p, const DyadicVec&
 
 }  // namespace
 
-RationalRay::RationalRay(const accel::Vec3d& origin, const accel::Vec3d& direction)
+RationalRay::RationalRay(const accel::geometry::Vec3d& origin,
+                         const accel::geometry::Vec3d& direction)
     : origin_(exactly(origin)),
       direction_(exactly(direction)),
       moment_(cross(origin_, direction_)) {}

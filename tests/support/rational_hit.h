@@ -12,7 +12,7 @@ namespace sightline::tests {
 /// The line o + t d. All numbers are taken as they are; d is not zero.
 class RationalRay {
  public:
-  RationalRay(const accel::Vec3d& origin, const accel::Vec3d& direction);
+  RationalRay(const accel::geometry::Vec3d& origin, const accel::geometry::Vec3d& direction);
 
   /// Sign of det[d, p - o, q - o]: the side of the edge from p to q on which the line passes.
   int side(const DyadicVec& p, const DyadicVec& q) const;

@@ -10,8 +10,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 bool hits(const RationalRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return judge(ray, exactly(a), exactly(b), exactly(c)).hit;

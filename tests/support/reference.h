@@ -17,7 +17,7 @@ struct Tolerance {
 
 /// What a query leaves out.
 struct Filter {
-  accel::Culling culling = accel::Culling::kNone;
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   std::vector<std::uint64_t> hidden{};  ///< Nodes, ascending.
 };
 
@@ -27,8 +27,8 @@ struct Candidate {
   double t_tolerance = 0;  ///< How far a correct t may lie from it: more at a grazing angle.
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
-  double u = 0, v = 0;    ///< Weights of the face's vertices 1 and 2.
-  accel::Vec3d normal;    ///< Geometric, unit, by the winding in scene coordinates.
+  double u = 0, v = 0;            ///< Weights of the face's vertices 1 and 2.
+  accel::geometry::Vec3d normal;  ///< Geometric, unit, by the winding in scene coordinates.
   int side = 0;           ///< -1: the ray meets the front, 1: the back, 0: rounding decides.
   bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
   bool borderline =

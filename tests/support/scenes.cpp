@@ -12,9 +12,9 @@
 
 namespace sightline::tests {
 
-using accel::Face;
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Face;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -182,15 +182,16 @@ TestMesh icosphere(int level) {
   return mesh;
 }
 
-std::vector<accel::Ray> rays_at(const TestMesh& mesh, std::size_t count, std::uint64_t seed) {
-  accel::Aabb bounds;
+std::vector<accel::geometry::Ray> rays_at(const TestMesh& mesh, std::size_t count,
+                                          std::uint64_t seed) {
+  accel::geometry::Aabb bounds;
   for (const Vec3f& v : mesh.vertices) bounds.grow(v);
   const Vec3d lo(bounds.lo), hi(bounds.hi);
   const Vec3d center = (lo + hi) * 0.5;
   const double radius = 1.5 * length(hi - lo);
   Random random(seed);
-  std::vector<accel::Ray> rays(count);
-  for (accel::Ray& ray : rays) {
+  std::vector<accel::geometry::Ray> rays(count);
+  for (accel::geometry::Ray& ray : rays) {
     ray.origin = center + random.direction() * radius;
     const Vec3d target{random.uniform(lo.x, hi.x), random.uniform(lo.y, hi.y),
                        random.uniform(lo.z, hi.z)};

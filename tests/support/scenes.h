@@ -11,10 +11,10 @@
 namespace sightline::tests {
 
 struct TestMesh {
-  std::vector<accel::Vec3f> vertices;
-  std::vector<accel::Face> faces;
+  std::vector<accel::geometry::Vec3f> vertices;
+  std::vector<accel::geometry::Face> faces;
 
-  accel::MeshView view() const { return {vertices, faces}; }
+  accel::geometry::MeshView view() const { return {vertices, faces}; }
   /// Adds the other's triangles behind one's own.
   void append(const TestMesh& other);
 };
@@ -25,7 +25,7 @@ TestMesh single_triangle();
 
 /// [lo, hi] on each axis, 12 outward triangles; faces 2k and 2k+1 are side k of -x +x -y +y -z +z.
 TestMesh cube(float lo = -1, float hi = 1);
-TestMesh box(const accel::Vec3f& lo, const accel::Vec3f& hi);
+TestMesh box(const accel::geometry::Vec3f& lo, const accel::geometry::Vec3f& hi);
 
 /// `steps` treads and risers of unit width in y (0..1): tread i is z = i for x in [i, i + 1], faces
 /// 4i and 4i+1; its riser is x = i + 1 for z in [i, i + 1], faces 4i+2 and 4i+3.
@@ -58,6 +58,7 @@ std::vector<std::pair<double, double>> unit_circle(std::uint32_t corners);
 
 /// Rays from a sphere around the mesh, its diameter three of the box's diagonals, toward points
 /// uniform in its box.
-std::vector<accel::Ray> rays_at(const TestMesh& mesh, std::size_t count, std::uint64_t seed);
+std::vector<accel::geometry::Ray> rays_at(const TestMesh& mesh, std::size_t count,
+                                          std::uint64_t seed);
 
 }  // namespace sightline::tests

@@ -10,12 +10,12 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 // Each edge of a closed surface is walked once in each direction.
 bool is_closed(const TestMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (const accel::Face& f : mesh.faces) {
+  for (const accel::geometry::Face& f : mesh.faces) {
     for (std::size_t i = 0; i < 3; ++i) ++edges[{f[i], f[(i + 1) % 3]}];
   }
   for (const auto& [edge, count] : edges) {
@@ -27,7 +27,7 @@ bool is_closed(const TestMesh& mesh) {
 
 double volume(const TestMesh& mesh) {
   double six = 0;
-  for (const accel::Face& f : mesh.faces) {
+  for (const accel::geometry::Face& f : mesh.faces) {
     const Vec3d a(mesh.vertices[f[0]]), b(mesh.vertices[f[1]]), c(mesh.vertices[f[2]]);
     six += dot(a, cross(b, c));
   }

@@ -10,7 +10,7 @@
 
 #include <tbb/parallel_for.h>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 /// How many nodes are split before their children are compared with the others. More: fewer, longer
@@ -76,7 +76,7 @@ class BestFirstGrowth {
         closed_(search, leaf, growth, nullptr),
         unspent_(budget) {}
 
-  BvhChild grow(const CenterLists& root, BuildCounters& counters) {
+  BvhChild grow(const CenterLists& root, kdtree::BuildCounters& counters) {
     nodes_.emplace_back(root, nullptr, 0);
     std::vector<std::size_t> wave{0};
     while (!wave.empty()) {
@@ -88,9 +88,10 @@ class BestFirstGrowth {
 
  private:
   /// Takes these nodes a step further, all at once. Returns the children that came of it.
-  std::vector<std::size_t> advance(const std::vector<std::size_t>& wave, BuildCounters& counters) {
+  std::vector<std::size_t> advance(const std::vector<std::size_t>& wave,
+                                   kdtree::BuildCounters& counters) {
     std::vector<std::unique_ptr<Children>> made(wave.size());
-    std::vector<BuildCounters> counted(wave.size());
+    std::vector<kdtree::BuildCounters> counted(wave.size());
     tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t i) {
       std::unique_ptr<SplitScratch> scratch = scratches_.take();
       made[i] = step(nodes_[wave[i]], *scratch, counted[i]);
@@ -110,7 +111,7 @@ class BestFirstGrowth {
   }
 
   std::unique_ptr<Children> step(PlanNode& node, SplitScratch& scratch,
-                                 BuildCounters& counters) const {
+                                 kdtree::BuildCounters& counters) const {
     if (node.state == State::kOpen) return divide(node, true, scratch, counters);
     if (is_leaf_unasked(node.lists.size(), leaf_) || node.state == State::kClosed ||
         !search_.may_split_spatially(node.lists, node.depth)) {
@@ -132,7 +133,7 @@ class BestFirstGrowth {
   }
 
   std::unique_ptr<Children> divide(PlanNode& node, bool by_plane, SplitScratch& scratch,
-                                   BuildCounters& counters) const {
+                                   kdtree::BuildCounters& counters) const {
     Storage room = node.storage;
     ListHalves halves;
     if (by_plane) {
@@ -210,8 +211,8 @@ class BestFirstGrowth {
 
 BvhChild grow_best_first(const SplitSearch& search, const BvhLeafRule& leaf,
                          const CenterLists& root, std::size_t budget, BvhGrowth& growth,
-                         BuildCounters& counters) {
+                         kdtree::BuildCounters& counters) {
   return BestFirstGrowth(search, leaf, budget, growth).grow(root, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

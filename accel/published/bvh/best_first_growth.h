@@ -7,7 +7,7 @@
 #include "accel/published/bvh/bvh_growth.h"
 #include "accel/published/bvh/list_growth.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Splits first, among all nodes there are, those whose spatial split saves most over their object
 /// split, for each reference that it adds; a few at a time, until `budget` references were added.
@@ -18,6 +18,6 @@ namespace sightline::accel {
 /// it. Throws std::bad_alloc.
 BvhChild grow_best_first(const SplitSearch& search, const BvhLeafRule& leaf,
                          const CenterLists& root, std::size_t budget, BvhGrowth& growth,
-                         BuildCounters& counters);
+                         kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -15,13 +15,13 @@
 #include "accel/published/bvh/halving.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 /// From this length on, several threads look at one list.
 constexpr std::size_t kShareFrom = std::size_t{1} << 16;
 
-ListSpan span_of(std::span<const BoxRef> refs) {
+ListSpan span_of(std::span<const kdtree::BoxRef> refs) {
   const auto add = [refs](const tbb::blocked_range<std::size_t>& range, ListSpan span) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) span.add(refs[i]);
     return span;
@@ -35,7 +35,7 @@ ListSpan span_of(std::span<const BoxRef> refs) {
 }
 
 /// Minima, maxima and whole numbers: the same however the work is cut.
-void count(CenterBins& bins, std::span<const BoxRef> refs) {
+void count(CenterBins& bins, std::span<const kdtree::BoxRef> refs) {
   if (refs.size() < kShareFrom) return bins.add(refs);
   const CenterBins none = bins;
   bins = tbb::parallel_reduce(
@@ -58,19 +58,20 @@ class Growing {
   Growing(const BvhLeafRule& leaf, std::uint32_t bins, BvhGrowth& growth)
       : leaf_(leaf), bins_(bins), growth_(growth) {}
 
-  BvhChild grow(std::span<BoxRef> refs, const ListSpan& span, int depth, BuildCounters& counters) {
-    const Aabb box = span.boxes.aabb();
+  BvhChild grow(std::span<kdtree::BoxRef> refs, const ListSpan& span, int depth,
+                kdtree::BuildCounters& counters) {
+    const geometry::Aabb box = span.boxes.aabb();
     if (refs.size() < 2) return growth_.leaf(refs, box);
     const std::optional<Parts> parts = divide(refs, span, box, depth, counters);
     if (!parts) return growth_.leaf(refs, box);
     std::array<BvhChild, 2> children;
-    const auto below = [&](std::size_t side, BuildCounters& its) {
+    const auto below = [&](std::size_t side, kdtree::BuildCounters& its) {
       const auto list = side == 0 ? refs.first(parts->left) : refs.subspan(parts->left);
       children[side] = grow(list, parts->spans[side], depth + 1, its);
     };
-    if (std::min(parts->left, refs.size() - parts->left) >= kForkFrom) {
-      BuildCounters right;
-      fork([&] { below(0, counters); }, [&] { below(1, right); });
+    if (std::min(parts->left, refs.size() - parts->left) >= grow::kForkFrom) {
+      kdtree::BuildCounters right;
+      grow::fork([&] { below(0, counters); }, [&] { below(1, right); });
       counters += right;
     } else {
       below(0, counters);
@@ -81,12 +82,13 @@ class Growing {
 
  private:
   /// Nothing: they become a leaf.
-  std::optional<Parts> divide(std::span<BoxRef> refs, const ListSpan& span, const Aabb& box,
-                              int depth, BuildCounters& counters) const {
+  std::optional<Parts> divide(std::span<kdtree::BoxRef> refs, const ListSpan& span,
+                              const geometry::Aabb& box, int depth,
+                              kdtree::BuildCounters& counters) const {
     if (refs.size() <= leaf_.leaf_size && !leaf_.split_small) return std::nullopt;
     counters.touches += 2 * refs.size();
     if (depth >= kHalvingDepth) {
-      return halved(refs, static_cast<std::size_t>(longest_axis(box)));
+      return halved(refs, static_cast<std::size_t>(split::longest_axis(box)));
     }
     const auto used = static_cast<std::uint32_t>(std::min<std::size_t>(bins_, refs.size()));
     CenterBins bins(span.centers, used);
@@ -98,14 +100,15 @@ class Growing {
     return divided(refs, bins, best);
   }
 
-  static Parts halved(std::span<BoxRef> refs, std::size_t axis) {
+  static Parts halved(std::span<kdtree::BoxRef> refs, std::size_t axis) {
     Parts parts{.left = halve_by_center(refs, axis)};
     parts.spans = {span_of(refs.first(parts.left)), span_of(refs.subspan(parts.left))};
     return parts;
   }
 
   /// From both ends at once, adding up what both sides span on the way.
-  static Parts divided(std::span<BoxRef> refs, const CenterBins& bins, const BinSplit& split) {
+  static Parts divided(std::span<kdtree::BoxRef> refs, const CenterBins& bins,
+                       const BinSplit& split) {
     Parts parts;
     std::size_t i = 0, end = refs.size();
     while (i < end) {
@@ -130,11 +133,11 @@ class Growing {
 
 }  // namespace
 
-BvhChild grow_binned(std::span<BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
-                     BvhGrowth& growth, BuildCounters& counters) {
+BvhChild grow_binned(std::span<kdtree::BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
+                     BvhGrowth& growth, kdtree::BuildCounters& counters) {
   const ListSpan span = span_of(refs);
   counters.touches += refs.size();
   return Growing(leaf, bins, growth).grow(refs, span, 0, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -7,7 +7,7 @@
 
 #include "accel/published/bvh/bvh_growth.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Splits each list where the surface area heuristic is least among the boundaries of `bins` bins
 /// of equal width, over the centers of its boxes, on all three axes; lists shorter than that have
@@ -16,7 +16,7 @@ namespace sightline::accel {
 ///
 /// Touches: a pass to bin and a pass to divide a list. Parallel in the caller's arena; the result
 /// does not depend on it.
-BvhChild grow_binned(std::span<BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
-                     BvhGrowth& growth, BuildCounters& counters);
+BvhChild grow_binned(std::span<kdtree::BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
+                     BvhGrowth& growth, kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

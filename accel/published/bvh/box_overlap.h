@@ -6,11 +6,11 @@
 
 #include "accel/geometry/aabb.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Half the surface of what both hold; 0 if they are apart.
-inline double common_half_area(const Aabb& a, const Aabb& b) {
-  Aabb common;
+inline double common_half_area(const geometry::Aabb& a, const geometry::Aabb& b) {
+  geometry::Aabb common;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     common.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
     common.hi[axis] = std::min(a.hi[axis], b.hi[axis]);
@@ -18,4 +18,4 @@ inline double common_half_area(const Aabb& a, const Aabb& b) {
   return common.empty() ? 0 : half_area(common);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -10,12 +10,12 @@
 
 #include "accel/geometry/aabb.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// What hangs at a place in the hierarchy: an inner node or a leaf, and the box around what is
 /// below. Made without arguments: an empty leaf.
 struct BvhChild {
-  Aabb box{};
+  geometry::Aabb box{};
   std::uint32_t first = 0;  ///< Inner: the place of its node. Leaf: of its first id.
   std::uint32_t count = 0;  ///< Ids in the leaf.
   bool inner = false;
@@ -79,4 +79,4 @@ inline constexpr int kMaxBvhDepth = 96;
 /// fewer than 2^32 references no leaf comes to lie deeper than kMaxBvhDepth.
 inline constexpr int kHalvingDepth = 64;
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -10,20 +10,20 @@
 #include "accel/published/bvh/sweep_growth.h"
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 std::optional<std::string> BvhBuilder::check() const {
-  if (auto e = out_of_range("leaf_size", leaf.leaf_size, 1u, 64u)) return e;
-  if (auto e = out_of_range("cost_traverse", leaf.traverse, 0.0, 1e6)) return e;
-  if (auto e = out_of_range("cost_intersect", leaf.intersect, 1e-6, 1e6)) return e;
-  if (auto e = out_of_range("bins", bins, 2u, CenterBins::kMaxBins)) return e;
+  if (auto e = split::out_of_range("leaf_size", leaf.leaf_size, 1u, 64u)) return e;
+  if (auto e = split::out_of_range("cost_traverse", leaf.traverse, 0.0, 1e6)) return e;
+  if (auto e = split::out_of_range("cost_intersect", leaf.intersect, 1e-6, 1e6)) return e;
+  if (auto e = split::out_of_range("bins", bins, 2u, CenterBins::kMaxBins)) return e;
   if (auto e = pre_split.check()) return e;
   return spatial.check();
 }
 
-Bvh BvhBuilder::build(const MeshView& mesh, BuildCounters& counters) const {
-  std::vector<BoxRef> refs(mesh.faces.size());
-  refs.resize(face_references(mesh, 0, mesh.faces.size(), refs.data()));
+Bvh BvhBuilder::build(const geometry::MeshView& mesh, kdtree::BuildCounters& counters) const {
+  std::vector<kdtree::BoxRef> refs(mesh.faces.size());
+  refs.resize(mesh::face_references(mesh, 0, mesh.faces.size(), refs.data()));
   counters.touches_prepare += mesh.faces.size();
   if (refs.empty()) return {};
   if (method == BvhMethod::kEarly) refs = split_early(mesh, std::move(refs), pre_split, counters);
@@ -38,4 +38,4 @@ Bvh BvhBuilder::build(const MeshView& mesh, BuildCounters& counters) const {
   return growth.finish(grow_by_sweep(&mesh, std::move(refs), leaf, rule, growth, counters));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -11,7 +11,7 @@
 #include "accel/published/bvh/early_split.h"
 #include "accel/published/bvh/spatial_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 enum class BvhMethod : std::uint8_t {
   kSweep,       ///< The cheapest of all splits by centers (Stich et al. 2009, section 2.1).
@@ -40,7 +40,7 @@ struct BvhBuilder {
 
   /// The hierarchy over all faces with finite vertices. The same for any number of threads.
   /// Parallel in the caller's arena. Throws std::bad_alloc.
-  Bvh build(const MeshView& mesh, BuildCounters& counters) const;
+  Bvh build(const geometry::MeshView& mesh, kdtree::BuildCounters& counters) const;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 /// Copies what is below a place, in depth-first order.
@@ -40,11 +40,11 @@ class Flattening {
 BvhGrowth::BvhGrowth(std::size_t references, bool repeats)
     : nodes_(references), ids_(references), repeats_(repeats) {}
 
-BvhChild BvhGrowth::leaf(std::span<const BoxRef> refs, const Aabb& box) {
+BvhChild BvhGrowth::leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box) {
   const std::size_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
   std::uint32_t* const begin = ids_.data() + first;
   std::uint32_t* end = begin;
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     if (repeats_ || std::find(begin, end, ref.id) == end) *end++ = ref.id;
   }
   return {.box = box,
@@ -57,7 +57,7 @@ BvhChild BvhGrowth::inner(const BvhChild& left, const BvhChild& right) {
   BvhNode& node = nodes_.data()[place];
   node.set(0, left);
   node.set(1, right);
-  Aabb box = left.box;
+  geometry::Aabb box = left.box;
   box.grow(right.box);
   return {.box = box, .first = static_cast<std::uint32_t>(place), .inner = true};
 }
@@ -70,4 +70,4 @@ Bvh BvhGrowth::finish(const BvhChild& root) const {
   return bvh;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

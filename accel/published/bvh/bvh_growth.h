@@ -10,7 +10,7 @@
 #include "accel/kdtree/reserved_array.h"
 #include "accel/published/bvh/bvh.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Where the list of a node becomes a leaf.
 struct BvhLeafRule {
@@ -44,7 +44,7 @@ class BvhGrowth {
 
   /// A leaf over these references, in that order; one that is listed twice is named once, unless
   /// with `repeats`.
-  BvhChild leaf(std::span<const BoxRef> refs, const Aabb& box);
+  BvhChild leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box);
 
   /// An inner node; its box is the union of its children's.
   BvhChild inner(const BvhChild& left, const BvhChild& right);
@@ -54,17 +54,17 @@ class BvhGrowth {
   Bvh finish(const BvhChild& root) const;
 
  private:
-  Reservation<BvhNode> nodes_;
-  Reservation<std::uint32_t> ids_;
+  kdtree::Reservation<BvhNode> nodes_;
+  kdtree::Reservation<std::uint32_t> ids_;
   bool repeats_;
   std::atomic<std::size_t> nodes_used_{0}, ids_used_{0};
 };
 
 /// The box around references; empty for none.
-inline Aabb bounds_of(std::span<const BoxRef> refs) {
-  Aabb box;
-  for (const BoxRef& ref : refs) box.grow(ref.bounds());
+inline geometry::Aabb bounds_of(std::span<const kdtree::BoxRef> refs) {
+  geometry::Aabb box;
+  for (const kdtree::BoxRef& ref : refs) box.grow(ref.bounds());
   return box;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -5,11 +5,11 @@
 
 #include "accel/published/bvh/box_overlap.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 void measure_below(const Bvh& bvh, const BvhChild& at, int depth, double root_area,
-                   TreeMetrics& m) {
+                   kdtree::TreeMetrics& m) {
   const double share = root_area > 0 ? half_area(at.box) / root_area : 1;
   ++m.nodes;
   if (!at.inner) {
@@ -31,18 +31,18 @@ void measure_below(const Bvh& bvh, const BvhChild& at, int depth, double root_ar
 
 }  // namespace
 
-TreeMetrics measure(const Bvh& bvh) {
-  TreeMetrics m;
+kdtree::TreeMetrics measure(const Bvh& bvh) {
+  kdtree::TreeMetrics m;
   if (bvh.root.box.empty()) {  // and has no area: its bounds are infinite
     m.nodes = m.leaves = 1;
     return m;
   }
   const double root_area = half_area(bvh.root.box);
   measure_below(bvh, bvh.root, 0, root_area, m);
-  m.sah_cost =
-      kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
+  m.sah_cost = kdtree::kMeasuredTraverse * m.expected_traversals +
+               kdtree::kMeasuredIntersect * m.expected_intersections;
   m.bytes = bvh.bytes();
   return m;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -5,9 +5,9 @@
 
 #include <tbb/task_arena.h>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
-const Bvh& BvhTree::build(BuildCounters& counters) {
+const Bvh& BvhTree::build(kdtree::BuildCounters& counters) {
   const std::lock_guard lock(building_);
   if (const Bvh* bvh = built()) return *bvh;
   const auto begun = std::chrono::steady_clock::now();
@@ -22,4 +22,4 @@ const Bvh& BvhTree::build(BuildCounters& counters) {
   return *bvh.release();
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

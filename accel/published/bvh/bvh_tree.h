@@ -9,7 +9,7 @@
 
 #include "accel/published/bvh/bvh_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Hierarchies over boxes do not grow piece by piece: what is below a node has to be known before
 /// its box is. The first ray that enters builds all of it, while others wait.
@@ -18,7 +18,8 @@ namespace sightline::accel {
 class BvhTree {
  public:
   /// The view's arrays must outlive the tree.
-  BvhTree(const MeshView& mesh, const BvhBuilder& builder) : mesh_(mesh), builder_(builder) {}
+  BvhTree(const geometry::MeshView& mesh, const BvhBuilder& builder)
+      : mesh_(mesh), builder_(builder) {}
   ~BvhTree() { delete built_.load(std::memory_order_relaxed); }
   BvhTree(const BvhTree&) = delete;
   BvhTree& operator=(const BvhTree&) = delete;
@@ -27,7 +28,7 @@ class BvhTree {
   const Bvh* built() const { return built_.load(std::memory_order_acquire); }
 
   /// Builds it, or waits for whoever does. Throws std::bad_alloc; the next may try again.
-  const Bvh& build(BuildCounters& counters);
+  const Bvh& build(kdtree::BuildCounters& counters);
 
   std::uint64_t bytes() const {
     const Bvh* bvh = built();
@@ -35,10 +36,10 @@ class BvhTree {
   }
 
  private:
-  MeshView mesh_;
+  geometry::MeshView mesh_;
   BvhBuilder builder_;
   std::mutex building_;
   std::atomic<const Bvh*> built_{nullptr};
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

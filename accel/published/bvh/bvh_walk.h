@@ -9,7 +9,7 @@
 #include "accel/kdtree/tree_ray.h"
 #include "accel/published/bvh/bvh.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Where a ray meets the boxes of a node's two children.
 struct BvhMeeting {
@@ -19,7 +19,7 @@ struct BvhMeeting {
 
 /// Never false for a box in which the ray has a hit between its t_in and `limit`: both ends are
 /// widened by the ray's slack (see TreeRay).
-inline BvhMeeting meet_children(const BvhNode& node, const TreeRay& ray, double limit) {
+inline BvhMeeting meet_children(const BvhNode& node, const kdtree::TreeRay& ray, double limit) {
   std::array<double, 2> in{ray.t_in, ray.t_in}, out{limit, limit};
   for (std::size_t a = 0; a < 3; ++a) {
     const auto& nearer = node.bounds[a + 3 * ray.first[a]];
@@ -56,7 +56,8 @@ inline void fetch(const Bvh& bvh, std::uint32_t first, std::uint32_t count) {
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
 template <class Visit>
-void walk(const Bvh& bvh, const TreeRay& ray, WalkCounters& counters, Visit& visit) {
+void walk(const Bvh& bvh, const kdtree::TreeRay& ray, kdtree::WalkCounters& counters,
+          Visit& visit) {
   struct Waiting {
     double t_in;
     std::uint32_t first, count;
@@ -100,4 +101,4 @@ void walk(const Bvh& bvh, const TreeRay& ray, WalkCounters& counters, Visit& vis
   }
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

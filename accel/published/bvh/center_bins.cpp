@@ -6,14 +6,14 @@
 
 #include "accel/published/bvh/halving.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 Lanes middle(Lanes lo, Lanes hi) { return lo * all_lanes(0.5f) + hi * all_lanes(0.5f); }
 
 }  // namespace
 
-void ListSpan::add(const BoxRef& ref) {
+void ListSpan::add(const kdtree::BoxRef& ref) {
   const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
   boxes.grow(lo, hi);
   centers.grow(middle(lo, hi));
@@ -35,8 +35,8 @@ CenterBins::CenterBins(const LaneBox& centers, std::uint32_t bins)
   }
 }
 
-void CenterBins::add(std::span<const BoxRef> refs) {
-  for (const BoxRef& ref : refs) {
+void CenterBins::add(std::span<const kdtree::BoxRef> refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!(per_width_[a] > 0)) continue;
@@ -87,8 +87,8 @@ BinSplit CenterBins::best() const {
   return best;
 }
 
-bool CenterBins::goes_left(const BoxRef& ref, const BinSplit& split) const {
+bool CenterBins::goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const {
   return bin(center(ref, split.axis), split.axis) <= split.last_left;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -9,13 +9,13 @@
 #include "accel/kdtree/reference.h"
 #include "accel/published/bvh/lanes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// What a list spans: its boxes, and their centers.
 struct ListSpan {
   LaneBox boxes, centers;
 
-  void add(const BoxRef& ref);
+  void add(const kdtree::BoxRef& ref);
   void grow(const ListSpan& o) {
     boxes.grow(o.boxes);
     centers.grow(o.centers);
@@ -38,12 +38,12 @@ class CenterBins {
   /// none.
   CenterBins(const LaneBox& centers, std::uint32_t bins);
 
-  void add(std::span<const BoxRef> refs);
+  void add(std::span<const kdtree::BoxRef> refs);
   CenterBins& operator+=(const CenterBins& o);
 
   /// The cheapest boundary that leaves something on both sides.
   BinSplit best() const;
-  bool goes_left(const BoxRef& ref, const BinSplit& split) const;
+  bool goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const;
 
  private:
   struct Bin {
@@ -62,4 +62,4 @@ class CenterBins {
   std::array<std::array<Bin, kMaxBins>, 3> counted_;  // as many as are used are set
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

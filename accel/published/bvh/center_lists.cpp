@@ -11,7 +11,7 @@
 #include "accel/grow/fork.h"
 #include "accel/published/kd/event.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 constexpr std::size_t kAxes = 3;
@@ -42,7 +42,7 @@ void sort_places(std::vector<Place>& places) {
 }
 
 /// The places of references by ascending id, equal ids as they stand.
-std::vector<std::uint32_t> by_id(std::span<const BoxRef> refs) {
+std::vector<std::uint32_t> by_id(std::span<const kdtree::BoxRef> refs) {
   std::vector<std::uint32_t> order(refs.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return refs[a].id < refs[b].id; };
@@ -54,7 +54,7 @@ std::vector<std::uint32_t> by_id(std::span<const BoxRef> refs) {
 /// Runs it for each axis, at once where lists are long.
 template <class Each>
 void for_each_axis(std::size_t size, Each&& each) {
-  if (size >= kForkFrom) {
+  if (size >= grow::kForkFrom) {
     tbb::parallel_for(std::size_t{0}, kAxes, each);
   } else {
     for (std::size_t axis = 0; axis < kAxes; ++axis) each(axis);
@@ -91,8 +91,8 @@ void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& fir
 
 }  // namespace
 
-CenterLists sort_by_centers(std::span<const BoxRef> refs, FragmentStack& stack,
-                            BuildCounters& counters) {
+CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack& stack,
+                            kdtree::BuildCounters& counters) {
   const std::vector<std::uint32_t> order = by_id(refs);
   CenterLists lists;
   for (std::span<Fragment>& list : lists.along) {
@@ -102,22 +102,22 @@ CenterLists sort_by_centers(std::span<const BoxRef> refs, FragmentStack& stack,
   for_each_axis(refs.size(), [&](std::size_t axis) {
     std::vector<Place> places(refs.size());
     for (std::uint32_t i = 0; i < refs.size(); ++i) {
-      const BoxRef& ref = refs[order[i]];
+      const kdtree::BoxRef& ref = refs[order[i]];
       places[i] = {ordered_bits(0.5f * ref.lo[axis] + 0.5f * ref.hi[axis]), i};
     }
     sort_places(places);
     std::transform(places.begin(), places.end(), lists.along[axis].begin(), [&](const Place& p) {
-      const BoxRef& ref = refs[order[p.order]];
+      const kdtree::BoxRef& ref = refs[order[p.order]];
       return Fragment(ref.bounds(), ref.id, p.order);
     });
   });
   lists.box = box_around(lists.along[0]);
-  counters.touches += kAxes * sort_touches(refs.size());
+  counters.touches += kAxes * kd::sort_touches(refs.size());
   return lists;
 }
 
 ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::size_t left,
-                             FragmentStack& stack, BuildCounters& counters) {
+                             FragmentStack& stack, kdtree::BuildCounters& counters) {
   const std::size_t size = lists.size();
   const Fragment first_right = lists.along[axis][left];
   const std::size_t room = std::min(left, size - left) + 1;
@@ -138,4 +138,4 @@ ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::si
   return halves;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

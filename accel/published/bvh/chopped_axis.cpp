@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 ChoppedAxis::ChoppedAxis(std::size_t axis, std::span<const float> planes)
     : axis_(axis), bins_(planes.size() - 1), most_(static_cast<float>(planes.size())) {
@@ -84,4 +84,4 @@ ChoppedAxis::Sides ChoppedAxis::sides(const SideSum& beyond_left,
   return sides;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

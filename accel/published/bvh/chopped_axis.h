@@ -12,7 +12,7 @@
 #include "accel/published/bvh/center_lists.h"
 #include "accel/published/bvh/lanes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// A plane x[axis] = position. Made without arguments: none.
 struct SpatialSplit {
@@ -105,4 +105,4 @@ class ChoppedAxis {
   std::array<std::uint32_t, kMostBins + 2> enter_{}, leave_{};  ///< By place.
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

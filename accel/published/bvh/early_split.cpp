@@ -10,36 +10,39 @@
 #include "accel/published/bvh/largest_first.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 struct BoxPiece {
-  Aabb box;
+  geometry::Aabb box;
   std::uint32_t source;  ///< The place of its reference in the list.
 };
 
 /// Where the box is cut; a bound of it if there is no float between.
-float middle(const Aabb& box, std::size_t axis) {
+float middle(const geometry::Aabb& box, std::size_t axis) {
   return 0.5f * box.lo[axis] + 0.5f * box.hi[axis];
 }
 
 /// Of boxes that no plane divides: 0.
-double size_of(const Aabb& box) {
-  const auto axis = static_cast<std::size_t>(longest_axis(box));
+double size_of(const geometry::Aabb& box) {
+  const auto axis = static_cast<std::size_t>(split::longest_axis(box));
   // A few floats wide: widen_flat might make the halves as wide again.
-  const float least = least_above(least_above(least_above(least_above(box.lo[axis]))));
+  const float least = geometry::least_above(
+      geometry::least_above(geometry::least_above(geometry::least_above(box.lo[axis]))));
   return box.hi[axis] > least ? half_area(box) : 0;
 }
 
 class EarlySplit {
  public:
-  EarlySplit(const MeshView& mesh, const std::vector<BoxRef>& refs) : mesh_(mesh), refs_(refs) {}
+  EarlySplit(const geometry::MeshView& mesh, const std::vector<kdtree::BoxRef>& refs)
+      : mesh_(mesh), refs_(refs) {}
 
   SplitPiece<BoxPiece> operator()(const BoxPiece& piece) const {
-    const int axis = longest_axis(piece.box);
-    const HalvedCell halves =
+    const int axis = split::longest_axis(piece.box);
+    const geometry::HalvedCell halves =
         halve(piece.box, axis, middle(piece.box, static_cast<std::size_t>(axis)));
-    std::optional<Aabb> left = part_in(halves.left, piece), right = part_in(halves.right, piece);
+    std::optional<geometry::Aabb> left = part_in(halves.left, piece),
+                                  right = part_in(halves.right, piece);
     // Rounding can leave a box that holds no point of the triangle. It may stay as it is.
     if (!left && !right) left = halves.left;
     if (!left) return {{*right, piece.source}, std::nullopt};
@@ -48,19 +51,20 @@ class EarlySplit {
   }
 
  private:
-  std::optional<Aabb> part_in(const Aabb& half, const BoxPiece& piece) const {
-    const Face& f = mesh_.faces[refs_[piece.source].id];
+  std::optional<geometry::Aabb> part_in(const geometry::Aabb& half, const BoxPiece& piece) const {
+    const geometry::Face& f = mesh_.faces[refs_[piece.source].id];
     return clipped_bounds(mesh_.vertices[f[0]], mesh_.vertices[f[1]], mesh_.vertices[f[2]], half);
   }
 
-  const MeshView& mesh_;
-  const std::vector<BoxRef>& refs_;
+  const geometry::MeshView& mesh_;
+  const std::vector<kdtree::BoxRef>& refs_;
 };
 
 }  // namespace
 
-std::vector<BoxRef> split_early(const MeshView& mesh, std::vector<BoxRef> refs,
-                                const PreSplitRule& rule, BuildCounters& counters) {
+std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
+                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
+                                        kdtree::BuildCounters& counters) {
   std::vector<BoxPiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) pieces.push_back({refs[i].bounds(), i});
@@ -73,13 +77,13 @@ std::vector<BoxRef> split_early(const MeshView& mesh, std::vector<BoxRef> refs,
         counters.touches_prepare += 2;
         return split(piece);
       });
-  std::vector<BoxRef> out;
+  std::vector<kdtree::BoxRef> out;
   out.reserve(pieces.size());
   for (const BoxPiece& piece : pieces) {
-    const BoxRef& ref = refs[piece.source];
+    const kdtree::BoxRef& ref = refs[piece.source];
     out.push_back({piece.box.lo, ref.id, piece.box.hi, ref.weight});
   }
   return out;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -8,7 +8,7 @@
 #include "accel/kdtree/reference.h"
 #include "accel/published/bvh/pre_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Splits boxes in the middle of their longest axis, each half drawn tight around its part of the
 /// triangle, while their surface is above rule.threshold of the surface around all.
@@ -18,7 +18,8 @@ namespace sightline::accel {
 /// where a hierarchy is built over them, as in the paper; BvhGrowth::leaf names it once in a leaf.
 ///
 /// Touches_prepare: a box made. Deterministic. Throws std::bad_alloc.
-std::vector<BoxRef> split_early(const MeshView& mesh, std::vector<BoxRef> refs,
-                                const PreSplitRule& rule, BuildCounters& counters);
+std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
+                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
+                                        kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

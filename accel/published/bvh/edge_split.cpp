@@ -9,11 +9,11 @@
 #include "accel/published/bvh/bvh_growth.h"
 #include "accel/published/bvh/largest_first.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 struct TrianglePiece {
-  std::array<Vec3d, 3> corner;
+  std::array<geometry::Vec3d, 3> corner;
   std::uint32_t source;  ///< The place of its reference in the list.
   std::uint32_t depth;   ///< How often it was split.
 };
@@ -21,7 +21,7 @@ struct TrianglePiece {
 /// Each level moves corners by a rounding at most; what boxes are widened by covers so many.
 constexpr std::uint32_t kMaxDepth = 64;
 
-double volume(const Vec3d& a, const Vec3d& b) {
+double volume(const geometry::Vec3d& a, const geometry::Vec3d& b) {
   return std::fabs((b.x - a.x) * (b.y - a.y) * (b.z - a.z));
 }
 
@@ -45,7 +45,7 @@ double size_of(const TrianglePiece& piece) {
 
 SplitPiece<TrianglePiece> split(const TrianglePiece& piece) {
   const std::size_t edge = worst_edge(piece), next = (edge + 1) % 3;
-  const Vec3d middle = piece.corner[edge] * 0.5 + piece.corner[next] * 0.5;
+  const geometry::Vec3d middle = piece.corner[edge] * 0.5 + piece.corner[next] * 0.5;
   TrianglePiece first = piece, second = piece;
   first.corner[next] = middle;
   second.corner[edge] = middle;
@@ -55,8 +55,8 @@ SplitPiece<TrianglePiece> split(const TrianglePiece& piece) {
 }
 
 /// Around the piece, and not beyond the bounds of its whole triangle.
-Aabb box_of(const TrianglePiece& piece, const Aabb& whole) {
-  Aabb box;
+geometry::Aabb box_of(const TrianglePiece& piece, const geometry::Aabb& whole) {
+  geometry::Aabb box;
   double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     largest = std::max({largest, std::fabs(static_cast<double>(whole.lo[axis])),
@@ -66,37 +66,40 @@ Aabb box_of(const TrianglePiece& piece, const Aabb& whole) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto [lo, hi] =
         std::minmax({piece.corner[0][axis], piece.corner[1][axis], piece.corner[2][axis]});
-    box.lo[axis] = std::max(round_down(lo - slack), whole.lo[axis]);
-    box.hi[axis] = std::min(round_up(hi + slack), whole.hi[axis]);
+    box.lo[axis] = std::max(geometry::round_down(lo - slack), whole.lo[axis]);
+    box.hi[axis] = std::min(geometry::round_up(hi + slack), whole.hi[axis]);
   }
   return widen_flat(box);
 }
 
-double volume_of(const Aabb& box) { return box.empty() ? 0 : volume(Vec3d(box.lo), Vec3d(box.hi)); }
+double volume_of(const geometry::Aabb& box) {
+  return box.empty() ? 0 : volume(geometry::Vec3d(box.lo), geometry::Vec3d(box.hi));
+}
 
 }  // namespace
 
-std::vector<BoxRef> split_edges(const MeshView& mesh, std::vector<BoxRef> refs,
-                                const PreSplitRule& rule, BuildCounters& counters) {
+std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
+                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
+                                        kdtree::BuildCounters& counters) {
   std::vector<TrianglePiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) {
-    const Face& f = mesh.faces[refs[i].id];
-    const auto corner = [&](std::size_t c) { return Vec3d(mesh.vertices[f[c]]); };
+    const geometry::Face& f = mesh.faces[refs[i].id];
+    const auto corner = [&](std::size_t c) { return geometry::Vec3d(mesh.vertices[f[c]]); };
     pieces.push_back({{corner(0), corner(1), corner(2)}, i, 0});
   }
   const double least = rule.budget > 0 ? 0 : rule.threshold * volume_of(bounds_of(refs));
   split_largest_first(pieces, least, rule.most_pieces(refs.size()), size_of, split);
-  std::vector<BoxRef> out;
+  std::vector<kdtree::BoxRef> out;
   out.reserve(pieces.size());
   for (const TrianglePiece& piece : pieces) {
-    const BoxRef& ref = refs[piece.source];
+    const kdtree::BoxRef& ref = refs[piece.source];
     // A triangle that stayed whole has bounds already.
-    const Aabb box = piece.depth > 0 ? box_of(piece, ref.bounds()) : ref.bounds();
+    const geometry::Aabb box = piece.depth > 0 ? box_of(piece, ref.bounds()) : ref.bounds();
     counters.touches_prepare += piece.depth > 0 ? 1 : 0;
     out.push_back({box.lo, ref.id, box.hi, ref.weight});
   }
   return out;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

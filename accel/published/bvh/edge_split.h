@@ -9,14 +9,15 @@
 #include "accel/kdtree/reference.h"
 #include "accel/published/bvh/pre_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Splits triangles in the middle of the edge whose bounds have the largest volume, while that is
 /// above rule.threshold of the volume around all. Triangles with axis-aligned edges stay whole.
 ///
 /// In, out, touches: as split_early (early_split.h). Pieces are boxes around parts of triangles,
 /// which are bounded by their corners, computed in double and rounded outward.
-std::vector<BoxRef> split_edges(const MeshView& mesh, std::vector<BoxRef> refs,
-                                const PreSplitRule& rule, BuildCounters& counters);
+std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
+                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
+                                        kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -11,13 +11,13 @@
 #include "accel/published/bvh/center_lists.h"
 #include "accel/published/bvh/lanes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// Cut in float: off by roundings, for estimates only.
 class FragmentCorners {
  public:
-  FragmentCorners(const MeshView& mesh, const Fragment& fragment) {
-    const Face& f = mesh.faces[fragment.id()];
+  FragmentCorners(const geometry::MeshView& mesh, const Fragment& fragment) {
+    const geometry::Face& f = mesh.faces[fragment.id()];
     auto& whole = at_[0];
     for (const std::uint32_t vertex : f) whole[size_++] = lanes(mesh.vertices[vertex]);
     const Lanes lo = least(least(whole[0], whole[1]), whole[2]);
@@ -62,7 +62,7 @@ class FragmentCorners {
 /// Those of all fragments of a list, for passes over it that follow each other.
 class ListCorners {
  public:
-  void set(const MeshView& mesh, std::span<const Fragment> list) {
+  void set(const geometry::MeshView& mesh, std::span<const Fragment> list) {
     corners_.clear();
     end_.clear();
     for (const Fragment& f : list) {
@@ -81,4 +81,4 @@ class ListCorners {
   std::vector<std::size_t> end_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

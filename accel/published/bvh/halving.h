@@ -7,22 +7,22 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// The middle of a box along an axis; finite for finite boxes.
-inline float center(const BoxRef& ref, std::size_t axis) {
+inline float center(const kdtree::BoxRef& ref, std::size_t axis) {
   return 0.5f * ref.lo[axis] + 0.5f * ref.hi[axis];
 }
 
 /// Orders by center, then by id: lower halves first. Returns how many the first half has.
-inline std::size_t halve_by_center(std::span<BoxRef> refs, std::size_t axis) {
+inline std::size_t halve_by_center(std::span<kdtree::BoxRef> refs, std::size_t axis) {
   const std::size_t half = refs.size() / 2;
   std::nth_element(refs.begin(), refs.begin() + static_cast<std::ptrdiff_t>(half), refs.end(),
-                   [axis](const BoxRef& a, const BoxRef& b) {
+                   [axis](const kdtree::BoxRef& a, const kdtree::BoxRef& b) {
                      const float x = center(a, axis), y = center(b, axis);
                      return x != y ? x < y : a.id < b.id;
                    });
   return half;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -5,7 +5,7 @@
 
 #include "accel/geometry/aabb.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 using Lanes = float __attribute__((vector_size(16)));
 
@@ -13,7 +13,7 @@ using Lanes = float __attribute__((vector_size(16)));
 inline Lanes least(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes greatest(Lanes a, Lanes b) { return a > b ? a : b; }
 
-inline Lanes lanes(const Vec3f& v) { return Lanes{v.x, v.y, v.z, 0}; }
+inline Lanes lanes(const geometry::Vec3f& v) { return Lanes{v.x, v.y, v.z, 0}; }
 inline Lanes all_lanes(float x) { return Lanes{x, x, x, x}; }
 
 /// Made without arguments: empty.
@@ -28,7 +28,7 @@ struct LaneBox {
   void grow(Lanes point) { grow(point, point); }
   void grow(const LaneBox& o) { grow(o.lo, o.hi); }
 
-  Aabb aabb() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
+  geometry::Aabb aabb() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

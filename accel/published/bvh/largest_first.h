@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// What comes of a piece; the second may be empty space, and is not kept then.
 template <class Piece>
@@ -54,4 +54,4 @@ void split_largest_first(std::vector<Piece>& pieces, double least, std::size_t m
                    [](const Piece& a, const Piece& b) { return a.source < b.source; });
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

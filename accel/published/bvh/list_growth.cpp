@@ -6,11 +6,11 @@
 
 #include "accel/grow/fork.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 ListHalves by_plane(const CenterLists& node, const PlaneSplit& plan, SplitScratch& scratch,
-                    BuildCounters& counters) {
+                    kdtree::BuildCounters& counters) {
   Fragment* const room = scratch.lists.top(3 * plan.right);
   scratch.lists.take(3 * plan.right);
   return divide_by_plane(node, plan, room, counters);
@@ -22,7 +22,7 @@ constexpr std::size_t kMostInLeaf = 64;
 }  // namespace
 
 BvhChild ListGrowth::grow(const CenterLists& node, int depth, SplitScratch& scratch,
-                          BuildCounters& counters) const {
+                          kdtree::BuildCounters& counters) const {
   if (is_leaf_unasked(node.size(), leaf_)) return leaf(node);
   if (budget_ != nullptr && budget_->exceeded()) return {};
   const ObjectSplit object = search_.between(node, depth, scratch, counters);
@@ -41,15 +41,15 @@ BvhChild ListGrowth::grow(const CenterLists& node, int depth, SplitScratch& scra
 }
 
 BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScratch& scratch,
-                                   BuildCounters& counters) const {
+                                   kdtree::BuildCounters& counters) const {
   BvhChild left, right;
-  if (std::min(halves.left.size(), halves.right.size()) >= kForkFrom) {
-    BuildCounters right_counters;
-    fork([&] { left = grow(halves.left, depth, scratch, counters); },
-         [&] {
-           SplitScratch own;
-           right = grow(halves.right, depth, own, right_counters);
-         });
+  if (std::min(halves.left.size(), halves.right.size()) >= grow::kForkFrom) {
+    kdtree::BuildCounters right_counters;
+    grow::fork([&] { left = grow(halves.left, depth, scratch, counters); },
+               [&] {
+                 SplitScratch own;
+                 right = grow(halves.right, depth, own, right_counters);
+               });
     counters += right_counters;
   } else {
     left = grow(halves.left, depth, scratch, counters);
@@ -61,15 +61,16 @@ BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScr
 }
 
 BvhChild ListGrowth::leaf(const CenterLists& node) const {
-  std::array<BoxRef, kMostInLeaf> refs;
+  std::array<kdtree::BoxRef, kMostInLeaf> refs;
   std::size_t n = 0;
   for (const Fragment& f : node.along[0]) {
-    const Aabb box = f.bounds();
+    const geometry::Aabb box = f.bounds();
     refs[n++] = {box.lo, f.id(), box.hi, 1};
   }
   const auto end = refs.begin() + static_cast<std::ptrdiff_t>(n);
-  std::sort(refs.begin(), end, [](const BoxRef& a, const BoxRef& b) { return a.id < b.id; });
+  std::sort(refs.begin(), end,
+            [](const kdtree::BoxRef& a, const kdtree::BoxRef& b) { return a.id < b.id; });
   return growth_.leaf({refs.data(), n}, node.box);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

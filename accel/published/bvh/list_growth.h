@@ -7,7 +7,7 @@
 #include "accel/published/bvh/bvh_growth.h"
 #include "accel/published/bvh/split_search.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// How many references splits may add. Threads: any.
 class ReferenceBudget {
@@ -38,14 +38,14 @@ class ListGrowth {
   /// What is below a node. Once the budget is exceeded nothing of use: whether that happens depends
   /// on all nodes together, not on the order in which they grow. Rearranges the lists.
   BvhChild grow(const CenterLists& node, int depth, SplitScratch& scratch,
-                BuildCounters& counters) const;
+                kdtree::BuildCounters& counters) const;
 
   /// A leaf, ids ascending.
   BvhChild leaf(const CenterLists& node) const;
 
  private:
   BvhChild grow_children(const ListHalves& halves, int depth, SplitScratch& scratch,
-                         BuildCounters& counters) const;
+                         kdtree::BuildCounters& counters) const;
 
   const SplitSearch& search_;
   const BvhLeafRule& leaf_;
@@ -58,4 +58,4 @@ inline bool is_leaf_unasked(std::size_t references, const BvhLeafRule& rule) {
   return references <= 1 || (references <= rule.leaf_size && !rule.split_small);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

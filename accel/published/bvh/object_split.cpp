@@ -8,7 +8,7 @@
 #include "accel/grow/fork.h"
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 /// Both terms of the sum only grow as their sides do: from where one of them alone is not below
@@ -39,14 +39,14 @@ void sweep(std::span<const Fragment> list, std::size_t axis, std::vector<double>
 }  // namespace
 
 ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
-                              BuildCounters& counters) {
+                              kdtree::BuildCounters& counters) {
   const std::size_t n = lists.size();
   if (n < 2) return {};
   counters.touches += 6 * n;
   // A little below the whole: sums that differ from it by rounding alone separate nothing.
   ObjectSplit whole;
   whole.sum = half_area(lists.box) * static_cast<double>(n) * (1 - 0x1p-40);
-  if (n < kForkFrom) {
+  if (n < grow::kForkFrom) {
     ObjectSplit best = whole;
     for (const std::size_t axis : {0u, 1u, 2u}) sweep(lists.along[axis], axis, areas[axis], best);
     return best.found() ? best : ObjectSplit{};
@@ -63,9 +63,9 @@ ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
 }
 
 ObjectSplit middle_split(const CenterLists& lists) {
-  const auto axis = static_cast<std::size_t>(longest_axis(lists.box));
+  const auto axis = static_cast<std::size_t>(split::longest_axis(lists.box));
   const std::size_t left = lists.size() / 2;
   return {axis, left, half_area(lists.box) * static_cast<double>(lists.size())};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

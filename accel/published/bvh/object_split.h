@@ -8,7 +8,7 @@
 
 #include "accel/published/bvh/center_lists.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// The first `left` along an axis go left. Made without arguments: none.
 struct ObjectSplit {
@@ -28,9 +28,10 @@ using SweepAreas = std::array<std::vector<double>, 3>;
 /// whole: nothing can be separated.
 ///
 /// Source: Stich et al. 2009, section 2.1; Wald et al. 2007. Touches: two passes an axis.
-ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas, BuildCounters& counters);
+ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
+                              kdtree::BuildCounters& counters);
 
 /// Halves the list along the longest axis of its box. At least two references.
 ObjectSplit middle_split(const CenterLists& lists);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

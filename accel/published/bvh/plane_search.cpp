@@ -10,7 +10,7 @@
 
 #include "accel/grow/fork.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 constexpr std::size_t kAxes = 3;
@@ -18,7 +18,7 @@ constexpr std::size_t kAxes = 3;
 /// The planes between bins of equal width; a few may coincide where floats are too coarse.
 class Grid {
  public:
-  Grid(const Aabb& box, std::uint32_t bins) : box_(box), bins_(bins) {}
+  Grid(const geometry::Aabb& box, std::uint32_t bins) : box_(box), bins_(bins) {}
 
   std::size_t bins() const { return bins_; }
   float plane(std::size_t axis, std::size_t i) const {
@@ -42,7 +42,7 @@ class Grid {
   }
 
  private:
-  const Aabb& box_;
+  const geometry::Aabb& box_;
   std::uint32_t bins_;
 };
 
@@ -79,7 +79,7 @@ void add_all(std::span<const Fragment> list, std::array<ChoppedAxis, kCount>& bi
 /// The passes over the list of a node.
 class NodePasses {
  public:
-  NodePasses(const MeshView& mesh, std::span<const Fragment> list, ListCorners& corners)
+  NodePasses(const geometry::MeshView& mesh, std::span<const Fragment> list, ListCorners& corners)
       : mesh_(mesh), list_(list), corners_(corners) {
     if (is_short()) corners_.set(mesh, list);
   }
@@ -104,16 +104,16 @@ class NodePasses {
 
  private:
   /// So short that outlines are kept, and nobody else is asked to help.
-  bool is_short() const { return list_.size() < 2 * kForkFrom; }
+  bool is_short() const { return list_.size() < 2 * grow::kForkFrom; }
 
-  const MeshView& mesh_;
+  const geometry::MeshView& mesh_;
   std::span<const Fragment> list_;
   ListCorners& corners_;
 };
 
 class PlaneSearch {
  public:
-  PlaneSearch(const Aabb& box, std::uint32_t bins, std::size_t size, double below)
+  PlaneSearch(const geometry::Aabb& box, std::uint32_t bins, std::size_t size, double below)
       : grid_(box, bins), size_(size) {
     best_.sum = below;
   }
@@ -182,8 +182,9 @@ class PlaneSearch {
 
 }  // namespace
 
-SpatialSplit best_spatial_split(const MeshView& mesh, const CenterLists& node, std::uint32_t bins,
-                                double below, ListCorners& corners, BuildCounters& counters) {
+SpatialSplit best_spatial_split(const geometry::MeshView& mesh, const CenterLists& node,
+                                std::uint32_t bins, double below, ListCorners& corners,
+                                kdtree::BuildCounters& counters) {
   const NodePasses passes(mesh, node.along[0], corners);
   PlaneSearch search(node.box, bins, node.size(), below);
   search.look_at_all(passes);
@@ -192,4 +193,4 @@ SpatialSplit best_spatial_split(const MeshView& mesh, const CenterLists& node, s
   return search.best().found() ? search.best() : SpatialSplit{};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

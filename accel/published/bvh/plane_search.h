@@ -7,7 +7,7 @@
 #include "accel/published/bvh/chopped_axis.h"
 #include "accel/published/bvh/fragment_corners.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// The cheapest of the bins - 1 planes along each axis that cut the node's box in equal parts, if
 /// the sum is less than `below`; which of equal ones is a matter of their order. Not NaN: below.
@@ -19,7 +19,8 @@ namespace sightline::accel {
 ///
 /// `corners`: room, kept for the next search. Touches: a pass to begin with, and one for each
 /// stretch that is looked at closely. Long lists are looked at in slices, at once.
-SpatialSplit best_spatial_split(const MeshView& mesh, const CenterLists& node, std::uint32_t bins,
-                                double below, ListCorners& corners, BuildCounters& counters);
+SpatialSplit best_spatial_split(const geometry::MeshView& mesh, const CenterLists& node,
+                                std::uint32_t bins, double below, ListCorners& corners,
+                                kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -8,25 +8,26 @@
 
 #include "accel/geometry/clip.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 using Goes = Straddler::Goes;
 
-void cut(const MeshView& mesh, const SpatialSplit& split, Straddler& straddler) {
-  const Face& f = mesh.faces[straddler.whole.id()];
-  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const HalvedCell halves =
+void cut(const geometry::MeshView& mesh, const SpatialSplit& split, Straddler& straddler) {
+  const geometry::Face& f = mesh.faces[straddler.whole.id()];
+  const geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
+                        &c = mesh.vertices[f[2]];
+  const geometry::HalvedCell halves =
       halve(straddler.whole.bounds(), static_cast<int>(split.axis), split.position);
-  straddler.left = clipped_bounds(a, b, c, halves.left).value_or(Aabb{});
-  straddler.right = clipped_bounds(a, b, c, halves.right).value_or(Aabb{});
+  straddler.left = clipped_bounds(a, b, c, halves.left).value_or(geometry::Aabb{});
+  straddler.right = clipped_bounds(a, b, c, halves.right).value_or(geometry::Aabb{});
   if (straddler.right.empty()) straddler.goes = Goes::kLeft;
   if (straddler.left.empty()) straddler.goes = Goes::kRight;
   // Rounding can leave a box that holds no point of the triangle. It may stay as it is.
   if (straddler.left.empty() && straddler.right.empty()) straddler.right = straddler.whole.bounds();
 }
 
-Aabb joined(Aabb a, const Aabb& b) {
+geometry::Aabb joined(geometry::Aabb a, const geometry::Aabb& b) {
   a.grow(b);
   return a;
 }
@@ -35,8 +36,9 @@ Aabb joined(Aabb a, const Aabb& b) {
 void keep_whole(PlaneSplit& plan) {
   for (Straddler& s : plan.straddlers) {
     if (s.goes != Goes::kBoth) continue;
-    const Aabb whole = s.whole.bounds();
-    const Aabb left_with = joined(plan.left_box, whole), right_with = joined(plan.right_box, whole);
+    const geometry::Aabb whole = s.whole.bounds();
+    const geometry::Aabb left_with = joined(plan.left_box, whole),
+                         right_with = joined(plan.right_box, whole);
     const double left = half_area(plan.left_box), right = half_area(plan.right_box);
     const auto n_left = static_cast<double>(plan.left), n_right = static_cast<double>(plan.right);
     const double both = left * n_left + right * n_right;
@@ -108,8 +110,9 @@ bool PlaneSplit::reduces(const CenterLists& node) const {
          (right < node.size() || half_area(right_box) < most);
 }
 
-void plan_plane_split(const MeshView& mesh, const CenterLists& node, const SpatialSplit& split,
-                      bool unsplit, PlaneSplit& plan, BuildCounters& counters) {
+void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
+                      const SpatialSplit& split, bool unsplit, PlaneSplit& plan,
+                      kdtree::BuildCounters& counters) {
   plan.axis = split.axis;
   plan.position = split.position;
   plan.straddlers.clear();
@@ -148,7 +151,7 @@ void plan_plane_split(const MeshView& mesh, const CenterLists& node, const Spati
 }
 
 ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
-                           BuildCounters& counters) {
+                           kdtree::BuildCounters& counters) {
   std::vector<Fragment> left_parts, right_parts;
   for (const Straddler& s : plan.straddlers) {
     if (s.goes != Goes::kRight) left_parts.push_back(s.whole.with(s.left));
@@ -180,4 +183,4 @@ ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Frag
   return halves;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -9,14 +9,15 @@
 #include "accel/published/bvh/center_lists.h"
 #include "accel/published/bvh/chopped_axis.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// A fragment that reaches to both sides of a plane, and what becomes of it.
 struct Straddler {
   enum class Goes : std::uint8_t { kLeft, kRight, kBoth };
 
   Fragment whole;
-  Aabb left, right;  ///< Around what of the triangle is on either side; empty for nothing.
+  geometry::Aabb left,
+      right;  ///< Around what of the triangle is on either side; empty for nothing.
   Goes goes = Goes::kBoth;
 };
 
@@ -24,9 +25,9 @@ struct Straddler {
 struct PlaneSplit {
   std::size_t axis = 0;
   float position = 0;
-  std::vector<Straddler> straddlers;  ///< By order.
-  Aabb left_box, right_box;           ///< Around what goes there.
-  std::size_t left = 0, right = 0;    ///< How many go there.
+  std::vector<Straddler> straddlers;   ///< By order.
+  geometry::Aabb left_box, right_box;  ///< Around what goes there.
+  std::size_t left = 0, right = 0;     ///< How many go there.
 
   /// References that it adds.
   std::size_t added(std::size_t size) const { return left + right - size; }
@@ -46,12 +47,13 @@ struct PlaneSplit {
 /// that came of those before.
 ///
 /// Touches: a pass over the list; touches_prepare: two boxes a straddler.
-void plan_plane_split(const MeshView& mesh, const CenterLists& node, const SpatialSplit& split,
-                      bool unsplit, PlaneSplit& plan, BuildCounters& counters);
+void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
+                      const SpatialSplit& split, bool unsplit, PlaneSplit& plan,
+                      kdtree::BuildCounters& counters);
 
 /// What goes left to where the lists were; what goes right to `room`, for 3 * plan.right. Touches:
 /// a pass an axis.
 ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
-                           BuildCounters& counters);
+                           kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -5,11 +5,11 @@
 
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 std::optional<std::string> PreSplitRule::check() const {
-  if (auto e = out_of_range("threshold", threshold, 0.0, 1.0)) return e;
-  return out_of_range("budget", budget, 0.0, kMostPieces);
+  if (auto e = split::out_of_range("threshold", threshold, 0.0, 1.0)) return e;
+  return split::out_of_range("budget", budget, 0.0, kMostPieces);
 }
 
 std::size_t PreSplitRule::most_pieces(std::size_t references) const {
@@ -18,4 +18,4 @@ std::size_t PreSplitRule::most_pieces(std::size_t references) const {
   return static_cast<std::size_t>(std::min(each * static_cast<double>(references), kMost));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

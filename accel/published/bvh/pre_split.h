@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// How small pieces become: bounded by a share of the whole, or by their number.
 struct PreSplitRule {
@@ -29,4 +29,4 @@ struct PreSplitRule {
   std::size_t most_pieces(std::size_t references) const;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 struct SpatialRule {
   /// Where the children of the best object split overlap in a box of more than this share of the
@@ -37,4 +37,4 @@ struct SpatialRule {
   std::size_t most_references(std::size_t references) const;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

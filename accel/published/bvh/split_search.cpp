@@ -7,7 +7,7 @@
 #include "accel/published/bvh/bvh.h"
 #include "accel/published/bvh/plane_search.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 double overlap(const CenterLists& node, const ObjectSplit& split) {
@@ -18,7 +18,7 @@ double overlap(const CenterLists& node, const ObjectSplit& split) {
 }  // namespace
 
 ObjectSplit SplitSearch::between(const CenterLists& node, int depth, SplitScratch& scratch,
-                                 BuildCounters& counters) const {
+                                 kdtree::BuildCounters& counters) const {
   ObjectSplit split;
   if (depth < kHalvingDepth) split = best_object_split(node, scratch.areas, counters);
   return split.found() ? split : middle_split(node);
@@ -32,7 +32,7 @@ bool SplitSearch::may_split_spatially(const CenterLists& node, int depth) const 
 
 const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
                                         const ObjectSplit& object, SplitScratch& scratch,
-                                        BuildCounters& counters) const {
+                                        kdtree::BuildCounters& counters) const {
   if (!may_split_spatially(node, depth)) return nullptr;
   // What no order separates are duplicates, or as good as that: planes would only double them.
   if (!(object.sum < half_area(node.box) * static_cast<double>(node.size()))) return nullptr;
@@ -47,4 +47,4 @@ const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
   return scratch.plane.reduces(node) ? &scratch.plane : nullptr;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

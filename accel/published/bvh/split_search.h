@@ -8,7 +8,7 @@
 #include "accel/published/bvh/plane_split.h"
 #include "accel/published/bvh/spatial_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// What a task keeps from node to node.
 struct SplitScratch {
@@ -22,13 +22,13 @@ struct SplitScratch {
 class SplitSearch {
  public:
   /// `mesh` null: no spatial splits.
-  SplitSearch(const MeshView* mesh, const SpatialRule& rule, const Aabb& root)
+  SplitSearch(const geometry::MeshView* mesh, const SpatialRule& rule, const geometry::Aabb& root)
       : mesh_(mesh), rule_(rule), least_overlap_(rule.alpha * half_area(root)) {}
 
   /// The best split between references, or a middle one where nothing can be separated or the node
   /// is at kHalvingDepth. At least two references.
   ObjectSplit between(const CenterLists& node, int depth, SplitScratch& scratch,
-                      BuildCounters& counters) const;
+                      kdtree::BuildCounters& counters) const;
 
   /// Whether spatial splits may be tried in the node or below.
   bool may_split_spatially(const CenterLists& node, int depth) const;
@@ -39,12 +39,12 @@ class SplitSearch {
   ///
   /// Touches: a pass for the overlap, best_spatial_split, plan_plane_split.
   const PlaneSplit* by_plane(const CenterLists& node, int depth, const ObjectSplit& object,
-                             SplitScratch& scratch, BuildCounters& counters) const;
+                             SplitScratch& scratch, kdtree::BuildCounters& counters) const;
 
  private:
-  const MeshView* mesh_;
+  const geometry::MeshView* mesh_;
   SpatialRule rule_;
   double least_overlap_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

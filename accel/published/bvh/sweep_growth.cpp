@@ -5,18 +5,19 @@
 #include "accel/published/bvh/center_lists.h"
 #include "accel/published/bvh/list_growth.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 std::size_t sweep_room(std::size_t references, const SpatialRule& spatial) {
   return spatial.splits() ? 2 * spatial.most_references(references) : references;
 }
 
-BvhChild grow_by_sweep(const MeshView* mesh, std::vector<BoxRef> refs, const BvhLeafRule& leaf,
-                       const SpatialRule& spatial, BvhGrowth& growth, BuildCounters& counters) {
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+                       const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
+                       kdtree::BuildCounters& counters) {
   const std::size_t budget = spatial.most_references(refs.size()) - refs.size();
   {
     SplitScratch scratch;
-    BuildCounters counted;
+    kdtree::BuildCounters counted;
     const CenterLists root = sort_by_centers(refs, scratch.lists, counted);
     if (!spatial.splits()) refs = {};
     ReferenceBudget added(budget);
@@ -34,4 +35,4 @@ BvhChild grow_by_sweep(const MeshView* mesh, std::vector<BoxRef> refs, const Bvh
                          counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

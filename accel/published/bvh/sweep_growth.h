@@ -8,7 +8,7 @@
 #include "accel/published/bvh/bvh_growth.h"
 #include "accel/published/bvh/spatial_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 
 /// How many references a BvhGrowth must have room for, to grow over so many by sweeping: twice as
 /// many as there may be, as what comes to exceed the budget is grown again. Below 2^32.
@@ -27,7 +27,8 @@ std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
 /// that is dropped because the budget does not suffice is not counted, as it depends on threads.
 /// Cost: O(n log n), and up to 250 bytes a reference while it grows. Parallel in the caller's
 /// arena; the result does not depend on it. Throws std::bad_alloc.
-BvhChild grow_by_sweep(const MeshView* mesh, std::vector<BoxRef> refs, const BvhLeafRule& leaf,
-                       const SpatialRule& spatial, BvhGrowth& growth, BuildCounters& counters);
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+                       const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
+                       kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

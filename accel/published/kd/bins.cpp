@@ -6,7 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 /// Lists at least twice as long are counted in slices of this many, in parallel.
@@ -29,8 +29,8 @@ void count_in_slices(std::size_t items, Sum& sum, const Add& add, const Join& jo
       });
 }
 
-void grow_bounds(std::span<const BoxRef> refs, Aabb& bounds) {
-  for (const BoxRef& ref : refs) {
+void grow_bounds(std::span<const kdtree::BoxRef> refs, geometry::Aabb& bounds) {
+  for (const kdtree::BoxRef& ref : refs) {
     for (std::size_t a = 0; a < 3; ++a) {
       bounds.lo[a] = std::min(bounds.lo[a], ref.lo[a]);
       bounds.hi[a] = std::max(bounds.hi[a], ref.hi[a]);
@@ -56,14 +56,14 @@ AxisBins& AxisBins::operator+=(const AxisBins& o) {
   return *this;
 }
 
-Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell) {
-  Aabb bounds;
+geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell) {
+  geometry::Aabb bounds;
   count_in_slices(
       refs.size(), bounds,
-      [&](std::size_t begin, std::size_t end, Aabb& sum) {
+      [&](std::size_t begin, std::size_t end, geometry::Aabb& sum) {
         grow_bounds(refs.subspan(begin, end - begin), sum);
       },
-      [](Aabb& a, const Aabb& b) { a.grow(b); });
+      [](geometry::Aabb& a, const geometry::Aabb& b) { a.grow(b); });
   for (std::size_t a = 0; a < 3; ++a) {
     bounds.lo[a] = std::max(bounds.lo[a], cell.lo[a]);
     bounds.hi[a] = std::min(bounds.hi[a], cell.hi[a]);
@@ -71,13 +71,13 @@ Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell) {
   return bounds;
 }
 
-void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
+void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes) {
   count_in_slices(
       sampling.size(refs.size()), axes,
       [&](std::size_t begin, std::size_t end, std::array<AxisBins, 3>& sum) {
         for (std::size_t k = begin; k < end; ++k) {
-          const BoxRef& ref = refs[sampling.at(k, refs.size())];
+          const kdtree::BoxRef& ref = refs[sampling.at(k, refs.size())];
           for (std::size_t a = 0; a < 3; ++a) sum[a].add(ref.lo[a], ref.hi[a], ref.weight);
         }
       },
@@ -86,14 +86,14 @@ void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
       });
 }
 
-void count_bins(std::span<const BoxRef> refs, std::size_t axis, AxisBins& bins) {
+void count_bins(std::span<const kdtree::BoxRef> refs, std::size_t axis, AxisBins& bins) {
   count_in_slices(
       refs.size(), bins,
       [&](std::size_t begin, std::size_t end, AxisBins& sum) {
-        for (const BoxRef& ref : refs.subspan(begin, end - begin))
+        for (const kdtree::BoxRef& ref : refs.subspan(begin, end - begin))
           sum.add(ref.lo[axis], ref.hi[axis], ref.weight);
       },
       [](AxisBins& x, const AxisBins& y) { x += y; });
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

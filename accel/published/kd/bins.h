@@ -10,7 +10,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// Counters of one axis: `bins` bins of equal width from lo to hi. A position belongs to the bin
 /// that it lies in; what lies outside, to the first or the last.
@@ -55,7 +55,7 @@ class AxisBins {
 };
 
 /// Bounds of the boxes' parts in the cell. Parallel for long lists.
-Aabb content_bounds(std::span<const BoxRef> refs, const Aabb& cell);
+geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell);
 
 /// Every reference, or one of every `stride` consecutive ones, drawn from them by a hash: lists
 /// come in regular orders, and every l-th of "object, floor, object, floor" may be floor
@@ -75,10 +75,10 @@ struct Sampling {
 
 /// Counts the sampled references on all three axes in one pass. Whole numbers: the same however the
 /// work is cut. Parallel for long lists.
-void count_bins(std::span<const BoxRef> refs, const Sampling& sampling,
+void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes);
 
 /// Counts all references on one axis.
-void count_bins(std::span<const BoxRef> refs, std::size_t axis, AxisBins& bins);
+void count_bins(std::span<const kdtree::BoxRef> refs, std::size_t axis, AxisBins& bins);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

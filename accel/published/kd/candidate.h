@@ -8,7 +8,7 @@
 
 #include "accel/split/cost_model.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// Costs in units of the caller's choice; only ratios matter.
 struct ExactCosts {
@@ -24,7 +24,7 @@ struct ExactCosts {
 /// order, so that every way of looking for the best candidate finds the same one.
 struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
-  Cut cut;
+  kdtree::Cut cut;
   std::uint32_t left = 0, right = 0;  ///< Weight on either side.
 
   bool operator<(const Candidate& o) const {
@@ -36,12 +36,12 @@ struct Candidate {
 /// The cuts of one cell along one axis.
 class AxisCuts {
  public:
-  AxisCuts(const ExactCosts& costs, const Aabb& cell, int axis, std::uint32_t weight)
+  AxisCuts(const ExactCosts& costs, const geometry::Aabb& cell, int axis, std::uint32_t weight)
       : costs_(costs),
         areas_(cell, axis),
         lo_(cell.lo[static_cast<std::size_t>(axis)]),
         hi_(cell.hi[static_cast<std::size_t>(axis)]),
-        flat_(hi_ <= least_above(lo_)),
+        flat_(hi_ <= geometry::least_above(lo_)),
         axis_(axis),
         weight_(weight) {}
 
@@ -72,11 +72,11 @@ class AxisCuts {
 
  private:
   const ExactCosts& costs_;
-  CutAreas areas_;
+  split::CutAreas areas_;
   float lo_, hi_;
   bool flat_;
   int axis_;
   std::uint32_t weight_;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

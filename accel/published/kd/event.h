@@ -8,7 +8,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// At one position ends come first, then boxes that lie in the plane, then starts.
 enum class EventType : std::uint64_t { kEnd = 0, kPlanar = 1, kStart = 2 };
@@ -53,7 +53,7 @@ static_assert(sizeof(Event) == 8);
 
 /// Writes the one or two events of [lo, hi] to `out` and returns the place behind them.
 inline Event* put_events(float lo, float hi, std::uint32_t reference, Event* out) {
-  if (hi == least_above(lo)) {
+  if (hi == geometry::least_above(lo)) {
     *out++ = Event(lo, EventType::kPlanar, reference);
     return out;
   }
@@ -67,4 +67,4 @@ inline std::uint64_t sort_touches(std::size_t events) {
   return events < 2 ? 0 : events * static_cast<std::uint64_t>(std::bit_width(events - 1));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

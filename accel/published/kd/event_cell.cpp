@@ -5,7 +5,7 @@
 
 #include "accel/grow/clip_straddlers.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 enum Side : std::uint8_t { kNeither = 0, kLeft = 1, kRight = 2, kBoth = 3 };
@@ -35,7 +35,7 @@ Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_
 
 }  // namespace
 
-std::size_t EventDivider::classify(std::span<const Event> events, const Cut& cut) {
+std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::Cut& cut) {
   const float x = cut.plane.position;
   const std::size_t size = events.size();
   std::uint8_t* side = side_.get();
@@ -69,11 +69,12 @@ std::size_t EventDivider::classify(std::span<const Event> events, const Cut& cut
   return ended + planar_left;
 }
 
-void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const BoxRef> refs,
-                        const MeshView& mesh) {
+void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
+                        std::span<const kdtree::BoxRef> refs, const geometry::MeshView& mesh) {
   for (Room& room : fresh) room.clear(2 * straddling_);
   for (const std::uint32_t reference : std::span(straddlers_).first(straddling_)) {
-    const std::optional<Aabb> box = clip_to_half(mesh, refs[reference].id, half.box);
+    const std::optional<geometry::Aabb> box =
+        grow::clip_to_half(mesh, refs[reference].id, half.box);
     if (!box) {
       --half.size;
       half.weight -= refs[reference].weight;
@@ -101,7 +102,8 @@ void EventDivider::splice(std::span<const Event> events) {
   spliced_[1].end = right;
 }
 
-std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh, BuildCounters& counters) {
+std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh,
+                                          kdtree::BuildCounters& counters) {
   const std::size_t size = spliced.size() + fresh.size();
   Event* out = events_.top(size);
   events_.take(size);
@@ -116,11 +118,11 @@ std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh, BuildCount
 }
 
 EventHalves EventDivider::divide(const EventCell& cell, const EventCut& cut,
-                                 std::span<const BoxRef> refs, const MeshView* mesh,
-                                 BuildCounters& counters) {
-  const Plane& plane = cut.cut.plane;
-  const HalvedCell boxes = halve(cell.box, plane.axis, plane.position);
-  const CellPath path = cell.path.below(cut.cut);
+                                 std::span<const kdtree::BoxRef> refs,
+                                 const geometry::MeshView* mesh, kdtree::BuildCounters& counters) {
+  const kdtree::Plane& plane = cut.cut.plane;
+  const geometry::HalvedCell boxes = halve(cell.box, plane.axis, plane.position);
+  const kdtree::CellPath path = cell.path.below(cut.cut);
   const std::span<const Event> along = cell.events[static_cast<std::size_t>(plane.axis)];
   const std::size_t left_only = classify(along, cut.cut);
   counters.touches += along.size() / 2;
@@ -145,4 +147,4 @@ EventHalves EventDivider::divide(const EventCell& cell, const EventCut& cut,
   return halves;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

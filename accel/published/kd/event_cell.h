@@ -12,7 +12,7 @@
 #include "accel/grow/list_stack.h"
 #include "accel/published/kd/event.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// The events of each reference of a cell, sorted, an array an axis. The references themselves are
 /// nowhere else.
@@ -20,8 +20,8 @@ struct EventCell {
   std::array<std::span<const Event>, 3> events;
   std::size_t size = 0;      ///< References.
   std::uint32_t weight = 0;  ///< Of all of them.
-  Aabb box;
-  CellPath path;
+  geometry::Aabb box;
+  kdtree::CellPath path;
 };
 
 struct EventHalves {
@@ -30,7 +30,7 @@ struct EventHalves {
 
 /// What a cut knows of itself before anything is divided: see Candidate.
 struct EventCut {
-  Cut cut;
+  kdtree::Cut cut;
   std::uint32_t left = 0, right = 0;
 };
 
@@ -42,13 +42,14 @@ class EventDivider {
       : side_(std::make_unique_for_overwrite<std::uint8_t[]>(references)) {}
 
   /// Where the children's events are put; the caller releases them when the children are done.
-  ListStack<Event>& events() { return events_; }
+  grow::ListStack<Event>& events() { return events_; }
 
   /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to either
   /// half; who does not reach into a half is left out of it. `refs` says by index which face a
   /// reference is, and what it weighs.
-  EventHalves divide(const EventCell& cell, const EventCut& cut, std::span<const BoxRef> refs,
-                     const MeshView* mesh, BuildCounters& counters);
+  EventHalves divide(const EventCell& cell, const EventCut& cut,
+                     std::span<const kdtree::BoxRef> refs, const geometry::MeshView* mesh,
+                     kdtree::BuildCounters& counters);
 
  private:
   /// Growing room for events, written through `end`.
@@ -65,17 +66,17 @@ class EventDivider {
   };
   /// Writes side_ for every reference of the cell, and straddlers_. Returns how many are on the
   /// left only.
-  std::size_t classify(std::span<const Event> events, const Cut& cut);
+  std::size_t classify(std::span<const Event> events, const kdtree::Cut& cut);
   /// Makes the events of all straddlers in one half, and takes those out of its counts that only
   /// touch it.
-  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const BoxRef> refs,
-            const MeshView& mesh);
+  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const kdtree::BoxRef> refs,
+            const geometry::MeshView& mesh);
   /// Divides the events of one axis by side_, in order.
   void splice(std::span<const Event> events);
   /// Puts spliced events, merged with new ones, where they stay.
-  std::span<const Event> keep(Room& spliced, Room& fresh, BuildCounters& counters);
+  std::span<const Event> keep(Room& spliced, Room& fresh, kdtree::BuildCounters& counters);
 
-  ListStack<Event> events_;
+  grow::ListStack<Event> events_;
   std::unique_ptr<std::uint8_t[]>
       side_;  ///< By reference: on the left (bit 0), on the right (bit 1).
   std::vector<std::uint32_t> straddlers_;  ///< The first straddling_ are.
@@ -84,4 +85,4 @@ class EventDivider {
   std::array<Room, 2> spliced_;               ///< Events of one axis, by side.
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -12,7 +12,7 @@
 #include "accel/published/kd/radix_sort.h"
 #include "accel/published/kd/sweep_axis.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 constexpr std::size_t kAxes = 3;
@@ -20,18 +20,18 @@ constexpr std::size_t kAxes = 3;
 template <class Weights>
 class EventGrowth {
  public:
-  EventGrowth(const GrowContext& context, const ExactBuilder& builder, std::span<const BoxRef> refs,
-              Weights weights)
+  EventGrowth(const grow::GrowContext& context, const ExactBuilder& builder,
+              std::span<const kdtree::BoxRef> refs, Weights weights)
       : context_(context),
         builder_(builder),
         mesh_(builder.clips() ? context.mesh : nullptr),
         refs_(refs),
         weights_(weights) {}
 
-  Slot grow(const EventCell& cell, EventDivider& divider, BuildCounters& counters) {
+  kdtree::Slot grow(const EventCell& cell, EventDivider& divider, kdtree::BuildCounters& counters) {
     const bool cancelled =
         context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
-    if (cell.size >= kForkFrom && cancelled) return defer(cell, false);
+    if (cell.size >= grow::kForkFrom && cancelled) return defer(cell, false);
     const std::optional<EventCut> cut = choose(cell, counters);
     if (!cut) return leaf(cell);
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
@@ -39,20 +39,20 @@ class EventGrowth {
 
     const auto mark = divider.events().mark();
     const EventHalves halves = divider.divide(cell, *cut, refs_, mesh_, counters);
-    const Slot slot = Slot::binary(cut->cut.plane, *pair);
-    AtomicSlot* children = context_.tree.children(slot);
-    const auto grow_child = [&](std::size_t i, EventDivider& own, BuildCounters& sum) {
+    const kdtree::Slot slot = kdtree::Slot::binary(cut->cut.plane, *pair);
+    kdtree::AtomicSlot* children = context_.tree.children(slot);
+    const auto grow_child = [&](std::size_t i, EventDivider& own, kdtree::BuildCounters& sum) {
       // Not published until the slot of the whole subtree is.
       children[i].store(grow(i == 0 ? halves.left : halves.right, own, sum).bits(),
                         std::memory_order_relaxed);
     };
-    if (std::min(halves.left.size, halves.right.size) >= kForkFrom) {
-      BuildCounters right;
-      fork([&] { grow_child(0, divider, counters); },
-           [&] {
-             EventDivider own(refs_.size());
-             grow_child(1, own, right);
-           });
+    if (std::min(halves.left.size, halves.right.size) >= grow::kForkFrom) {
+      kdtree::BuildCounters right;
+      grow::fork([&] { grow_child(0, divider, counters); },
+                 [&] {
+                   EventDivider own(refs_.size());
+                   grow_child(1, own, right);
+                 });
       counters += right;
     } else {
       grow_child(0, divider, counters);
@@ -63,7 +63,7 @@ class EventGrowth {
   }
 
  private:
-  std::optional<EventCut> choose(const EventCell& cell, BuildCounters& counters) const {
+  std::optional<EventCut> choose(const EventCell& cell, kdtree::BuildCounters& counters) const {
     if (cell.size == 0 || cell.path.depth >= context_.max_depth || !(half_area(cell.box) > 0))
       return std::nullopt;
     Candidate best;
@@ -73,54 +73,55 @@ class EventGrowth {
                  weights_, best);
       counters.touches += events.size() / 2;
     }
-    const std::optional<Cut> cut = builder_.decide(best, cell.weight, cell.size, cell.path);
+    const std::optional<kdtree::Cut> cut = builder_.decide(best, cell.weight, cell.size, cell.path);
     if (!cut) return std::nullopt;
     return EventCut{*cut, best.left, best.right};
   }
 
-  Slot leaf(const EventCell& cell) const {
-    if (cell.size == 0) return Slot::empty_leaf();
-    std::vector<BoxRef> refs;
+  kdtree::Slot leaf(const EventCell& cell) const {
+    if (cell.size == 0) return kdtree::Slot::empty_leaf();
+    std::vector<kdtree::BoxRef> refs;
     refs.reserve(cell.size);
     for (const Event event : cell.events[0]) {
       if (event.type() != EventType::kEnd) refs.push_back(refs_[event.reference()]);
     }
-    const std::optional<Slot> made = context_.tree.make_leaf(refs);
+    const std::optional<kdtree::Slot> made = context_.tree.make_leaf(refs);
     return made ? *made : defer(cell, true);
   }
 
   /// As a list again: every reference with the bounds that its events say.
-  Slot defer(const EventCell& cell, bool given_up) const {
+  kdtree::Slot defer(const EventCell& cell, bool given_up) const {
     std::vector<std::uint32_t> members;
     for (const Event event : cell.events[0]) {
       if (event.type() != EventType::kEnd) members.push_back(event.reference());
     }
     std::sort(members.begin(), members.end());
-    BoxList list(members.size());
-    const std::span<BoxRef> refs = list.all();
+    kdtree::BoxList list(members.size());
+    const std::span<kdtree::BoxRef> refs = list.all();
     std::transform(members.begin(), members.end(), refs.begin(),
                    [&](std::uint32_t m) { return refs_[m]; });
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       for (const Event event : cell.events[axis]) {
         const auto place =
             std::lower_bound(members.begin(), members.end(), event.reference()) - members.begin();
-        BoxRef& ref = refs[static_cast<std::size_t>(place)];
+        kdtree::BoxRef& ref = refs[static_cast<std::size_t>(place)];
         if (event.type() != EventType::kEnd) ref.lo[axis] = event.position();
         if (event.type() == EventType::kEnd) ref.hi[axis] = event.position();
-        if (event.type() == EventType::kPlanar) ref.hi[axis] = least_above(event.position());
+        if (event.type() == EventType::kPlanar)
+          ref.hi[axis] = geometry::least_above(event.position());
       }
     }
     return context_.tree.defer(std::move(list), cell.box, cell.path, given_up);
   }
 
-  const GrowContext& context_;
+  const grow::GrowContext& context_;
   const ExactBuilder& builder_;
-  const MeshView* mesh_;
-  std::span<const BoxRef> refs_;
+  const geometry::MeshView* mesh_;
+  std::span<const kdtree::BoxRef> refs_;
   Weights weights_;
 };
 
-std::vector<Event> sorted_events(std::span<const BoxRef> refs, std::size_t axis) {
+std::vector<Event> sorted_events(std::span<const kdtree::BoxRef> refs, std::size_t axis) {
   std::vector<Event> events(2 * refs.size());
   Event* end = events.data();
   for (std::size_t i = 0; i < refs.size(); ++i) {
@@ -133,11 +134,11 @@ std::vector<Event> sorted_events(std::span<const BoxRef> refs, std::size_t axis)
 
 }  // namespace
 
-Slot grow_by_events(const GrowContext& context, const ExactBuilder& builder,
-                    std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path,
-                    BuildCounters& counters) {
+kdtree::Slot grow_by_events(const grow::GrowContext& context, const ExactBuilder& builder,
+                            std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                            const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   std::array<std::vector<Event>, kAxes> events;
-  if (refs.size() >= kForkFrom) {
+  if (refs.size() >= grow::kForkFrom) {
     tbb::parallel_for(std::size_t{0}, kAxes,
                       [&](std::size_t axis) { events[axis] = sorted_events(refs, axis); });
   } else {
@@ -149,14 +150,14 @@ Slot grow_by_events(const GrowContext& context, const ExactBuilder& builder,
     root.events[axis] = events[axis];
     counters.touches += sort_touches(events[axis].size());
   }
-  for (const BoxRef& ref : refs) root.weight += ref.weight;
+  for (const kdtree::BoxRef& ref : refs) root.weight += ref.weight;
   EventDivider divider(refs.size());
-  const bool unit =
-      std::all_of(refs.begin(), refs.end(), [](const BoxRef& ref) { return ref.weight == 1; });
+  const bool unit = std::all_of(refs.begin(), refs.end(),
+                                [](const kdtree::BoxRef& ref) { return ref.weight == 1; });
   if (unit) {
     return EventGrowth(context, builder, refs, UnitWeights{}).grow(root, divider, counters);
   }
   return EventGrowth(context, builder, refs, ListWeights{refs}).grow(root, divider, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

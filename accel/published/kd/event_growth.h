@@ -7,9 +7,11 @@
 #include "accel/kdtree/slot.h"
 #include "accel/published/kd/exact_builder.h"
 
-namespace sightline::accel {
-
+namespace sightline::accel::grow {
 struct GrowContext;
+}
+
+namespace sightline::accel::published::kd {
 
 /// The subtree under `cell`, as `grow` of grow.h makes it with the same builder searching by
 /// sorting: the same planes, the same references in each leaf (in another order).
@@ -23,8 +25,8 @@ struct GrowContext;
 ///
 /// At most Event::kMaxReferences references. Throws std::bad_alloc. Large subtrees become tasks in
 /// the caller's arena.
-Slot grow_by_events(const GrowContext& context, const ExactBuilder& builder,
-                    std::span<const BoxRef> refs, const Aabb& cell, const CellPath& path,
-                    BuildCounters& counters);
+kdtree::Slot grow_by_events(const grow::GrowContext& context, const ExactBuilder& builder,
+                            std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                            const kdtree::CellPath& path, kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -6,46 +6,49 @@
 #include "accel/published/kd/exact_search.h"
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 std::optional<std::string> ExactBuilder::check() const {
-  if (auto e = out_of_range("cost_traverse", costs.traverse, 0.0, 1e6)) return e;
-  if (auto e = out_of_range("cost_intersect", costs.intersect, 1e-6, 1e6)) return e;
-  if (auto e = out_of_range("lambda", costs.lambda, 1e-6, 1.0)) return e;
-  if (auto e = out_of_range("bad_refines", bad_refines, 0u, 16u)) return e;
+  if (auto e = split::out_of_range("cost_traverse", costs.traverse, 0.0, 1e6)) return e;
+  if (auto e = split::out_of_range("cost_intersect", costs.intersect, 1e-6, 1e6)) return e;
+  if (auto e = split::out_of_range("lambda", costs.lambda, 1e-6, 1.0)) return e;
+  if (auto e = split::out_of_range("bad_refines", bad_refines, 0u, 16u)) return e;
   return std::nullopt;
 }
 
-std::optional<Cut> ExactBuilder::decide(const Candidate& best, std::uint32_t weight,
-                                        std::size_t references, const CellPath& path) const {
+std::optional<kdtree::Cut> ExactBuilder::decide(const Candidate& best, std::uint32_t weight,
+                                                std::size_t references,
+                                                const kdtree::CellPath& path) const {
   if (best.cost <= costs.intersect * weight) return best.cut;
   const bool found = best.cost < std::numeric_limits<double>::infinity();
   if (!found || references < 2 || static_cast<std::uint32_t>(path.cuts_at_a_loss) >= bad_refines)
     return std::nullopt;
-  Cut cut = best.cut;
+  kdtree::Cut cut = best.cut;
   cut.at_a_loss = true;
   return cut;
 }
 
-std::optional<Cut> ExactBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const std::span<const BoxRef> refs = list.refs;
-  const Aabb& cell = list.box;
+std::optional<kdtree::Cut> ExactBuilder::choose(const kdtree::CellRefs& list,
+                                                kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::BoxRef> refs = list.refs;
+  const geometry::Aabb& cell = list.box;
   // No ray meets a cell without area, and no plane in it is better than another.
   if (refs.empty() || !(half_area(cell) > 0)) return std::nullopt;
   std::uint32_t weight = 0;
-  for (const BoxRef& ref : refs) weight += ref.weight;
+  for (const kdtree::BoxRef& ref : refs) weight += ref.weight;
   const bool naive = search == ExactSearch::kNaive || refs.size() > Event::kMaxReferences;
   const Candidate best = naive ? search_naively(costs, refs, cell, weight, counters)
                                : search_sorted(costs, refs, cell, weight, counters);
   return decide(best, weight, refs.size(), list.path);
 }
 
-std::optional<Slot> ExactBuilder::grow_subtree(const GrowContext& context,
-                                               std::span<const BoxRef> refs, const Aabb& cell,
-                                               const CellPath& path,
-                                               BuildCounters& counters) const {
+std::optional<kdtree::Slot> ExactBuilder::grow_subtree(const grow::GrowContext& context,
+                                                       std::span<const kdtree::BoxRef> refs,
+                                                       const geometry::Aabb& cell,
+                                                       const kdtree::CellPath& path,
+                                                       kdtree::BuildCounters& counters) const {
   if (search != ExactSearch::kSweep || refs.size() > Event::kMaxReferences) return std::nullopt;
   return grow_by_events(context, *this, refs, cell, path, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

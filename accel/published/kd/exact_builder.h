@@ -10,10 +10,14 @@
 
 #include "accel/published/kd/candidate.h"
 
-namespace sightline::accel {
-
+namespace sightline::accel::kdtree {
 class Slot;
+}
+namespace sightline::accel::grow {
 struct GrowContext;
+}
+
+namespace sightline::accel::published::kd {
 
 enum class ExactSearch : std::uint8_t {
   kNaive,  ///< Counts the whole list for every candidate: O(N^2) (section 4.1).
@@ -43,19 +47,21 @@ struct ExactBuilder {
   ///
   /// Touches: naive, the list for every candidate; sort, an axis: the list, the sort, and the list
   /// for the sweep. Threads: any.
-  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const;
 
   bool clips() const { return clip; }
 
   /// Sweep only: the subtree under a cell from one sorted list of events; nothing for other
   /// searches, or if there are more references than events can name. As `grow` of grow.h otherwise.
-  std::optional<Slot> grow_subtree(const GrowContext& context, std::span<const BoxRef> refs,
-                                   const Aabb& cell, const CellPath& path,
-                                   BuildCounters& counters) const;
+  std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
+                                           std::span<const kdtree::BoxRef> refs,
+                                           const geometry::Aabb& cell, const kdtree::CellPath& path,
+                                           kdtree::BuildCounters& counters) const;
 
   /// The cut to make in a cell of this weight, given its best candidate.
-  std::optional<Cut> decide(const Candidate& best, std::uint32_t weight, std::size_t references,
-                            const CellPath& path) const;
+  std::optional<kdtree::Cut> decide(const Candidate& best, std::uint32_t weight,
+                                    std::size_t references, const kdtree::CellPath& path) const;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

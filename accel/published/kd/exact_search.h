@@ -6,16 +6,18 @@
 
 #include "accel/published/kd/candidate.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// Counts the list anew for each candidate. `weight`: of the whole list. An infinite cost: there is
 /// no candidate.
-Candidate search_naively(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
-                         std::uint32_t weight, BuildCounters& counters);
+Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+                         const geometry::Aabb& cell, std::uint32_t weight,
+                         kdtree::BuildCounters& counters);
 
 /// Sorts the ends of the boxes along each axis and sweeps over them. At most Event::kMaxReferences
 /// references.
-Candidate search_sorted(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
-                        std::uint32_t weight, BuildCounters& counters);
+Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+                        const geometry::Aabb& cell, std::uint32_t weight,
+                        kdtree::BuildCounters& counters);
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -8,14 +8,14 @@
 
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 /// How many references reach into either half.
 struct Sides {
   std::size_t left = 0, right = 0;
 
-  void add(const BoxRef& ref, std::size_t axis, float x) {
+  void add(const kdtree::BoxRef& ref, std::size_t axis, float x) {
     left += ref.lo[axis] < x ? 1 : 0;
     right += ref.hi[axis] > x ? 1 : 0;
   }
@@ -25,11 +25,11 @@ float middle(float a, float b) {
   return static_cast<float>(0.5 * static_cast<double>(a) + 0.5 * static_cast<double>(b));
 }
 
-bool is_inside(const Aabb& cell, std::size_t axis, float x) {
+bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return x > cell.lo[axis] && x < cell.hi[axis];
 }
 
-std::array<std::size_t, 3> longest_first(const Aabb& cell) {
+std::array<std::size_t, 3> longest_first(const geometry::Aabb& cell) {
   std::array<std::size_t, 3> axes{0, 1, 2};
   const auto extent = [&](std::size_t a) {
     return static_cast<double>(cell.hi[a]) - static_cast<double>(cell.lo[a]);
@@ -39,9 +39,10 @@ std::array<std::size_t, 3> longest_first(const Aabb& cell) {
   return axes;
 }
 
-float median_centre(std::span<const BoxRef> refs, const Aabb& cell, std::size_t axis) {
+float median_centre(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                    std::size_t axis) {
   std::vector<float> centres(refs.size());
-  std::transform(refs.begin(), refs.end(), centres.begin(), [&](const BoxRef& ref) {
+  std::transform(refs.begin(), refs.end(), centres.begin(), [&](const kdtree::BoxRef& ref) {
     return middle(std::max(ref.lo[axis], cell.lo[axis]), std::min(ref.hi[axis], cell.hi[axis]));
   });
   const auto median = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() / 2);
@@ -49,13 +50,13 @@ float median_centre(std::span<const BoxRef> refs, const Aabb& cell, std::size_t 
   return *median;
 }
 
-Cut cut_at(std::size_t axis, float x) { return {.plane = {static_cast<int>(axis), x}}; }
+kdtree::Cut cut_at(std::size_t axis, float x) { return {.plane = {static_cast<int>(axis), x}}; }
 
 }  // namespace
 
 std::optional<std::string> MedianStop::check() const {
-  if (auto e = out_of_range("leaf_size", leaf_size, 1u, 1'000'000u)) return e;
-  return out_of_range("max_depth", max_depth, 0u, 80u);
+  if (auto e = split::out_of_range("leaf_size", leaf_size, 1u, 1'000'000u)) return e;
+  return split::out_of_range("max_depth", max_depth, 0u, 80u);
 }
 
 int MedianStop::depth_bound(std::size_t references) const {
@@ -64,15 +65,15 @@ int MedianStop::depth_bound(std::size_t references) const {
       std::lround(8 + 1.3 * std::log2(static_cast<double>(std::max<std::size_t>(references, 1)))));
 }
 
-std::optional<Cut> SpatialMedianBuilder::choose(const CellRefs& list,
-                                                BuildCounters& counters) const {
-  const std::span<const BoxRef> refs = list.refs;
-  const Aabb& cell = list.box;
+std::optional<kdtree::Cut> SpatialMedianBuilder::choose(const kdtree::CellRefs& list,
+                                                        kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::BoxRef> refs = list.refs;
+  const geometry::Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   std::array<float, 3> x;
   for (std::size_t a = 0; a < 3; ++a) x[a] = middle(cell.lo[a], cell.hi[a]);
   std::array<Sides, 3> sides;
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     for (std::size_t a = 0; a < 3; ++a) sides[a].add(ref, a, x[a]);
   }
   counters.touches += refs.size();
@@ -84,21 +85,21 @@ std::optional<Cut> SpatialMedianBuilder::choose(const CellRefs& list,
   return std::nullopt;
 }
 
-std::optional<Cut> ObjectMedianBuilder::choose(const CellRefs& list,
-                                               BuildCounters& counters) const {
-  const std::span<const BoxRef> refs = list.refs;
-  const Aabb& cell = list.box;
+std::optional<kdtree::Cut> ObjectMedianBuilder::choose(const kdtree::CellRefs& list,
+                                                       kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::BoxRef> refs = list.refs;
+  const geometry::Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   for (const std::size_t axis : longest_first(cell)) {
     const float x = median_centre(refs, cell, axis);
     counters.touches += 3 * refs.size();
     if (!is_inside(cell, axis, x)) continue;
     Sides sides;
-    for (const BoxRef& ref : refs) sides.add(ref, axis, x);
+    for (const kdtree::BoxRef& ref : refs) sides.add(ref, axis, x);
     counters.touches += refs.size();
     if (sides.left < refs.size() && sides.right < refs.size()) return cut_at(axis, x);
   }
   return std::nullopt;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

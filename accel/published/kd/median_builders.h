@@ -9,7 +9,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// When median cuts end: nothing else tells them to.
 struct MedianStop {
@@ -35,7 +35,8 @@ struct SpatialMedianBuilder {
   int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
 
   /// Touches: one pass. Threads: any.
-  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };
@@ -53,9 +54,10 @@ struct ObjectMedianBuilder {
 
   /// Touches, an axis: one pass for the centres, two for selecting the median, one to count the
   /// sides. Threads: any.
-  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -11,11 +11,11 @@
 #include "accel/split/exhaustive_split.h"
 #include "accel/split/out_of_range.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 /// Without a branch: which bounds lie inside a small cell is not to be predicted.
-bool is_inside(const Aabb& cell, std::size_t axis, float x) {
+bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return static_cast<bool>(static_cast<int>(x > cell.lo[axis]) &
                            static_cast<int>(x < cell.hi[axis]));
 }
@@ -47,16 +47,17 @@ std::uint32_t total(const AxisBins& bins) {
 }
 
 /// Whether a plane keeps something out of one side.
-bool separates(std::span<const BoxRef> refs, std::size_t axis, float x) {
-  return std::any_of(refs.begin(), refs.end(),
-                     [&](const BoxRef& ref) { return !(ref.lo[axis] < x) || !(ref.hi[axis] > x); });
+bool separates(std::span<const kdtree::BoxRef> refs, std::size_t axis, float x) {
+  return std::any_of(refs.begin(), refs.end(), [&](const kdtree::BoxRef& ref) {
+    return !(ref.lo[axis] < x) || !(ref.hi[axis] > x);
+  });
 }
 
 /// The decomposition's cut; nothing where it leads nowhere.
-std::optional<Cut> cut_at_median(const CellRefs& list, std::uint32_t bins,
-                                 BuildCounters& counters) {
-  const Aabb contents = content_bounds(list.refs, list.box);
-  const auto axis = static_cast<std::size_t>(longest_axis(contents));
+std::optional<kdtree::Cut> cut_at_median(const kdtree::CellRefs& list, std::uint32_t bins,
+                                         kdtree::BuildCounters& counters) {
+  const geometry::Aabb contents = content_bounds(list.refs, list.box);
+  const auto axis = static_cast<std::size_t>(split::longest_axis(contents));
   AxisBins counted(contents.lo[axis], contents.hi[axis], bins);
   count_bins(list.refs, axis, counted);
   counters.touches += 2 * list.refs.size();
@@ -70,17 +71,17 @@ std::optional<Cut> cut_at_median(const CellRefs& list, std::uint32_t bins,
                       x = at;
                     });
   if (!is_inside(list.box, axis, x) || !separates(list.refs, axis, x)) return std::nullopt;
-  return Cut{.plane = {static_cast<int>(axis), x}};
+  return kdtree::Cut{.plane = {static_cast<int>(axis), x}};
 }
 
 }  // namespace
 
 std::optional<std::string> MinMaxBuilder::check() const {
-  if (auto e = out_of_range("bins", bins, 2u, kMaxBins)) return e;
-  if (auto e = out_of_range("threads", threads, 0u, 1024u)) return e;
-  if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
-  if (auto e = out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
-  if (auto e = out_of_range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
+  if (auto e = split::out_of_range("bins", bins, 2u, kMaxBins)) return e;
+  if (auto e = split::out_of_range("threads", threads, 0u, 1024u)) return e;
+  if (auto e = split::out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
+  if (auto e = split::out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
+  if (auto e = split::out_of_range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
   return std::nullopt;
 }
 
@@ -91,9 +92,10 @@ std::uint32_t MinMaxBuilder::threads_at(int depth) const {
   return all >> depth;
 }
 
-std::optional<Cut> MinMaxBuilder::choose(const CellRefs& list, BuildCounters& counters) const {
-  const std::span<const BoxRef> refs = list.refs;
-  const Aabb& cell = list.box;
+std::optional<kdtree::Cut> MinMaxBuilder::choose(const kdtree::CellRefs& list,
+                                                 kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::BoxRef> refs = list.refs;
+  const geometry::Aabb& cell = list.box;
   if (refs.empty()) return std::nullopt;
   if (const std::uint32_t here = threads_at(list.path.depth);
       here > 1 && refs.size() >= std::size_t{kDecompositionBins} * here) {
@@ -103,10 +105,11 @@ std::optional<Cut> MinMaxBuilder::choose(const CellRefs& list, BuildCounters& co
   return choose_boundary(refs, cell, counters);
 }
 
-std::optional<Cut> MinMaxBuilder::choose_boundary(std::span<const BoxRef> refs, const Aabb& cell,
-                                                  BuildCounters& counters) const {
+std::optional<kdtree::Cut> MinMaxBuilder::choose_boundary(std::span<const kdtree::BoxRef> refs,
+                                                          const geometry::Aabb& cell,
+                                                          kdtree::BuildCounters& counters) const {
   const Sampling sampling{subsample ? stride_for(refs.size()) : 1};
-  const Aabb contents = content_bounds(refs, cell);
+  const geometry::Aabb contents = content_bounds(refs, cell);
   std::array<AxisBins, 3> counted;
   for (std::size_t a = 0; a < 3; ++a) counted[a] = AxisBins(contents.lo[a], contents.hi[a], bins);
   count_bins(refs, sampling, counted);
@@ -114,10 +117,10 @@ std::optional<Cut> MinMaxBuilder::choose_boundary(std::span<const BoxRef> refs, 
   const std::uint32_t weight = total(counted[0]);
   const double each =
       static_cast<double>(refs.size()) / static_cast<double>(sampling.size(refs.size()));
-  BestCut best;
+  split::BestCut best;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    const CutAreas areas(cell, axis);
+    const split::CutAreas areas(cell, axis);
     for_each_boundary(counted[a], weight, [&](float x, std::uint32_t left, std::uint32_t right) {
       if (!is_inside(cell, a, x)) return;
       best.offer({axis, x},
@@ -125,7 +128,7 @@ std::optional<Cut> MinMaxBuilder::choose_boundary(std::span<const BoxRef> refs, 
     });
   }
   if (!best.found || !(best.cost < cost.intersect * weight * each)) return std::nullopt;
-  return Cut{.plane = best.plane};
+  return kdtree::Cut{.plane = best.plane};
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -10,7 +10,7 @@
 #include "accel/split/cost_model.h"
 #include "accel/split/exhaustive_split.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// A builder is a value: parameters, `check()`, and one decision.
 struct MinMaxBuilder {
@@ -23,7 +23,7 @@ struct MinMaxBuilder {
   /// boundary, of 512 T bins along the longest axis, that lies nearest the median. 0: as many as
   /// the arena has; 1: no decomposition. Range 0 to 1024.
   std::uint32_t threads = 0;
-  SahConstants cost{.traverse = 1, .intersect = 1.5, .empty_bonus = 1};
+  split::SahConstants cost{.traverse = 1, .intersect = 1.5, .empty_bonus = 1};
 
   static constexpr std::uint32_t kMaxBins = 256;
   static constexpr std::uint32_t kDecompositionBins = 512;
@@ -36,23 +36,25 @@ struct MinMaxBuilder {
   /// Touches: one pass for the bounds of the contents, one over the sample; at the bottom, an axis,
   /// one for every kScanWidth candidates. Threads: any. Long lists are counted in parallel in the
   /// caller's arena.
-  std::optional<Cut> choose(const CellRefs& cell, BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const;
 
   /// Boxes are left as they are: a straddler keeps its bounds on both sides.
   bool clips() const { return false; }
 
   /// How lists of this length are cut, if every bound is a candidate.
-  std::optional<BoundRule> bound_rule(std::size_t references) const {
+  std::optional<split::BoundRule> bound_rule(std::size_t references) const {
     if (references > bins) return std::nullopt;
-    return BoundRule{.cost = cost};
+    return split::BoundRule{.cost = cost};
   }
 
  private:
   /// Threads of the decomposition that share a cell at this depth.
   std::uint32_t threads_at(int depth) const;
   /// The best boundary of the bins.
-  std::optional<Cut> choose_boundary(std::span<const BoxRef> refs, const Aabb& cell,
-                                     BuildCounters& counters) const;
+  std::optional<kdtree::Cut> choose_boundary(std::span<const kdtree::BoxRef> refs,
+                                             const geometry::Aabb& cell,
+                                             kdtree::BuildCounters& counters) const;
 };
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -2,7 +2,7 @@
 // algorithm 3.
 #include "accel/published/kd/exact_search.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 /// Weight below, in, and above a plane; a straddler is below and above.
@@ -10,9 +10,9 @@ struct Sides {
   std::uint32_t left = 0, planar = 0, right = 0;
 };
 
-Sides classify(std::span<const BoxRef> refs, std::size_t axis, float x) {
+Sides classify(std::span<const kdtree::BoxRef> refs, std::size_t axis, float x) {
   Sides sides;
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     if (is_planar(ref, axis)) {
       (ref.lo[axis] < x ? sides.left : ref.lo[axis] > x ? sides.right : sides.planar) += ref.weight;
     } else {
@@ -23,8 +23,8 @@ Sides classify(std::span<const BoxRef> refs, std::size_t axis, float x) {
   return sides;
 }
 
-void offer(std::span<const BoxRef> refs, const AxisCuts& cuts, std::size_t axis, float x,
-           Candidate& best, BuildCounters& counters) {
+void offer(std::span<const kdtree::BoxRef> refs, const AxisCuts& cuts, std::size_t axis, float x,
+           Candidate& best, kdtree::BuildCounters& counters) {
   const Sides n = classify(refs, axis, x);
   counters.touches += refs.size();
   const auto offer_side = [&](bool planar_left, std::uint32_t left, std::uint32_t right) {
@@ -38,13 +38,14 @@ void offer(std::span<const BoxRef> refs, const AxisCuts& cuts, std::size_t axis,
 
 }  // namespace
 
-Candidate search_naively(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
-                         std::uint32_t weight, BuildCounters& counters) {
+Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+                         const geometry::Aabb& cell, std::uint32_t weight,
+                         kdtree::BuildCounters& counters) {
   Candidate best;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
     const AxisCuts cuts(costs, cell, axis, weight);
-    for (const BoxRef& ref : refs) {
+    for (const kdtree::BoxRef& ref : refs) {
       offer(refs, cuts, a, ref.lo[a], best, counters);
       if (!is_planar(ref, a)) offer(refs, cuts, a, ref.hi[a], best, counters);
     }
@@ -52,4 +53,4 @@ Candidate search_naively(const ExactCosts& costs, std::span<const BoxRef> refs, 
   return best;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

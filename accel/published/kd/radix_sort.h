@@ -10,7 +10,7 @@
 
 #include "accel/published/kd/event.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// Sorts events of which those alike in position and type already stand in the order of their
 /// references: least digit first, over the 34 bits of position and type.
@@ -36,4 +36,4 @@ inline void sort_events(std::vector<Event>& events) {
   }
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

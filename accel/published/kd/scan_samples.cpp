@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
-using AxisPlanes = std::array<FirstAxis, 3>;
-using AxisCounts = std::array<PlaneCounts<kFirstPlanes>, 3>;
+using AxisPlanes = std::array<split::FirstAxis, 3>;
+using AxisCounts = std::array<split::PlaneCounts<split::kFirstPlanes>, 3>;
 
 /// Planes of one stage, on three axes; unused places repeat the last.
 struct StagePlanes {
@@ -15,19 +15,19 @@ struct StagePlanes {
   std::array<std::size_t, 3> used{};
 
   std::size_t passes() const {
-    return (std::max({used[0], used[1], used[2]}) + kFirstPlanes - 1) / kFirstPlanes;
+    return (std::max({used[0], used[1], used[2]}) + split::kFirstPlanes - 1) / split::kFirstPlanes;
   }
   AxisPlanes of_pass(std::size_t pass) const {
     AxisPlanes planes;
     for (std::size_t a = 0; a < 3; ++a)
-      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kFirstPlanes), kFirstPlanes,
-                  planes[a].begin());
+      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * split::kFirstPlanes),
+                  split::kFirstPlanes, planes[a].begin());
     return planes;
   }
 };
 
 /// Evenly from face to face, both included.
-StagePlanes uniform_planes(const Aabb& cell, AxisRange range, std::size_t n) {
+StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, std::size_t n) {
   StagePlanes planes;
   for (int axis = range.begin; axis < range.end; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -42,27 +42,27 @@ StagePlanes uniform_planes(const Aabb& cell, AxisRange range, std::size_t n) {
 }
 
 /// One pass at these planes of the axes in range.
-AxisCounts count_planes(const CellRefs& list, AxisRange range, const AxisPlanes& planes,
-                        BuildCounters& counters) {
+AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
+                        const AxisPlanes& planes, kdtree::BuildCounters& counters) {
   counters.touches += list.size;
-  return run_pass(list,
-                  [range, planes](std::span<const BoxRef> refs) {
-                    PassResult found;
-                    const auto axis = static_cast<std::size_t>(range.begin);
-                    if (range.all()) {
-                      scan_three_axes(refs, planes, found.few);
-                    } else {
-                      scan_one_axis(refs, range.begin, planes[axis], found.few[axis]);
-                    }
-                    return found;
-                  })
+  return split::run_pass(list,
+                         [range, planes](std::span<const kdtree::BoxRef> refs) {
+                           split::PassResult found;
+                           const auto axis = static_cast<std::size_t>(range.begin);
+                           if (range.all()) {
+                             scan_three_axes(refs, planes, found.few);
+                           } else {
+                             scan_one_axis(refs, range.begin, planes[axis], found.few[axis]);
+                           }
+                           return found;
+                         })
       .few;
 }
 
 /// All passes of a stage. `first`: what the first of them finds, where that is known.
-std::array<Samples, 3> sample_stage(const CellRefs& list, AxisRange range,
+std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRange range,
                                     const StagePlanes& planes, const AxisCounts* first,
-                                    BuildCounters& counters) {
+                                    kdtree::BuildCounters& counters) {
   std::array<Samples, 3> samples;
   for (std::size_t pass = 0; pass < planes.passes(); ++pass) {
     const AxisCounts counts = pass == 0 && first != nullptr
@@ -70,7 +70,7 @@ std::array<Samples, 3> sample_stage(const CellRefs& list, AxisRange range,
                                   : count_planes(list, range, planes.of_pass(pass), counters);
     for (std::size_t a = 0; a < 3; ++a) {
       Samples& s = samples[a];
-      for (std::size_t i = 0; i < kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
+      for (std::size_t i = 0; i < split::kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
         s.at[s.size] = {static_cast<double>(planes.at[a][s.size]),
                         static_cast<double>(counts[a].left[i]),
                         static_cast<double>(counts[a].right[i])};
@@ -117,10 +117,11 @@ Samples merge(const Samples& a, const Samples& b) {
   return both;
 }
 
-std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::uint32_t uniform,
-                                   std::uint32_t adaptive, BuildCounters& counters) {
+std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRange range,
+                                   std::uint32_t uniform, std::uint32_t adaptive,
+                                   kdtree::BuildCounters& counters) {
   const bool known =
-      list.first != nullptr && uniform <= kFirstPlanes && list.first->covers(list.size);
+      list.first != nullptr && uniform <= split::kFirstPlanes && list.first->covers(list.size);
   std::array<Samples, 3> samples =
       sample_stage(list, range, uniform_planes(list.box, range, uniform),
                    known ? &list.first->axes : nullptr, counters);
@@ -133,4 +134,4 @@ std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::u
   return samples;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -10,7 +10,7 @@
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_pass.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// What is known of C_L and C_R at one position: the weight partly or wholly below, and above.
 struct Sample {
@@ -39,14 +39,16 @@ Samples merge(const Samples& a, const Samples& b);
 /// The whole of section 5.2: uniform samples, then adaptive ones, over the axes in range; the
 /// others stay empty. For every kFirstPlanes of either a pass is made, but for those uniform ones
 /// of which it is known what it finds (CellRefs::first).
-std::array<Samples, 3> sample_axes(const CellRefs& list, AxisRange range, std::uint32_t uniform,
-                                   std::uint32_t adaptive, BuildCounters& counters);
+std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRange range,
+                                   std::uint32_t uniform, std::uint32_t adaptive,
+                                   kdtree::BuildCounters& counters);
 
 /// The same for a list at hand.
-inline std::array<Samples, 3> sample_axes(std::span<const BoxRef> refs, const Aabb& cell,
-                                          AxisRange range, std::uint32_t uniform,
-                                          std::uint32_t adaptive, BuildCounters& counters) {
+inline std::array<Samples, 3> sample_axes(std::span<const kdtree::BoxRef> refs,
+                                          const geometry::Aabb& cell, split::AxisRange range,
+                                          std::uint32_t uniform, std::uint32_t adaptive,
+                                          kdtree::BuildCounters& counters) {
   return sample_axes({refs, cell, {}}, range, uniform, adaptive, counters);
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

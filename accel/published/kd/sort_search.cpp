@@ -7,10 +7,11 @@
 #include "accel/published/kd/exact_search.h"
 #include "accel/published/kd/sweep_axis.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
-Candidate search_sorted(const ExactCosts& costs, std::span<const BoxRef> refs, const Aabb& cell,
-                        std::uint32_t weight, BuildCounters& counters) {
+Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+                        const geometry::Aabb& cell, std::uint32_t weight,
+                        kdtree::BuildCounters& counters) {
   Candidate best;
   const auto room = std::make_unique_for_overwrite<Event[]>(2 * refs.size());
   for (const int axis : {0, 1, 2}) {
@@ -27,4 +28,4 @@ Candidate search_sorted(const ExactCosts& costs, std::span<const BoxRef> refs, c
   return best;
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

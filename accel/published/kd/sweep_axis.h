@@ -8,7 +8,7 @@
 #include "accel/published/kd/candidate.h"
 #include "accel/published/kd/event.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 
 /// Every reference weighs one: a triangle.
 struct UnitWeights {
@@ -16,7 +16,7 @@ struct UnitWeights {
 };
 
 struct ListWeights {
-  std::span<const BoxRef> refs;
+  std::span<const kdtree::BoxRef> refs;
   std::uint32_t operator()(std::uint32_t reference) const { return refs[reference].weight; }
 };
 
@@ -60,4 +60,4 @@ void sweep_axis(std::span<const Event> events, const AxisCuts& cuts, std::uint32
   }
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -12,7 +12,7 @@
 #include "client/cli/arguments.h"
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::size_t kMaxShown = 40;  // characters of a bad value
@@ -145,4 +145,4 @@ Result<bool> CsvRays::next(RayRow& row) {
   return true;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

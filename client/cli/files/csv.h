@@ -11,7 +11,7 @@
 #include "client/cli/files/input.h"
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 /// The columns of a ray, in the order of a file that does not name them.
 inline constexpr std::array<std::string_view, 8> kRayColumns{"ox", "oy", "oz",   "dx",
@@ -47,4 +47,4 @@ class CsvRays {
   bool has_interval_ = false;
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -11,7 +11,7 @@
 
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::array<HitColumnInfo, 12> kColumns{{{"ray", "<u8", 8},
@@ -160,4 +160,4 @@ void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string&
               [&](auto value) { fmt::format_to(std::back_inserter(out), "{}", value); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

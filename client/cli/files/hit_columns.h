@@ -12,7 +12,7 @@
 #include "client/rays.h"
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 /// In the order in which files have them.
 enum class HitColumn : std::uint8_t {
@@ -63,4 +63,4 @@ struct RowView : HitView {
 void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out);
 void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -5,7 +5,7 @@
 
 #include "client/cli/files/npy.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 Result<HitFile> HitFile::open(const std::string& path, std::vector<HitColumn> columns,
                               std::optional<std::uint64_t> rows) {
@@ -72,4 +72,4 @@ Status HitFile::commit() {
   return output_.commit();
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -11,7 +11,7 @@
 #include "client/rays.h"
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 class HitFile {
  public:
@@ -46,4 +46,4 @@ class HitFile {
   std::string buffer_;
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::uint8_t kBadRay = 2;
@@ -71,4 +71,4 @@ void HitRows::add_hits(const HitView& hits, std::size_t i) {
   add_rows(hits.normal, begin, end, 3, normal_);
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

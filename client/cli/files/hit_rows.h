@@ -7,7 +7,7 @@
 #include "client/cli/files/hit_columns.h"
 #include "client/rays.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 /// A row a hit, and for a bad ray one row with t = NaN and node 0, so that a file tells it from a
 /// miss, which has none. `hit` and `work` are those of the ray, in each of its rows. The memory is
@@ -30,4 +30,4 @@ class HitRows {
   std::vector<std::uint8_t> hit_;
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -15,7 +15,7 @@
 
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 18;
@@ -134,4 +134,4 @@ Result<std::span<const std::byte>> Input::whole() {
   }
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -10,7 +10,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 class Input {
  public:
@@ -50,4 +50,4 @@ class Input {
   std::span<const std::byte> mapped_;
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

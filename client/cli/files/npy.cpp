@@ -10,7 +10,7 @@
 
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::size_t kAlignment = 64;  // of the data, as NumPy has it
@@ -166,4 +166,4 @@ std::string make_npy_header(std::span<const NpyField> fields, std::uint64_t n) {
   return header + '\n';
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

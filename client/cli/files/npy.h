@@ -10,7 +10,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 inline constexpr std::string_view kNpyMagic = "\x93NUMPY";
 
@@ -34,4 +34,4 @@ struct NpyField {
 /// The header of n rows with these fields. Its length is the same for every n.
 std::string make_npy_header(std::span<const NpyField> fields, std::uint64_t n);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -13,7 +13,7 @@
 
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr mode_t kMode = 0666;  // less the umask
@@ -80,4 +80,4 @@ Status Output::commit() {
   return {};
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

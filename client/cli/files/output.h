@@ -7,7 +7,7 @@
 
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 /// Writes beside the file and takes its name at the end, so that a failure leaves what was there
 /// before. What is not a regular file (a pipe, /dev/null) is written to as it is. Errors:
@@ -36,4 +36,4 @@ class Output {
   int file_ = -1;
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

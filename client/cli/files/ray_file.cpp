@@ -15,7 +15,7 @@
 #include "client/cli/files/input.h"
 #include "client/cli/files/npy.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 // A matrix in a file's bytes. They may start anywhere, so values are copied out.
@@ -127,4 +127,4 @@ Result<RayFile> open_rays(const std::string& path, std::stop_token stop) {
   return is_npy ? open_npy(*std::move(input)) : open_csv(*std::move(input));
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

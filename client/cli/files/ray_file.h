@@ -10,7 +10,7 @@
 #include "client/cast_options.h"
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 struct RayFile {
   /// In the precision of the file.
@@ -25,4 +25,4 @@ struct RayFile {
 /// kCancelled, here and from the source, if a stop is requested while the file keeps silent.
 Result<RayFile> open_rays(const std::string& path, std::stop_token stop = {});
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -13,7 +13,7 @@
 
 #include "client/cli/exit_code.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 const std::map<std::string, Mobility> kMobilities{
@@ -252,4 +252,4 @@ Result<Update> parse_update(std::string_view text) {
 
 Json json_of(const Update& update, bool positions) { return std::visit(ToJson{positions}, update); }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

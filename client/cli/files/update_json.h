@@ -7,7 +7,7 @@
 #include "client/cli/session.h"
 #include "client/update.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 
 /// {"put_node": {...}}, {"set_transforms": {...}}, {"delete_node": {...}} or {"patch_vertices":
 /// {...}}. Errors: kInvalidArgument, naming the key.
@@ -19,4 +19,4 @@ const char* name_of(Mobility mobility);
 /// The same object. Without `positions`, patched vertices are only counted.
 Json json_of(const Update& update, bool positions);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 constexpr Vec3 kOverviewFrom{1, 0.7, 0.5};
@@ -45,4 +45,4 @@ std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo&
   return camera;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -6,7 +6,7 @@
 #include "client/cli/picture/vec3.h"
 #include "client/scene_info.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 struct Camera {
   Vec3 eye{};
@@ -33,4 +33,4 @@ struct CameraRequest {
 /// Nothing if the eye is where it looks at.
 std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo& scene);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

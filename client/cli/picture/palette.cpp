@@ -7,7 +7,7 @@
 #include <numbers>
 #include <span>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 std::array<double, 3> linear_srgb(double lightness, double a, double b) {
@@ -81,4 +81,4 @@ std::uint8_t encode_srgb(float linear) {
   return static_cast<std::uint8_t>(std::lround(255 * encoded));
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

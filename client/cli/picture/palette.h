@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 using Rgb = std::array<float, 3>;
 
@@ -26,4 +26,4 @@ Rgb node_colour(std::uint64_t id);
 /// What the display wants: gamma, 0 to 255.
 std::uint8_t encode_srgb(float linear);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

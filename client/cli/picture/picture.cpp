@@ -9,7 +9,7 @@
 #include "client/cli/picture/sampling.h"
 #include "client/cli/picture/shading.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 // The picture's samples are numbered: sample s of the k-th pixel in tile order is k *
@@ -155,4 +155,4 @@ Result<Picture> take_picture(const Client& client, const std::string& scene,
   return Picture{film.develop(), *report};
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

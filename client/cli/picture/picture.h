@@ -11,7 +11,7 @@
 #include "client/client.h"
 #include "client/result.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 enum class PictureMode : std::uint8_t { kNormal, kDepth, kNode, kHeat };
 
@@ -35,4 +35,4 @@ Result<Picture> take_picture(const Client& client, const std::string& scene,
                              const PictureRequest& request,
                              const std::function<void(double)>& progress);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -6,7 +6,7 @@
 
 #include <cassert>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,
                                std::uint32_t height) {
@@ -25,4 +25,4 @@ Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t 
   return bytes;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 std::vector<Pixel> tiled_pixels(PictureSize size) {
   constexpr std::uint32_t kTile = 8;
@@ -21,4 +21,4 @@ std::vector<Pixel> tiled_pixels(PictureSize size) {
   return pixels;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -8,7 +8,7 @@
 
 #include "client/cli/arguments.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 inline constexpr std::size_t kSamplesPerPixel = 4;
 
@@ -25,4 +25,4 @@ struct Pixel {
 /// scene.
 std::vector<Pixel> tiled_pixels(PictureSize size);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

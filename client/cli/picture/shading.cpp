@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 Rgb times(const Rgb& colour, double factor) {
@@ -99,4 +99,4 @@ std::vector<Rgb> heat_shades(const std::vector<Sample>& samples) {
   return colours;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -9,7 +9,7 @@
 #include "client/cli/picture/vec3.h"
 #include "client/scene_info.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 /// The normal, turned to the side that the ray comes from.
 Vec3 facing(const Vec3& normal, const Vec3& direction);
@@ -39,4 +39,4 @@ std::vector<Rgb> depth_shades(const std::vector<Sample>& samples);
 /// Work as colour. What is not built stays dark.
 std::vector<Rgb> heat_shades(const std::vector<Sample>& samples);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

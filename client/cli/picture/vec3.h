@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 
 using Vec3 = std::array<double, 3>;
 
@@ -23,4 +23,4 @@ inline Vec3 mix(const Vec3& a, const Vec3& b, double s) {
   return add(scale(a, 1 - s), scale(b, s));
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

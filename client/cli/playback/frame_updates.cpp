@@ -3,12 +3,12 @@
 
 #include <utility>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 
-std::vector<Update> FrameUpdates::make(const Pose& pose) {
+std::vector<Update> FrameUpdates::make(const importer::Pose& pose) {
   std::vector<Update> updates;
   SetTransforms set;
-  for (const Pose::Placed& placed : pose.placed) {
+  for (const importer::Pose::Placed& placed : pose.placed) {
     const std::uint64_t id = ids_[placed.node];
     if (id == 0) continue;
     const auto [known, is_new] = transforms_.try_emplace(id, placed.parent_from_local);
@@ -18,7 +18,7 @@ std::vector<Update> FrameUpdates::make(const Pose& pose) {
     set.parent_from_local.push_back(placed.parent_from_local);
   }
   if (!set.nodes.empty()) updates.emplace_back(std::move(set));
-  for (const Pose::Shaped& shaped : pose.shaped) {
+  for (const importer::Pose::Shaped& shaped : pose.shaped) {
     PatchVertices patch;
     for (const std::uint32_t node : shaped.nodes) {
       if (ids_[node] != 0) patch.nodes.push_back(static_cast<NodeRef>(ids_[node]));
@@ -38,4 +38,4 @@ void FrameUpdates::forget() {
   vertices_.clear();
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -9,7 +9,7 @@
 #include "client/importer/pose.h"
 #include "client/update.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 
 /// Says only what is new since the frame before.
 class FrameUpdates {
@@ -19,7 +19,7 @@ class FrameUpdates {
 
   /// One SetTransforms for the nodes whose transform is new, and one PatchVertices for each mesh
   /// whose vertices are; nothing at all if the pose is the one before.
-  std::vector<Update> make(const Pose& pose);
+  std::vector<Update> make(const importer::Pose& pose);
 
   /// What was said before did not happen: the next frame says everything.
   void forget();
@@ -30,4 +30,4 @@ class FrameUpdates {
   std::unordered_map<std::uint64_t, std::vector<Vertex>> vertices_;  // by the first node
 };
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

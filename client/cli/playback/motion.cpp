@@ -14,19 +14,20 @@
 #include "client/cli/exit_code.h"
 #include "client/importer/frame_sequence.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
-void name_nodes(const Pose& pose, Motion& motion) {
-  for (const Pose::Placed& placed : pose.placed) motion.placed.push_back(placed.node);
-  for (const Pose::Shaped& shaped : pose.shaped)
+void name_nodes(const importer::Pose& pose, Motion& motion) {
+  for (const importer::Pose::Placed& placed : pose.placed) motion.placed.push_back(placed.node);
+  for (const importer::Pose::Shaped& shaped : pose.shaped)
     motion.shaped.insert(motion.shaped.end(), shaped.nodes.begin(), shaped.nodes.end());
 }
 
-Result<Motion> open_sequence(const MotionRequest& request, const ImportProgress& progress) {
+Result<Motion> open_sequence(const MotionRequest& request,
+                             const importer::ImportProgress& progress) {
   auto read = import_sequence(request.path, request.frame, progress);
   if (!read) return read.error();
-  const auto sequence = std::make_shared<const FrameSequence>(*std::move(read));
+  const auto sequence = std::make_shared<const importer::FrameSequence>(*std::move(read));
   Motion motion;
   motion.scene = sequence->scene;
   motion.name = std::filesystem::path(request.path).filename().string();
@@ -45,7 +46,7 @@ Result<Motion> open_sequence(const MotionRequest& request, const ImportProgress&
   return motion;
 }
 
-std::string list_of(const std::vector<Animation>& animations) {
+std::string list_of(const std::vector<importer::Animation>& animations) {
   std::string list;
   for (std::size_t i = 0; i < animations.size(); ++i) {
     list += fmt::format("{}{} '{}' ({:.3g} s)", i == 0 ? "" : ", ", i, animations[i].name,
@@ -54,11 +55,13 @@ std::string list_of(const std::vector<Animation>& animations) {
   return list;
 }
 
-Result<std::size_t> choose(const MotionRequest& request, const std::vector<Animation>& animations) {
+Result<std::size_t> choose(const MotionRequest& request,
+                           const std::vector<importer::Animation>& animations) {
   if (animations.empty()) return local_error(request.path + ": holds no animation");
   if (request.animation.empty()) return std::size_t{0};
-  const auto named = std::find_if(animations.begin(), animations.end(),
-                                  [&](const Animation& a) { return a.name == request.animation; });
+  const auto named =
+      std::find_if(animations.begin(), animations.end(),
+                   [&](const importer::Animation& a) { return a.name == request.animation; });
   if (named != animations.end()) return static_cast<std::size_t>(named - animations.begin());
   std::size_t number = 0;
   const char* const last = request.animation.data() + request.animation.size();
@@ -68,13 +71,14 @@ Result<std::size_t> choose(const MotionRequest& request, const std::vector<Anima
                                  request.animation, list_of(animations)));
 }
 
-Result<Motion> open_animation(const MotionRequest& request, const ImportProgress& progress) {
+Result<Motion> open_animation(const MotionRequest& request,
+                              const importer::ImportProgress& progress) {
   auto read = import_animated_scene(request.path, request.frame, progress);
   if (!read) return read.error();
-  const auto file = std::make_shared<const AnimatedScene>(*std::move(read));
+  const auto file = std::make_shared<const importer::AnimatedScene>(*std::move(read));
   const auto chosen = choose(request, file->animations);
   if (!chosen) return chosen.error();
-  const Animation& animation = file->animations[*chosen];
+  const importer::Animation& animation = file->animations[*chosen];
   Motion motion;
   motion.scene = file->scene;
   motion.name = animation.name;
@@ -91,16 +95,16 @@ std::vector<Mobility> Motion::mobilities() const {
   for (const std::uint32_t node : placed) out[node] = Mobility::kRigid;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::uint32_t parent = scene.nodes[i].parent;
-    if (parent != kNone && out[parent] == Mobility::kRigid) out[i] = Mobility::kRigid;
+    if (parent != importer::kNone && out[parent] == Mobility::kRigid) out[i] = Mobility::kRigid;
   }
   for (const std::uint32_t node : shaped) out[node] = Mobility::kDeforming;
   return out;
 }
 
-Result<Motion> open_motion(const MotionRequest& request, const ImportProgress& progress) {
+Result<Motion> open_motion(const MotionRequest& request, const importer::ImportProgress& progress) {
   std::error_code error;
   const bool is_folder = std::filesystem::is_directory(request.path, error);
   return is_folder ? open_sequence(request, progress) : open_animation(request, progress);
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <utility>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -192,4 +192,4 @@ double percentile(const std::vector<double>& sorted, double part) {
   return sorted[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -10,7 +10,7 @@
 
 #include "client/client.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 
 struct PlaybackRequest {
   std::string scene;
@@ -47,4 +47,4 @@ Result<PlaybackReport> play(const Client& client, const PlaybackRequest& request
 /// Of sorted values, the least that `part` of them do not exceed; 0 of none.
 double percentile(const std::vector<double>& sorted, double part);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

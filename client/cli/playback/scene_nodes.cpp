@@ -11,7 +11,7 @@
 #include "client/calls/scene_upload.h"
 #include "client/cli/playback/motion.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 constexpr std::uint64_t kIdsAtOnce = 4096;
@@ -23,9 +23,9 @@ Error mismatch(std::string message) {
   return {Code::kFailedPrecondition, std::move(message), "SCENE_MISMATCH"};
 }
 
-std::string path_of(const ImportedScene& scene, std::uint32_t node) {
+std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
   std::string path = scene.nodes[node].name;
-  while ((node = scene.nodes[node].parent) != kNone) {
+  while ((node = scene.nodes[node].parent) != importer::kNone) {
     path.insert(0, "/").insert(0, scene.nodes[node].name);
   }
   return path;
@@ -36,7 +36,8 @@ std::vector<bool> needed(const Motion& motion) {
   std::vector<bool> out(motion.scene.nodes.size());
   for (const auto* list : {&motion.placed, &motion.shaped}) {
     for (std::uint32_t node : *list) {
-      for (; node != kNone && !out[node]; node = motion.scene.nodes[node].parent) out[node] = true;
+      for (; node != importer::kNone && !out[node]; node = motion.scene.nodes[node].parent)
+        out[node] = true;
     }
   }
   return out;
@@ -66,7 +67,7 @@ class Candidates {
 };
 
 Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& found) {
-  const std::vector<std::string> digests = mesh_digests(motion.scene);
+  const std::vector<std::string> digests = calls::mesh_digests(motion.scene);
   for (const std::uint32_t node : motion.shaped) {
     if (found[node]->mesh_digest == digests[motion.scene.nodes[node].mesh]) continue;
     return mismatch(fmt::format(
@@ -106,25 +107,26 @@ Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string
 Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
                                                const std::vector<NodeInfo>& nodes,
                                                std::uint64_t under) {
-  const ImportedScene& scene = motion.scene;
+  const importer::ImportedScene& scene = motion.scene;
   const std::vector<bool> must_be = needed(motion);
   Candidates candidates(nodes);
   std::vector<const NodeInfo*> found(scene.nodes.size(), nullptr);
   std::vector<std::uint64_t> ids(scene.nodes.size(), 0);
   for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
-    const ImportedNode& node = scene.nodes[i];
-    const bool is_root = node.parent == kNone;
+    const importer::ImportedNode& node = scene.nodes[i];
+    const bool is_root = node.parent == importer::kNone;
     const std::uint64_t parent = is_root ? under : ids[node.parent];
-    if (is_root || parent != 0) found[i] = candidates.take(parent, node.name, node.mesh != kNone);
+    if (is_root || parent != 0)
+      found[i] = candidates.take(parent, node.name, node.mesh != importer::kNone);
     if (found[i] != nullptr) ids[i] = found[i]->id;
     if (found[i] != nullptr || !must_be[i]) continue;
     return mismatch(
         fmt::format("the scene has no node '{}'{}, which the animation needs: it was not "
                     "imported from this file, or has changed since",
-                    path_of(scene, i), node.mesh != kNone ? " with a mesh" : ""));
+                    path_of(scene, i), node.mesh != importer::kNone ? " with a mesh" : ""));
   }
   if (const Status same = check_meshes(motion, found); !same) return same.error();
   return ids;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

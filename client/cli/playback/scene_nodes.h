@@ -7,7 +7,7 @@
 
 #include "client/client.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 
 struct Motion;
 
@@ -23,4 +23,4 @@ Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
                                                const std::vector<NodeInfo>& nodes,
                                                std::uint64_t under);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -13,7 +13,7 @@
 #include "client/cli/playback/scene_nodes.h"
 #include "client/cli/progress_bar.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const StageRequest& request,
@@ -30,7 +30,7 @@ Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const Stage
   const auto show = [&](std::uint64_t done, std::uint64_t total) {
     bar.update(static_cast<double>(done) / static_cast<double>(total));
   };
-  const SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
+  const calls::SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
   if (exists) {
     return add_to_scene(client, request.scene, motion.scene, request.under, options, show);
   }
@@ -83,8 +83,8 @@ Status check(const StageRequest& request, bool exists) {
 
 }  // namespace
 
-ImportOptions frame_of(const SceneInfo& scene) {
-  ImportOptions options;
+importer::ImportOptions frame_of(const SceneInfo& scene) {
+  importer::ImportOptions options;
   if (scene.up_axis != UpAxis::kUnknown) options.up_axis = scene.up_axis;
   if (scene.meters_per_unit > 0) options.meters_per_unit = scene.meters_per_unit;
   return options;
@@ -101,4 +101,4 @@ Result<Stage> set_stage(const Client& client, const StageRequest& request, const
   return stage;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -8,11 +8,11 @@
 
 #include "client/client.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 struct ImportOptions;
 }
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 
 struct Motion;
 
@@ -34,11 +34,11 @@ struct Stage {
 };
 
 /// The frame in which a file is to be read so that its numbers are the scene's.
-ImportOptions frame_of(const SceneInfo& scene);
+importer::ImportOptions frame_of(const SceneInfo& scene);
 
 /// Imports the motion's scene if there is none, or adds it, or finds its nodes. Errors: those of
 /// upload_scene and match_nodes; kInvalidArgument: none of `only` moves.
 Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
                         bool exists, const std::stop_token& stop);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

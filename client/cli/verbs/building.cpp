@@ -5,7 +5,7 @@
 
 #include "client/cli/amounts.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -45,4 +45,4 @@ Result<PrefetchReport> build_all(const Client& client, const std::string& scene,
   return built;
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -7,7 +7,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/client.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 
 /// Shows reports as they come: how many triangles, meshes or rays are done, and what was built.
 class BuildingBar {
@@ -29,4 +29,4 @@ class BuildingBar {
 Result<PrefetchReport> build_all(const Client& client, const std::string& scene,
                                  const std::stop_token& stop);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

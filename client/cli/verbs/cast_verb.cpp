@@ -23,7 +23,7 @@
 #include "client/cli/verbs/origin_precision.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct CastArguments {
@@ -51,14 +51,14 @@ const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
 
 // What the arguments ask for, each checked against the others. Throws what CLI11 takes for a usage
 // error.
-std::vector<HitColumn> columns_of(const CastArguments& arguments) {
+std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
   const QueryKind kind = kKinds.at(arguments.kind);
   if (arguments.max_hits > 0 && kind != QueryKind::kAll)
     throw CLI::ValidationError("--max-hits", "only --kind all has it");
-  if (arguments.fields.empty()) return standard_columns(kind);
-  auto columns = parse_hit_columns(arguments.fields);
+  if (arguments.fields.empty()) return files::standard_columns(kind);
+  auto columns = files::parse_hit_columns(arguments.fields);
   if (!columns) throw CLI::ValidationError("--fields", columns.error().message);
-  if (const Status good = check_columns(*columns, kind); !good)
+  if (const Status good = files::check_columns(*columns, kind); !good)
     throw CLI::ValidationError("--fields", good.error().message);
   return *std::move(columns);
 }
@@ -88,15 +88,16 @@ void add(const PrefetchReport& built, CastReport& cast) {
 }
 
 Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
-                          const std::vector<HitColumn>& columns, const std::stop_token& stop) {
-  auto rays = open_rays(arguments.in, stop);
+                          const std::vector<files::HitColumn>& columns,
+                          const std::stop_token& stop) {
+  auto rays = files::open_rays(arguments.in, stop);
   if (!rays) return rays.error();
   float reach = 0;
   if (auto* const floats = std::get_if<RaySource<float>>(&rays->source))
     *floats = watch_reach(std::move(*floats), reach);
   const CastOptions options = options_of(arguments, stop);
   const bool lists = options.kind == QueryKind::kAll;
-  auto hits = HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
+  auto hits = files::HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
   if (!hits) return hits.error();
 
   const auto start = std::chrono::steady_clock::now();
@@ -108,13 +109,13 @@ Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
   }
   ProgressBar bar("casting");
   const HitFields fields = fields_for(columns);
-  HitRows rows;
+  files::HitRows rows;
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& answers) {
     if (rays->count && *rays->count > 0) {
       bar.update(static_cast<double>(first + count) / static_cast<double>(*rays->count));
     }
     if (!lists) return hits->write(answers, count);
-    const RowView listed = rows.make(first, answers);
+    const files::RowView listed = rows.make(first, answers);
     return hits->write(listed, rows.size());
   };
   auto report = std::visit(
@@ -184,7 +185,7 @@ void warn_of_coarse_origins(const Client& client, const std::string& name, float
 }
 
 ExitCode run(const Session& session, const CastArguments& arguments) {
-  const std::vector<HitColumn> columns = columns_of(arguments);
+  const std::vector<files::HitColumn> columns = columns_of(arguments);
   const bool to_stdout = arguments.out == "-";
   if (to_stdout && session.json) {
     throw CLI::ValidationError("--json and --out - both want standard output");
@@ -284,4 +285,4 @@ void add_cast_verb(CLI::App& program, Session& session) {
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

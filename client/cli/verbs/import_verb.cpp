@@ -15,7 +15,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/importer/assimp_import.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct ImportArguments {
@@ -40,10 +40,10 @@ struct FileCounts {
   std::uint64_t uncut_polygons = 0;
 };
 
-FileCounts count(const ImportedScene& scene) {
+FileCounts count(const importer::ImportedScene& scene) {
   FileCounts counts;
   counts.meshes = scene.meshes.size();
-  for (const ImportedMesh& mesh : scene.meshes) {
+  for (const importer::ImportedMesh& mesh : scene.meshes) {
     counts.triangles += mesh.triangles;
     counts.lines_and_points += mesh.lines_and_points;
     counts.uncut_polygons += mesh.uncut_polygons;
@@ -51,8 +51,8 @@ FileCounts count(const ImportedScene& scene) {
   return counts;
 }
 
-Result<ImportedScene> read_file(const ImportArguments& arguments) {
-  ImportOptions options;
+Result<importer::ImportedScene> read_file(const ImportArguments& arguments) {
+  importer::ImportOptions options;
   if (!arguments.up.empty()) options.up_axis = kAxes.at(arguments.up);
   options.meters_per_unit = arguments.meters_per_unit;
   ProgressBar bar("reading");
@@ -60,9 +60,9 @@ Result<ImportedScene> read_file(const ImportArguments& arguments) {
 }
 
 Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
-                       const ImportedScene& scene, const std::stop_token& stop) {
+                       const importer::ImportedScene& scene, const std::stop_token& stop) {
   ProgressBar bar("uploading");
-  const SceneUploadOptions options{
+  const calls::SceneUploadOptions options{
       .mobility = kMobilities.at(arguments.mobility), .replace = arguments.replace, .stop = stop};
   return upload_scene(client, arguments.scene, scene, options,
                       [&](std::uint64_t done, std::uint64_t total) {
@@ -124,7 +124,7 @@ void report(const Session& session, const SceneInfo& scene, const FileCounts& fi
 
 ExitCode run(const Session& session, const ImportArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  if (const Status readable = check_readable(arguments.file); !readable)
+  if (const Status readable = importer::check_readable(arguments.file); !readable)
     return fail(readable.error());
   const auto client = session.connect();
   if (!client) return fail(client.error());
@@ -176,4 +176,4 @@ void add_import_verb(CLI::App& group, Session& session) {
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -5,8 +5,8 @@
 
 #include "client/cli/session.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 
 void add_import_verb(CLI::App& group, Session& session);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

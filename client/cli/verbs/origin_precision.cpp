@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 
 RaySource<float> watch_reach(RaySource<float> source, float& reach) {
   return [source = std::move(source), &reach](const RayColumns<float>& room) {
@@ -33,4 +33,4 @@ std::string coarse_origins(float reach, const std::array<double, 6>& bounds) {
       reach, spacing, diagonal);
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

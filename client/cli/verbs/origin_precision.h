@@ -6,7 +6,7 @@
 
 #include "client/cast_options.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 
 /// Origins are coarse if neighbouring float32 values lie farther apart, where the farthest ray
 /// begins, than this share of the scene's diagonal.
@@ -20,4 +20,4 @@ RaySource<float> watch_reach(RaySource<float> source, float& reach);
 /// x y z); empty if they are fine.
 std::string coarse_origins(float reach, const std::array<double, 6>& bounds);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -16,7 +16,7 @@
 #include "client/cli/verbs/building.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct PrefetchArguments {
@@ -60,7 +60,7 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
     BuildingBar bar;
     return client.prefetch(arguments.scene, options, follow(bar));
   }
-  const auto rays = open_rays(arguments.rays, options.stop);
+  const auto rays = files::open_rays(arguments.rays, options.stop);
   if (!rays) return rays.error();
   BuildingBar bar(rays->count.value_or(0));
   return std::visit(
@@ -172,4 +172,4 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -15,26 +15,26 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct RenderArguments {
   std::string scene;
   std::string out;
-  PictureRequest picture;
-  CameraRequest camera;
+  picture::PictureRequest picture;
+  picture::CameraRequest camera;
   std::string mode = "normal";
 };
 
-const std::map<std::string, PictureMode> kModes{{"normal", PictureMode::kNormal},
-                                                {"depth", PictureMode::kDepth},
-                                                {"node", PictureMode::kNode},
-                                                {"heat", PictureMode::kHeat}};
+const std::map<std::string, picture::PictureMode> kModes{{"normal", picture::PictureMode::kNormal},
+                                                         {"depth", picture::PictureMode::kDepth},
+                                                         {"node", picture::PictureMode::kNode},
+                                                         {"heat", picture::PictureMode::kHeat}};
 
-Status write_png(const std::string& path, const Picture& picture, PictureSize size) {
-  const auto bytes = encode_png(picture.rgb, size.width, size.height);
+Status write_png(const std::string& path, const picture::Picture& picture, PictureSize size) {
+  const auto bytes = picture::encode_png(picture.rgb, size.width, size.height);
   if (!bytes) return bytes.error();
-  auto output = Output::open(path);
+  auto output = files::Output::open(path);
   if (!output) return output.error();
   if (Status wrote = output->write(*bytes); !wrote) return wrote;
   return output->commit();
@@ -84,7 +84,7 @@ ExitCode run(const Session& session, RenderArguments& arguments) {
   return kOk;
 }
 
-void add_vector_option(CLI::App& verb, const std::string& name, std::optional<Vec3>& value,
+void add_vector_option(CLI::App& verb, const std::string& name, std::optional<picture::Vec3>& value,
                        const std::string& help) {
   verb.add_option_function<std::string>(
           name,
@@ -151,4 +151,4 @@ void add_render_verb(CLI::App& program, Session& session) {
   });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -9,7 +9,7 @@
 #include "client/cli/verbs/import_verb.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 constexpr const char* kDefaultProject = "projects/default";
@@ -101,7 +101,7 @@ Json json_of(const NodeInfo& node) {
           {"parent", node.parent},
           {"name", node.name},
           {"transform", node.parent_from_local},
-          {"mobility", name_of(node.mobility)},
+          {"mobility", files::name_of(node.mobility)},
           {"mask", node.mask},
           {"mesh_digest", node.mesh_digest},
           {"patched", node.patched}};
@@ -110,7 +110,7 @@ Json json_of(const NodeInfo& node) {
 ExitCode show_nodes(const Session& session, const std::string& name) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto nodes = list_nodes(*client, name);
+  const auto nodes = playback::list_nodes(*client, name);
   if (!nodes) return fail(nodes.error());
   if (session.json) {
     Json rows = Json::array();
@@ -121,8 +121,8 @@ ExitCode show_nodes(const Session& session, const std::string& name) {
   fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", "NODE", "PARENT", "MOBILITY", "MESH", "NAME");
   for (const NodeInfo& node : *nodes) {
     const char* const mesh = node.mesh_digest.empty() ? "-" : node.patched ? "patched" : "yes";
-    fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent, name_of(node.mobility), mesh,
-               node.name);
+    fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent,
+               files::name_of(node.mobility), mesh, node.name);
   }
   return kOk;
 }
@@ -177,4 +177,4 @@ void add_scene_verbs(CLI::App& program, Session& session) {
       .footer("Examples:\n  sightline scene rm engine");
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -7,7 +7,7 @@
 #include "client/cli/amounts.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -73,4 +73,4 @@ void add_stats_verb(CLI::App& program, Session& session) {
   verb.callback([&session, scene] { session.exit = run(session, *scene); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -20,7 +20,7 @@
 #include "client/cli/playback/target.h"
 #include "client/cli/progress_bar.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 bool is_producer_name(const std::string& text) {
@@ -32,9 +32,9 @@ bool is_producer_name(const std::string& text) {
 }
 
 struct StreamArguments {
-  StageRequest stage;
-  MotionRequest motion;
-  PlaybackRequest playback;
+  playback::StageRequest stage;
+  playback::MotionRequest motion;
+  playback::PlaybackRequest playback;
   std::optional<double> seconds;
   std::optional<std::uint64_t> loops;
   std::optional<std::uint64_t> frame;
@@ -49,7 +49,7 @@ std::uint64_t whole(double frames) {
 }
 
 // Of one round or several; a cyclic motion has no last moment of its own.
-std::uint64_t frames_in(const StreamArguments& arguments, const Motion& motion) {
+std::uint64_t frames_in(const StreamArguments& arguments, const playback::Motion& motion) {
   if (arguments.frame || arguments.time) return 1;
   const double fps = arguments.playback.fps;
   if (arguments.seconds) return whole(std::max(1.0, std::ceil(*arguments.seconds * fps - 1e-6)));
@@ -60,7 +60,8 @@ std::uint64_t frames_in(const StreamArguments& arguments, const Motion& motion) 
 }
 
 // The moment of a round that frame k shows.
-double moment_of(std::uint64_t k, const StreamArguments& arguments, const Motion& motion) {
+double moment_of(std::uint64_t k, const StreamArguments& arguments,
+                 const playback::Motion& motion) {
   double seconds = static_cast<double>(k) / arguments.playback.fps;
   if (arguments.frame) seconds = static_cast<double>(*arguments.frame) / arguments.playback.fps;
   if (arguments.time) seconds = *arguments.time;
@@ -69,22 +70,23 @@ double moment_of(std::uint64_t k, const StreamArguments& arguments, const Motion
   return rest == 0 && !motion.is_cyclic ? motion.seconds : rest;
 }
 
-Result<Motion> read_motion(const StreamArguments& arguments) {
+Result<playback::Motion> read_motion(const StreamArguments& arguments) {
   ProgressBar bar("reading");
   return open_motion(arguments.motion, [&](double part) { bar.update(part); });
 }
 
-Result<PlaybackReport> play_motion(const Client& client, const StreamArguments& arguments,
-                                   const Motion& motion, const Stage& stage,
-                                   const std::stop_token& stop) {
-  PlaybackRequest request = arguments.playback;
+Result<playback::PlaybackReport> play_motion(const Client& client, const StreamArguments& arguments,
+                                             const playback::Motion& motion,
+                                             const playback::Stage& stage,
+                                             const std::stop_token& stop) {
+  playback::PlaybackRequest request = arguments.playback;
   request.scene = arguments.stage.scene;
   request.frames = frames_in(arguments, motion);
   request.stop = stop;
   if (request.producer.empty()) request.producer = fmt::format("stream-{}", stage.first_moved);
-  FrameUpdates frames(stage.ids);
+  playback::FrameUpdates frames(stage.ids);
   ProgressBar bar("playing");
-  return play(
+  return playback::play(
       client, request,
       [&](std::uint64_t frame, bool afresh) {
         if (afresh) frames.forget();
@@ -97,8 +99,8 @@ Result<PlaybackReport> play_motion(const Client& client, const StreamArguments& 
       });
 }
 
-Json json_of(const StreamArguments& arguments, const Motion& motion, const Stage& stage,
-             const PlaybackReport& report, bool complete) {
+Json json_of(const StreamArguments& arguments, const playback::Motion& motion,
+             const playback::Stage& stage, const playback::PlaybackReport& report, bool complete) {
   return {{"scene", arguments.stage.scene},
           {"animation", motion.name},
           {"imported", stage.is_new},
@@ -111,8 +113,8 @@ Json json_of(const StreamArguments& arguments, const Motion& motion, const Stage
           {"seconds", report.seconds},
           {"fps_asked", arguments.playback.fps},
           {"fps_achieved", report.fps_achieved},
-          {"ack_p50_ms", percentile(report.ack_ms, 0.5)},
-          {"ack_p99_ms", percentile(report.ack_ms, 0.99)},
+          {"ack_p50_ms", playback::percentile(report.ack_ms, 0.5)},
+          {"ack_p99_ms", playback::percentile(report.ack_ms, 0.99)},
           {"coalesced", report.stream.coalesced},
           {"rejected", report.stream.rejected},
           {"reconnects", report.stream.reconnects},
@@ -122,13 +124,14 @@ Json json_of(const StreamArguments& arguments, const Motion& motion, const Stage
           {"complete", complete}};
 }
 
-void print_table(std::FILE* to, const StreamArguments& arguments, const PlaybackReport& report) {
+void print_table(std::FILE* to, const StreamArguments& arguments,
+                 const playback::PlaybackReport& report) {
   fmt::print(to, "{} at revision {}: {} frames in {:.2f} s", arguments.stage.scene,
              report.stream.revision, grouped(report.frames_sent), report.seconds);
   if (report.fps_achieved > 0)
     fmt::print(to, ", {:.1f} a second of {:g}", report.fps_achieved, arguments.playback.fps);
   fmt::print(to, "\n  answers    after {:.2f} ms (median), {:.2f} ms (99 of 100)\n",
-             percentile(report.ack_ms, 0.5), percentile(report.ack_ms, 0.99));
+             playback::percentile(report.ack_ms, 0.5), playback::percentile(report.ack_ms, 0.99));
   fmt::print(to, "  skipped    {} late, {} dropped, {} coalesced, {} unchanged\n",
              report.frames_late, report.frames_dropped, report.stream.coalesced,
              report.frames_unchanged);
@@ -138,8 +141,9 @@ void print_table(std::FILE* to, const StreamArguments& arguments, const Playback
   fmt::print(to, "  token      {}\n", report.stream.token);
 }
 
-ExitCode report(const Session& session, const StreamArguments& arguments, const Motion& motion,
-                const Stage& stage, const PlaybackReport& report, bool complete) {
+ExitCode report(const Session& session, const StreamArguments& arguments,
+                const playback::Motion& motion, const playback::Stage& stage,
+                const playback::PlaybackReport& report, bool complete) {
   if (session.json) print_json(json_of(arguments, motion, stage, report, complete));
   if (!complete) {
     print_table(stderr, arguments, report);
@@ -154,11 +158,12 @@ ExitCode run(const Session& session, StreamArguments& arguments) {
   if (!client) return fail(client.error());
   const auto scene = client->get_scene(arguments.stage.scene);
   if (!scene && scene.error().code != Code::kNotFound) return fail(scene.error());
-  if (scene) arguments.motion.frame = frame_of(*scene);
+  if (scene) arguments.motion.frame = playback::frame_of(*scene);
   const auto motion = read_motion(arguments);
   if (!motion) return fail(motion.error());
   const Interrupt interrupt;
-  const auto stage = set_stage(*client, arguments.stage, *motion, scene.ok(), interrupt.token());
+  const auto stage =
+      playback::set_stage(*client, arguments.stage, *motion, scene.ok(), interrupt.token());
   if (!stage && interrupt.happened()) return say_interrupted();
   if (!stage) return fail(stage.error());
   const auto played = play_motion(*client, arguments, *motion, *stage, interrupt.token());
@@ -250,4 +255,4 @@ void add_stream_verb(CLI::App& program, Session& session) {
   });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

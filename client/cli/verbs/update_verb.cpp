@@ -12,7 +12,7 @@
 #include "client/cli/interrupt.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct UpdateArguments {
@@ -30,7 +30,7 @@ bool is_blank(std::string_view line) {
 }
 
 Result<std::vector<Update>> read_updates(const std::string& file, const std::stop_token& stop) {
-  auto input = Input::open(file, stop);
+  auto input = files::Input::open(file, stop);
   if (!input) return input.error();
   std::vector<Update> updates;
   std::string_view line;
@@ -39,7 +39,7 @@ Result<std::vector<Update>> read_updates(const std::string& file, const std::sto
     if (!more) return more.error();
     if (!*more) return updates;
     if (is_blank(line)) continue;
-    auto update = parse_update(line);
+    auto update = files::parse_update(line);
     if (!update) {
       return local_error(
           fmt::format("{}: line {}: {}", input->name(), number, update.error().message));
@@ -124,4 +124,4 @@ void add_update_verb(CLI::App& program, Session& session) {
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -6,7 +6,7 @@
 
 #include "client/cli/session.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 
 void add_scene_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
@@ -17,4 +17,4 @@ void add_stream_verb(CLI::App& program, Session& session);
 void add_update_verb(CLI::App& program, Session& session);
 void add_watch_verb(CLI::App& program, Session& session);
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -11,7 +11,7 @@
 #include "client/cli/interrupt.h"
 #include "client/cli/verbs/verbs.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 struct WatchArguments {
@@ -22,9 +22,9 @@ struct WatchArguments {
 };
 
 // False if nobody reads any more.
-bool print_line(const SceneChange& change, bool positions) {
+bool print_line(const calls::SceneChange& change, bool positions) {
   Json updates = Json::array();
-  for (const Update& update : change.updates) updates.push_back(json_of(update, positions));
+  for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));
   const Json line{
       {"revision", change.revision}, {"token", change.token}, {"updates", std::move(updates)}};
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -37,7 +37,7 @@ ExitCode run(const Session& session, const WatchArguments& arguments) {
   if (!client) return fail(client.error());
   const Interrupt interrupt;
   std::uint64_t seen = 0;
-  const SceneChangeSink sink = [&](const SceneChange& change) {
+  const calls::SceneChangeSink sink = [&](const calls::SceneChange& change) {
     if (change.is_progress) return true;
     return print_line(change, arguments.positions) && ++seen != arguments.count;
   };
@@ -72,4 +72,4 @@ void add_watch_verb(CLI::App& program, Session& session) {
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -5,7 +5,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 TEST(WidenFlat, GivesEveryAxisAPositiveExtent) {
@@ -88,4 +88,4 @@ TEST(Membership, CoversEveryPointOfABox) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

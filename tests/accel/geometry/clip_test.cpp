@@ -9,7 +9,7 @@
 #include "accel/kdtree/reference.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 using Triangle = std::array<Vec3f, 3>;
@@ -155,4 +155,4 @@ TEST(WidenFlat, OneFloatOfExtentMeansFlat) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -5,7 +5,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 __extension__ using Int128 = __int128;
@@ -69,4 +69,4 @@ TEST(Expansion, ProductsOfExpansionsDistribute) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -6,7 +6,7 @@
 #include "accel/geometry/intersect.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 const Vec3f kA{0, 0, 0}, kB{1, 0, 0}, kC{0, 1, 0};  // counterclockwise from +z
@@ -55,4 +55,4 @@ TEST(Facing, IsNeverEdgeOnWhereThereIsAHit) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

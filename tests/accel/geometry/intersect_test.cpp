@@ -9,7 +9,7 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 LocalRay ray(const Vec3d& origin, const Vec3d& direction) {
@@ -209,4 +209,4 @@ TEST(MakeLocalRay, ScalesByPowersOfTwo) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

@@ -16,7 +16,7 @@ void expect_right(const Tally& tally) {
   EXPECT_EQ(total.wrong_weights, 0u);
   EXPECT_EQ(total.wrong_facing, 0u);
   EXPECT_EQ(total.wrong_sums, 0u);
-  EXPECT_LE(tally.largest_t_error, accel::kHitError);
+  EXPECT_LE(tally.largest_t_error, accel::geometry::kHitError);
   for (const std::string& finding : tally.findings) ADD_FAILURE() << finding;
 }
 

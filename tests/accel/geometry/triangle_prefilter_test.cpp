@@ -15,7 +15,7 @@
 #include "accel/geometry/intersect.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::geometry {
 namespace {
 
 struct Soup {
@@ -128,4 +128,4 @@ INSTANTIATE_TEST_SUITE_P(Targets, CertainMisses,
                          [](const auto& instance) { return hwy::TargetName(instance.param); });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::geometry

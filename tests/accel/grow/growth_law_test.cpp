@@ -12,14 +12,14 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 namespace {
 
 /// A square of n x n quads over hills of a few sizes: 2 n^2 triangles.
 tests::TestMesh terrain(std::uint32_t n) {
   tests::TestMesh mesh = tests::planar_sheet(n);
   tests::Random random(1);
-  for (Vec3f& v : mesh.vertices) {
+  for (geometry::Vec3f& v : mesh.vertices) {
     const double x = static_cast<double>(v.x) / n, y = static_cast<double>(v.y) / n;
     double z = 0;
     for (const double f : {3.0, 7.0, 17.0})
@@ -31,9 +31,9 @@ tests::TestMesh terrain(std::uint32_t n) {
   return mesh;
 }
 
-double touches(const tests::TestMesh& mesh, const AnyBuilder& builder) {
-  MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, References::kSoup);
-  BuildCounters counters;
+double touches(const tests::TestMesh& mesh, const published::AnyBuilder& builder) {
+  mesh::MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, mesh::References::kSoup);
+  kdtree::BuildCounters counters;
   tree.expand_all(counters);
   return static_cast<double>(counters.touches);
 }
@@ -47,10 +47,11 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
   std::vector<Point> points;
   for (const std::uint32_t side : sides) {
     const tests::TestMesh mesh = terrain(side);
-    AnyBuilder values = *make_builder(builder);
+    published::AnyBuilder values = *make_builder(builder);
     // The exact bottom costs every triangle the same, in steps as its lists halve: a short one
     // leaves the law to be seen at sizes that a test can build.
-    if (auto* scan = std::get_if<ScanBuilder>(&std::get<KdBuilder>(values))) scan->exact_below = 36;
+    if (auto* scan = std::get_if<split::ScanBuilder>(&std::get<split::KdBuilder>(values)))
+      scan->exact_below = 36;
     points.push_back({static_cast<double>(mesh.faces.size()), touches(mesh, values)});
   }
   return points;
@@ -123,4 +124,4 @@ TEST(GrowthLaw, NaiveIsNSquared) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

@@ -10,7 +10,7 @@
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::grow {
 namespace {
 
 class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
@@ -22,16 +22,17 @@ class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
 /// Walks the tree and makes every cut again, by the rule alone.
 class Recut {
  public:
-  Recut(const KdTree& tree, const BoundRule& rule, int max_depth)
+  Recut(const kdtree::KdTree& tree, const split::BoundRule& rule, int max_depth)
       : tree_(tree), rule_(rule), max_depth_(max_depth) {}
 
-  void expect(Slot slot, const std::vector<BoxRef>& refs, const Aabb& cell, int depth) {
-    std::optional<Cut> cut;
+  void expect(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs,
+              const geometry::Aabb& cell, int depth) {
+    std::optional<kdtree::Cut> cut;
     if (!refs.empty() && depth < max_depth_) cut = choose_bound(refs, cell, rule_, counters);
-    std::vector<BoxRef> left, right;
+    std::vector<kdtree::BoxRef> left, right;
     if (cut) {
       const auto a = static_cast<std::size_t>(cut->plane.axis);
-      for (const BoxRef& r : refs) {
+      for (const kdtree::BoxRef& r : refs) {
         if (r.lo[a] < cut->plane.position) left.push_back(r);
         if (r.hi[a] > cut->plane.position) right.push_back(r);
       }
@@ -42,15 +43,15 @@ class Recut {
     ASSERT_TRUE(slot.is_binary());
     ASSERT_EQ(slot.axis(), cut->plane.axis);
     ASSERT_EQ(slot.position(), cut->plane.position);
-    const HalvedCell halves = halve(cell, cut->plane.axis, cut->plane.position);
+    const geometry::HalvedCell halves = halve(cell, cut->plane.axis, cut->plane.position);
     expect(load(tree_.children(slot)[0]), left, halves.left, depth + 1);
     expect(load(tree_.children(slot)[1]), right, halves.right, depth + 1);
   }
 
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
 
  private:
-  void expect_leaf(Slot slot, const std::vector<BoxRef>& refs) {
+  void expect_leaf(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs) {
     ASSERT_TRUE(slot.is_leaf());
     ASSERT_EQ(slot.leaf_count(), refs.size());
     std::uint32_t storage;
@@ -58,22 +59,24 @@ class Recut {
     for (std::size_t i = 0; i < refs.size(); ++i) ASSERT_EQ(ids[i], refs[i].id);
   }
 
-  const KdTree& tree_;
-  const BoundRule& rule_;
+  const kdtree::KdTree& tree_;
+  const split::BoundRule& rule_;
   int max_depth_;
 };
 
-void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell, int max_depth = 20) {
-  const KdBuilder builder = default_builder();  // not asked for anything
-  for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
-                                BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
-                                BoundRule{.cost = {}, .all_axes_up_to = 4},
-                                BoundRule{.cost = {0, 1, 1}}, BoundRule{.cost = {1, 50, 0.8}}}) {
-    KdTree tree(cell, refs.size());
+void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 int max_depth = 20) {
+  const split::KdBuilder builder = default_builder();  // not asked for anything
+  for (const split::BoundRule& rule :
+       {split::BoundRule{}, split::BoundRule{.cost = {}, .all_axes_up_to = 0},
+        split::BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
+        split::BoundRule{.cost = {}, .all_axes_up_to = 4}, split::BoundRule{.cost = {0, 1, 1}},
+        split::BoundRule{.cost = {1, 50, 0.8}}}) {
+    kdtree::KdTree tree(cell, refs.size());
     tree.reserve(1000);
-    BuildCounters counters;
-    const Slot root = grow_small({.tree = tree, .builder = builder, .max_depth = max_depth}, rule,
-                                 refs, cell, {}, counters);
+    kdtree::BuildCounters counters;
+    const kdtree::Slot root = grow_small({.tree = tree, .builder = builder, .max_depth = max_depth},
+                                         rule, refs, cell, {}, counters);
     Recut recut(tree, rule, max_depth);
     recut.expect(root, refs, cell, 0);
     ASSERT_EQ(counters.touches, recut.counters.touches);
@@ -100,11 +103,11 @@ TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
 
 TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
   const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
-  const Aabb cell = tests::bounds_of(refs);
-  KdTree tree(cell, refs.size());  // nothing reserved
-  const KdBuilder builder = default_builder();
-  BuildCounters counters;
-  const Slot root =
+  const geometry::Aabb cell = tests::bounds_of(refs);
+  kdtree::KdTree tree(cell, refs.size());  // nothing reserved
+  const split::KdBuilder builder = default_builder();
+  kdtree::BuildCounters counters;
+  const kdtree::Slot root =
       grow_small({.tree = tree, .builder = builder, .max_depth = 20}, {}, refs, cell, {}, counters);
   ASSERT_TRUE(root.is_unbuilt());
   EXPECT_TRUE(root.cell()->given_up);
@@ -132,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(EveryTarget, SmallGrowth, ::testing::ValuesIn(targets_h
                          });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::grow

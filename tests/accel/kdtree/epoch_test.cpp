@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 namespace {
 
 std::atomic<int> freed{0};
@@ -90,4 +90,4 @@ TEST(Epoch, ReadersNeverSeeAFreedObject) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -5,7 +5,7 @@
 
 #include "accel/kdtree/deferred_cell.h"
 
-namespace sightline::accel {
+namespace sightline::accel::kdtree {
 namespace {
 
 TEST(Slot, DefaultIsAnEmptyLeaf) {
@@ -52,4 +52,4 @@ TEST(Slot, UnbuiltKeepsItsCell) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::kdtree

@@ -16,7 +16,7 @@
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 namespace {
 
 std::unique_ptr<SliceResult> counted(std::size_t references) {
@@ -27,11 +27,11 @@ std::unique_ptr<SliceResult> counted(std::size_t references) {
 
 TEST(Stage, KeepsTheFirstResultOfASlice) {
   std::atomic<int> runs{0};
-  Stage stage(3, [&](std::size_t slice, BuildCounters& counters) {
+  Stage stage(3, [&](std::size_t slice, kdtree::BuildCounters& counters) {
     ++counters.touches;
     return counted(slice + 10 * static_cast<std::size_t>(runs++));
   });
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   EXPECT_FALSE(stage.done());
   EXPECT_EQ(stage.help(counters), 3u);
   EXPECT_TRUE(stage.done());
@@ -62,16 +62,16 @@ class Gate {
 
 TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
   Gate gate;
-  Stage stage(8, [&](std::size_t slice, BuildCounters&) {
+  Stage stage(8, [&](std::size_t slice, kdtree::BuildCounters&) {
     gate.pass();
     return counted(slice);
   });
   std::thread stopped([&] {
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     stage.help(counters);
   });
   while (!gate.taken()) std::this_thread::yield();
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   stage.help(counters);
   EXPECT_FALSE(stage.done());
   stage.finish(counters);
@@ -84,11 +84,11 @@ TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
 TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
   auto* expansion = new Expansion(nullptr);
   std::atomic<int> runs{0};
-  const auto follow = [&](BuildCounters& counters) {
+  const auto follow = [&](kdtree::BuildCounters& counters) {
     Replay replay(*expansion, counters);
     std::size_t sum = 0;
     for (std::size_t k = 1; k <= 4; ++k) {
-      const Stage& stage = replay.next(k, [&runs, k](std::size_t slice, BuildCounters&) {
+      const Stage& stage = replay.next(k, [&runs, k](std::size_t slice, kdtree::BuildCounters&) {
         ++runs;
         return counted(k * slice);
       });
@@ -96,7 +96,7 @@ TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
     }
     return sum;
   };
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const std::size_t first = follow(counters);
   EXPECT_EQ(runs, 1 + 2 + 3 + 4);
   const std::uint64_t progress = expansion->progress();
@@ -108,19 +108,20 @@ TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
 
 /// A tree over many small boxes whose list is made in slices.
 struct ManyBoxes {
-  std::shared_ptr<const std::vector<BoxRef>> refs;
+  std::shared_ptr<const std::vector<kdtree::BoxRef>> refs;
   std::function<void()> at_slice = [] {};
 
   explicit ManyBoxes(std::size_t count)
-      : refs(std::make_shared<const std::vector<BoxRef>>(tests::random_boxes(count, 0.002, 5))) {}
+      : refs(std::make_shared<const std::vector<kdtree::BoxRef>>(
+            tests::random_boxes(count, 0.002, 5))) {}
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.coarsest = [places = refs->size()](BuildCounters&) {
+    source.coarsest = [places = refs->size()](kdtree::BuildCounters&) {
       return ReferenceSource::Coarsest{.places = places};
     };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
-                                                     BoxRef* out, BuildCounters&) {
+                                                     kdtree::BoxRef* out, kdtree::BuildCounters&) {
       at_slice();
       std::copy(refs->data() + begin, refs->data() + end, out);
       return end - begin;
@@ -132,11 +133,11 @@ struct ManyBoxes {
 };
 
 /// Expands what lies on the way to the first reference, as a ray would.
-BuildCounters descend(LazyTree& tree, const Vec3f& point) {
-  const EpochPin pin;
-  BuildCounters counters;
-  AtomicSlot* at = &tree.root();
-  for (Slot slot = load(*at); !slot.is_leaf(); slot = load(*at)) {
+kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
+  const kdtree::EpochPin pin;
+  kdtree::BuildCounters counters;
+  kdtree::AtomicSlot* at = &tree.root();
+  for (kdtree::Slot slot = load(*at); !slot.is_leaf(); slot = load(*at)) {
     if (slot.is_unbuilt()) {
       if (tree.expand(*at, AtBusy::kWait, counters) == Expanded::kSearch) break;
       continue;
@@ -147,7 +148,7 @@ BuildCounters descend(LazyTree& tree, const Vec3f& point) {
   return counters;
 }
 
-std::uint64_t descend_with(int threads, LazyTree& tree, const Vec3f& point) {
+std::uint64_t descend_with(int threads, LazyTree& tree, const geometry::Vec3f& point) {
   std::atomic<std::uint64_t> touches{0};
   std::vector<std::thread> pool;
   for (int i = 0; i < threads; ++i)
@@ -158,15 +159,15 @@ std::uint64_t descend_with(int threads, LazyTree& tree, const Vec3f& point) {
 
 TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   const ManyBoxes boxes(400'000);
-  const Vec3f point = (*boxes.refs)[0].lo;
+  const geometry::Vec3f point = (*boxes.refs)[0].lo;
   const auto alone = boxes.tree(), together = boxes.tree();
   const auto one = static_cast<double>(descend_with(1, *alone, point));
   const auto many = static_cast<double>(descend_with(16, *together, point));
   EXPECT_GE(many, one);
   EXPECT_LE(many, 1.05 * one);
-  std::vector<Aabb> bounds;
-  for (const BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
-  const EpochPin pin;
+  std::vector<geometry::Aabb> bounds;
+  for (const kdtree::BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
+  const kdtree::EpochPin pin;
   EXPECT_EQ(load(together->root()).position(), load(alone->root()).position());
   const auto cells = [](const LazyTree& t) {
     return measure_growth(t.tree(), 400'000).cells_built;
@@ -182,7 +183,7 @@ TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
     boxes.at_slice = [gate, slices, stopped_at] {
       if ((*slices)++ == stopped_at) gate->pass();
     };
-    const Vec3f point = (*boxes.refs)[0].lo;
+    const geometry::Vec3f point = (*boxes.refs)[0].lo;
     const auto tree = boxes.tree();
     std::vector<std::thread> threads;
     std::atomic<int> through{0};
@@ -212,4 +213,4 @@ TEST(Expansion, OutlivesItsTree) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

@@ -21,7 +21,7 @@ extern const char __executable_start;  // NOLINT: the linker's names
 extern const char etext;
 }
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 namespace {
 
 using tests::TestMesh;
@@ -39,31 +39,31 @@ void suspend(int, siginfo_t*, void* context) {
   while (!may_go_on) usleep(1000);
 }
 
-std::vector<double> ask_all(MeshTree& tree, const std::vector<Ray>& rays) {
+std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays) {
   std::vector<double> answers;
-  for (const Ray& ray : rays) {
-    const EpochPin pin;
-    MeshQuery query;
+  for (const geometry::Ray& ray : rays) {
+    const kdtree::EpochPin pin;
+    mesh::MeshQuery query;
     query.ray = *make_local_ray(ray.origin, ray.direction);
     query.tmin = ray.tmin;
     query.tmax = ray.tmax;
     query.node = 1;
-    WalkCounters walked;
-    BuildCounters built;
+    kdtree::WalkCounters walked;
+    kdtree::BuildCounters built;
     tree.query(query, walked, built);
-    answers.push_back(query.found ? query.best_t : kInfinity);
+    answers.push_back(query.found ? query.best_t : geometry::kInfinity);
   }
   return answers;
 }
 
-std::unique_ptr<MeshTree> make_tree(const std::shared_ptr<const TestMesh>& mesh,
-                                    References references) {
-  return std::make_unique<MeshTree>(mesh->view(), survey_mesh(mesh->view()), default_builder(),
-                                    references, mesh);
+std::unique_ptr<mesh::MeshTree> make_tree(const std::shared_ptr<const TestMesh>& mesh,
+                                          mesh::References references) {
+  return std::make_unique<mesh::MeshTree>(mesh->view(), survey_mesh(mesh->view()),
+                                          default_builder(), references, mesh);
 }
 
 /// Returns whether a thread was stopped.
-bool stop_one_of_four(MeshTree& tree, const std::vector<Ray>& rays,
+bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays,
                       const std::vector<double>& expected, int microseconds) {
   suspended = may_go_on = false;
   std::atomic<int> done{0}, wrong{0};
@@ -101,11 +101,12 @@ TEST(Suspended, NoThreadIsWaitedFor) {
   const auto sphere = std::make_shared<const TestMesh>(tests::icosphere(6));
   int stopped = 0;
   for (const auto& mesh : {soup, sphere}) {
-    const std::vector<Ray> rays = tests::rays_at(*mesh, 60, 8);
-    const auto reference = make_tree(mesh, References::kSoup);
+    const std::vector<geometry::Ray> rays = tests::rays_at(*mesh, 60, 8);
+    const auto reference = make_tree(mesh, mesh::References::kSoup);
     const std::vector<double> expected = ask_all(*reference, rays);
     for (int trial = 0; trial < 12; ++trial) {
-      const auto tree = make_tree(mesh, trial % 2 == 0 ? References::kSoup : References::kRuns);
+      const auto tree =
+          make_tree(mesh, trial % 2 == 0 ? mesh::References::kSoup : mesh::References::kRuns);
       stopped += stop_one_of_four(*tree, rays, expected, 500 * trial) ? 1 : 0;
     }
   }
@@ -114,4 +115,4 @@ TEST(Suspended, NoThreadIsWaitedFor) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

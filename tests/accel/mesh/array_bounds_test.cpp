@@ -13,7 +13,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 class ArrayBoundsOnTarget : public ::testing::TestWithParam<std::int64_t> {
@@ -26,12 +26,12 @@ TEST_P(ArrayBoundsOnTarget, GreatestIndexIsFoundWhereverItStands) {
   tests::Random random(1);
   EXPECT_EQ(greatest_index({}), 0u);
   for (std::size_t count = 1; count < 70; ++count) {
-    std::vector<Face> faces(count);
+    std::vector<geometry::Face> faces(count);
     for (std::size_t at = 0; at < 3 * count; ++at) {
-      for (Face& face : faces) {
+      for (geometry::Face& face : faces) {
         for (std::uint32_t& v : face) v = static_cast<std::uint32_t>(random.below(1000));
       }
-      faces[at / 3][at % 3] = at % 2 == 0 ? 1000 : kNoVertex;
+      faces[at / 3][at % 3] = at % 2 == 0 ? 1000 : geometry::kNoVertex;
       ASSERT_EQ(greatest_index(faces), faces[at / 3][at % 3]) << count << " " << at;
     }
   }
@@ -41,10 +41,11 @@ TEST_P(ArrayBoundsOnTarget, BoundsHoldEveryVertexAndNoMore) {
   tests::Random random(2);
   EXPECT_FALSE(bounds_of_vertices({}));
   for (std::size_t count = 1; count < 200; ++count) {
-    std::vector<Vec3f> vertices(count);
-    Aabb expected;
-    for (Vec3f& v : vertices) {
-      v = Vec3f(Vec3d{random.uniform(-3, 1), random.uniform(5, 6), random.uniform(-1, 1e30)});
+    std::vector<geometry::Vec3f> vertices(count);
+    geometry::Aabb expected;
+    for (geometry::Vec3f& v : vertices) {
+      v = geometry::Vec3f(
+          geometry::Vec3d{random.uniform(-3, 1), random.uniform(5, 6), random.uniform(-1, 1e30)});
       expected.grow(v);
     }
     const auto box = bounds_of_vertices(vertices);
@@ -69,11 +70,11 @@ INSTANTIATE_TEST_SUITE_P(Every, ArrayBoundsOnTarget,
                          });
 
 TEST(ArrayBounds, OfEveryFewFaces) {
-  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {9, 9, 9}};
-  const std::vector<Face> faces{{0, 1, 2}, {0, 1, 3}, {2, 1, 0}};
-  EXPECT_EQ(bounds_of_faces({vertices, faces}, 2), (Aabb{{0, 0, 0}, {1, 2, 0}}));
-  EXPECT_EQ(bounds_of_faces({vertices, faces}, 1), (Aabb{{0, 0, 0}, {9, 9, 9}}));
+  const std::vector<geometry::Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {9, 9, 9}};
+  const std::vector<geometry::Face> faces{{0, 1, 2}, {0, 1, 3}, {2, 1, 0}};
+  EXPECT_EQ(bounds_of_faces({vertices, faces}, 2), (geometry::Aabb{{0, 0, 0}, {1, 2, 0}}));
+  EXPECT_EQ(bounds_of_faces({vertices, faces}, 1), (geometry::Aabb{{0, 0, 0}, {9, 9, 9}}));
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -12,11 +12,11 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 /// Coordinates that are equal, next to each other, denormal, huge, signed zeros, or not finite.
-std::vector<Vec3f> odd_vertices(std::size_t count, bool finite) {
+std::vector<geometry::Vec3f> odd_vertices(std::size_t count, bool finite) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   const float values[] = {0.0f,
                           -0.0f,
@@ -39,8 +39,8 @@ std::vector<Vec3f> odd_vertices(std::size_t count, bool finite) {
                           std::numeric_limits<float>::quiet_NaN()};
   tests::Random random(7);
   const std::size_t choices = std::size(values) - (finite ? 3 : 0);
-  std::vector<Vec3f> vertices(count);
-  for (Vec3f& v : vertices) {
+  std::vector<geometry::Vec3f> vertices(count);
+  for (geometry::Vec3f& v : vertices) {
     const auto pick = [&] { return values[random.below(choices)]; };
     v = {pick(), pick(), pick()};
   }
@@ -56,16 +56,17 @@ class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
 TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
   tests::Random random(3);
   for (const bool finite : {true, false}) {
-    const std::vector<Vec3f> vertices = odd_vertices(finite ? 400 : 4000, finite);
-    std::vector<Face> faces;
+    const std::vector<geometry::Vec3f> vertices = odd_vertices(finite ? 400 : 4000, finite);
+    std::vector<geometry::Face> faces;
     for (int i = 0; i < 4000; ++i) {
       const auto corner = [&] { return static_cast<std::uint32_t>(random.below(vertices.size())); };
       faces.push_back({corner(), corner(), corner()});
-      if (i % 40 == 0) faces.push_back({kNoVertex, kNoVertex, kNoVertex});
+      if (i % 40 == 0)
+        faces.push_back({geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex});
     }
     faces.push_back({static_cast<std::uint32_t>(vertices.size() - 1), 0, 1});
-    const MeshView mesh{vertices, faces};
-    std::vector<BoxRef> made(faces.size());
+    const geometry::MeshView mesh{vertices, faces};
+    std::vector<kdtree::BoxRef> made(faces.size());
     made.resize(face_references(mesh, 0, faces.size(), made.data()));
     std::size_t at = 0;
     for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -80,7 +81,7 @@ TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
     EXPECT_EQ(at, made.size());
     for (std::size_t begin = 0; begin < faces.size(); begin += 16) {
       const std::size_t end = std::min(begin + 16, faces.size());
-      Aabb box;
+      geometry::Aabb box;
       std::uint64_t count = 0;
       for (std::size_t i = begin; i < end; ++i) {
         if (const auto b = face_bounds(mesh, i)) {
@@ -97,8 +98,9 @@ TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
 }
 
 TEST_P(EveryTarget, BadIndicesAreNeverFollowed) {
-  const std::vector<Vec3f> vertices(5);
-  const std::vector<Face> faces{{0, 1, 2}, {2, 3, 5}, {kNoVertex, 0, 1}, {0, 1, kNoVertex}};
+  const std::vector<geometry::Vec3f> vertices(5);
+  const std::vector<geometry::Face> faces{
+      {0, 1, 2}, {2, 3, 5}, {geometry::kNoVertex, 0, 1}, {0, 1, geometry::kNoVertex}};
   const FaceSum sum = sum_faces({vertices, faces}, 0, faces.size());
   EXPECT_EQ(sum.triangles, 4u);
   EXPECT_EQ(sum.finite, 1u);
@@ -107,10 +109,11 @@ TEST_P(EveryTarget, BadIndicesAreNeverFollowed) {
 }
 
 TEST(FaceSum, OfNothingAddsNothing) {
-  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
-  const std::vector<Face> faces{{0, 1, 2}, {kNoVertex, kNoVertex, kNoVertex}};
+  const std::vector<geometry::Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
+  const std::vector<geometry::Face> faces{
+      {0, 1, 2}, {geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex}};
   FaceSum sum = sum_faces({vertices, faces}, 0, 1);
-  const Aabb box = sum.box;
+  const geometry::Aabb box = sum.box;
   sum.add(sum_faces({vertices, faces}, 1, 2));
   EXPECT_EQ(sum.box, box);
   FaceSum nothing = sum_faces({vertices, faces}, 1, 2);
@@ -125,4 +128,4 @@ INSTANTIATE_TEST_SUITE_P(FaceBoxes, EveryTarget,
                          });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -7,13 +7,13 @@
 
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 using tests::TestMesh;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr Face kNoFace{kNoVertex, kNoVertex, kNoVertex};
+constexpr geometry::Face kNoFace{geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex};
 
 /// Face by face.
 MeshSurvey slowly(const TestMesh& mesh) {
@@ -33,8 +33,8 @@ void expect_right(const TestMesh& mesh, const MeshSurvey& survey) {
   EXPECT_EQ(survey.triangles, expected.triangles);
   EXPECT_EQ(survey.finite_triangles, expected.finite_triangles);
   EXPECT_EQ(survey.first_bad_face, expected.first_bad_face);
-  const Aabb bounds = padded(survey.bounds);
-  Aabb both = bounds;
+  const geometry::Aabb bounds = padded(survey.bounds);
+  geometry::Aabb both = bounds;
   if (expected.finite_triangles > 0) both.grow(expected.bounds);
   EXPECT_EQ(both, bounds);
 }
@@ -81,4 +81,4 @@ TEST(MeshSurvey, FewLargeFacesAmongManySmallOnesCount) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

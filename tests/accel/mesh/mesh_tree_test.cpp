@@ -17,24 +17,24 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 using tests::TestMesh;
 
 struct Answer {
-  double t = kInfinity;
+  double t = geometry::kInfinity;
   std::uint32_t primitive = 0;
   bool operator==(const Answer&) const = default;
 };
 
 std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh,
-                                    const AnyBuilder& builder = default_builder(),
+                                    const published::AnyBuilder& builder = default_builder(),
                                     References references = References::kRuns) {
   return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
 }
 
-MeshQuery query_of(const Ray& ray) {
+MeshQuery query_of(const geometry::Ray& ray) {
   MeshQuery query;
   query.ray = *make_local_ray(ray.origin, ray.direction);
   query.tmin = ray.tmin;
@@ -43,23 +43,23 @@ MeshQuery query_of(const Ray& ray) {
   return query;
 }
 
-Answer ask(MeshTree& tree, const Ray& ray, AtUnbuilt at_unbuilt = AtUnbuilt::kExpand) {
-  const EpochPin pin;
+Answer ask(MeshTree& tree, const geometry::Ray& ray, AtUnbuilt at_unbuilt = AtUnbuilt::kExpand) {
+  const kdtree::EpochPin pin;
   MeshQuery query = query_of(ray);
   query.at_unbuilt = at_unbuilt;
-  WalkCounters walked;
-  BuildCounters built;
+  kdtree::WalkCounters walked;
+  kdtree::BuildCounters built;
   tree.query(query, walked, built);
   return query.found ? Answer{query.best_t, query.best_primitive} : Answer{};
 }
 
 /// The hit rule over every triangle, with no tree. (The independent oracle is in tests/e2e.)
-Answer search(const TestMesh& mesh, const Ray& ray) {
-  const LocalRay local = *make_local_ray(ray.origin, ray.direction);
+Answer search(const TestMesh& mesh, const geometry::Ray& ray) {
+  const geometry::LocalRay local = *make_local_ray(ray.origin, ray.direction);
   Answer best;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     if (!face_bounds(mesh.view(), i)) continue;
-    const Face& f = mesh.faces[i];
+    const geometry::Face& f = mesh.faces[i];
     const auto t = intersect(local, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
     if (!t) continue;
     const double world = *t * local.unit;
@@ -69,10 +69,10 @@ Answer search(const TestMesh& mesh, const Ray& ray) {
   return best;
 }
 
-std::vector<Aabb> reference_bounds(const TestMesh& mesh) {
-  std::vector<Aabb> bounds;
+std::vector<geometry::Aabb> reference_bounds(const TestMesh& mesh) {
+  std::vector<geometry::Aabb> bounds;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i)
-    bounds.push_back(face_bounds(mesh.view(), i).value_or(Aabb{}));
+    bounds.push_back(face_bounds(mesh.view(), i).value_or(geometry::Aabb{}));
   return bounds;
 }
 
@@ -89,7 +89,7 @@ TestMesh damaged() {
   const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.faces.push_back({0, 1, n - 1});
   mesh.faces.push_back({0, 1, n - 2});
-  mesh.faces.push_back({kNoVertex, kNoVertex, kNoVertex});
+  mesh.faces.push_back({geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex});
   mesh.faces.push_back({3, 3, 3});
   mesh.faces.push_back({3, 4, 3});
   return mesh;
@@ -99,7 +99,7 @@ TestMesh damaged() {
 TestMesh thin() {
   TestMesh mesh = tests::planar_sheet(6);
   const float above = least_above(1), below = std::nextafter(1.0f, 0.0f);
-  for (Vec3f& v : mesh.vertices) v.z = 1;
+  for (geometry::Vec3f& v : mesh.vertices) v.z = 1;
   tests::Random random(4);
   for (int i = 0; i < 60; ++i) {
     const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -151,37 +151,38 @@ std::vector<Case> cases() {
 }
 
 /// Random rays, and rays that meet vertices, edges, planes and grid lines exactly.
-std::vector<Ray> rays_for(const TestMesh& mesh, std::size_t count) {
-  if (mesh.faces.empty()) return {Ray{{0, 0, 0}, {1, 0, 0}}};
-  std::vector<Ray> rays = tests::rays_at(mesh, count, 99);
+std::vector<geometry::Ray> rays_for(const TestMesh& mesh, std::size_t count) {
+  if (mesh.faces.empty()) return {geometry::Ray{{0, 0, 0}, {1, 0, 0}}};
+  std::vector<geometry::Ray> rays = tests::rays_at(mesh, count, 99);
   tests::Random random(5);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3d v(mesh.vertices[random.below(mesh.vertices.size())]);
-    const Vec3d w(mesh.vertices[random.below(mesh.vertices.size())]);
+    const geometry::Vec3d v(mesh.vertices[random.below(mesh.vertices.size())]);
+    const geometry::Vec3d w(mesh.vertices[random.below(mesh.vertices.size())]);
     if (!is_finite(v) || !is_finite(w)) continue;
-    rays.push_back({v - Vec3d{0, 0, 5}, {0, 0, 1}});
-    rays.push_back({v + Vec3d{5, 0, 0}, {-1, -0.0, 0}});
+    rays.push_back({v - geometry::Vec3d{0, 0, 5}, {0, 0, 1}});
+    rays.push_back({v + geometry::Vec3d{5, 0, 0}, {-1, -0.0, 0}});
     rays.push_back(
         {v, {0, 1, 0}});  // starts on the surface, often on a split plane, along a grid line
     rays.push_back({w, {1, 1, 0}, -3, 3});
-    const Vec3d from = v + random.direction() * 3.0;
+    const geometry::Vec3d from = v + random.direction() * 3.0;
     rays.push_back({from, v - from, 0.25, 1});  // ends on the vertex: both limits are closed
     rays.push_back({from, (v + w) * 0.5 - from});
   }
   // Around a mesh with a vertex at infinity not every ray is one.
-  std::erase_if(rays, [](const Ray& ray) { return !make_local_ray(ray.origin, ray.direction); });
+  std::erase_if(
+      rays, [](const geometry::Ray& ray) { return !make_local_ray(ray.origin, ray.direction); });
   return rays;
 }
 
-void check(const MeshTree& tree, const TestMesh& mesh, const AnyBuilder& builder) {
-  const EpochPin pin;
-  if (const BvhTree* bvh = tree.bvh()) {
+void check(const MeshTree& tree, const TestMesh& mesh, const published::AnyBuilder& builder) {
+  const kdtree::EpochPin pin;
+  if (const published::bvh::BvhTree* bvh = tree.bvh()) {
     if (bvh->built() != nullptr) tests::check_hierarchy(*bvh->built(), mesh);
     return;
   }
-  const KdBuilder& kd = std::get<KdBuilder>(builder);
+  const split::KdBuilder& kd = std::get<split::KdBuilder>(builder);
   const bool may_clip = clips(kd, {}, 1000, 1000);
-  if (may_clip || std::holds_alternative<ExactBuilder>(kd)) {
+  if (may_clip || std::holds_alternative<published::kd::ExactBuilder>(kd)) {
     tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
   } else {
     tests::check_tree(*tree.kd(), reference_bounds(mesh));
@@ -197,21 +198,21 @@ class EveryShape : public ::testing::TestWithParam<Case> {};
 
 TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
   const TestMesh mesh = GetParam().make();
-  const std::vector<Ray> rays = rays_for(mesh, 60);
+  const std::vector<geometry::Ray> rays = rays_for(mesh, 60);
   for (const std::string_view name : builder_names()) {
     if (takes_too_long(name, mesh)) continue;
-    const AnyBuilder builder = *make_builder(name);
+    const published::AnyBuilder builder = *make_builder(name);
     const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
                unbuilt = make_tree(mesh, builder);
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     full->expand_all(counters);
     {
-      const EpochPin pin;
-      const TreeMetrics m = full->metrics();
+      const kdtree::EpochPin pin;
+      const kdtree::TreeMetrics m = full->metrics();
       EXPECT_EQ(m.unbuilt_cells, m.given_up_cells);
     }
     check(*full, mesh, builder);
-    for (const Ray& ray : rays) {
+    for (const geometry::Ray& ray : rays) {
       const Answer expected = search(mesh, ray);
       ASSERT_EQ(ask(*lazy, ray), expected) << name;
       ASSERT_EQ(ask(*full, ray), expected) << name;
@@ -226,14 +227,14 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
 TEST_P(EveryShape, AnyHitIsThereIfAndOnlyIfTheNearestIs) {
   const TestMesh mesh = GetParam().make();
   const auto tree = make_tree(mesh);
-  for (const Ray& ray : rays_for(mesh, 40)) {
-    const EpochPin pin;
+  for (const geometry::Ray& ray : rays_for(mesh, 40)) {
+    const kdtree::EpochPin pin;
     MeshQuery any = query_of(ray);
     any.any = true;
-    WalkCounters walked;
-    BuildCounters built;
+    kdtree::WalkCounters walked;
+    kdtree::BuildCounters built;
     tree->query(any, walked, built);
-    ASSERT_EQ(any.found, search(mesh, ray).t < kInfinity);
+    ASSERT_EQ(any.found, search(mesh, ray).t < geometry::kInfinity);
   }
 }
 
@@ -243,26 +244,28 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, ::testing::ValuesIn(cases()),
 TEST(MeshTree, GrowsOnlyWhereRaysLook) {
   const TestMesh mesh = tests::icosphere(5);  // 20,480 triangles
   const auto tree = make_tree(mesh);
-  WalkCounters walked;
-  BuildCounters first, again;
-  std::vector<Ray> rays;
+  kdtree::WalkCounters walked;
+  kdtree::BuildCounters first, again;
+  std::vector<geometry::Ray> rays;
   tests::Random random(2);
   for (int i = 0; i < 500; ++i) {
-    rays.push_back(
-        {{0, 0, 3}, Vec3d{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1}, 0, 2.5});
+    rays.push_back({{0, 0, 3},
+                    geometry::Vec3d{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), -1},
+                    0,
+                    2.5});
   }
-  const EpochPin pin;
-  for (const Ray& ray : rays) {
+  const kdtree::EpochPin pin;
+  for (const geometry::Ray& ray : rays) {
     MeshQuery query = query_of(ray);
     tree->query(query, walked, first);
   }
   EXPECT_GT(first.cells_expanded, 0u);
   EXPECT_GE(first.touches_prepare, mesh.faces.size());
   EXPECT_LT(first.touches_prepare, 2 * mesh.faces.size());
-  const GrowthMetrics growth = tree->growth();
+  const kdtree::GrowthMetrics growth = tree->growth();
   EXPECT_GT(growth.references_built, 0u);
   EXPECT_LT(growth.references_built, mesh.faces.size() / 5);
-  for (const Ray& ray : rays) {
+  for (const geometry::Ray& ray : rays) {
     MeshQuery query = query_of(ray);
     tree->query(query, walked, again);
   }
@@ -273,12 +276,12 @@ TEST(MeshTree, GrowsOnlyWhereRaysLook) {
 TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
   const TestMesh mesh = tests::random_soup(5000, 0.03, 3);
   const auto full = make_tree(mesh), lazy = make_tree(mesh);
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   full->expand_all(counters);
-  for (const Ray& ray : tests::rays_at(mesh, 50, 1)) ask(*lazy, ray);
+  for (const geometry::Ray& ray : tests::rays_at(mesh, 50, 1)) ask(*lazy, ray);
   lazy->expand_all(counters);
-  const EpochPin pin;
-  const TreeMetrics a = full->metrics(), b = lazy->metrics();
+  const kdtree::EpochPin pin;
+  const kdtree::TreeMetrics a = full->metrics(), b = lazy->metrics();
   EXPECT_EQ(a.nodes, b.nodes);
   EXPECT_EQ(a.references, b.references);
   EXPECT_EQ(a.max_depth, b.max_depth);
@@ -290,34 +293,35 @@ TEST(MeshTree, CancelledBuildsStayUsable) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 4);
   const auto tree = make_tree(mesh);
   const std::atomic<bool> cancelled{true};
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   tree->expand_all(counters, &cancelled);
   {
-    const EpochPin pin;
+    const kdtree::EpochPin pin;
     EXPECT_GT(tree->metrics().unbuilt_cells, 0u);
   }
-  for (const Ray& ray : tests::rays_at(mesh, 20, 1)) EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
+  for (const geometry::Ray& ray : tests::rays_at(mesh, 20, 1))
+    EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
   tree->expand_all(counters);
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
 }
 
 TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
   // Large enough that the first cells are joined and the later ones raced for.
   const TestMesh mesh = tests::random_soup(60000, 0.01, 6);
-  const std::vector<Ray> rays = tests::rays_at(mesh, 1500, 8);
+  const std::vector<geometry::Ray> rays = tests::rays_at(mesh, 1500, 8);
   const auto reference = make_tree(mesh);
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   reference->expand_all(counters);
   std::vector<Answer> expected;
-  for (const Ray& ray : rays) expected.push_back(ask(*reference, ray));
+  for (const geometry::Ray& ray : rays) expected.push_back(ask(*reference, ray));
   const auto tree = make_tree(mesh);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) {
     threads.emplace_back([&, i] {
       if (i == 7) {
-        BuildCounters own;
+        kdtree::BuildCounters own;
         tree->expand_all(own);
         return;
       }
@@ -329,9 +333,9 @@ TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

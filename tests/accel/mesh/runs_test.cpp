@@ -13,7 +13,7 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 using tests::TestMesh;
@@ -21,9 +21,9 @@ using tests::TestMesh;
 /// A wavy sheet whose faces follow each other row by row.
 TestMesh waves(std::uint32_t side) {
   TestMesh mesh = tests::planar_sheet(side);
-  for (Vec3f& v : mesh.vertices) {
+  for (geometry::Vec3f& v : mesh.vertices) {
     const double u = static_cast<double>(v.x) / 16, w = static_cast<double>(v.y) / 16;
-    v = Vec3f(Vec3d{u, 0.3 * std::sin(3 * u) * std::cos(2 * w), w});
+    v = geometry::Vec3f(geometry::Vec3d{u, 0.3 * std::sin(3 * u) * std::cos(2 * w), w});
   }
   return mesh;
 }
@@ -36,15 +36,15 @@ TestMesh shuffled(TestMesh mesh) {
 }
 
 /// Counts each face that a run leads to, and checks that boxes hold what they stand for.
-void visit(const MeshView& mesh, const BoxRef& run, std::vector<int>& seen) {
-  std::vector<BoxRef> finer;
-  BuildCounters counters;
+void visit(const geometry::MeshView& mesh, const kdtree::BoxRef& run, std::vector<int>& seen) {
+  std::vector<kdtree::BoxRef> finer;
+  kdtree::BuildCounters counters;
   open_run(mesh, run, finer, counters);
   const FaceRange faces = faces_of_run(mesh, run);
   ASSERT_EQ(counters.touches_prepare, faces.end - faces.begin);
   std::uint32_t weight = 0;
-  for (const BoxRef& ref : finer) {
-    Aabb both = run.bounds();
+  for (const kdtree::BoxRef& ref : finer) {
+    geometry::Aabb both = run.bounds();
     both.grow(ref.bounds());
     ASSERT_EQ(both, run.bounds());
     ASSERT_GT(ref.weight, 0u);
@@ -64,16 +64,17 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
   for (const std::uint32_t side : {3u, 64u, 100u, 257u}) {
     TestMesh mesh = waves(side);
     if (side > 10) {
-      for (std::size_t i = 40; i < 75; ++i) mesh.faces[i] = {kNoVertex, kNoVertex, kNoVertex};
+      for (std::size_t i = 40; i < 75; ++i)
+        mesh.faces[i] = {geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex};
       mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
     }
-    const MeshView view = mesh.view();
-    std::vector<BoxRef> runs(count_runs(view));
-    BuildCounters counters;
+    const geometry::MeshView view = mesh.view();
+    std::vector<kdtree::BoxRef> runs(count_runs(view));
+    kdtree::BuildCounters counters;
     runs.resize(run_references(view, 0, runs.size(), runs.data(), counters));
     EXPECT_EQ(counters.touches_prepare, view.faces.size());
     std::vector<int> seen(view.faces.size());
-    for (const BoxRef& run : runs) {
+    for (const kdtree::BoxRef& run : runs) {
       ASSERT_TRUE(run.openable());
       visit(view, run, seen);
     }
@@ -83,7 +84,7 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
 }
 
 bool compact(const TestMesh& mesh) {
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   return are_runs_compact(mesh.view(), survey_mesh(mesh.view()).bounds, counters);
 }
 
@@ -94,22 +95,22 @@ TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
   EXPECT_FALSE(compact(TestMesh{}));
 }
 
-MeshQuery ask(MeshTree& tree, const Ray& ray, BuildCounters& built) {
-  const EpochPin pin;
+MeshQuery ask(MeshTree& tree, const geometry::Ray& ray, kdtree::BuildCounters& built) {
+  const kdtree::EpochPin pin;
   MeshQuery query;
   query.ray = *make_local_ray(ray.origin, ray.direction);
   query.tmin = ray.tmin;
   query.tmax = ray.tmax;
   query.node = 1;
-  WalkCounters walked;
+  kdtree::WalkCounters walked;
   tree.query(query, walked, built);
   return query;
 }
 
 TEST(Runs, GiveTheSameHitsForLessWork) {
   const TestMesh mesh = waves(200);  // 80,000 triangles
-  const MeshView view = mesh.view();
-  std::vector<Ray> rays;
+  const geometry::MeshView view = mesh.view();
+  std::vector<geometry::Ray> rays;
   tests::Random random(3);
   for (int i = 0; i < 400; ++i) {
     const double x = random.uniform(3, 3.5), z = random.uniform(7, 7.5);
@@ -117,12 +118,12 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   }
   for (const std::string_view name : builder_names()) {
     if (name == "sah-naive") continue;
-    const AnyBuilder builder = *make_builder(name);
+    const published::AnyBuilder builder = *make_builder(name);
     const MeshSurvey survey = survey_mesh(view);
     MeshTree runs(view, survey, builder, References::kRuns);
     MeshTree soup(view, survey, builder, References::kSoup);
-    BuildCounters of_runs, of_soup;
-    for (const Ray& ray : rays) {
+    kdtree::BuildCounters of_runs, of_soup;
+    for (const geometry::Ray& ray : rays) {
       const MeshQuery a = ask(runs, ray, of_runs), b = ask(soup, ray, of_soup);
       ASSERT_EQ(a.found, b.found);
       ASSERT_EQ(a.best_t, b.best_t);
@@ -132,9 +133,9 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
       EXPECT_LT(of_runs.touches, of_soup.touches / 2);
     }
     MeshTree full(view, survey, builder, References::kRuns);
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     full.expand_all(counters);
-    for (const Ray& ray : rays)
+    for (const geometry::Ray& ray : rays)
       ASSERT_EQ(ask(full, ray, counters).best_t, ask(soup, ray, counters).best_t) << name;
   }
 }
@@ -143,9 +144,9 @@ TEST(Runs, AreSearchedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
   MeshTree cold(mesh.view(), survey_mesh(mesh.view()), default_builder());
   MeshTree grown(mesh.view(), survey_mesh(mesh.view()), default_builder());
-  BuildCounters counters;
-  for (const Ray& ray : tests::rays_at(mesh, 60, 4)) {
-    const EpochPin pin;
+  kdtree::BuildCounters counters;
+  for (const geometry::Ray& ray : tests::rays_at(mesh, 60, 4)) {
+    const kdtree::EpochPin pin;
     const MeshQuery expected = ask(grown, ray, counters);
     for (MeshTree* tree : {&cold, &grown}) {
       MeshQuery query;
@@ -154,7 +155,7 @@ TEST(Runs, AreSearchedWhereNothingIsGrown) {
       query.tmax = ray.tmax;
       query.node = 1;
       query.at_unbuilt = AtUnbuilt::kSearch;
-      WalkCounters walked;
+      kdtree::WalkCounters walked;
       tree->query(query, walked, counters);
       ASSERT_EQ(query.found, expected.found);
       ASSERT_EQ(query.best_t, expected.best_t);
@@ -165,4 +166,4 @@ TEST(Runs, AreSearchedWhereNothingIsGrown) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

@@ -7,7 +7,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::mesh {
 namespace {
 
 TEST(Distinct, KeepsEachOnce) {
@@ -55,4 +55,4 @@ TEST(ListedHit, IsOrderedByDistanceThenNodeThenPrimitive) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::mesh

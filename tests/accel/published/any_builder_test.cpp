@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::accel {
+namespace sightline::accel::published {
 namespace {
 
 TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
@@ -16,19 +16,22 @@ TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
   for (const std::string_view name : builder_names()) {
     const auto builder = make_builder(name);
     ASSERT_TRUE(builder) << name;
-    if (const auto* bvh = std::get_if<BvhBuilder>(&*builder)) {
+    if (const auto* bvh = std::get_if<bvh::BvhBuilder>(&*builder)) {
       EXPECT_FALSE(bvh->check()) << name;
       continue;
     }
-    EXPECT_FALSE(std::visit([](const auto& b) { return b.check(); }, std::get<KdBuilder>(*builder)))
+    EXPECT_FALSE(
+        std::visit([](const auto& b) { return b.check(); }, std::get<split::KdBuilder>(*builder)))
         << name;
   }
 }
 
 TEST(SetParameter, TakesNumbersCountsAndSwitches) {
   AnyBuilder builder = *make_builder("sah-sort");
-  const auto exact = [&] { return std::get<ExactBuilder>(std::get<KdBuilder>(builder)); };
-  EXPECT_EQ(exact().search, ExactSearch::kSort);
+  const auto exact = [&] {
+    return std::get<kd::ExactBuilder>(std::get<split::KdBuilder>(builder));
+  };
+  EXPECT_EQ(exact().search, kd::ExactSearch::kSort);
   EXPECT_TRUE(set_parameter(builder, "lambda", "1"));
   EXPECT_EQ(exact().costs.lambda, 1);
   EXPECT_TRUE(set_parameter(builder, "bad_refines", "3"));
@@ -80,7 +83,7 @@ TEST(SetParameter, OfAHierarchyNamesWhatItsMethodKnows) {
 TEST(SetParameter, OneNameMaySetSeveral) {
   AnyBuilder builder = *make_builder("scan-hybrid");
   EXPECT_TRUE(set_parameter(builder, "samples", "4"));
-  const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
+  const auto& scan = std::get<split::ScanBuilder>(std::get<split::KdBuilder>(builder));
   EXPECT_EQ(scan.uniform_samples, 4u);
   EXPECT_EQ(scan.adaptive_samples, 4u);
 }
@@ -113,4 +116,4 @@ TEST(SetParameter, ReachesEveryBuilder) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published

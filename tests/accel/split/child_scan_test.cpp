@@ -10,7 +10,7 @@
 
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 class FirstScanning : public ::testing::TestWithParam<std::int64_t> {
@@ -19,41 +19,42 @@ class FirstScanning : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-bool same(const BoxRef& a, const BoxRef& b) {
+bool same(const kdtree::BoxRef& a, const kdtree::BoxRef& b) {
   return a.lo == b.lo && a.hi == b.hi && a.id == b.id && a.weight == b.weight;
 }
 
-bool same(std::span<const BoxRef> a, std::span<const BoxRef> b) {
+bool same(std::span<const kdtree::BoxRef> a, std::span<const kdtree::BoxRef> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const BoxRef& x, const BoxRef& y) { return same(x, y); });
+                    [](const kdtree::BoxRef& x, const kdtree::BoxRef& y) { return same(x, y); });
 }
 
 struct Divided {
-  std::vector<BoxRef> left, right;
+  std::vector<kdtree::BoxRef> left, right;
   FirstScans scans;
 };
 
-FirstScans unscanned(const Aabb& cell, const Plane& plane, std::uint32_t samples) {
-  const HalvedCell halves = halve(cell, plane.axis, plane.position);
+FirstScans unscanned(const geometry::Aabb& cell, const kdtree::Plane& plane,
+                     std::uint32_t samples) {
+  const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
   return {first_planes(halves.left, samples), first_planes(halves.right, samples), {}, {}};
 }
 
 /// By the definition.
-Divided apart(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
-              std::uint32_t samples) {
-  Divided d{.left = std::vector<BoxRef>(refs.size()),
-            .right = std::vector<BoxRef>(refs.size()),
+Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+              const kdtree::Plane& plane, std::uint32_t samples) {
+  Divided d{.left = std::vector<kdtree::BoxRef>(refs.size()),
+            .right = std::vector<kdtree::BoxRef>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
-  const Sifted n = sift(refs, {.plane = plane}, d.left.data(), d.right.data());
+  const grow::Sifted n = sift(refs, {.plane = plane}, d.left.data(), d.right.data());
   d.left.resize(n.left);
   d.right.resize(n.right);
   d.scans.left.references = n.left;
   d.scans.right.references = n.right;
-  const auto count = [](const std::vector<BoxRef>& list, const FirstPlanes& planes,
+  const auto count = [](const std::vector<kdtree::BoxRef>& list, const FirstPlanes& planes,
                         FirstScan& scan) {
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t i = 0; i < kFirstPlanes; ++i) {
-        for (const BoxRef& r : list) {
+        for (const kdtree::BoxRef& r : list) {
           scan.axes[a].left[i] += r.lo[a] < planes.at[a][i] ? r.weight : 0;
           scan.axes[a].right[i] += r.hi[a] > planes.at[a][i] ? r.weight : 0;
         }
@@ -66,28 +67,28 @@ Divided apart(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& pl
 }
 
 /// Over itself, as growth does, then piece by piece into one pair of lists.
-void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
-                 std::uint32_t samples = kFirstPlanes) {
+void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 const kdtree::Plane& plane, std::uint32_t samples = kFirstPlanes) {
   const Divided expected = apart(refs, cell, plane, samples);
-  const auto expect_lists = [&](std::span<const BoxRef> left, std::span<const BoxRef> right,
-                                const FirstScans& scans) {
+  const auto expect_lists = [&](std::span<const kdtree::BoxRef> left,
+                                std::span<const kdtree::BoxRef> right, const FirstScans& scans) {
     EXPECT_TRUE(same(left, expected.left));
     EXPECT_TRUE(same(right, expected.right));
     EXPECT_EQ(scans.left, expected.scans.left);
     EXPECT_EQ(scans.right, expected.scans.right);
   };
-  std::vector<BoxRef> left = refs, right(refs.size());
+  std::vector<kdtree::BoxRef> left = refs, right(refs.size());
   FirstScans scans = unscanned(cell, plane, samples);
-  const Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
+  const grow::Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
   expect_lists(std::span(left).first(n.left), std::span(right).first(n.right), scans);
 
   const std::size_t third = refs.size() / 3;
-  const std::span<const BoxRef> all(refs);
-  Sifted sum;
+  const std::span<const kdtree::BoxRef> all(refs);
+  grow::Sifted sum;
   FirstScans summed = unscanned(cell, plane, samples);
   for (const auto piece : {all.first(third), all.subspan(third, third), all.subspan(2 * third)}) {
     FirstScans own = unscanned(cell, plane, samples);
-    const Sifted m =
+    const grow::Sifted m =
         sift_and_scan(piece, plane, left.data() + sum.left, right.data() + sum.right, own);
     sum = {sum.left + m.left, sum.right + m.right};
     summed.left += own.left;
@@ -117,7 +118,7 @@ TEST_P(FirstScanning, CountsFlatBoxesWeightsAndTies) {
 
 TEST_P(FirstScanning, LeavesASideEmpty) {
   const auto refs = tests::random_boxes(50, 0.1, 1);
-  const Aabb cell{{-1, -1, -1}, {3, 3, 3}};
+  const geometry::Aabb cell{{-1, -1, -1}, {3, 3, 3}};
   for (int axis = 0; axis < 3; ++axis) {
     for (const float x : {-0.5f, 2.5f}) expect_same(refs, cell, {axis, x}, 2);
   }
@@ -150,4 +151,4 @@ INSTANTIATE_TEST_SUITE_P(EveryTarget, FirstScanning, ::testing::ValuesIn(targets
                          });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -9,7 +9,7 @@
 
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 class BoundScan : public ::testing::TestWithParam<std::int64_t> {
@@ -19,8 +19,8 @@ class BoundScan : public ::testing::TestWithParam<std::int64_t> {
 };
 
 /// By the definition: every bound inside, in order of axes, the least position of equal ones.
-BoundCut counted(const std::vector<BoxRef>& refs, const Aabb& cell, AxisRange range, float bonus,
-                 std::uint64_t& touches) {
+BoundCut counted(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 AxisRange range, float bonus, std::uint64_t& touches) {
   BoundCut best;
   for (int axis = range.begin; axis < range.end; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -28,12 +28,12 @@ BoundCut counted(const std::vector<BoxRef>& refs, const Aabb& cell, AxisRange ra
     const auto ends = static_cast<float>(areas.ends() * per_area(cell));
     const auto slope = static_cast<float>(areas.slope() * per_area(cell));
     std::size_t inside = 0;
-    for (const BoxRef& bound : refs) {
+    for (const kdtree::BoxRef& bound : refs) {
       for (const float x : {bound.lo[a], bound.hi[a]}) {
         if (!(x > cell.lo[a] && x < cell.hi[a])) continue;
         ++inside;
         std::uint32_t left = 0, right = 0;
-        for (const BoxRef& r : refs) {
+        for (const kdtree::BoxRef& r : refs) {
           left += r.lo[a] < x ? r.weight : 0;
           right += r.hi[a] > x ? r.weight : 0;
         }
@@ -53,20 +53,20 @@ BoundCut counted(const std::vector<BoxRef>& refs, const Aabb& cell, AxisRange ra
   return best;
 }
 
-void expect_same(const std::vector<BoxRef>& refs, const Aabb& cell) {
+void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
   constexpr std::size_t kAll = 1000;
   for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
                                 BoundRule{.cost = {}, .all_axes_up_to = 9},
                                 BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.7},
                                 BoundRule{.cost = {1, 100, 1}, .all_axes_up_to = kAll}}) {
     const double weight = total_weight(refs);
-    BuildCounters expected, found;
+    kdtree::BuildCounters expected, found;
     const BoundCut best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
       return counted(refs, cell, range, static_cast<float>(rule.cost.empty_bonus),
                      expected.touches);
     });
     const bool pays = best.found() && best.cost(rule.cost) < rule.cost.intersect * weight;
-    const std::optional<Cut> cut = choose_bound(refs, cell, rule, found);
+    const std::optional<kdtree::Cut> cut = choose_bound(refs, cell, rule, found);
     ASSERT_EQ(found.touches, expected.touches) << refs.size();
     ASSERT_EQ(cut.has_value(), pays) << refs.size();
     if (cut) {
@@ -91,23 +91,23 @@ TEST_P(BoundScan, EqualCostsGoToTheLeastAxisAndPosition) {
 }
 
 TEST_P(BoundScan, FindsNothingWhereNoBoundLiesInside) {
-  const std::vector<BoxRef> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
-  BuildCounters counters;
+  const std::vector<kdtree::BoxRef> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
+  kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_bound(refs, {{0, 0, 0}, {1, 1, 1}}, {.cost = {0, 1, 1}}, counters));
   EXPECT_EQ(counters.touches, 0u);
 }
 
 TEST_P(BoundScan, TriesTheOtherAxesWhereTheLongestIsPoor) {
   // Two slabs across the shorter axis: nothing to gain along x.
-  const std::vector<BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
-                                 tests::box_ref({0, 2, 0}, {4, 3, 1})};
-  const Aabb cell{{0, 0, 0}, {4, 3, 1}};
-  BuildCounters counters;
+  const std::vector<kdtree::BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                         tests::box_ref({0, 2, 0}, {4, 3, 1})};
+  const geometry::Aabb cell{{0, 0, 0}, {4, 3, 1}};
+  kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_bound(refs, cell, {.cost = {0, 1, 1}, .all_axes_up_to = 0}, counters));
   const auto cut = choose_bound(
       refs, cell, {.cost = {0, 1, 1}, .all_axes_up_to = 0, .retry_above = 0.85}, counters);
   ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->plane, (Plane{1, 1}));
+  EXPECT_EQ(cut->plane, (kdtree::Plane{1, 1}));
 }
 
 std::vector<std::int64_t> targets_here() {
@@ -123,4 +123,4 @@ INSTANTIATE_TEST_SUITE_P(EveryTarget, BoundScan, ::testing::ValuesIn(targets_her
                          });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -9,16 +9,17 @@
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 /// By the definition, in units of weight; infinite for a plane that is not strictly inside.
-double children(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane) {
+double children(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                const kdtree::Plane& plane) {
   const auto a = static_cast<std::size_t>(plane.axis);
   if (!(plane.position > cell.lo[a] && plane.position < cell.hi[a]))
     return std::numeric_limits<double>::infinity();
   double left = 0, right = 0;
-  for (const BoxRef& r : refs) {
+  for (const kdtree::BoxRef& r : refs) {
     left += r.lo[a] < plane.position ? r.weight : 0;
     right += r.hi[a] > plane.position ? r.weight : 0;
   }
@@ -26,9 +27,9 @@ double children(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& 
                   left, right);
 }
 
-double best_children(const std::vector<BoxRef>& refs, const Aabb& cell) {
+double best_children(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
   double best = std::numeric_limits<double>::infinity();
-  for (const BoxRef& r : refs) {
+  for (const kdtree::BoxRef& r : refs) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
       best = std::min(
@@ -38,9 +39,10 @@ double best_children(const std::vector<BoxRef>& refs, const Aabb& cell) {
   return best;
 }
 
-double chosen(const std::vector<BoxRef>& refs, const Aabb& cell, GuidedRule rule = {}) {
+double chosen(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+              GuidedRule rule = {}) {
   rule.cost = {0, 1, 0.85};
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto cut = choose_guided({refs, cell, {}}, rule, counters);
   EXPECT_LE(counters.touches, 2 * refs.size());
   return cut ? children(refs, cell, cut->plane) : total_weight(refs);
@@ -50,7 +52,8 @@ TEST(GuidedScan, ComesNearTheBestBound) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const double size : {0.01, 0.1, 0.5}) {
       const auto refs = tests::random_boxes(500, size, seed);
-      for (const Aabb& cell : {tests::bounds_of(refs), Aabb{{0, 0, 0}, {1, 1, 3}}}) {
+      for (const geometry::Aabb& cell :
+           {tests::bounds_of(refs), geometry::Aabb{{0, 0, 0}, {1, 1, 3}}}) {
         const double best = best_children(refs, cell);
         EXPECT_LT(chosen(refs, cell), 1.05 * best) << seed << " " << size;
         EXPECT_LT(chosen(refs, cell, {.cost = {}, .refine_all_axes = true}), 1.02 * best) << seed;
@@ -65,15 +68,16 @@ TEST(GuidedScan, CutsAtAWall) {
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 0; i < 20; ++i) {
       const auto wall = static_cast<float>(random.uniform(0.05, 0.95));
-      std::vector<BoxRef> refs;
+      std::vector<kdtree::BoxRef> refs;
       for (int k = 0; k < 300; ++k) {
-        Vec3f lo{static_cast<float>(random.uniform()), static_cast<float>(random.uniform()),
-                 static_cast<float>(random.uniform())};
-        Vec3f hi = lo + Vec3f{0.01f, 0.01f, 0.01f};
+        geometry::Vec3f lo{static_cast<float>(random.uniform()),
+                           static_cast<float>(random.uniform()),
+                           static_cast<float>(random.uniform())};
+        geometry::Vec3f hi = lo + geometry::Vec3f{0.01f, 0.01f, 0.01f};
         lo[static_cast<std::size_t>(axis)] = hi[static_cast<std::size_t>(axis)] = wall;
         refs.push_back(tests::box_ref(lo, hi));
       }
-      Aabb cell{{0, 0, 0}, {1.01f, 1.01f, 1.01f}};
+      geometry::Aabb cell{{0, 0, 0}, {1.01f, 1.01f, 1.01f}};
       EXPECT_LE(chosen(refs, cell), 1.0001 * best_children(refs, cell)) << axis << " " << wall;
     }
   }
@@ -82,8 +86,8 @@ TEST(GuidedScan, CutsAtAWall) {
 /// Few heavy boxes beside many light ones: not their number counts.
 TEST(GuidedScan, CountsWeights) {
   auto refs = tests::random_boxes(400, 0.02, 1);
-  for (BoxRef& ref : refs) ref.weight = ref.lo.x < 0.2f ? 1000 : 1;
-  const Aabb cell = tests::bounds_of(refs);
+  for (kdtree::BoxRef& ref : refs) ref.weight = ref.lo.x < 0.2f ? 1000 : 1;
+  const geometry::Aabb cell = tests::bounds_of(refs);
   EXPECT_LT(chosen(refs, cell), 1.02 * best_children(refs, cell));
 }
 
@@ -95,23 +99,23 @@ TEST(GuidedScan, NeverCostsMoreThanItThinks) {
 }
 
 TEST(GuidedScan, LeavesWhatCannotBeSeparated) {
-  const std::vector<BoxRef> same(500, tests::box_ref({0, 0, 0}, {1, 1, 1}));
-  BuildCounters counters;
+  const std::vector<kdtree::BoxRef> same(500, tests::box_ref({0, 0, 0}, {1, 1, 1}));
+  kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_guided({same, {{0, 0, 0}, {1, 1, 1}}, {}}, {}, counters));
   EXPECT_LE(counters.touches, 2 * same.size());
 }
 
 TEST(GuidedScan, TakesAFlatCell) {
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
   for (int i = 0; i < 100; ++i) {
     const auto x = static_cast<float>(i);
     refs.push_back(tests::box_ref({x, 0, 0}, {x + 1, 1, 0}));
   }
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto cut = choose_guided({refs, {{0, 0, 0}, {100, 1, 0}}, {}}, {}, counters);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->plane.axis, 0);
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

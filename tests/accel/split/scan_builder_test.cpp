@@ -11,53 +11,54 @@
 #include "accel/published/any_builder.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
-BoxRef ref(const Vec3f& lo, const Vec3f& hi, std::uint32_t id = 0, std::uint32_t weight = 1) {
-  const Aabb box = widen_flat({lo, hi});
+kdtree::BoxRef ref(const geometry::Vec3f& lo, const geometry::Vec3f& hi, std::uint32_t id = 0,
+                   std::uint32_t weight = 1) {
+  const geometry::Aabb box = widen_flat({lo, hi});
   return {box.lo, id, box.hi, weight};
 }
 
-std::vector<BoxRef> random_boxes(std::size_t n, double size, std::uint64_t seed) {
+std::vector<kdtree::BoxRef> random_boxes(std::size_t n, double size, std::uint64_t seed) {
   tests::Random random(seed);
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.uniform()); };
-    const Vec3f lo{x(), x(), x()};
+    const geometry::Vec3f lo{x(), x(), x()};
     const auto e = [&] { return static_cast<float>(random.uniform() * size); };
-    refs.push_back(ref(lo, lo + Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
+    refs.push_back(ref(lo, lo + geometry::Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
   }
   return refs;
 }
 
-Aabb bounds(const std::vector<BoxRef>& refs) {
-  Aabb b;
-  for (const BoxRef& r : refs) b.grow(r.bounds());
+geometry::Aabb bounds(const std::vector<kdtree::BoxRef>& refs) {
+  geometry::Aabb b;
+  for (const kdtree::BoxRef& r : refs) b.grow(r.bounds());
   return b;
 }
 
 /// The cost of a plane by its definition.
-double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
-                 const SahConstants& constants) {
+double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 const kdtree::Plane& plane, const SahConstants& constants) {
   double left = 0, right = 0;
-  for (const BoxRef& r : refs) {
+  for (const kdtree::BoxRef& r : refs) {
     left += r.lo[static_cast<std::size_t>(plane.axis)] < plane.position ? r.weight : 0;
     right += r.hi[static_cast<std::size_t>(plane.axis)] > plane.position ? r.weight : 0;
   }
-  const HalvedCell halves = halve(cell, plane.axis, plane.position);
+  const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
   double children =
       (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
   if (left == 0 || right == 0) children *= constants.empty_bonus;
   return constants.traverse + constants.intersect * children;
 }
 
-double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell,
+double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
                      const SahConstants& constants) {
   double best = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const BoxRef& r : refs) {
+    for (const kdtree::BoxRef& r : refs) {
       for (const float x : {r.lo[a], r.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
           best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
@@ -70,9 +71,9 @@ double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell,
 TEST(ScanBuilder, FindsTheOptimumWhenExact) {
   const ScanBuilder builder;
   for (std::size_t n = 1; n <= builder.exact_below; ++n) {
-    const std::vector<BoxRef> refs = random_boxes(n, 0.1, n);
-    const Aabb cell = bounds(refs);
-    BuildCounters counters;
+    const std::vector<kdtree::BoxRef> refs = random_boxes(n, 0.1, n);
+    const geometry::Aabb cell = bounds(refs);
+    kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
     const double best = best_possible(refs, cell, builder.cost);
     if (best < static_cast<double>(n)) {
@@ -90,9 +91,9 @@ TEST(ScanBuilder, SampledChoiceIsNearTheOptimumOnSmoothInput) {
   for (const ScanAxes axes : {ScanAxes::kAll, ScanAxes::kHybrid}) {
     ScanBuilder builder;
     builder.axes = axes;
-    const std::vector<BoxRef> refs = random_boxes(1000, 0.02, 5);
-    const Aabb cell = bounds(refs);
-    BuildCounters counters;
+    const std::vector<kdtree::BoxRef> refs = random_boxes(1000, 0.02, 5);
+    const geometry::Aabb cell = bounds(refs);
+    kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
     ASSERT_TRUE(plane);
     EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
@@ -104,16 +105,16 @@ TEST(ScanBuilder, SampledChoiceIsNearTheOptimumOnSmoothInput) {
 
 /// A wall of many flat boxes: the adaptive samples close in on it (section 5.1).
 TEST(ScanBuilder, AdaptiveSamplesCloseInOnAStep) {
-  std::vector<BoxRef> refs = random_boxes(200, 0.01, 6);
+  std::vector<kdtree::BoxRef> refs = random_boxes(200, 0.01, 6);
   for (int i = 0; i < 2000; ++i) {
     const auto y = static_cast<float>(i % 50) / 50, z = static_cast<float>(i / 50) / 40;
     refs.push_back(ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
   }
-  Aabb cell = bounds(refs);
+  geometry::Aabb cell = bounds(refs);
   cell.hi.x = 1.5f;  // the longest axis
   ScanBuilder builder;
   builder.axes = ScanAxes::kOne;
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto plane = builder.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
   // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
@@ -126,43 +127,43 @@ TEST(ScanBuilder, AdaptiveSamplesCloseInOnAStep) {
 TEST(ScanBuilder, OneAxisCutsTheLongest) {
   ScanBuilder builder;
   builder.axes = ScanAxes::kOne;
-  std::vector<BoxRef> refs = random_boxes(500, 0.01, 7);
-  for (BoxRef& r : refs) {
+  std::vector<kdtree::BoxRef> refs = random_boxes(500, 0.01, 7);
+  for (kdtree::BoxRef& r : refs) {
     r.lo.z *= 10;
     r.hi.z *= 10;
   }
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   EXPECT_EQ(builder.choose({refs, bounds(refs), 0}, counters)->plane.axis, 2);
 }
 
 TEST(ScanBuilder, HeavyReferencesPullThePlane) {
   // Two light boxes left, one heavy one right: the cut separates the heavy one.
-  std::vector<BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
-                           ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
-  const Aabb cell = bounds(refs);
-  BuildCounters counters;
+  std::vector<kdtree::BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
+                                   ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  const geometry::Aabb cell = bounds(refs);
+  kdtree::BuildCounters counters;
   const auto plane = ScanBuilder{}.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
-  EXPECT_EQ(plane->plane, (Plane{0, 8}));
+  EXPECT_EQ(plane->plane, (kdtree::Plane{0, 8}));
 }
 
 TEST(ScanBuilder, LeavesWhatCannotBeSeparated) {
   const ScanBuilder builder;
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));
   for (const std::size_t n : {1u, 20u, 500u}) {
-    const std::vector<BoxRef> same(n, ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::BoxRef> same(n, ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(builder.choose({same, bounds(same), 0}, counters)) << n;
   }
 }
 
 TEST(ScanBuilder, ParallelScansChooseTheSamePlane) {
-  const std::vector<BoxRef> refs = random_boxes(200000, 0.001, 9);
-  const Aabb cell = bounds(refs);
-  std::vector<Cut> cuts;
+  const std::vector<kdtree::BoxRef> refs = random_boxes(200000, 0.001, 9);
+  const geometry::Aabb cell = bounds(refs);
+  std::vector<kdtree::Cut> cuts;
   for (const int threads : {1, 2, 4}) {
     tbb::task_arena arena(threads);
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     cuts.push_back(*arena.execute([&] { return ScanBuilder{}.choose({refs, cell, 0}, counters); }));
   }
   EXPECT_EQ(cuts[0], cuts[1]);
@@ -181,12 +182,12 @@ TEST(ScanBuilder, CheckNamesTheParameterAndItsRange) {
   EXPECT_EQ(*builder.check(), "uniform_samples is 9, must lie in 2 to 8");
 }
 
-TEST(AnyBuilder, IsMadeAndSetByName) {
+TEST(published::AnyBuilder, IsMadeAndSetByName) {
   for (const std::string_view name : builder_names()) EXPECT_TRUE(make_builder(name)) << name;
   const auto unknown = make_builder("octree");
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().message.find("scan-all-axes"), std::string::npos);
-  AnyBuilder builder = *make_builder("scan-hybrid");
+  published::AnyBuilder builder = *make_builder("scan-hybrid");
   EXPECT_TRUE(set_parameter(builder, "samples", "4"));
   const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
   EXPECT_EQ(scan.adaptive_samples, 4u);
@@ -198,4 +199,4 @@ TEST(AnyBuilder, IsMadeAndSetByName) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

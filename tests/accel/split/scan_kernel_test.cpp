@@ -8,18 +8,18 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
-std::vector<BoxRef> boxes(std::size_t n, std::uint64_t seed) {
+std::vector<kdtree::BoxRef> boxes(std::size_t n, std::uint64_t seed) {
   tests::Random random(seed);
-  std::vector<BoxRef> refs(n);
+  std::vector<kdtree::BoxRef> refs(n);
   for (std::size_t i = 0; i < n; ++i) {
-    Aabb box;
+    geometry::Aabb box;
     // Eighths: bounds meet sample planes exactly.
     const auto p = [&] { return static_cast<float>(random.below(65)) / 8; };
-    box.grow(Vec3f{p(), p(), p()});
-    box.grow(Vec3f{p(), p(), p()});
+    box.grow(geometry::Vec3f{p(), p(), p()});
+    box.grow(geometry::Vec3f{p(), p(), p()});
     box = widen_flat(box);
     refs[i] = {box.lo, static_cast<std::uint32_t>(i), box.hi,
                static_cast<std::uint32_t>(1 + random.below(5))};
@@ -36,11 +36,11 @@ std::array<float, kPlanes> planes(std::uint64_t seed) {
 }
 
 template <std::size_t kPlanes>
-PlaneCounts<kPlanes> counted(const std::vector<BoxRef>& refs, std::size_t axis,
+PlaneCounts<kPlanes> counted(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
                              const std::array<float, kPlanes>& planes) {
   PlaneCounts<kPlanes> counts;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (const BoxRef& r : refs) {
+    for (const kdtree::BoxRef& r : refs) {
       counts.left[i] += r.lo[axis] < planes[i] ? r.weight : 0;
       counts.right[i] += r.hi[axis] > planes[i] ? r.weight : 0;
     }
@@ -48,13 +48,13 @@ PlaneCounts<kPlanes> counted(const std::vector<BoxRef>& refs, std::size_t axis,
   return counts;
 }
 
-PlaneNeighbours neighbours(const std::vector<BoxRef>& refs, std::size_t axis,
+PlaneNeighbours neighbours(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
                            const WideAxis& planes) {
   PlaneNeighbours near;
   for (std::size_t i = 0; i < kScanWidth; ++i) {
     const auto below = [&](float x) { near.below[i] = std::max(near.below[i], x); };
     const auto above = [&](float x) { near.above[i] = std::min(near.above[i], x); };
-    for (const BoxRef& r : refs) {
+    for (const kdtree::BoxRef& r : refs) {
       r.lo[axis] < planes[i] ? below(r.lo[axis]) : above(r.lo[axis]);
       r.hi[axis] > planes[i] ? above(r.hi[axis]) : below(r.hi[axis]);
     }
@@ -70,7 +70,7 @@ class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
 
 TEST_P(ScanKernel, CountsWeights) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
-    const std::vector<BoxRef> refs = boxes(n, n);
+    const std::vector<kdtree::BoxRef> refs = boxes(n, n);
     const std::array<FirstAxis, 3> at{planes<kFirstPlanes>(1), planes<kFirstPlanes>(2),
                                       planes<kFirstPlanes>(3)};
     std::array<PlaneCounts<kFirstPlanes>, 3> counts;
@@ -86,7 +86,7 @@ TEST_P(ScanKernel, CountsWeights) {
 
 TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
-    const std::vector<BoxRef> refs = boxes(n, n);
+    const std::vector<kdtree::BoxRef> refs = boxes(n, n);
     for (std::size_t a = 0; a < 3; ++a) {
       const WideAxis at = planes<kScanWidth>(a);
       PlaneCounts<kScanWidth> counts;
@@ -100,8 +100,8 @@ TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
 
 /// Piece after piece, into the same counts.
 TEST_P(ScanKernel, AddsUp) {
-  const std::vector<BoxRef> refs = boxes(100, 3);
-  const std::span<const BoxRef> all(refs);
+  const std::vector<kdtree::BoxRef> refs = boxes(100, 3);
+  const std::span<const kdtree::BoxRef> all(refs);
   const WideAxis at = planes<kScanWidth>(5);
   PlaneCounts<kScanWidth> whole, pieces;
   PlaneNeighbours whole_near, pieces_near;
@@ -125,4 +125,4 @@ INSTANTIATE_TEST_SUITE_P(EveryTarget, ScanKernel, ::testing::ValuesIn(targets_he
                          });
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

@@ -10,12 +10,12 @@
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::split {
 namespace {
 
 /// A list in pieces of uneven lengths, one of them passed over twice, as late helpers do.
 struct Pieces {
-  std::span<const BoxRef> refs;
+  std::span<const kdtree::BoxRef> refs;
   std::size_t passes = 0;
 
   PassResult operator()(const PassKernel& kernel) {
@@ -32,39 +32,40 @@ struct Pieces {
   }
 };
 
-FirstScan first_scan(const KdBuilder& builder, std::vector<BoxRef> refs, const Aabb& cell) {
+FirstScan first_scan(const KdBuilder& builder, std::vector<kdtree::BoxRef> refs,
+                     const geometry::Aabb& cell) {
   // Cut at its lower face, the whole list is the right cell's.
-  std::vector<BoxRef> right(refs.size());
+  std::vector<kdtree::BoxRef> right(refs.size());
   FirstScans scans{{}, first_planes(builder, cell), {}, {}};
   sift_and_scan(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
   return scans.right;
 }
 
-void expect_same_choices(const std::vector<BoxRef>& refs, const Aabb& cell) {
+void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
   for (const std::string_view name : builder_names()) {
-    const AnyBuilder any = *make_builder(name);
+    const published::AnyBuilder any = *make_builder(name);
     const auto* kd = std::get_if<KdBuilder>(&any);
     if (kd == nullptr) continue;
     const KdBuilder& builder = *kd;
     if (!runs_passes(builder)) continue;
     SCOPED_TRACE(std::string(name) + " " + std::to_string(refs.size()));
-    const auto choose = [&](const CellRefs& list, BuildCounters& counters) {
+    const auto choose = [&](const kdtree::CellRefs& list, kdtree::BuildCounters& counters) {
       return std::visit([&](const auto& b) { return b.choose(list, counters); }, builder);
     };
-    BuildCounters at_hand;
+    kdtree::BuildCounters at_hand;
     const auto cut = choose({refs, cell, {}}, at_hand);
 
-    BuildCounters through_passes;
+    kdtree::BuildCounters through_passes;
     Pieces pieces{refs};
     const RunPass run = std::ref(pieces);
-    CellRefs list{{}, cell, {}};
+    kdtree::CellRefs list{{}, cell, {}};
     list.size = refs.size();
     list.run = &run;
     EXPECT_EQ(choose(list, through_passes), cut);
     EXPECT_EQ(through_passes.touches, at_hand.touches);
     EXPECT_EQ(pieces.passes * refs.size(), at_hand.touches);
 
-    BuildCounters counted_before;
+    kdtree::BuildCounters counted_before;
     const FirstScan first = first_scan(builder, refs, cell);
     list.first = &first;
     EXPECT_EQ(choose(list, counted_before), cut);
@@ -85,8 +86,8 @@ TEST(ListPass, ForgetsCountsOfAnotherLength) {
   const KdBuilder builder = default_builder();
   FirstScan wrong;
   wrong.references = 999;
-  CellRefs list{refs, tests::bounds_of(refs), {}};
-  BuildCounters counters, expected;
+  kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};
+  kdtree::BuildCounters counters, expected;
   const auto& scan = std::get<ScanBuilder>(builder);
   const auto cut = scan.choose(list, expected);
   list.first = &wrong;
@@ -95,4 +96,4 @@ TEST(ListPass, ForgetsCountsOfAnotherLength) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::split

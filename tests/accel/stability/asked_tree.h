@@ -21,7 +21,7 @@ inline bool is_quadratic(std::string_view builder) { return builder == "sah-naiv
 
 /// A miss: t is infinite. Compares bit for bit.
 struct NearestHit {
-  double t = accel::kInfinity;
+  double t = accel::geometry::kInfinity;
   std::uint32_t primitive = 0;
   bool operator==(const NearestHit&) const = default;
 };
@@ -29,19 +29,19 @@ struct NearestHit {
 /// The mesh must outlive it. Rays are valid.
 class AskedTree {
  public:
-  AskedTree(const TestMesh& mesh, const accel::AnyBuilder& builder,
-            accel::References references = accel::References::kRuns)
-      : tree_(mesh.view(), accel::survey_mesh(mesh.view()), builder, references) {}
+  AskedTree(const TestMesh& mesh, const accel::published::AnyBuilder& builder,
+            accel::mesh::References references = accel::mesh::References::kRuns)
+      : tree_(mesh.view(), accel::mesh::survey_mesh(mesh.view()), builder, references) {}
   AskedTree(const TestMesh& mesh, std::string_view builder)
-      : AskedTree(mesh, *accel::make_builder(builder)) {}
+      : AskedTree(mesh, *accel::published::make_builder(builder)) {}
 
   void build() { tree_.expand_all(built_); }
 
-  NearestHit nearest(const accel::Ray& ray,
-                     accel::AtUnbuilt at_unbuilt = accel::AtUnbuilt::kExpand) {
-    const accel::EpochPin pin;
-    accel::MeshQuery query;
-    query.ray = *accel::make_local_ray(ray.origin, ray.direction);
+  NearestHit nearest(const accel::geometry::Ray& ray,
+                     accel::mesh::AtUnbuilt at_unbuilt = accel::mesh::AtUnbuilt::kExpand) {
+    const accel::kdtree::EpochPin pin;
+    accel::mesh::MeshQuery query;
+    query.ray = *accel::geometry::make_local_ray(ray.origin, ray.direction);
     query.tmin = ray.tmin;
     query.tmax = ray.tmax;
     query.node = 1;
@@ -50,27 +50,29 @@ class AskedTree {
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
   }
 
-  accel::TreeMetrics metrics() const {
-    const accel::EpochPin pin;
+  accel::kdtree::TreeMetrics metrics() const {
+    const accel::kdtree::EpochPin pin;
     return tree_.metrics();
   }
-  const accel::BuildCounters& built() const { return built_; }
-  const accel::WalkCounters& walked() const { return walked_; }
+  const accel::kdtree::BuildCounters& built() const { return built_; }
+  const accel::kdtree::WalkCounters& walked() const { return walked_; }
 
  private:
-  accel::MeshTree tree_;
-  accel::WalkCounters walked_;
-  accel::BuildCounters built_;
+  accel::mesh::MeshTree tree_;
+  accel::kdtree::WalkCounters walked_;
+  accel::kdtree::BuildCounters built_;
 };
 
 /// By the hit rule over every face, with no tree.
-inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::Ray& ray) {
-  const accel::LocalRay local = *accel::make_local_ray(ray.origin, ray.direction);
+inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::geometry::Ray& ray) {
+  const accel::geometry::LocalRay local =
+      *accel::geometry::make_local_ray(ray.origin, ray.direction);
   NearestHit best;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    if (!accel::face_bounds(mesh.view(), i)) continue;
+    if (!accel::mesh::face_bounds(mesh.view(), i)) continue;
     const auto& [a, b, c] = mesh.faces[i];
-    const auto t = accel::intersect(local, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+    const auto t =
+        accel::geometry::intersect(local, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
     if (!t) continue;
     const double world = *t * local.unit;
     if (world >= ray.tmin && world <= ray.tmax && world < best.t) {
@@ -81,10 +83,10 @@ inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::Ray& r
 }
 
 inline std::vector<NearestHit> nearest_without_tree(const TestMesh& mesh,
-                                                    std::span<const accel::Ray> rays) {
+                                                    std::span<const accel::geometry::Ray> rays) {
   std::vector<NearestHit> hits;
   hits.reserve(rays.size());
-  for (const accel::Ray& ray : rays) hits.push_back(nearest_without_tree(mesh, ray));
+  for (const accel::geometry::Ray& ray : rays) hits.push_back(nearest_without_tree(mesh, ray));
   return hits;
 }
 

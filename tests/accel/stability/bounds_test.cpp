@@ -35,17 +35,18 @@ struct Measured {
   double touches = 0, work = 0;
 };
 
-Measured measure(const TestMesh& mesh, std::span<const accel::Ray> rays, std::string_view builder) {
+Measured measure(const TestMesh& mesh, std::span<const accel::geometry::Ray> rays,
+                 std::string_view builder) {
   AskedTree tree(mesh, builder);
   tree.build();
-  const accel::TreeMetrics metrics = tree.metrics();
+  const accel::kdtree::TreeMetrics metrics = tree.metrics();
   const auto n = static_cast<double>(mesh.faces.size());
   Measured measured;
   measured.touches = static_cast<double>(tree.built().touches) / n;
   measured.cost.references = static_cast<double>(metrics.references) / n;
   measured.cost.depth = levels_beyond_good(metrics.max_depth, mesh.faces.size());
   measured.cost.given_up = static_cast<double>(metrics.given_up_cells);
-  for (const accel::Ray& ray : rays) tree.nearest(ray);
+  for (const accel::geometry::Ray& ray : rays) tree.nearest(ray);
   measured.work =
       static_cast<double>(tree.walked().steps) + 1.5 * static_cast<double>(tree.walked().tests);
   return measured;
@@ -53,15 +54,16 @@ Measured measure(const TestMesh& mesh, std::span<const accel::Ray> rays, std::st
 
 TEST(HardMeshBounds, AreKeptByEveryBuilderThatIsNotMarked) {
   std::map<std::string_view, double> compact;  // touches a triangle
-  for (const std::string_view builder : accel::builder_names()) {
+  for (const std::string_view builder : accel::published::builder_names()) {
     compact[builder] = touches_each(hills(size_for(builder), kSeed), builder);
   }
   for (const HardMesh& hard : hard_meshes()) {
     std::map<std::uint32_t, double> sweep;  // work of the exact sweep's tree, by size
-    for (const std::string_view builder : accel::builder_names()) {
+    for (const std::string_view builder : accel::published::builder_names()) {
       const std::uint32_t size = size_for(builder);
       const TestMesh mesh = hard.make(size, kSeed);
-      const std::vector<accel::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, kSeed);
+      const std::vector<accel::geometry::Ray> rays =
+          make_hard_rays(mesh, 20 * kHardRayKinds, kSeed);
       if (!sweep.contains(size)) sweep[size] = measure(mesh, rays, "sah-sweep").work;
       Measured measured = measure(mesh, rays, builder);
       measured.cost.touches = measured.touches / compact[builder];
@@ -82,7 +84,7 @@ TEST(HardMeshBounds, TouchesGrowLittleFasterThanTheMesh) {
     const TestMesh small = hard.make(kFewer, kSeed), large = hard.make(2 * kFewer, kSeed);
     const auto n = static_cast<double>(small.faces.size());
     const double times = static_cast<double>(large.faces.size()) / n;
-    for (const std::string_view builder : accel::builder_names()) {
+    for (const std::string_view builder : accel::published::builder_names()) {
       const auto excused = [&](Bound bound) {
         return !design_failure(hard.name, builder, bound).empty();
       };
@@ -101,12 +103,12 @@ TEST(HardMeshBounds, TouchesGrowLittleFasterThanTheMesh) {
 /// Nothing can be separated: a cell is a leaf at once, however many they are; a hierarchy of boxes
 /// may divide them, as its leaves have a limit, but makes no references.
 TEST(HardMeshBounds, DuplicatesAreNotCut) {
-  for (const std::string_view builder : accel::builder_names()) {
+  for (const std::string_view builder : accel::published::builder_names()) {
     if (!design_failure("duplicates", builder, Bound::kReferences).empty()) continue;
     const TestMesh mesh = duplicates(is_quadratic(builder) ? 300 : 5000);
     AskedTree tree(mesh, builder);
     tree.build();
-    const accel::TreeMetrics metrics = tree.metrics();
+    const accel::kdtree::TreeMetrics metrics = tree.metrics();
     EXPECT_EQ(metrics.references, mesh.faces.size()) << builder;
     const bool cells = builder.find("bvh") == std::string_view::npos;
     EXPECT_LE(metrics.nonempty_leaves, cells ? 1 : mesh.faces.size()) << builder;

@@ -32,13 +32,13 @@ class FlushDenormals {
 };
 
 TestMesh shrunk(TestMesh mesh, float factor) {
-  for (accel::Vec3f& v : mesh.vertices) v = v * factor;
+  for (accel::geometry::Vec3f& v : mesh.vertices) v = v * factor;
   return mesh;
 }
 
 /// With every coordinate of the mesh a normal number or zero.
 TestMesh without_denormals(TestMesh mesh) {
-  for (accel::Vec3f& v : mesh.vertices) {
+  for (accel::geometry::Vec3f& v : mesh.vertices) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (std::fabs(v[axis]) < std::numeric_limits<float>::min()) v[axis] = 0;
     }
@@ -53,9 +53,9 @@ std::vector<TestMesh> small_things() {
 
 /// Trees that were built before, are built and grow while denormals are flushed, all builders'.
 void expect_unchanged_hits(const TestMesh& mesh, bool inputs) {
-  const std::vector<accel::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 5);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 5);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::builder_names()) {
+  for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree before(mesh, builder);
     before.build();
     const FlushDenormals flush(inputs);
@@ -84,15 +84,15 @@ TEST(FlushedDenormals, OfOperandsChangeNoHitOfNormalVertices) {
 /// A direction's length says what t means, and nothing else.
 TEST(TinyDirections, HitTheSameTriangles) {
   const TestMesh mesh = icosphere(3);
-  const std::vector<accel::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 6);
-  for (const std::string_view builder : accel::builder_names()) {
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 6);
+  for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree tree(mesh, builder);
-    for (accel::Ray ray : rays) {
+    for (accel::geometry::Ray ray : rays) {
       ray.tmin = 0;
-      ray.tmax = accel::kInfinity;
+      ray.tmax = accel::geometry::kInfinity;
       const NearestHit expected = tree.nearest(ray);
       for (const double factor : {0x1p-300, 0x1p-900, 0x1p+300}) {
-        accel::Ray scaled = ray;
+        accel::geometry::Ray scaled = ray;
         scaled.direction = ray.direction * factor;
         const NearestHit hit = tree.nearest(scaled);
         ASSERT_EQ(hit.primitive, expected.primitive) << builder;

@@ -30,13 +30,13 @@ std::string test_name(const ::testing::TestParamInfo<std::string_view>& mesh) {
   return name;
 }
 
-accel::Hit as_hit(const NearestHit& nearest) {
-  accel::Hit hit;
-  if (nearest.t == accel::kInfinity) return hit;
+accel::geometry::Hit as_hit(const NearestHit& nearest) {
+  accel::geometry::Hit hit;
+  if (nearest.t == accel::geometry::kInfinity) return hit;
   hit.t = nearest.t;
   hit.node = 1;
   hit.primitive = nearest.primitive;
-  hit.state = accel::HitState::kHit;
+  hit.state = accel::geometry::HitState::kHit;
   return hit;
 }
 
@@ -49,9 +49,9 @@ class HardMeshHits : public ::testing::TestWithParam<std::string_view> {
 
 TEST_P(HardMeshHits, WithoutATreeAreTheOracles) {
   const TestMesh mesh = make(kTriangles, kSeed);
-  const std::vector<accel::Ray> rays = make_hard_rays(mesh, kSample, kSeed);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kSeed);
   ASSERT_EQ(rays.size(), kSample);
-  std::vector<accel::Hit> hits;
+  std::vector<accel::geometry::Hit> hits;
   for (const NearestHit& hit : nearest_without_tree(mesh, rays)) hits.push_back(as_hit(hit));
   const Comparison comparison = compare(rays, hits, BruteForce({{mesh.view()}}));
   EXPECT_TRUE(comparison.clean()) << comparison.report();
@@ -60,9 +60,9 @@ TEST_P(HardMeshHits, WithoutATreeAreTheOracles) {
 
 TEST_P(HardMeshHits, FullAndGrowingTreesGiveTheSame) {
   const TestMesh mesh = make(kTriangles, kSeed);
-  const std::vector<accel::Ray> rays = make_hard_rays(mesh, kRays, kSeed);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kSeed);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::builder_names()) {
+  for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree full(mesh, builder), growing(mesh, builder);
     full.build();
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -76,10 +76,10 @@ TEST_P(HardMeshHits, FullAndGrowingTreesGiveTheSame) {
 TEST_P(HardMeshHits, OfZeroToFortyTriangles) {
   for (std::uint32_t n = 0; n <= 40; ++n) {
     const TestMesh mesh = make(n, n);
-    std::vector<accel::Ray> rays = make_hard_rays(mesh, 2 * kHardRayKinds, n);
+    std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 2 * kHardRayKinds, n);
     if (rays.empty()) rays = {{{0, 0, 0}, {1, 0, 0}}, {{0.5, 0.5, 3}, {0, 0, -1}}};
     const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-    for (const std::string_view builder : accel::builder_names()) {
+    for (const std::string_view builder : accel::published::builder_names()) {
       AskedTree full(mesh, builder), growing(mesh, builder);
       full.build();
       for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -10,8 +10,8 @@
 namespace sightline::tests {
 namespace {
 
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 /// -1, -0, 0 and 1 on every axis, but for those without length: the 26 directions to neighbours,
 /// with zeros of both signs.
@@ -43,7 +43,7 @@ TestMesh honeycomb(std::uint32_t n) {
 
 void expect_right(const TestMesh& mesh, const std::vector<Ray>& rays) {
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
-  for (const std::string_view builder : accel::builder_names()) {
+  for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree full(mesh, builder), growing(mesh, builder);
     full.build();
     for (std::size_t i = 0; i < rays.size(); ++i) {

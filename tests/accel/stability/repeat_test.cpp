@@ -21,12 +21,13 @@ struct Seen {
   bool operator==(const Seen&) const = default;
 };
 
-Seen look(const TestMesh& mesh, std::span<const accel::Ray> rays, std::string_view builder) {
+Seen look(const TestMesh& mesh, std::span<const accel::geometry::Ray> rays,
+          std::string_view builder) {
   AskedTree tree(mesh, builder);
   tree.build();
-  const accel::TreeMetrics metrics = tree.metrics();
+  const accel::kdtree::TreeMetrics metrics = tree.metrics();
   Seen seen{metrics.nodes, metrics.references, tree.built().touches, metrics.sah_cost, {}};
-  for (const accel::Ray& ray : rays) seen.hits.push_back(tree.nearest(ray));
+  for (const accel::geometry::Ray& ray : rays) seen.hits.push_back(tree.nearest(ray));
   return seen;
 }
 
@@ -34,9 +35,9 @@ TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
   const tbb::global_control room(tbb::global_control::max_allowed_parallelism, 4);
   // Long enough that lists are cut into slices and subtrees become tasks.
   for (const std::string_view name : {"shell", "wall"}) {
-    for (const std::string_view builder : accel::builder_names()) {
+    for (const std::string_view builder : accel::published::builder_names()) {
       const TestMesh mesh = find_hard_mesh(name)->make(is_quadratic(builder) ? 500 : 9000, 1);
-      const std::vector<accel::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, 2);
+      const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, 2);
       tbb::task_arena first(1);
       const Seen expected = first.execute([&] { return look(mesh, rays, builder); });
       // The min-max builder divides the tree among the threads that there are.

@@ -19,7 +19,7 @@ namespace sightline::bench {
 inline constexpr std::array<std::string_view, 3> kChartRays{"overview", "diffuse", "random"};
 
 /// A work of one: an inner node visited. A triangle test counts as much as it does in sah_cost.
-inline constexpr double kChartTestWork = accel::kMeasuredIntersect;
+inline constexpr double kChartTestWork = accel::kdtree::kMeasuredIntersect;
 
 struct ChartTraced {
   std::vector<double> trace_ms;  ///< One a round.
@@ -31,8 +31,8 @@ struct ChartTraced {
 struct ChartMeasured {
   std::vector<double> build_ms;  ///< One a round, or one for all.
   std::uint64_t touches = 0;
-  std::optional<accel::TreeMetrics> metrics;  ///< Ours alone.
-  std::uint64_t bytes = 0;                    ///< Embree's alone: ours are in the metrics.
+  std::optional<accel::kdtree::TreeMetrics> metrics;  ///< Ours alone.
+  std::uint64_t bytes = 0;                            ///< Embree's alone: ours are in the metrics.
   std::array<ChartTraced, kChartRays.size()> by_rays;
 };
 

@@ -15,11 +15,12 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
-using SnapshotPtr = std::shared_ptr<const scenegraph::Snapshot>;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using SnapshotPtr = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
-Result<SnapshotPtr> built_tree(const SceneSource& scene, const accel::AnyBuilder& builder,
+Result<SnapshotPtr> built_tree(const SceneSource& scene,
+                               const accel::published::AnyBuilder& builder,
                                ChartMeasured& measured) {
   auto snapshot = assemble(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
@@ -46,7 +47,7 @@ class BuilderStudy {
   static Result<BuilderStudy> make(const SceneSource& scene, std::uint64_t seed, std::size_t rays) {
     BuilderStudy study(scene);
     ChartMeasured warm;  // caches, allocator and threads are warm when the clock first counts
-    auto reference = built_tree(scene, accel::default_builder(), warm);
+    auto reference = built_tree(scene, accel::published::default_builder(), warm);
     if (!reference.ok()) return reference.error();
     study.reference_ = std::move(reference).value();
     for (std::size_t k = 0; k < kChartRays.size(); ++k) {

@@ -56,8 +56,9 @@ std::vector<Way> all_ways(std::size_t pictures) {
   return ways;
 }
 
-Result<double> trace_picture(const scenegraph::Snapshot& snapshot, const ChartPicture& picture) {
-  std::vector<accel::Hit> hits(picture.rays.size());
+Result<double> trace_picture(const scenegraph::revision::Snapshot& snapshot,
+                             const ChartPicture& picture) {
+  std::vector<accel::geometry::Hit> hits(picture.rays.size());
   const Stopwatch clock;
   auto traced = scenegraph::trace(snapshot, picture.rays, hits, {.surface = false});
   const double seconds = clock.seconds();
@@ -144,7 +145,7 @@ class Gallery {
       way.peer->choose_entry(enough->rays, false);
     }
     for (std::size_t p = 0; p < count; ++p) {
-      std::vector<accel::Hit> hits(pictures_[p].rays.size());
+      std::vector<accel::geometry::Hit> hits(pictures_[p].rays.size());
       const double traced = way.peer->trace(pictures_[p].rays, false, hits, 0);
       way.seconds[p].push_back(built->total_seconds + traced);
       if (is_largest(p)) way.one_more_ray = seconds_a_ray(traced);

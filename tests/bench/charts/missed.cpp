@@ -18,7 +18,7 @@ Result<std::vector<Row>> chart_missed(const CommonOptions& common, const ChartPl
   RobustOptions options;
   options.level = plan.sphere_level;
   options.count = plan.aimed_rays;
-  const auto known = accel::builder_names();
+  const auto known = accel::published::builder_names();
   for (const std::string_view name : kBuilders) {
     if (std::find(known.begin(), known.end(), name) != known.end()) {
       options.builders.emplace_back(name);

@@ -8,7 +8,7 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 // So many rays decide where the camera of a closeup stands.
 constexpr std::size_t kDecidingRays = 10'000;
@@ -22,7 +22,7 @@ Result<Camera> find_camera(const SceneSource& scene, std::string_view kind, std:
   const auto rays = make_rays(scene, {std::string(kind), kDecidingRays}, seed);
   if (!rays.ok()) return rays.error();
   Vec3d forward;
-  for (const accel::Ray& ray : *rays) forward = forward + ray.direction;
+  for (const accel::geometry::Ray& ray : *rays) forward = forward + ray.direction;
   const Vec3d eye = rays->front().origin;
   return Camera{eye, eye + forward * (1 / length(forward))};
 }
@@ -33,11 +33,11 @@ Result<std::vector<ChartPicture>> chart_pictures(const SceneSource& scene, std::
                                                  std::uint64_t seed, const ChartPlan& plan) {
   const auto camera = find_camera(scene, kind, seed);
   if (!camera.ok()) return camera.error();
-  const auto snapshot = assemble(scene, accel::default_builder());
+  const auto snapshot = assemble(scene, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
   if (auto built = scenegraph::build_all(**snapshot); !built.ok()) return built.error();
   std::vector<ChartPicture> pictures;
-  std::vector<accel::Hit> hits;
+  std::vector<accel::geometry::Hit> hits;
   for (std::size_t count = 1; count <= plan.largest_image; count *= 10) {
     ChartPicture& picture = pictures.emplace_back();
     picture.rays = pinhole(camera->eye, camera->at, count);

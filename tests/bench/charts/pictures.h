@@ -13,7 +13,7 @@
 namespace sightline::bench {
 
 struct ChartPicture {
-  std::vector<accel::Ray> rays;
+  std::vector<accel::geometry::Ray> rays;
   std::string hash;  ///< Of the answers.
 };
 

@@ -11,7 +11,7 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 // Instance, geometry, primitive.
 using Triangle = std::array<unsigned, 3>;
@@ -35,8 +35,8 @@ void note(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-std::uint32_t count_one(RTCScene scene, const accel::Ray& ray, const scenegraph::Affine& frame,
-                        NotingContext& noting) {
+std::uint32_t count_one(RTCScene scene, const accel::geometry::Ray& ray,
+                        const scenegraph::model::Affine& frame, NotingContext& noting) {
   const Vec3d o = frame.point(ray.origin), d = frame.direction(ray.direction);
   RTCRayHit query{};
   query.ray.org_x = static_cast<float>(o.x);
@@ -58,8 +58,9 @@ std::uint32_t count_one(RTCScene scene, const accel::Ray& ray, const scenegraph:
 
 }  // namespace
 
-void count_embree_crossings(RTCScene scene, std::span<const accel::Ray> rays,
-                            const scenegraph::Affine& frame, std::span<std::uint32_t> counts) {
+void count_embree_crossings(RTCScene scene, std::span<const accel::geometry::Ray> rays,
+                            const scenegraph::model::Affine& frame,
+                            std::span<std::uint32_t> counts) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 512), [&](const auto& range) {
     NotingContext noting{};
     for (std::size_t i = range.begin(); i != range.end(); ++i) {

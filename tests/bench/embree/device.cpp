@@ -47,15 +47,15 @@ RTCBuildQuality to_embree(EmbreeQuality quality) {
 }
 
 EmbreeGeometryPtr new_embree_triangles(RTCDevice device, EmbreeQuality quality,
-                                       std::span<const accel::Vec3f> padded_vertices,
-                                       std::span<const accel::Face> faces) {
+                                       std::span<const accel::geometry::Vec3f> padded_vertices,
+                                       std::span<const accel::geometry::Face> faces) {
   EmbreeGeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   rtcSetGeometryBuildQuality(geometry.get(), to_embree(quality));
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             padded_vertices.data(), 0, sizeof(accel::Vec3f),
+                             padded_vertices.data(), 0, sizeof(accel::geometry::Vec3f),
                              padded_vertices.size() - 1);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             faces.data(), 0, sizeof(accel::Face), faces.size());
+                             faces.data(), 0, sizeof(accel::geometry::Face), faces.size());
   rtcCommitGeometry(geometry.get());
   return geometry;
 }

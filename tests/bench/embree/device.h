@@ -59,7 +59,7 @@ RTCBuildQuality to_embree(EmbreeQuality quality);
 /// Triangles over arrays that are shared with Embree and outlive the geometry. The last vertex is
 /// padding: Embree reads 16 bytes at every one.
 EmbreeGeometryPtr new_embree_triangles(RTCDevice device, EmbreeQuality quality,
-                                       std::span<const accel::Vec3f> padded_vertices,
-                                       std::span<const accel::Face> faces);
+                                       std::span<const accel::geometry::Vec3f> padded_vertices,
+                                       std::span<const accel::geometry::Face> faces);
 
 }  // namespace sightline::bench

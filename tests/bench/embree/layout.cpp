@@ -3,15 +3,15 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Affine;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
 
 Affine embree_frame(const SceneSource& scene) {
   if (scene.nodes.empty()) return {};
   Affine turn = scene.nodes.front().parent_from_local;
   turn.m[3] = turn.m[7] = turn.m[11] = 0;
-  return scenegraph::inverse(turn).value_or(Affine{});
+  return scenegraph::model::inverse(turn).value_or(Affine{});
 }
 
 std::vector<EmbreeMesh> lay_out_for_embree(const SceneSource& scene, const Affine& frame) {
@@ -25,7 +25,8 @@ std::vector<EmbreeMesh> lay_out_for_embree(const SceneSource& scene, const Affin
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     EmbreeMesh& mesh = meshes[m];
     mesh.faces = scene.meshes[m].faces;
-    for (const accel::Face& face : mesh.faces) mesh.triangles += face[0] != accel::kNoVertex;
+    for (const accel::geometry::Face& face : mesh.faces)
+      mesh.triangles += face[0] != accel::geometry::kNoVertex;
     mesh.vertices.reserve(scene.meshes[m].vertices.size() + 1);
     mesh.vertices = scene.meshes[m].vertices;
     mesh.vertices.push_back({});

@@ -14,8 +14,8 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 

@@ -14,7 +14,7 @@
 namespace sightline::bench {
 namespace {
 
-using scenegraph::Affine;
+using scenegraph::model::Affine;
 
 constexpr EmbreeQuality kQualities[] = {EmbreeQuality::kLow, EmbreeQuality::kMedium};
 
@@ -34,16 +34,16 @@ class LazyPeer final : public EmbreePeer {
   Status open(int threads) { return device_.open(threads); }
 
   Result<EmbreeBuilt> build() override;
-  void choose_entry(std::span<const accel::Ray> rays, bool any) override;
+  void choose_entry(std::span<const accel::geometry::Ray> rays, bool any) override;
   std::string entry() const override {
     return EmbreeEntry{}.name(any_) + ", objects " + name(inner_) + " in " + name(outer_);
   }
-  double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
-               std::size_t batch) override {
+  double trace(std::span<const accel::geometry::Ray> rays, bool any,
+               std::span<accel::geometry::Hit> hits, std::size_t batch) override {
     return trace_embree({scene_.get(), EmbreeEntry{}, frame_, nodes_}, rays, any, hits, batch);
   }
   EmbreeGrown grown() const override;
-  void count(std::span<const accel::Ray>, std::span<std::uint32_t> counts) override {
+  void count(std::span<const accel::geometry::Ray>, std::span<std::uint32_t> counts) override {
     std::fill(counts.begin(), counts.end(), 0u);
   }
 
@@ -83,7 +83,7 @@ void LazyPeer::attach_all() {
     EmbreeLazyObject& object = objects_[i];
     object.bounds = embree_bounds(object.mesh->mesh(), *uses[i], object.moved);
     if (!object.moved) return;
-    const Affine back = scenegraph::inverse(uses[i]->frame_from_local).value_or(Affine{});
+    const Affine back = scenegraph::model::inverse(uses[i]->frame_from_local).value_or(Affine{});
     std::transform(back.m.begin(), back.m.end(), object.local_from_frame.begin(),
                    [](double x) { return static_cast<float>(x); });
   });
@@ -117,10 +117,10 @@ Result<EmbreeBuilt> LazyPeer::build() {
 }
 
 // Leaves a fresh build behind.
-void LazyPeer::choose_entry(std::span<const accel::Ray> rays, bool any) {
+void LazyPeer::choose_entry(std::span<const accel::geometry::Ray> rays, bool any) {
   any_ = any;
   constexpr int kTrials = 3;
-  std::vector<accel::Hit> hits(rays.size());
+  std::vector<accel::geometry::Hit> hits(rays.size());
   double best = std::numeric_limits<double>::infinity();
   std::pair<EmbreeQuality, EmbreeQuality> chosen{inner_, outer_};
   const auto attempt = [&](EmbreeQuality inner, EmbreeQuality outer) {

@@ -15,9 +15,9 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Affine;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
 
 enum class Layout : std::uint8_t { kOneScene, kTwoScenes, kInstances };
 
@@ -26,7 +26,7 @@ constexpr std::size_t kTrialFrames = 4;
 // Triangles where they are to be, with the padding that Embree reads.
 struct Laid {
   std::vector<Vec3f> vertices;
-  const std::vector<accel::Face>* faces = nullptr;
+  const std::vector<accel::geometry::Face>* faces = nullptr;
   std::uint64_t node = 0;
 
   void lay(const std::vector<Vec3f>& from, const Affine& place) {
@@ -45,14 +45,15 @@ class Mover final : public EmbreeMover {
 
   Status open(int threads) { return device_.open(threads); }
 
-  Status choose(std::span<const accel::Ray> rays) override;
-  void choose_any(std::span<const accel::Ray> rays) override {
+  Status choose(std::span<const accel::geometry::Ray> rays) override;
+  void choose_any(std::span<const accel::geometry::Ray> rays) override {
     any_entry_ = fastest_entry(top_.get(), rays, frame_, true, layout_ != Layout::kOneScene);
   }
   std::string layout() const override;
   std::string entry(bool any) const override { return (any ? any_entry_ : entry_).name(any); }
   Result<Advanced> advance(std::size_t frame) override;
-  double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits) override {
+  double trace(std::span<const accel::geometry::Ray> rays, bool any,
+               std::span<accel::geometry::Hit> hits) override {
     return trace_embree({top_.get(), any ? any_entry_ : entry_, frame_, nodes_, true}, rays, any,
                         hits, 0);
   }
@@ -219,10 +220,10 @@ Result<EmbreeMover::Advanced> Mover::advance(std::size_t frame) {
   return advanced;
 }
 
-Status Mover::choose(std::span<const accel::Ray> rays) {
+Status Mover::choose(std::span<const accel::geometry::Ray> rays) {
   std::vector<Layout> layouts{Layout::kOneScene, Layout::kTwoScenes};
   if (motion_.rigid() && update_ == EmbreeUpdate::kRebuild) layouts.push_back(Layout::kInstances);
-  std::vector<accel::Hit> hits(rays.size());
+  std::vector<accel::geometry::Hit> hits(rays.size());
   double best = std::numeric_limits<double>::infinity();
   Layout chosen = layouts.front();
   EmbreeEntry entry;

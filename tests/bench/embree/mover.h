@@ -33,11 +33,11 @@ class EmbreeMover {
   /// Tries the ways to lay the scene out (all geometries in one scene of two levels; a scene for
   /// each part under instances; of rigid motion also an instance a node), each with every entry
   /// point on these rays, over a few frames, and keeps the fastest. To be called first.
-  virtual Status choose(std::span<const accel::Ray> rays) = 0;
+  virtual Status choose(std::span<const accel::geometry::Ray> rays) = 0;
   virtual std::string layout() const = 0;
   virtual std::string entry(bool any) const = 0;
   /// The fastest entry point for these occlusion rays.
-  virtual void choose_any(std::span<const accel::Ray> rays) = 0;
+  virtual void choose_any(std::span<const accel::geometry::Ray> rays) = 0;
 
   struct Advanced {
     double update_seconds = 0;  ///< Writing vertices or transforms.
@@ -47,7 +47,8 @@ class EmbreeMover {
   virtual Result<Advanced> advance(std::size_t frame) = 0;
 
   /// As EmbreePeer::trace, all rays at once.
-  virtual double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits) = 0;
+  virtual double trace(std::span<const accel::geometry::Ray> rays, bool any,
+                       std::span<accel::geometry::Hit> hits) = 0;
 };
 
 }  // namespace sightline::bench

@@ -14,7 +14,7 @@
 namespace sightline::bench {
 namespace {
 
-using scenegraph::Affine;
+using scenegraph::model::Affine;
 
 class Peer final : public EmbreePeer {
  public:
@@ -26,14 +26,14 @@ class Peer final : public EmbreePeer {
   Status open(int threads) { return device_.open(threads); }
 
   Result<EmbreeBuilt> build() override;
-  void choose_entry(std::span<const accel::Ray> rays, bool any) override;
+  void choose_entry(std::span<const accel::geometry::Ray> rays, bool any) override;
   std::string entry() const override { return entry_.name(any_); }
-  double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
-               std::size_t batch) override;
+  double trace(std::span<const accel::geometry::Ray> rays, bool any,
+               std::span<accel::geometry::Hit> hits, std::size_t batch) override;
   EmbreeGrown grown() const override {
     return {nodes_.size(), triangles_, static_cast<std::uint64_t>(device_.bytes() - before_), 0};
   }
-  void count(std::span<const accel::Ray> rays, std::span<std::uint32_t> counts) override {
+  void count(std::span<const accel::geometry::Ray> rays, std::span<std::uint32_t> counts) override {
     count_embree_crossings(scene_.get(), rays, frame_, counts);
   }
 
@@ -115,13 +115,13 @@ Result<EmbreeBuilt> Peer::build() {
   return built;
 }
 
-void Peer::choose_entry(std::span<const accel::Ray> rays, bool any) {
+void Peer::choose_entry(std::span<const accel::geometry::Ray> rays, bool any) {
   any_ = any;
   entry_ = fastest_entry(scene_.get(), rays, frame_, any, !objects_.empty());
 }
 
-double Peer::trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
-                   std::size_t batch) {
+double Peer::trace(std::span<const accel::geometry::Ray> rays, bool any,
+                   std::span<accel::geometry::Hit> hits, std::size_t batch) {
   return trace_embree({scene_.get(), entry_, frame_, nodes_, false}, rays, any, hits, batch);
 }
 

@@ -78,21 +78,22 @@ class EmbreePeer {
   virtual Result<EmbreeBuilt> build() = 0;
 
   /// Tries every entry point on blocks of these rays and keeps the fastest. After build().
-  virtual void choose_entry(std::span<const accel::Ray> rays, bool any) = 0;
+  virtual void choose_entry(std::span<const accel::geometry::Ray> rays, bool any) = 0;
   /// E.g. "rtcIntersect16 coherent".
   virtual std::string entry() const = 0;
 
   /// Answers the rays, `batch` of them at a time (0: all at once), by the chosen entry point.
   /// Returns the seconds inside Embree: its ray buffers are filled before and read after.
   /// Of a hit only t, node, primitive and state are set; for `any` only the state.
-  virtual double trace(std::span<const accel::Ray> rays, bool any, std::span<accel::Hit> hits,
-                       std::size_t batch) = 0;
+  virtual double trace(std::span<const accel::geometry::Ray> rays, bool any,
+                       std::span<accel::geometry::Hit> hits, std::size_t batch) = 0;
 
   virtual EmbreeGrown grown() const = 0;
 
   /// counts[i] is how many triangles rays[i] meets within its limits, each once. For settings with
   /// `crossings`; after build().
-  virtual void count(std::span<const accel::Ray> rays, std::span<std::uint32_t> counts) = 0;
+  virtual void count(std::span<const accel::geometry::Ray> rays,
+                     std::span<std::uint32_t> counts) = 0;
 };
 
 }  // namespace sightline::bench

@@ -37,9 +37,9 @@ SceneSource family() {
 }
 
 struct Answers {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;
-  std::vector<accel::Ray> rays;
-  std::vector<accel::Hit> hits;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
+  std::vector<accel::geometry::Ray> rays;
+  std::vector<accel::geometry::Hit> hits;
 };
 
 Answers answers(const SceneSource& scene, RayKind kind, bool any) {
@@ -76,7 +76,7 @@ TEST_F(EmbreePeerTest, AnswersAsWeDoForEveryQualityAndKind) {
         EXPECT_GE(built->bytes_peak, built->bytes_final);
         (*peer)->choose_entry(ours.rays, any);
         EXPECT_TRUE((*peer)->entry().starts_with(any ? "rtcOccluded" : "rtcIntersect"));
-        std::vector<accel::Hit> theirs(ours.rays.size());
+        std::vector<accel::geometry::Hit> theirs(ours.rays.size());
         EXPECT_GT((*peer)->trace(ours.rays, any, theirs, 0), 0);
         const Disagreement d = explain(ours.snapshot, ours.rays, ours.hits, theirs, any);
         EXPECT_EQ(d.unexplained, 0u) << name;
@@ -93,7 +93,7 @@ TEST_F(EmbreePeerTest, BatchesAndRebuildingChangeNoAnswer) {
   ASSERT_TRUE(peer.ok());
   ASSERT_TRUE((*peer)->build().ok());
   (*peer)->choose_entry(ours.rays, false);
-  std::vector<accel::Hit> whole(ours.rays.size()), cut(ours.rays.size());
+  std::vector<accel::geometry::Hit> whole(ours.rays.size()), cut(ours.rays.size());
   (*peer)->trace(ours.rays, false, whole, 0);
   ASSERT_TRUE((*peer)->build().ok());
   (*peer)->trace(ours.rays, false, cut, 37);
@@ -116,7 +116,7 @@ TEST_F(EmbreePeerTest, LazyObjectsAnswerAlikeAndGrow) {
       EXPECT_EQ((*peer)->grown().objects, 0u);
       EXPECT_EQ((*peer)->grown().triangles, 0u);
       const std::uint64_t bytes = (*peer)->grown().bytes;
-      std::vector<accel::Hit> theirs(ours.rays.size());
+      std::vector<accel::geometry::Hit> theirs(ours.rays.size());
       (*peer)->trace(ours.rays, any, theirs, 100);
       const EmbreeGrown grown = (*peer)->grown();
       EXPECT_GE(grown.objects, 1u);
@@ -139,7 +139,7 @@ TEST_F(EmbreePeerTest, LazyObjectsComeUponByManyThreadsAtOnce) {
   ASSERT_TRUE(peer.ok());
   tbb::task_arena arena(8);
   for (int repeat = 0; repeat < 5; ++repeat) {
-    std::vector<accel::Hit> theirs(ours.rays.size());
+    std::vector<accel::geometry::Hit> theirs(ours.rays.size());
     arena.execute([&] {
       ASSERT_TRUE((*peer)->build().ok());
       (*peer)->trace(ours.rays, false, theirs, 0);
@@ -150,12 +150,13 @@ TEST_F(EmbreePeerTest, LazyObjectsComeUponByManyThreadsAtOnce) {
 
 TEST_F(EmbreePeerTest, PassesOverWhatIsNoTriangle) {
   SceneSource scene = load_scene("gen:icosphere?level=2").value();
-  scene.meshes.front().faces.push_back({accel::kNoVertex, accel::kNoVertex, accel::kNoVertex});
+  scene.meshes.front().faces.push_back(
+      {accel::geometry::kNoVertex, accel::geometry::kNoVertex, accel::geometry::kNoVertex});
   const Answers ours = answers(scene, RayKind::kRandom, false);
   auto peer = EmbreePeer::make(scene, {}, 1);
   ASSERT_TRUE(peer.ok());
   ASSERT_TRUE((*peer)->build().ok());
-  std::vector<accel::Hit> theirs(ours.rays.size());
+  std::vector<accel::geometry::Hit> theirs(ours.rays.size());
   (*peer)->trace(ours.rays, false, theirs, 0);
   EXPECT_EQ(explain(ours.snapshot, ours.rays, ours.hits, theirs, false).unexplained, 0u);
 }
@@ -167,7 +168,7 @@ TEST_F(EmbreePeerTest, LeavesDenormalsAsTheyWere) {
   auto peer = EmbreePeer::make(scene, {}, 2);
   ASSERT_TRUE(peer.ok());
   ASSERT_TRUE((*peer)->build().ok());
-  std::vector<accel::Hit> theirs(ours.rays.size());
+  std::vector<accel::geometry::Hit> theirs(ours.rays.size());
   (*peer)->trace(ours.rays, false, theirs, 0);
   constexpr unsigned kExceptionFlags = 0x3f;
   EXPECT_EQ(_mm_getcsr() & ~kExceptionFlags, before & ~kExceptionFlags);
@@ -195,10 +196,10 @@ TEST_F(EmbreePeerTest, CountsEveryTriangleOnce) {
 TEST(Disagreement, CountsWhatCannotBeExcused) {
   const SceneSource scene = family();
   const Answers ours = answers(scene, RayKind::kRandom, false);
-  std::vector<accel::Hit> theirs = ours.hits;
+  std::vector<accel::geometry::Hit> theirs = ours.hits;
   std::uint64_t spoiled = 0;
   for (std::size_t i = 0; i < theirs.size(); i += 10) {
-    if (theirs[i].state != accel::HitState::kHit) continue;
+    if (theirs[i].state != accel::geometry::HitState::kHit) continue;
     theirs[i] = {};
     ++spoiled;
   }

@@ -42,13 +42,14 @@ std::string EmbreeEntry::name(bool any) const {
   return name + (coherent ? " coherent" : " incoherent");
 }
 
-void EmbreeRays::fill(std::span<const accel::Ray> rays, const scenegraph::Affine& frame) {
+void EmbreeRays::fill(std::span<const accel::geometry::Ray> rays,
+                      const scenegraph::model::Affine& frame) {
   const unsigned lanes = entry_.lanes;
   const std::size_t padded = (rays.size() + lanes - 1) / lanes * lanes;
   words_.resize(padded * words());
   tbb::parallel_for(std::size_t{0}, padded, [&](std::size_t i) {
-    const accel::Ray& ray = rays[std::min(i, rays.size() - 1)];
-    const accel::Vec3d o = frame.point(ray.origin), d = frame.direction(ray.direction);
+    const accel::geometry::Ray& ray = rays[std::min(i, rays.size() - 1)];
+    const accel::geometry::Vec3d o = frame.point(ray.origin), d = frame.direction(ray.direction);
     auto* r = reinterpret_cast<RTCRayN*>(packet(i));
     const auto lane = static_cast<unsigned>(i % lanes);
     RTCRayN_org_x(r, lanes, lane) = static_cast<float>(o.x);
@@ -139,11 +140,11 @@ EmbreeRays::Answer EmbreeRays::answer(std::size_t ray) const {
   return answer;
 }
 
-EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::Ray> rays,
-                          const scenegraph::Affine& frame, bool any, bool instances) {
+EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::geometry::Ray> rays,
+                          const scenegraph::model::Affine& frame, bool any, bool instances) {
   // Whole blocks, so that coherent rays stay so, from everywhere in the batch.
   constexpr std::size_t kTrialRays = 65'536, kTrials = 3;
-  std::vector<accel::Ray> trial;
+  std::vector<accel::geometry::Ray> trial;
   const std::size_t step = std::max<std::size_t>(rays.size() / kTrialRays, 1) * kEmbreeBlock;
   for (std::size_t first = 0; first < rays.size(); first += step) {
     const auto block = rays.subspan(first, std::min(kEmbreeBlock, rays.size() - first));
@@ -169,8 +170,8 @@ EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::Ray> rays,
   return fastest;
 }
 
-double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,
-                    std::span<accel::Hit> hits, std::size_t batch) {
+double trace_embree(const EmbreeTarget& target, std::span<const accel::geometry::Ray> rays,
+                    bool any, std::span<accel::geometry::Hit> hits, std::size_t batch) {
   if (rays.empty()) return 0;
   if (batch == 0) batch = rays.size();
   EmbreeRays buffer(target.entry, any);
@@ -183,10 +184,10 @@ double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays
     seconds += clock.seconds();
     for (std::size_t i = 0; i < count; ++i) {
       const EmbreeRays::Answer answer = buffer.answer(i);
-      accel::Hit& hit = hits[first + i];
+      accel::geometry::Hit& hit = hits[first + i];
       hit = {};
       if (!answer.hit) continue;
-      hit.state = accel::HitState::kHit;
+      hit.state = accel::geometry::HitState::kHit;
       if (any) continue;
       hit.t = static_cast<double>(answer.t);
       hit.primitive = answer.primitive;

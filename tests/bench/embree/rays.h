@@ -43,7 +43,7 @@ class EmbreeRays {
   EmbreeRays(const EmbreeEntry& entry, bool any) : entry_(entry), any_(any) {}
 
   /// Writes the rays, carried by `frame` in double and then rounded to float. In parallel.
-  void fill(std::span<const accel::Ray> rays, const scenegraph::Affine& frame);
+  void fill(std::span<const accel::geometry::Ray> rays, const scenegraph::model::Affine& frame);
 
   /// Answers rays [first, first + count) in blocks, in parallel; first is a multiple of the lanes.
   void trace(RTCScene scene, std::size_t first, std::size_t count);
@@ -75,17 +75,17 @@ class EmbreeRays {
 struct EmbreeTarget {
   RTCScene scene;
   EmbreeEntry entry;
-  const scenegraph::Affine& frame;
+  const scenegraph::model::Affine& frame;
   std::span<const std::uint64_t> nodes;  ///< By the number of an instance, or of a geometry.
   bool by_geometry = false;              ///< Instances have no say.
 };
 
 /// The entry point that is fastest on blocks of these rays. `instances`: whether the scene has any.
-EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::Ray> rays,
-                          const scenegraph::Affine& frame, bool any, bool instances);
+EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::geometry::Ray> rays,
+                          const scenegraph::model::Affine& frame, bool any, bool instances);
 
 /// As EmbreePeer::trace.
-double trace_embree(const EmbreeTarget& target, std::span<const accel::Ray> rays, bool any,
-                    std::span<accel::Hit> hits, std::size_t batch);
+double trace_embree(const EmbreeTarget& target, std::span<const accel::geometry::Ray> rays,
+                    bool any, std::span<accel::geometry::Hit> hits, std::size_t batch);
 
 }  // namespace sightline::bench

@@ -8,13 +8,13 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 using tests::Random;
 
 namespace {
 
-SceneSource single(std::string name, SourceMesh mesh, const scenegraph::Affine& place = {}) {
+SceneSource single(std::string name, SourceMesh mesh, const scenegraph::model::Affine& place = {}) {
   SceneSource scene;
   const std::size_t index = scene.add_mesh(std::move(mesh));
   scene.add_node(std::nullopt, std::move(name), place, index);

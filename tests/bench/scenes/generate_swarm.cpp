@@ -12,9 +12,9 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Affine;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
 using tests::Random;
 
 namespace {

@@ -16,6 +16,6 @@ inline constexpr std::size_t kSwarmFrames = 64;  ///< Then it comes round again.
 SceneSource make_swarm(std::uint64_t triangles);
 
 /// Where the balls are in a frame, the same on every machine.
-std::vector<scenegraph::Affine> swarm_places(std::size_t parts, std::size_t frame);
+std::vector<scenegraph::model::Affine> swarm_places(std::size_t parts, std::size_t frame);
 
 }  // namespace sightline::bench

@@ -13,7 +13,7 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 Result<SceneSource> no_files(const std::string& scene) {
   return Error{Code::kNotFound, "no file " + scene, "SCENE_FILE"};
@@ -68,7 +68,7 @@ TEST(Generators, AreDeterministicAndValidScenes) {
     EXPECT_TRUE(same(scene, make(spec))) << spec;
     const auto snapshot = assemble(scene, {});
     ASSERT_TRUE(snapshot.ok()) << spec << ": " << snapshot.error().message;
-    const scenegraph::SceneSummary summary = scenegraph::summarize(**snapshot);
+    const scenegraph::revision::SceneSummary summary = scenegraph::revision::summarize(**snapshot);
     EXPECT_EQ(summary.triangles_unique, scene.unique_triangles()) << spec;
     EXPECT_EQ(summary.triangles_nonfinite, 0u) << spec;
     EXPECT_EQ(SceneGeometry(scene).triangles(), summary.triangles_instanced) << spec;
@@ -162,7 +162,7 @@ TEST(Generators, ASmallWorldIsACornerOfALargerOne) {
 
 TEST(Generators, NeighboursOfAWorldDoNotOverlap) {
   const SceneSource village = make_village(4096 + 300);
-  std::vector<scenegraph::Affine> placed;
+  std::vector<scenegraph::model::Affine> placed;
   std::set<std::pair<int, int>> taken;
   for (const SourceNode& node : village.nodes) {
     placed.push_back(node.parent ? compose(placed[*node.parent], node.parent_from_local)
@@ -181,7 +181,7 @@ TEST(Generators, ShufflingKeepsTheFacesInAnotherOrder) {
             shuffled.meshes[0].faces);
   EXPECT_EQ(plain.meshes[0].vertices, shuffled.meshes[0].vertices);
   std::sort(shuffled.meshes[0].faces.begin(), shuffled.meshes[0].faces.end());
-  std::vector<accel::Face> faces = plain.meshes[0].faces;
+  std::vector<accel::geometry::Face> faces = plain.meshes[0].faces;
   std::sort(faces.begin(), faces.end());
   EXPECT_EQ(faces, shuffled.meshes[0].faces);
 }
@@ -264,7 +264,7 @@ TEST(SceneSource, QuarterTurnsAreExact) {
 TEST(SceneSource, RotatingTurnsTheVerticesOfMeshes) {
   const SceneSource city = make_city(60, 1);
   SceneSource turned = city;
-  const scenegraph::Affine turn = rotation(10, 20, 30);
+  const scenegraph::model::Affine turn = rotation(10, 20, 30);
   rotate(turned, turn);
   EXPECT_NE(turned.meshes[0].vertices, city.meshes[0].vertices);
   const SceneGeometry before(city), after(turned);

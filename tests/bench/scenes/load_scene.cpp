@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kGenerated = "gen:";
 
-SourceMesh to_source(client::ImportedMesh imported) {
+SourceMesh to_source(client::importer::ImportedMesh imported) {
   SourceMesh mesh;
   mesh.vertices.reserve(imported.vertices.size());
   for (const client::Vertex& v : imported.vertices) mesh.vertices.push_back({v[0], v[1], v[2]});
@@ -21,17 +21,17 @@ SourceMesh to_source(client::ImportedMesh imported) {
 }
 
 std::optional<std::size_t> to_index(std::uint32_t index) {
-  return index == client::kNone ? std::nullopt : std::optional<std::size_t>(index);
+  return index == client::importer::kNone ? std::nullopt : std::optional<std::size_t>(index);
 }
 
 Result<SceneSource> import_file(const std::string& file) {
-  auto imported = client::import_scene(file);
+  auto imported = client::importer::import_scene(file);
   if (!imported.ok()) return Error{Code::kNotFound, imported.error().message, "SCENE_FILE"};
   SceneSource scene;
-  for (client::ImportedMesh& mesh : imported->meshes) {
+  for (client::importer::ImportedMesh& mesh : imported->meshes) {
     scene.add_mesh(to_source(std::move(mesh)));
   }
-  for (client::ImportedNode& node : imported->nodes) {
+  for (client::importer::ImportedNode& node : imported->nodes) {
     scene.add_node(to_index(node.parent), std::move(node.name), {node.parent_from_local},
                    to_index(node.mesh));
   }

@@ -14,10 +14,10 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Affine;
-using scenegraph::Mobility;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Affine;
+using scenegraph::model::Mobility;
 
 namespace {
 
@@ -37,7 +37,8 @@ Result<std::vector<std::string>> files_of(const std::string& directory) {
   return files;
 }
 
-void grow(scenegraph::DoubleBox& box, const Affine& place, const std::vector<Vec3f>& vertices) {
+void grow(scenegraph::model::DoubleBox& box, const Affine& place,
+          const std::vector<Vec3f>& vertices) {
   for (const Vec3f& v : vertices) {
     if (is_finite(v)) box.grow(place.point(Vec3d(v)));
   }
@@ -76,7 +77,7 @@ Result<Motion> Motion::load(const std::string& directory, std::size_t copies) {
     motion.shapes_.push_back(std::move(mesh.vertices));
   }
   motion.frames_ = motion.shapes_.size();
-  scenegraph::DoubleBox one;
+  scenegraph::model::DoubleBox one;
   for (const auto& shape : motion.shapes_) grow(one, {}, shape);
   const Vec3d step = (one.hi - one.lo) * kApart;
   const auto row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(copies))));
@@ -130,18 +131,21 @@ void Motion::measure() {
   }
 }
 
-std::vector<scenegraph::Update> Motion::updates(std::size_t frame, scenegraph::NodeId first) const {
-  const auto ref = [&](std::size_t node) { return static_cast<scenegraph::NodeRef>(first + node); };
-  std::vector<scenegraph::Update> updates;
+std::vector<scenegraph::model::Update> Motion::updates(std::size_t frame,
+                                                       scenegraph::model::NodeId first) const {
+  const auto ref = [&](std::size_t node) {
+    return static_cast<scenegraph::model::NodeRef>(first + node);
+  };
+  std::vector<scenegraph::model::Update> updates;
   if (rigid()) {
-    scenegraph::SetTransforms set;
+    scenegraph::model::SetTransforms set;
     for (std::size_t n = 0; n < nodes(); ++n) set.nodes.push_back(ref(n));
     set.parent_from_local = places_[frame % frames_];
     updates.emplace_back(std::move(set));
     return updates;
   }
   for (std::size_t n = 0; n < nodes(); ++n)
-    updates.emplace_back(scenegraph::PatchVertices{{ref(n)}, 0, vertices(n, frame)});
+    updates.emplace_back(scenegraph::model::PatchVertices{{ref(n)}, 0, vertices(n, frame)});
   return updates;
 }
 

@@ -28,15 +28,16 @@ class Motion {
   bool rigid() const { return shapes_.empty(); }
   std::uint64_t triangles() const { return parts_.unique_triangles(); }
   /// Holds everything in every frame.
-  const scenegraph::DoubleBox& bounds() const { return bounds_; }
+  const scenegraph::model::DoubleBox& bounds() const { return bounds_; }
 
   /// In frame 0, with the mobility that suits.
   const SceneSource& parts() const { return parts_; }
-  const scenegraph::Affine& place(std::size_t node, std::size_t frame) const;
-  const std::vector<accel::Vec3f>& vertices(std::size_t node, std::size_t frame) const;
+  const scenegraph::model::Affine& place(std::size_t node, std::size_t frame) const;
+  const std::vector<accel::geometry::Vec3f>& vertices(std::size_t node, std::size_t frame) const;
 
   /// Brings a scene, in which the first of these nodes has the id `first`, to that frame.
-  std::vector<scenegraph::Update> updates(std::size_t frame, scenegraph::NodeId first) const;
+  std::vector<scenegraph::model::Update> updates(std::size_t frame,
+                                                 scenegraph::model::NodeId first) const;
   /// The same for arrays, where the first of these nodes has this place.
   void pose(SceneSource& scene, std::size_t first_node, std::size_t frame) const;
 
@@ -48,9 +49,9 @@ class Motion {
 
   SceneSource parts_;
   std::size_t frames_ = 0;
-  std::vector<std::vector<scenegraph::Affine>> places_;  // frame, node; of rigid motion
-  std::vector<std::vector<accel::Vec3f>> shapes_;        // by frame; of deformation
-  scenegraph::DoubleBox bounds_;
+  std::vector<std::vector<scenegraph::model::Affine>> places_;  // frame, node; of rigid motion
+  std::vector<std::vector<accel::geometry::Vec3f>> shapes_;     // by frame; of deformation
+  scenegraph::model::DoubleBox bounds_;
 };
 
 }  // namespace sightline::bench

@@ -13,7 +13,7 @@ namespace sightline::bench {
 
 static_assert(std::endian::native == std::endian::little, "rays are written as they lie in memory");
 
-Status write_rays(const std::filesystem::path& file, std::span<const accel::Ray> rays) {
+Status write_rays(const std::filesystem::path& file, std::span<const accel::geometry::Ray> rays) {
   // Version 1.0: magic, header length, a Python literal, padded so that the data is 64-byte
   // aligned.
   std::string header =
@@ -27,7 +27,7 @@ Status write_rays(const std::filesystem::path& file, std::span<const accel::Ray>
 
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
   out << preamble << header;
-  for (const accel::Ray& ray : rays) {
+  for (const accel::geometry::Ray& ray : rays) {
     const std::array<double, 8> row{ray.origin.x,    ray.origin.y,    ray.origin.z, ray.direction.x,
                                     ray.direction.y, ray.direction.z, ray.tmin,     ray.tmax};
     std::array<char, sizeof(row)> bytes;

@@ -11,6 +11,6 @@ namespace sightline::bench {
 
 /// (n, 8) float64, C order: ox oy oz dx dy dz tmin tmax. Errors: kUnavailable if the file cannot be
 /// written whole.
-Status write_rays(const std::filesystem::path& file, std::span<const accel::Ray> rays);
+Status write_rays(const std::filesystem::path& file, std::span<const accel::geometry::Ray> rays);
 
 }  // namespace sightline::bench

@@ -14,10 +14,10 @@
 
 namespace sightline::bench {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using tests::Random;
 
 namespace {
@@ -38,7 +38,7 @@ struct Traced {
 class ScratchTracer {
  public:
   static Result<ScratchTracer> make(const SceneSource& scene) {
-    auto snapshot = assemble(scene, accel::default_builder());
+    auto snapshot = assemble(scene, accel::published::default_builder());
     if (!snapshot.ok()) return snapshot.error();
     return ScratchTracer(std::move(snapshot).value());
   }
@@ -51,9 +51,9 @@ class ScratchTracer {
   }
 
  private:
-  explicit ScratchTracer(std::shared_ptr<const scenegraph::Snapshot> snapshot)
+  explicit ScratchTracer(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot)
       : snapshot_(std::move(snapshot)) {}
-  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
 };
 
 std::vector<Ray> overview(const SceneGeometry& geometry, std::size_t count) {

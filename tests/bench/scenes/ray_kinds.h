@@ -31,12 +31,13 @@ Result<RayKind> parse_ray_kind(std::string_view name);
 ///   aimed     at vertices and at points on edges, half each, from a sphere of radius diag
 /// Traces on trees of its own; the scene given is left as it is.
 /// Errors: kFailedPrecondition where the scene has no triangles, or no overview ray hits.
-Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, RayKind kind, std::size_t count,
-                                          std::uint64_t seed);
+Result<std::vector<accel::geometry::Ray>> make_rays(const SceneSource& scene, RayKind kind,
+                                                    std::size_t count, std::uint64_t seed);
 
 inline constexpr int kMostRedraws = 64;
 
 /// A square pinhole picture of about `count` pixels, tile by tile, cut after `count` rays.
-std::vector<accel::Ray> pinhole(const accel::Vec3d& eye, const accel::Vec3d& at, std::size_t count);
+std::vector<accel::geometry::Ray> pinhole(const accel::geometry::Vec3d& eye,
+                                          const accel::geometry::Vec3d& at, std::size_t count);
 
 }  // namespace sightline::bench

@@ -15,10 +15,10 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 constexpr const char* kNames[] = {"overview", "closeup", "diffuse", "shadow", "random", "aimed"};
 
@@ -114,7 +114,7 @@ TEST_F(RayKinds, ShadowRaysEndAtOneLightAbove) {
 TEST_F(RayKinds, RandomChordsStartOnTheSphereAndMeetTheBox) {
   for (const Ray& ray : rays("random", 500)) {
     EXPECT_NEAR(length(ray.origin - geometry_.center()), 0.5 * geometry_.diagonal(), 1e-9);
-    double enter = 0, leave = accel::kInfinity;
+    double enter = 0, leave = accel::geometry::kInfinity;
     for (std::size_t a = 0; a < 3; ++a) {
       const double t0 = (geometry_.lo()[a] - ray.origin[a]) / ray.direction[a];
       const double t1 = (geometry_.hi()[a] - ray.origin[a]) / ray.direction[a];
@@ -132,7 +132,7 @@ TEST(AimedRays, PassThroughVerticesAndEdges) {
   ASSERT_TRUE(aimed.ok());
   for (const Ray& ray : *aimed) {
     // The nearest approach of the line to any edge.
-    double nearest = accel::kInfinity;
+    double nearest = accel::geometry::kInfinity;
     for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
       const auto corners = geometry.triangle(n);
       for (std::size_t i = 0; i < 3; ++i) {

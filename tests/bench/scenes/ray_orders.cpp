@@ -21,7 +21,7 @@ void shuffle(Order& order) {
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 }
 
-void sort_by_origin(Order& order, std::span<const accel::Ray> rays) {
+void sort_by_origin(Order& order, std::span<const accel::geometry::Ray> rays) {
   const auto key = [&](std::size_t i) {
     const auto& [x, y, z] = rays[i].origin;
     return std::tuple(x, y, z, i);
@@ -44,7 +44,8 @@ std::vector<std::string_view> ray_order_names() {
   return {"as-made", "reversed", "shuffled", "by-origin", "strided"};
 }
 
-std::vector<std::size_t> ray_order(std::string_view name, std::span<const accel::Ray> rays) {
+std::vector<std::size_t> ray_order(std::string_view name,
+                                   std::span<const accel::geometry::Ray> rays) {
   Order order(rays.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (name == "reversed") std::reverse(order.begin(), order.end());

@@ -7,7 +7,7 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 SceneGeometry::SceneGeometry(const SceneSource& scene) : scene_(&scene) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -24,7 +24,7 @@ SceneGeometry::SceneGeometry(const SceneSource& scene) : scene_(&scene) {
       if (finite) usable_[m].push_back(f);
     }
   }
-  std::vector<scenegraph::Affine> world_from_local;
+  std::vector<scenegraph::model::Affine> world_from_local;
   for (const SourceNode& node : scene.nodes) {
     world_from_local.push_back(node.parent
                                    ? compose(world_from_local[*node.parent], node.parent_from_local)
@@ -50,7 +50,7 @@ SceneGeometry::Corners SceneGeometry::triangle(std::uint64_t n) const {
   // Of several instances that begin at n the last one has triangles.
   const Placed& placed = *std::prev(after);
   const SourceMesh& mesh = scene_->meshes[placed.mesh];
-  const accel::Face& face = mesh.faces[usable_[placed.mesh][n - placed.first]];
+  const accel::geometry::Face& face = mesh.faces[usable_[placed.mesh][n - placed.first]];
   Corners corners;
   for (std::size_t i = 0; i < 3; ++i) {
     corners[i] = placed.world_from_local.point(Vec3d(mesh.vertices[face[i]]));

@@ -17,28 +17,28 @@ class SceneGeometry {
  public:
   explicit SceneGeometry(const SceneSource& scene);
 
-  const accel::Vec3d& lo() const { return lo_; }
-  const accel::Vec3d& hi() const { return hi_; }
-  accel::Vec3d center() const { return (lo_ + hi_) * 0.5; }
+  const accel::geometry::Vec3d& lo() const { return lo_; }
+  const accel::geometry::Vec3d& hi() const { return hi_; }
+  accel::geometry::Vec3d center() const { return (lo_ + hi_) * 0.5; }
   double diagonal() const { return length(hi_ - lo_); }
   bool empty() const { return triangles_ == 0; }
   std::uint64_t triangles() const { return triangles_; }  ///< Over instances.
 
-  using Corners = std::array<accel::Vec3d, 3>;
+  using Corners = std::array<accel::geometry::Vec3d, 3>;
   /// The n-th triangle over all instances, in world space; n < triangles().
   Corners triangle(std::uint64_t n) const;
 
  private:
   struct Placed {
     std::size_t mesh;
-    scenegraph::Affine world_from_local;
+    scenegraph::model::Affine world_from_local;
     std::uint64_t first;  // number of its first triangle over the scene
   };
 
   const SceneSource* scene_;
   std::vector<std::vector<std::uint32_t>> usable_;  // a mesh's triangles that are finite
   std::vector<Placed> placed_;
-  accel::Vec3d lo_, hi_;
+  accel::geometry::Vec3d lo_, hi_;
   std::uint64_t triangles_ = 0;
 };
 
@@ -47,8 +47,8 @@ class AreaSampler {
  public:
   explicit AreaSampler(const SceneGeometry& geometry);
   struct Point {
-    accel::Vec3d position;
-    accel::Vec3d normal;  ///< Unit.
+    accel::geometry::Vec3d position;
+    accel::geometry::Vec3d normal;  ///< Unit.
   };
   /// The scene must have some area.
   Point pick(tests::Random& random) const;

@@ -11,7 +11,7 @@
 
 namespace sightline::bench {
 
-using scenegraph::Affine;
+using scenegraph::model::Affine;
 
 namespace {
 
@@ -27,7 +27,7 @@ std::pair<double, double> sine_cosine(double degrees) {
   return {std::sin(radians), std::cos(radians)};
 }
 
-accel::Vec3f to_float(const accel::Vec3d& v) {
+accel::geometry::Vec3f to_float(const accel::geometry::Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
@@ -53,7 +53,8 @@ Affine as_seen_turned(const Affine& a, const Affine& turn) {
 std::uint64_t SceneSource::unique_triangles() const {
   std::uint64_t triangles = 0;
   for (const SourceMesh& mesh : meshes) {
-    for (const accel::Face& face : mesh.faces) triangles += face[0] != accel::kNoVertex;
+    for (const accel::geometry::Face& face : mesh.faces)
+      triangles += face[0] != accel::geometry::kNoVertex;
   }
   return triangles;
 }
@@ -90,7 +91,8 @@ void place(SceneSource& scene, const Affine& world_from_world) {
 
 void rotate(SceneSource& scene, const Affine& turn) {
   for (SourceMesh& mesh : scene.meshes) {
-    for (accel::Vec3f& v : mesh.vertices) v = to_float(turn.point(accel::Vec3d(v)));
+    for (accel::geometry::Vec3f& v : mesh.vertices)
+      v = to_float(turn.point(accel::geometry::Vec3d(v)));
   }
   for (SourceNode& node : scene.nodes)
     node.parent_from_local = as_seen_turned(node.parent_from_local, turn);
@@ -106,11 +108,11 @@ SceneSource merged(const SceneSource& scene) {
     if (!node.mesh) continue;
     const SourceMesh& mesh = scene.meshes[*node.mesh];
     const auto first = static_cast<std::uint32_t>(all.vertices.size());
-    for (const accel::Vec3f& v : mesh.vertices)
-      all.vertices.push_back(to_float(world_from_node.back().point(accel::Vec3d(v))));
-    for (accel::Face face : mesh.faces) {
+    for (const accel::geometry::Vec3f& v : mesh.vertices)
+      all.vertices.push_back(to_float(world_from_node.back().point(accel::geometry::Vec3d(v))));
+    for (accel::geometry::Face face : mesh.faces) {
       for (std::uint32_t& index : face) {
-        if (index != accel::kNoVertex) index += first;
+        if (index != accel::geometry::kNoVertex) index += first;
       }
       all.faces.push_back(face);
     }
@@ -120,22 +122,24 @@ SceneSource merged(const SceneSource& scene) {
   return one;
 }
 
-Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder& builder,
-            accel::References references) {
-  std::vector<std::shared_ptr<const scenegraph::Mesh>> meshes;
+Status fill(scenegraph::Scene& empty, SceneSource scene,
+            const accel::published::AnyBuilder& builder, accel::mesh::References references) {
+  std::vector<std::shared_ptr<const scenegraph::model::Mesh>> meshes;
   meshes.reserve(scene.meshes.size());
   for (SourceMesh& mesh : scene.meshes) {
-    auto made = scenegraph::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces), builder,
-                                       references);
+    auto made = scenegraph::model::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces),
+                                              builder, references);
     if (!made.ok()) return made.error();
     meshes.push_back(std::move(made).value());
   }
-  const auto alias = [](std::size_t node) { return -static_cast<scenegraph::NodeRef>(node) - 1; };
-  std::vector<scenegraph::Update> updates;
+  const auto alias = [](std::size_t node) {
+    return -static_cast<scenegraph::model::NodeRef>(node) - 1;
+  };
+  std::vector<scenegraph::model::Update> updates;
   updates.reserve(scene.nodes.size());
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     SourceNode& node = scene.nodes[i];
-    scenegraph::PutNode put;
+    scenegraph::model::PutNode put;
     put.node = alias(i);
     put.parent = node.parent ? alias(*node.parent) : 0;
     put.name = std::move(node.name);
@@ -151,9 +155,9 @@ Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder
   return applied.ok() ? Status() : Status(applied.error());
 }
 
-Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(SceneSource scene,
-                                                             const accel::AnyBuilder& builder,
-                                                             accel::References references) {
+Result<std::shared_ptr<const scenegraph::revision::Snapshot>> assemble(
+    SceneSource scene, const accel::published::AnyBuilder& builder,
+    accel::mesh::References references) {
   scenegraph::Scene live;
   if (Status filled = fill(live, std::move(scene), builder, references); !filled) {
     return filled.error();

@@ -18,16 +18,16 @@
 namespace sightline::bench {
 
 struct SourceMesh {
-  std::vector<accel::Vec3f> vertices;
-  std::vector<accel::Face> faces;
+  std::vector<accel::geometry::Vec3f> vertices;
+  std::vector<accel::geometry::Face> faces;
 };
 
 struct SourceNode {
   std::optional<std::size_t> parent;  ///< An earlier node; none: a root.
   std::string name;
-  scenegraph::Affine parent_from_local;
+  scenegraph::model::Affine parent_from_local;
   std::optional<std::size_t> mesh;  ///< None: a group.
-  scenegraph::Mobility mobility = scenegraph::Mobility::kStatic;
+  scenegraph::model::Mobility mobility = scenegraph::model::Mobility::kStatic;
 };
 
 struct SceneSource {
@@ -37,34 +37,35 @@ struct SceneSource {
   std::uint64_t unique_triangles() const;
   std::size_t add_mesh(SourceMesh mesh);
   std::size_t add_node(std::optional<std::size_t> parent, std::string name,
-                       const scenegraph::Affine& parent_from_local = {},
+                       const scenegraph::model::Affine& parent_from_local = {},
                        std::optional<std::size_t> mesh = std::nullopt);
 };
 
-scenegraph::Affine translation(double x, double y, double z);
+scenegraph::model::Affine translation(double x, double y, double z);
 /// About x, then y, then z, in degrees. Multiples of 90 are exact.
-scenegraph::Affine rotation(double x, double y, double z);
+scenegraph::model::Affine rotation(double x, double y, double z);
 
 /// Moves the whole scene: its roots.
-void place(SceneSource& scene, const scenegraph::Affine& world_from_world);
+void place(SceneSource& scene, const scenegraph::model::Affine& world_from_world);
 
 /// Turns the whole scene about the world's origin: the vertices of its meshes, which trees are
 /// built over, and nodes so that they fit. Rounds vertices to float.
-void rotate(SceneSource& scene, const scenegraph::Affine& turn);
+void rotate(SceneSource& scene, const scenegraph::model::Affine& turn);
 
 /// The same triangles, over all instances, as one mesh in the world's frame, rounded to float.
 SceneSource merged(const SceneSource& scene);
 
 /// The id in the assembled scene of the node in that place.
-inline scenegraph::NodeId node_id(std::size_t place) { return place + 1; }
+inline scenegraph::model::NodeId node_id(std::size_t place) { return place + 1; }
 
 /// Puts the nodes into a scene that is empty; the ids are those of node_id().
-Status fill(scenegraph::Scene& empty, SceneSource scene, const accel::AnyBuilder& builder,
-            accel::References references = accel::References::kRuns);
+Status fill(scenegraph::Scene& empty, SceneSource scene,
+            const accel::published::AnyBuilder& builder,
+            accel::mesh::References references = accel::mesh::References::kRuns);
 
 /// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
-Result<std::shared_ptr<const scenegraph::Snapshot>> assemble(
-    SceneSource scene, const accel::AnyBuilder& builder,
-    accel::References references = accel::References::kRuns);
+Result<std::shared_ptr<const scenegraph::revision::Snapshot>> assemble(
+    SceneSource scene, const accel::published::AnyBuilder& builder,
+    accel::mesh::References references = accel::mesh::References::kRuns);
 
 }  // namespace sightline::bench

@@ -11,8 +11,8 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
-using scenegraph::Affine;
+using accel::geometry::Vec3d;
+using scenegraph::model::Affine;
 
 namespace {
 
@@ -37,7 +37,7 @@ Result<StagedScene> StagedScene::make(SceneSource still, const Motion& motion) {
   if (geometry.empty() || geometry.diagonal() <= 0) {
     return Error{Code::kFailedPrecondition, "the static scene has no triangles", "NO_TRIANGLES"};
   }
-  const scenegraph::DoubleBox& frames = motion.bounds();
+  const scenegraph::model::DoubleBox& frames = motion.bounds();
   const double s = kTimesTheFrames * length(frames.hi - frames.lo) / geometry.diagonal();
   const Vec3d middle = (frames.lo + frames.hi) * 0.5;
   const Vec3d from{geometry.center().x, geometry.hi().y, geometry.center().z};
@@ -66,7 +66,7 @@ SceneSource StagedScene::at(const Motion& motion, std::size_t frame) const {
 }
 
 Result<std::unique_ptr<LiveStage>> LiveStage::make(const StagedScene& scene,
-                                                   const accel::AnyBuilder& builder) {
+                                                   const accel::published::AnyBuilder& builder) {
   auto stage = std::make_unique<LiveStage>();
   if (Status filled = fill(stage->scene_, scene.source, builder); !filled) return filled.error();
   stage->first_moving_ = node_id(scene.still);
@@ -75,7 +75,7 @@ Result<std::unique_ptr<LiveStage>> LiveStage::make(const StagedScene& scene,
 }
 
 Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
-  const std::vector<scenegraph::Update> updates = motion.updates(frame, first_moving_);
+  const std::vector<scenegraph::model::Update> updates = motion.updates(frame, first_moving_);
   const Stopwatch clock;
   const auto applied = scene_.apply(updates);
   if (!applied) return applied.error();
@@ -88,12 +88,13 @@ Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
   return seconds;
 }
 
-Status LiveStage::look_behind(const Motion& motion, std::span<const accel::Ray> rays) const {
-  std::vector<scenegraph::NodeId> moving(motion.nodes());
+Status LiveStage::look_behind(const Motion& motion,
+                              std::span<const accel::geometry::Ray> rays) const {
+  std::vector<scenegraph::model::NodeId> moving(motion.nodes());
   std::iota(moving.begin(), moving.end(), first_moving_);
-  const auto still = scenegraph::Selection::make(now_, 0, moving);
+  const auto still = scenegraph::instances::Selection::make(now_, 0, moving);
   if (!still) return still.error();
-  std::vector<accel::Hit> hits(rays.size());
+  std::vector<accel::geometry::Hit> hits(rays.size());
   const auto traced =
       scenegraph::trace(*now_, rays, hits, {.surface = false, .selection = &*still});
   return traced ? Status() : Status(traced.error());

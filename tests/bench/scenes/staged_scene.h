@@ -32,18 +32,18 @@ struct StagedScene {
 class LiveStage {
  public:
   static Result<std::unique_ptr<LiveStage>> make(const StagedScene& scene,
-                                                 const accel::AnyBuilder& builder);
+                                                 const accel::published::AnyBuilder& builder);
 
   /// Makes the frame the newest revision. Returns the seconds that applying took.
   Result<double> advance(const Motion& motion, std::size_t frame);
-  const scenegraph::Snapshot& now() const { return *now_; }
+  const scenegraph::revision::Snapshot& now() const { return *now_; }
   /// Traces the rays at what stands still, so that it is grown behind what moves, too.
-  Status look_behind(const Motion& motion, std::span<const accel::Ray> rays) const;
+  Status look_behind(const Motion& motion, std::span<const accel::geometry::Ray> rays) const;
 
  private:
   scenegraph::Scene scene_;
-  scenegraph::NodeId first_moving_ = 0;
-  std::shared_ptr<const scenegraph::Snapshot> now_;
+  scenegraph::model::NodeId first_moving_ = 0;
+  std::shared_ptr<const scenegraph::revision::Snapshot> now_;
 };
 
 }  // namespace sightline::bench

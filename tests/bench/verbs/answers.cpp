@@ -15,12 +15,12 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
 using scenegraph::RayTally;
-using SnapshotPtr = std::shared_ptr<const scenegraph::Snapshot>;
+using SnapshotPtr = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
 constexpr std::array<int, 3> kThreads{1, 2, kMostAnswerThreads};
 // Rays a batch; 0: all in one.
@@ -72,7 +72,7 @@ class Prints {
 };
 
 // Answers one batch, whose rays have these places, in one of the four kinds.
-Status answer(const scenegraph::Snapshot& snapshot, std::span<const Ray> rays,
+Status answer(const scenegraph::revision::Snapshot& snapshot, std::span<const Ray> rays,
               std::span<const std::size_t> places, QueryKind kind, Prints& prints) {
   const scenegraph::TraceOptions options{.kind = kind};
   std::vector<Hit> hits;
@@ -201,7 +201,7 @@ class Run {
 std::vector<std::string> builders_for(const SceneSource& scene, const AnswersOptions& options) {
   if (!options.builders.empty()) return options.builders;
   std::vector<std::string> names;
-  for (const std::string_view name : accel::builder_names()) {
+  for (const std::string_view name : accel::published::builder_names()) {
     if (name == "sah-naive" && scene.unique_triangles() > kMostNaive) {
       fmt::print(stderr, "sightline-bench: no rows for sah-naive: over {} triangles\n", kMostNaive);
       continue;

@@ -15,7 +15,7 @@ struct Measured {
   std::vector<double> build_ms;
   std::uint64_t bytes_final = 0, bytes_peak = 0;
   scenegraph::TraceStats stats;
-  accel::TreeMetrics metrics;
+  accel::kdtree::TreeMetrics metrics;
   std::optional<double> end_points;
 };
 
@@ -27,24 +27,24 @@ class Sample {
     auto rays = make_rays(scene, {.kind = "random", .count = kRays}, seed);
     // A scene without triangles has nothing to be wrong about.
     if (!rays.ok() && rays.error().code == Code::kFailedPrecondition)
-      rays = std::vector<accel::Ray>{};
+      rays = std::vector<accel::geometry::Ray>{};
     if (!rays.ok()) return rays.error();
     auto check = AnswerCheck::make(scene, *rays, scenegraph::QueryKind::kClosest);
     if (!check.ok()) return check.error();
     return Sample(std::move(rays).value(), std::move(check).value());
   }
 
-  Status check(const scenegraph::Snapshot& snapshot) const {
-    std::vector<accel::Hit> hits(rays_.size());
+  Status check(const scenegraph::revision::Snapshot& snapshot) const {
+    std::vector<accel::geometry::Hit> hits(rays_.size());
     auto traced = scenegraph::trace(snapshot, rays_, hits,
                                     {.growth = scenegraph::Growth::kNone, .surface = false});
     return traced.ok() ? check_(hits) : traced.error();
   }
 
  private:
-  Sample(std::vector<accel::Ray> rays, AnswerCheck check)
+  Sample(std::vector<accel::geometry::Ray> rays, AnswerCheck check)
       : rays_(std::move(rays)), check_(std::move(check)) {}
-  std::vector<accel::Ray> rays_;
+  std::vector<accel::geometry::Ray> rays_;
   AnswerCheck check_;
 };
 
@@ -60,7 +60,7 @@ Status warm_up(const SceneSource& scene, const std::vector<Contender>& contender
   return {};
 }
 
-Status measure_ours(const SceneSource& scene, const accel::AnyBuilder& builder,
+Status measure_ours(const SceneSource& scene, const accel::published::AnyBuilder& builder,
                     const Sample& sample, bool end_points, Measured& measured) {
   auto snapshot = assemble(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
@@ -141,7 +141,7 @@ Result<std::vector<Row>> run_build(const CommonOptions& common, const BuildOptio
   std::vector<Measured> measured(contenders->size());
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     for (std::size_t b = 0; b < contenders->size(); ++b) {
-      const accel::AnyBuilder* ours = (*contenders)[b].ours();
+      const accel::published::AnyBuilder* ours = (*contenders)[b].ours();
       const Status done =
           ours != nullptr ? measure_ours(*scene, *ours, *sample, options.end_points, measured[b])
                           : measure_embree(*(*peers)[b], measured[b]);

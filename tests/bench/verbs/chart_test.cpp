@@ -147,7 +147,7 @@ TEST(ChartConfigurations, EachIsThereOnceAndEveryBuilderAsItIsToo) {
   for (const auto& [builder, count] : usual) EXPECT_EQ(count, 1) << builder;
   EXPECT_TRUE(texts.contains(std::string(kExactSweep)));
   // Those that compare every pair of bounds are for small scenes.
-  for (const std::string_view name : accel::builder_names()) {
+  for (const std::string_view name : accel::published::builder_names()) {
     const bool slow = name == "sah-naive" || name == "sah-sort";
     EXPECT_EQ(usual.contains(std::string(name)), !slow) << name;
   }

@@ -12,12 +12,12 @@ Error invalid(std::string message) {
   return {Code::kInvalidArgument, std::move(message), "COMMAND_LINE"};
 }
 
-Status set_pair(accel::AnyBuilder& builder, std::string_view pair) {
+Status set_pair(accel::published::AnyBuilder& builder, std::string_view pair) {
   const std::size_t equals = pair.find('=');
   if (equals == std::string_view::npos) {
     return invalid(fmt::format("builder parameter \"{}\" is not key=value", pair));
   }
-  return accel::set_parameter(builder, pair.substr(0, equals), pair.substr(equals + 1));
+  return accel::published::set_parameter(builder, pair.substr(0, equals), pair.substr(equals + 1));
 }
 
 }  // namespace
@@ -48,11 +48,13 @@ Result<std::vector<Contender>> parse_contenders(const std::vector<std::string>& 
   return contenders;
 }
 
-Result<accel::AnyBuilder> configured_builder(const std::string& text, const CommonOptions& common) {
+Result<accel::published::AnyBuilder> configured_builder(const std::string& text,
+                                                        const CommonOptions& common) {
   const std::size_t question = text.find('?');
   const std::string name = text.substr(0, question);
-  auto builder = name.empty() ? Result<accel::AnyBuilder>(accel::default_builder())
-                              : accel::make_builder(name);
+  auto builder = name.empty()
+                     ? Result<accel::published::AnyBuilder>(accel::published::default_builder())
+                     : accel::published::make_builder(name);
   if (!builder.ok()) return builder.error();
   for (const std::string& pair : common.set) {
     if (auto set = set_pair(*builder, pair); !set.ok()) return set.error();
@@ -67,8 +69,8 @@ Result<accel::AnyBuilder> configured_builder(const std::string& text, const Comm
   return builder;
 }
 
-std::optional<BuildCosts> build_costs(const accel::AnyBuilder& builder) {
-  if (const auto* bvh = std::get_if<accel::BvhBuilder>(&builder))
+std::optional<BuildCosts> build_costs(const accel::published::AnyBuilder& builder) {
+  if (const auto* bvh = std::get_if<accel::published::bvh::BvhBuilder>(&builder))
     return BuildCosts{bvh->leaf.traverse, bvh->leaf.intersect};
   return std::visit(
       [](const auto& b) -> std::optional<BuildCosts> {
@@ -80,7 +82,7 @@ std::optional<BuildCosts> build_costs(const accel::AnyBuilder& builder) {
           return std::nullopt;
         }
       },
-      std::get<accel::KdBuilder>(builder));
+      std::get<accel::split::KdBuilder>(builder));
 }
 
 Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(

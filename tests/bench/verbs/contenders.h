@@ -17,9 +17,11 @@ namespace sightline::bench {
 
 struct Contender {
   std::string name{};
-  std::variant<accel::AnyBuilder, EmbreeSettings> what{};
+  std::variant<accel::published::AnyBuilder, EmbreeSettings> what{};
 
-  const accel::AnyBuilder* ours() const { return std::get_if<accel::AnyBuilder>(&what); }
+  const accel::published::AnyBuilder* ours() const {
+    return std::get_if<accel::published::AnyBuilder>(&what);
+  }
   const EmbreeSettings* embree() const { return std::get_if<EmbreeSettings>(&what); }
 };
 
@@ -31,13 +33,14 @@ Result<std::vector<Contender>> parse_contenders(const std::vector<std::string>& 
 
 /// One of our builders with the --set parameters, then its own: NAME?key=value&key=value. An empty
 /// name: the default builder.
-Result<accel::AnyBuilder> configured_builder(const std::string& text, const CommonOptions& common);
+Result<accel::published::AnyBuilder> configured_builder(const std::string& text,
+                                                        const CommonOptions& common);
 
 struct BuildCosts {
   double traverse = 0, intersect = 0;
 };
 /// What the builder weighs costs by; nothing if it does not.
-std::optional<BuildCosts> build_costs(const accel::AnyBuilder& builder);
+std::optional<BuildCosts> build_costs(const accel::published::AnyBuilder& builder);
 
 /// A peer a contender, null for ours, each warmed by a build that is not counted.
 Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(

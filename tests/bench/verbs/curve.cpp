@@ -17,8 +17,8 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Aabb;
-using accel::BoxRef;
+using accel::geometry::Aabb;
+using accel::kdtree::BoxRef;
 
 // The scene's triangles in the world as the builder would see them.
 std::vector<BoxRef> world_boxes(const SceneGeometry& geometry) {
@@ -26,8 +26,9 @@ std::vector<BoxRef> world_boxes(const SceneGeometry& geometry) {
   refs.reserve(geometry.triangles());
   for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
     Aabb box;
-    for (const accel::Vec3d& corner : geometry.triangle(n)) box.grow(accel::Vec3f(corner));
-    box = accel::widen_flat(box);
+    for (const accel::geometry::Vec3d& corner : geometry.triangle(n))
+      box.grow(accel::geometry::Vec3f(corner));
+    box = accel::geometry::widen_flat(box);
     refs.push_back({box.lo, static_cast<std::uint32_t>(n), box.hi, 1});
   }
   return refs;
@@ -36,8 +37,8 @@ std::vector<BoxRef> world_boxes(const SceneGeometry& geometry) {
 struct Curve {
   std::string scene;
   char axis;
-  accel::SahConstants cost;
-  accel::CutAreas areas;
+  accel::split::SahConstants cost;
+  accel::split::CutAreas areas;
 
   Row row(const char* what, double x, double left, double right) const {
     Row row;
@@ -83,7 +84,8 @@ std::vector<float> stations(const tests::TrueCounts& truth, float lo, float hi, 
 Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options) {
   const auto builder = configured_builder("scan-one-axis", common);
   if (!builder.ok()) return builder.error();
-  const auto& scan = std::get<accel::ScanBuilder>(std::get<accel::KdBuilder>(*builder));
+  const auto& scan =
+      std::get<accel::split::ScanBuilder>(std::get<accel::split::KdBuilder>(*builder));
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   const SceneGeometry geometry(*scene);
@@ -96,8 +98,8 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
 
   const int axis = options.axis - 'x';
   const auto a = static_cast<std::size_t>(axis);
-  const Curve curve{common.scene, options.axis, scan.cost, accel::CutAreas(cell, axis)};
-  accel::BuildCounters counters;
+  const Curve curve{common.scene, options.axis, scan.cost, accel::split::CutAreas(cell, axis)};
+  accel::kdtree::BuildCounters counters;
   const auto uniform =
       sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples, 0, counters)[a];
   const auto both = sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples,
@@ -107,14 +109,15 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
 
   std::vector<Row> rows;
   for (std::size_t i = 0; i < uniform.size; ++i) {
-    const accel::Sample& s = uniform.at[i];
+    const accel::published::kd::Sample& s = uniform.at[i];
     rows.push_back(curve.row("uniform", s.position, s.left, s.right));
   }
   for (std::size_t i = 0; i < both.size; ++i) {
-    const accel::Sample& s = both.at[i];
+    const accel::published::kd::Sample& s = both.at[i];
     const auto first = uniform.at.begin();
-    const bool old = std::any_of(first, first + static_cast<std::ptrdiff_t>(uniform.size),
-                                 [&](const accel::Sample& u) { return u.position == s.position; });
+    const bool old = std::any_of(
+        first, first + static_cast<std::ptrdiff_t>(uniform.size),
+        [&](const accel::published::kd::Sample& u) { return u.position == s.position; });
     if (!old) rows.push_back(curve.row("adaptive", s.position, s.left, s.right));
   }
   for (const float at : stations(truth, cell.lo[a], cell.hi[a], options.points)) {

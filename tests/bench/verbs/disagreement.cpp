@@ -14,15 +14,16 @@ namespace {
 constexpr std::size_t kMostChecked = 4096;
 constexpr tests::Tolerance kExcuse{.t = 1e-5, .edge = 1e-5};
 
-bool same(const accel::Hit& a, const accel::Hit& b, bool any) {
+bool same(const accel::geometry::Hit& a, const accel::geometry::Hit& b, bool any) {
   return a.state == b.state && (any || (a.node == b.node && a.primitive == b.primitive));
 }
 
 }  // namespace
 
-Disagreement explain(std::shared_ptr<const scenegraph::Snapshot> snapshot,
-                     std::span<const accel::Ray> rays, std::span<const accel::Hit> ours,
-                     std::span<const accel::Hit> theirs, bool any) {
+Disagreement explain(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
+                     std::span<const accel::geometry::Ray> rays,
+                     std::span<const accel::geometry::Hit> ours,
+                     std::span<const accel::geometry::Hit> theirs, bool any) {
   std::vector<std::size_t> differing;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!same(ours[i], theirs[i], any)) differing.push_back(i);
@@ -32,8 +33,8 @@ Disagreement explain(std::shared_ptr<const scenegraph::Snapshot> snapshot,
   result.checked = std::min(kMostChecked, differing.size());
   if (result.checked == 0) return result;
 
-  std::vector<accel::Ray> some_rays;
-  std::vector<accel::Hit> some_hits;
+  std::vector<accel::geometry::Ray> some_rays;
+  std::vector<accel::geometry::Hit> some_hits;
   for (std::size_t k = 0; k < result.checked; ++k) {
     const std::size_t i = differing[k * differing.size() / result.checked];
     some_rays.push_back(rays[i]);

@@ -18,8 +18,9 @@ struct Disagreement {
 };
 
 /// Ours are taken for right (they are checked elsewhere). For `any`, hit or miss alone counts.
-Disagreement explain(std::shared_ptr<const scenegraph::Snapshot> snapshot,
-                     std::span<const accel::Ray> rays, std::span<const accel::Hit> ours,
-                     std::span<const accel::Hit> theirs, bool any);
+Disagreement explain(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
+                     std::span<const accel::geometry::Ray> rays,
+                     std::span<const accel::geometry::Hit> ours,
+                     std::span<const accel::geometry::Hit> theirs, bool any);
 
 }  // namespace sightline::bench

@@ -45,7 +45,7 @@ Status trace_still(const FrameView& view, const Seen& seen, Still& still) {
   if (!first.ok()) return first.error();
   double seconds = *first;
   if (view.shadow) {
-    std::vector<accel::Hit> hits(seen.shadow_rays.size());
+    std::vector<accel::geometry::Hit> hits(seen.shadow_rays.size());
     const Stopwatch clock;
     const auto traced = scenegraph::trace(*still.snapshot, seen.shadow_rays, hits,
                                           {.kind = scenegraph::QueryKind::kAny, .surface = false});
@@ -84,7 +84,7 @@ Status play_peer(const Show& show, std::size_t frame, const Seen& seen, Peer& pe
 struct Kept {
   std::size_t frame;
   Seen seen;
-  std::vector<std::vector<accel::Hit>> of_peers;
+  std::vector<std::vector<accel::geometry::Hit>> of_peers;
 };
 
 Status check_kept(Show& show, const std::vector<Kept>& kept) {

@@ -32,13 +32,13 @@ struct Peer {
   std::string name;  ///< As a part of keys.
   std::unique_ptr<EmbreeMover> mover;
   std::vector<Cost> costs;
-  std::vector<accel::Hit> hits, shadowed;
+  std::vector<accel::geometry::Hit> hits, shadowed;
   Disagreement disagreement;
 };
 
 /// What stands still, alone.
 struct Still {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;  ///< Null: nothing stands still.
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;  ///< Null: nothing stands still.
   std::vector<double> trace;
 };
 

@@ -16,7 +16,7 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 // A directory of pyramids whose top moves.
 class Frames : public testing::Test {
@@ -52,8 +52,8 @@ TEST_F(Frames, OfADirectoryDeformSideBySide) {
   EXPECT_FALSE(motion->rigid());
   const auto updates = motion->updates(1, 10);
   ASSERT_EQ(updates.size(), 4u);
-  const auto& patch = std::get<scenegraph::PatchVertices>(updates[2]);
-  EXPECT_EQ(patch.nodes, std::vector<scenegraph::NodeRef>{12});
+  const auto& patch = std::get<scenegraph::model::PatchVertices>(updates[2]);
+  EXPECT_EQ(patch.nodes, std::vector<scenegraph::model::NodeRef>{12});
   EXPECT_EQ(patch.positions, motion->vertices(2, 1));
   EXPECT_NE(motion->vertices(0, 0), motion->vertices(0, 1));
   EXPECT_EQ(motion->vertices(0, 0), motion->vertices(0, 3));
@@ -93,7 +93,7 @@ TEST(StagedScene, TheStaticPartIsTenTimesAsLargeAndUnderneath) {
   ASSERT_TRUE(staged.ok());
   const SceneSource still = staged->only_still();
   const SceneGeometry geometry(still);
-  const scenegraph::DoubleBox& frames = motion->bounds();
+  const scenegraph::model::DoubleBox& frames = motion->bounds();
   const double diagonal = length(frames.hi - frames.lo);
   EXPECT_NEAR(geometry.diagonal(), 10 * diagonal, 1e-4 * diagonal);
   EXPECT_NEAR(geometry.hi().y, frames.lo.y, 1e-4 * diagonal);

@@ -22,12 +22,13 @@ constexpr std::size_t kStretch = 32 * scenegraph::kRaysPerBlock;
 enum Method : std::size_t { kProduct, kExact, kPlain, kMethods };
 
 struct Timed {
-  const scenegraph::Snapshot& snapshot;
-  std::span<const accel::Ray> rays;
-  std::array<std::vector<accel::Hit>, kMethods> hits;
+  const scenegraph::revision::Snapshot& snapshot;
+  std::span<const accel::geometry::Ray> rays;
+  std::array<std::vector<accel::geometry::Hit>, kMethods> hits;
   std::array<std::vector<double>, kMethods> least;  // seconds, by stretch
 
-  Timed(const scenegraph::Snapshot& s, std::span<const accel::Ray> r) : snapshot(s), rays(r) {
+  Timed(const scenegraph::revision::Snapshot& s, std::span<const accel::geometry::Ray> r)
+      : snapshot(s), rays(r) {
     const std::size_t stretches = (rays.size() + kStretch - 1) / kStretch;
     for (std::size_t m = 0; m < kMethods; ++m) {
       hits[m].resize(rays.size());
@@ -115,7 +116,7 @@ Result<std::vector<Row>> run_exactness(const CommonOptions& common,
                                        const ExactnessOptions& options) {
   const auto builder = configured_builder(options.builder, common);
   if (!builder.ok()) return builder.error();
-  if (std::holds_alternative<accel::BvhBuilder>(*builder)) {
+  if (std::holds_alternative<accel::published::bvh::BvhBuilder>(*builder)) {
     return Error{Code::kInvalidArgument,
                  options.builder + ": exactness walks kd-trees; for hierarchies, see trace",
                  "COMMAND_LINE"};

@@ -10,13 +10,13 @@
 
 namespace sightline::bench {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 using scenegraph::QueryKind;
 
 namespace {
 
-Result<double> timed(const scenegraph::Snapshot& snapshot, const std::vector<Ray>& rays,
+Result<double> timed(const scenegraph::revision::Snapshot& snapshot, const std::vector<Ray>& rays,
                      QueryKind kind, std::vector<Hit>& hits, scenegraph::TraceStats& stats) {
   hits.resize(rays.size());
   const Stopwatch clock;
@@ -52,7 +52,7 @@ std::vector<Ray> FrameView::shadow_rays(std::span<const Hit> hits) const {
   std::vector<Ray> toward_light;
   if (!shadow) return toward_light;
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].state != accel::HitState::kHit) continue;
+    if (hits[i].state != accel::geometry::HitState::kHit) continue;
     Ray ray;
     ray.origin = rays[i].origin + rays[i].direction * hits[i].t;
     ray.direction = light - ray.origin;
@@ -68,8 +68,8 @@ std::string Seen::hash() const {
   return shadowed.empty() ? primary : primary + "-" + hit_hash(shadowed, QueryKind::kAny);
 }
 
-Result<double> look(const scenegraph::Snapshot& snapshot, const FrameView& view, Seen& seen,
-                    scenegraph::TraceStats& stats) {
+Result<double> look(const scenegraph::revision::Snapshot& snapshot, const FrameView& view,
+                    Seen& seen, scenegraph::TraceStats& stats) {
   const auto primary = timed(snapshot, view.rays, QueryKind::kClosest, seen.hits, stats);
   if (!primary.ok() || !view.shadow) return primary;
   seen.shadow_rays = view.shadow_rays(seen.hits);
@@ -78,13 +78,13 @@ Result<double> look(const scenegraph::Snapshot& snapshot, const FrameView& view,
   return *primary + *shadow;
 }
 
-Result<std::shared_ptr<const scenegraph::Snapshot>> check_frame(const StagedScene& scene,
-                                                                const Motion& motion,
-                                                                std::size_t frame,
-                                                                const FrameView& view,
-                                                                const Seen& seen) {
+Result<std::shared_ptr<const scenegraph::revision::Snapshot>> check_frame(const StagedScene& scene,
+                                                                          const Motion& motion,
+                                                                          std::size_t frame,
+                                                                          const FrameView& view,
+                                                                          const Seen& seen) {
   const SceneSource posed = scene.at(motion, frame);
-  auto fresh = assemble(posed, accel::default_builder());
+  auto fresh = assemble(posed, accel::published::default_builder());
   if (!fresh.ok()) return fresh.error();
   if (const auto built = scenegraph::build_all(**fresh); !built.ok()) return built.error();
   Seen again;

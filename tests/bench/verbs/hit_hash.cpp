@@ -5,7 +5,7 @@
 
 namespace sightline::bench {
 
-void Fingerprint::add_columns(const accel::Hit& hit) {
+void Fingerprint::add_columns(const accel::geometry::Hit& hit) {
   add(static_cast<std::uint64_t>(hit.state), 1);
   add_bits(hit.t);
   add(hit.node);
@@ -17,9 +17,9 @@ void Fingerprint::add_columns(const accel::Hit& hit) {
 
 std::string Fingerprint::text() const { return fmt::format("{:016x}", hash_); }
 
-std::string hit_hash(std::span<const accel::Hit> hits, scenegraph::QueryKind kind) {
+std::string hit_hash(std::span<const accel::geometry::Hit> hits, scenegraph::QueryKind kind) {
   Fingerprint print;
-  for (const accel::Hit& hit : hits) {
+  for (const accel::geometry::Hit& hit : hits) {
     print.add(static_cast<std::uint64_t>(hit.state), 1);
     if (kind == scenegraph::QueryKind::kAny) continue;
     print.add(hit.node);

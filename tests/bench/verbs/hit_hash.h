@@ -24,7 +24,7 @@ class Fingerprint {
   void add_bits(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   void add_bits(float value) { add(std::bit_cast<std::uint32_t>(value), 4); }
   /// All columns: state, t, node, primitive, weights, normal; not the work.
-  void add_columns(const accel::Hit& hit);
+  void add_columns(const accel::geometry::Hit& hit);
 
   std::uint64_t value() const { return hash_; }
   /// As 16 hexadecimal digits.
@@ -35,6 +35,6 @@ class Fingerprint {
 };
 
 /// Over (hit, node, primitive) of every ray in order; for kAny over hit alone.
-std::string hit_hash(std::span<const accel::Hit> hits, scenegraph::QueryKind kind);
+std::string hit_hash(std::span<const accel::geometry::Hit> hits, scenegraph::QueryKind kind);
 
 }  // namespace sightline::bench

@@ -13,11 +13,11 @@
 namespace sightline::bench {
 namespace {
 
-using accel::BoxRef;
-using accel::FirstAxis;
-using accel::kFirstPlanes;
-using accel::kScanWidth;
-using accel::PlaneCounts;
+using accel::kdtree::BoxRef;
+using accel::split::FirstAxis;
+using accel::split::kFirstPlanes;
+using accel::split::kScanWidth;
+using accel::split::PlaneCounts;
 using tests::Random;
 
 constexpr double kSecondsPerRun = 0.05;
@@ -66,13 +66,13 @@ class Bench {
  public:
   explicit Bench(std::size_t count, std::uint64_t seed)
       : boxes_(random_boxes(count, seed)), left_(count), right_(count) {
-    const accel::Aabb cube{{0, 0, 0}, {1, 1, 1}};
-    few_ = accel::first_planes(cube, kFirstPlanes).at;
+    const accel::geometry::Aabb cube{{0, 0, 0}, {1, 1, 1}};
+    few_ = accel::split::first_planes(cube, kFirstPlanes).at;
     for (std::size_t p = 0; p < kScanWidth; ++p) {
       wide_[p] = (static_cast<float>(p) + 0.5f) / static_cast<float>(kScanWidth);
     }
-    scans_.left_planes = accel::first_planes({{0, 0, 0}, {kCut, 1, 1}}, kFirstPlanes);
-    scans_.right_planes = accel::first_planes({{kCut, 0, 0}, {1, 1, 1}}, kFirstPlanes);
+    scans_.left_planes = accel::split::first_planes({{0, 0, 0}, {kCut, 1, 1}}, kFirstPlanes);
+    scans_.right_planes = accel::split::first_planes({{kCut, 0, 0}, {1, 1, 1}}, kFirstPlanes);
   }
 
   std::vector<Pass> passes() {
@@ -100,25 +100,25 @@ class Bench {
 
   void scan_three() {
     three_ = {};
-    accel::scan_three_axes(boxes_, few_, three_);
+    accel::split::scan_three_axes(boxes_, few_, three_);
   }
   void scan_one() {
     one_ = {};
-    accel::scan_one_axis(boxes_, 0, few_[0], one_);
+    accel::split::scan_one_axis(boxes_, 0, few_[0], one_);
   }
   void scan_wide() {
     many_ = {};
     near_ = {};
-    accel::scan_wide_axis(boxes_, 0, wide_, many_, near_);
+    accel::split::scan_wide_axis(boxes_, 0, wide_, many_, near_);
   }
-  void sift() { sifted_ = accel::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
+  void sift() { sifted_ = accel::grow::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
   void sift_and_scan() {
     scans_.left = scans_.right = {};
-    sifted_ = accel::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
+    sifted_ = accel::split::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
   }
 
   bool neighbours_right() const {
-    accel::PlaneNeighbours near;
+    accel::split::PlaneNeighbours near;
     for (std::size_t p = 0; p < kScanWidth; ++p) {
       for (const BoxRef& box : boxes_) {
         const float x = wide_[p], lo = box.lo[0], hi = box.hi[0];
@@ -156,13 +156,13 @@ class Bench {
 
   std::vector<BoxRef> boxes_, left_, right_;
   std::array<FirstAxis, 3> few_{};
-  accel::WideAxis wide_{};
+  accel::split::WideAxis wide_{};
   std::array<PlaneCounts<kFirstPlanes>, 3> three_;
   PlaneCounts<kFirstPlanes> one_;
   PlaneCounts<kScanWidth> many_;
-  accel::PlaneNeighbours near_;
-  accel::Sifted sifted_;
-  accel::FirstScans scans_{};
+  accel::split::PlaneNeighbours near_;
+  accel::grow::Sifted sifted_;
+  accel::split::FirstScans scans_{};
 };
 
 // Boxes a second of many passes one after the other.
@@ -198,7 +198,7 @@ Result<std::vector<Row>> run_kernel(const CommonOptions& common, const KernelOpt
       const auto comparisons = static_cast<double>(pass.planes * pass.axes);
       Row row;
       row["pass"] = pass.name;
-      row["target"] = accel::simd_target();
+      row["target"] = accel::split::simd_target();
       row["boxes"] = count;
       row["kib"] = count * sizeof(BoxRef) / 1024;
       row["planes"] = pass.planes;

@@ -17,24 +17,24 @@
 namespace sightline::bench {
 namespace {
 
-using accel::AtomicSlot;
-using accel::DeferredCell;
-using accel::Hit;
-using accel::LocalRay;
-using accel::MeshView;
-using accel::Ray;
-using accel::TreeRay;
-using accel::Unbuilt;
-using accel::WalkCounters;
-using scenegraph::Instance;
-using scenegraph::Instances;
+using accel::geometry::Hit;
+using accel::geometry::LocalRay;
+using accel::geometry::MeshView;
+using accel::geometry::Ray;
+using accel::kdtree::AtomicSlot;
+using accel::kdtree::DeferredCell;
+using accel::kdtree::TreeRay;
+using accel::kdtree::Unbuilt;
+using accel::kdtree::WalkCounters;
+using scenegraph::instances::Instance;
+using scenegraph::instances::Instances;
 
 class Exact {
  public:
   explicit Exact(const LocalRay& ray) : ray_(ray) {}
-  std::optional<double> operator()(const accel::Vec3f& a, const accel::Vec3f& b,
-                                   const accel::Vec3f& c) const {
-    return accel::intersect(ray_, a, b, c);
+  std::optional<double> operator()(const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b,
+                                   const accel::geometry::Vec3f& c) const {
+    return accel::geometry::intersect(ray_, a, b, c);
   }
 
  private:
@@ -60,10 +60,10 @@ class Nearest {
     best_.t = t;
     best_.node = node;
     best_.primitive = primitive;
-    best_.state = accel::HitState::kHit;
+    best_.state = accel::geometry::HitState::kHit;
   }
 
-  Hit hit() const { return best_.state == accel::HitState::kHit ? best_ : Hit{}; }
+  Hit hit() const { return best_.state == accel::geometry::HitState::kHit ? best_ : Hit{}; }
 
  private:
   double tmin_, tmax_;
@@ -106,7 +106,7 @@ struct MeshVisit {
 
   void test(std::uint32_t id) {
     ++walked.tests;
-    const accel::Face& f = mesh.faces[id];
+    const accel::geometry::Face& f = mesh.faces[id];
     const std::optional<double> local =
         triangle(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
     if (local) answer.offer(*local * ray.local->unit, node, id);
@@ -119,22 +119,22 @@ struct MeshVisit {
 
   Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
-      if (const auto box = accel::face_bounds(mesh, id)) search(id, *box);
+      if (const auto box = accel::mesh::face_bounds(mesh, id)) search(id, *box);
     }
     return Unbuilt::kDone;
   }
 
-  void search(std::uint32_t id, const accel::Aabb& box) {
+  void search(std::uint32_t id, const accel::geometry::Aabb& box) {
     if (may_meet(ray, box, limit())) test(id);
   }
 };
 
 template <class Visit>
-void walk_from_root(const accel::KdTree& tree, const TreeRay& ray, WalkCounters& walked,
+void walk_from_root(const accel::kdtree::KdTree& tree, const TreeRay& ray, WalkCounters& walked,
                     Visit& visit) {
   // Nothing is grown here, so a copy of the root's slot serves as well as the slot.
   AtomicSlot root(tree.root().load(std::memory_order_acquire));
-  accel::walk(tree, ray, root, walked, visit);
+  accel::kdtree::walk(tree, ray, root, walked, visit);
 }
 
 template <class Test, class Answer>
@@ -166,17 +166,18 @@ struct SceneVisit {
     if (std::find(recent.begin(), recent.end(), id) != recent.end()) return;
     recent[next_recent++ % recent.size()] = id;
     TreeRay in_box;
-    if (!accel::enter(centered, instance.box, answer.tmin() / centered.unit,
-                      answer.tmax() / centered.unit, in_box)) {
+    if (!accel::kdtree::enter(centered, instance.box, answer.tmin() / centered.unit,
+                              answer.tmax() / centered.unit, in_box)) {
       return;
     }
-    const auto local = accel::make_local_ray(instance.local_from_world.point(ray.origin),
-                                             instance.local_from_world.direction(ray.direction));
+    const auto local =
+        accel::geometry::make_local_ray(instance.local_from_world.point(ray.origin),
+                                        instance.local_from_world.direction(ray.direction));
     if (!local) return;
-    const accel::KdTree& tree = *instance.mesh->tree().kd();
+    const accel::kdtree::KdTree& tree = *instance.mesh->tree().kd();
     TreeRay in_mesh;
-    if (!accel::enter(*local, tree.bounds(), answer.tmin() / local->unit,
-                      answer.tmax() / local->unit, in_mesh)) {
+    if (!accel::kdtree::enter(*local, tree.bounds(), answer.tmin() / local->unit,
+                              answer.tmax() / local->unit, in_mesh)) {
       return;
     }
     const MeshView mesh = instance.mesh->view();
@@ -189,12 +190,13 @@ struct SceneVisit {
 template <class Test, class Answer>
 Answer cast(const Instances& instances, const Ray& ray) {
   Answer answer(ray);
-  const auto centered = accel::make_local_ray(ray.origin - instances.center(), ray.direction);
-  const accel::KdTree& tree = instances.tree().tree();
+  const auto centered =
+      accel::geometry::make_local_ray(ray.origin - instances.center(), ray.direction);
+  const accel::kdtree::KdTree& tree = instances.tree().tree();
   TreeRay scene_ray;
   if (!centered || instances.list().empty() ||
-      !accel::enter(*centered, tree.bounds(), ray.tmin / centered->unit, ray.tmax / centered->unit,
-                    scene_ray)) {
+      !accel::kdtree::enter(*centered, tree.bounds(), ray.tmin / centered->unit,
+                            ray.tmax / centered->unit, scene_ray)) {
     return answer;
   }
   WalkCounters walked;
@@ -208,7 +210,7 @@ void in_blocks(std::size_t count, const Work& work) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, scenegraph::kRaysPerBlock),
       [&](const auto& range) {
-        const accel::EpochPin pin;
+        const accel::kdtree::EpochPin pin;
         for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
       },
       tbb::simple_partitioner{});

@@ -20,12 +20,13 @@ enum class TriangleTest : std::uint8_t {
 // cells that are not built are searched. The snapshot behind the instances must live.
 
 /// hits[i] is the nearest hit of rays[i]: t, node, primitive and state alone.
-void trace_closest(const scenegraph::Instances& instances, TriangleTest test,
-                   std::span<const accel::Ray> rays, std::span<accel::Hit> hits);
+void trace_closest(const scenegraph::instances::Instances& instances, TriangleTest test,
+                   std::span<const accel::geometry::Ray> rays,
+                   std::span<accel::geometry::Hit> hits);
 
 /// counts[i] is how many triangles rays[i] meets within its limits, each once however many cells
 /// hold it.
-void count_crossings(const scenegraph::Instances& instances, TriangleTest test,
-                     std::span<const accel::Ray> rays, std::span<std::uint32_t> counts);
+void count_crossings(const scenegraph::instances::Instances& instances, TriangleTest test,
+                     std::span<const accel::geometry::Ray> rays, std::span<std::uint32_t> counts);
 
 }  // namespace sightline::bench

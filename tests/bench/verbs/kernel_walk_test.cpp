@@ -13,16 +13,16 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using scenegraph::QueryKind;
 
 std::vector<Ray> some_rays(const SceneSource& scene, RayKind kind) {
   return make_rays(scene, kind, 700, 1).value();
 }
 
-std::vector<std::uint32_t> product_counts(const scenegraph::Snapshot& snapshot,
+std::vector<std::uint32_t> product_counts(const scenegraph::revision::Snapshot& snapshot,
                                           const std::vector<Ray>& rays) {
   std::vector<scenegraph::RayTally> tallies(rays.size());
   EXPECT_TRUE(scenegraph::count_hits(snapshot, rays, tallies, {.kind = QueryKind::kCount}).ok());
@@ -71,7 +71,7 @@ TEST(KernelWalk, PlainFloatAgreesAwayFromEdges) {
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(exact[i].state, plain[i].state) << i;
-    if (exact[i].state != accel::HitState::kHit) continue;
+    if (exact[i].state != accel::geometry::HitState::kHit) continue;
     ++hits;
     EXPECT_NEAR(exact[i].t, plain[i].t, 1e-5);
   }
@@ -80,16 +80,16 @@ TEST(KernelWalk, PlainFloatAgreesAwayFromEdges) {
 
 TEST(PlainFloat, HitsASharedEdgeFromBothSides) {
   // The fault that parity cannot live with; exact hits have one owner.
-  const accel::Vec3f a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{1, 1, 0};
-  const auto ray = accel::make_local_ray({0.5, 0.5, 1}, {0, 0, -2});
+  const accel::geometry::Vec3f a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{1, 1, 0};
+  const auto ray = accel::geometry::make_local_ray({0.5, 0.5, 1}, {0, 0, -2});
   const PlainFloat plain(*ray);
   ASSERT_TRUE(plain(a, b, c) && plain(b, d, c));
   EXPECT_EQ(*plain(a, b, c) * ray->unit, 0.5);
   EXPECT_EQ(*plain(c, b, a) * ray->unit, 0.5);
   EXPECT_FALSE(plain(a, b, {2, 0, 0}));
-  const auto beside = accel::make_local_ray({0.6, 0.6, 1}, {0, 0, -2});
+  const auto beside = accel::geometry::make_local_ray({0.6, 0.6, 1}, {0, 0, -2});
   EXPECT_FALSE(PlainFloat(*beside)(a, b, c));
-  const auto behind = accel::make_local_ray({0.25, 0.25, -1}, {0, 0, -1});
+  const auto behind = accel::geometry::make_local_ray({0.25, 0.25, -1}, {0, 0, -1});
   EXPECT_LT(*PlainFloat(*behind)(a, b, c), 0);
 }
 

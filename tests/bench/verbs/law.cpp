@@ -20,7 +20,7 @@ constexpr std::size_t kScattered[] = {1, 16, 256, 4096};
 
 struct Hierarchy {
   std::string name;
-  accel::References references;
+  accel::mesh::References references;
 };
 
 Result<std::vector<Hierarchy>> parse_hierarchies(std::vector<std::string> names) {
@@ -37,7 +37,7 @@ Result<std::vector<Hierarchy>> parse_hierarchies(std::vector<std::string> names)
 struct Task {
   const CommonOptions& common;
   const LawOptions& options;
-  accel::AnyBuilder builder;
+  accel::published::AnyBuilder builder;
   std::vector<Hierarchy> hierarchies;
 };
 

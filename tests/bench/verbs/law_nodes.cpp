@@ -13,9 +13,9 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 
 constexpr int kLeastTriangles = 14, kMostTriangles = 24;  // powers of two
 constexpr int kStep = 2;
@@ -26,13 +26,13 @@ constexpr std::size_t kRays = 10'000;
 std::vector<Ray> corner_view() { return pinhole({-20, 60, -20}, {40, 0, 40}, kRays); }
 
 struct World {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
   std::size_t nodes = 0;
   std::uint64_t triangles = 0;
 };
 
-Result<World> make_world(std::uint64_t houses, const accel::AnyBuilder& builder,
-                         accel::References references) {
+Result<World> make_world(std::uint64_t houses, const accel::published::AnyBuilder& builder,
+                         accel::mesh::References references) {
   SceneSource source = make_village(houses);
   World world;
   world.nodes = source.nodes.size();
@@ -44,7 +44,8 @@ Result<World> make_world(std::uint64_t houses, const accel::AnyBuilder& builder,
 }
 
 // The view's ray that is nearest to its middle and hits.
-Result<Ray> first_ray(const scenegraph::Snapshot& snapshot, const std::vector<Ray>& view) {
+Result<Ray> first_ray(const scenegraph::revision::Snapshot& snapshot,
+                      const std::vector<Ray>& view) {
   std::vector<Hit> hits(view.size());
   auto traced = scenegraph::trace(snapshot, view, hits, {.surface = false});
   if (!traced.ok()) return traced.error();
@@ -73,7 +74,8 @@ struct Timed {
 
 // Every repeat has a world of its own: nothing in it was ever asked for before the clock starts.
 Result<Timed> measure(std::uint64_t houses, const Ray& ray, const std::vector<Ray>& view,
-                      const accel::AnyBuilder& builder, accel::References references, int repeats) {
+                      const accel::published::AnyBuilder& builder,
+                      accel::mesh::References references, int repeats) {
   Timed timed;
   for (int repeat = 0; repeat < 2 * repeats; ++repeat) {
     const bool cold = repeat % 2 == 0;

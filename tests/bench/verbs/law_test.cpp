@@ -139,7 +139,7 @@ TEST(LawWindows, LieOverTheFootprintAndTakeTheirShare) {
       EXPECT_LE(w.hi_z, geometry.hi().z + 1e-9);
       EXPECT_NEAR((w.hi_x - w.lo_x) * (w.hi_z - w.lo_z), share * area, 1e-9 * area);
       EXPECT_GE(static_cast<double>(w.rays()), kLawRaysPerTriangle * share * 5000);
-      const accel::Ray last = w.ray(w.rays() - 1);
+      const accel::geometry::Ray last = w.ray(w.rays() - 1);
       EXPECT_LT(last.origin.x, w.hi_x);
       EXPECT_LT(last.origin.z, w.hi_z);
       EXPECT_GT(last.origin.y, geometry.hi().y);
@@ -152,13 +152,13 @@ TEST(SeenTriangles, AddUpOverBatches) {
   ASSERT_TRUE(scene.ok());
   const auto rays = make_rays(*scene, RayOptions{"overview", 400}, 1);
   ASSERT_TRUE(rays.ok());
-  const auto snapshot = assemble(*scene, accel::default_builder());
+  const auto snapshot = assemble(*scene, accel::published::default_builder());
   ASSERT_TRUE(snapshot.ok());
   SeenTriangles seen(**snapshot);
-  std::vector<accel::Hit> all;
+  std::vector<accel::geometry::Hit> all;
   for (std::size_t first = 0; first < rays->size(); first += 50) {
     const auto some = std::span(*rays).subspan(first, 50);
-    std::vector<accel::Hit> hits(some.size());
+    std::vector<accel::geometry::Hit> hits(some.size());
     ASSERT_TRUE(scenegraph::trace(**snapshot, some, hits, {}).ok());
     seen.add(some, hits);
     all.insert(all.end(), hits.begin(), hits.end());

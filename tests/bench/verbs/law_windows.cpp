@@ -12,8 +12,8 @@
 
 namespace sightline::bench {
 
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using tests::Random;
 
 namespace {
@@ -50,7 +50,7 @@ class Grower {
   template <class MakeRay>
   Status trace(std::size_t count, const MakeRay& make_ray, SeenTriangles* seen) {
     std::vector<Ray> rays;
-    std::vector<accel::Hit> hits;
+    std::vector<accel::geometry::Hit> hits;
     for (std::size_t first = 0; first < count; first += kRaysPerBatch) {
       rays.clear();
       for (std::size_t i = first; i < std::min(count, first + kRaysPerBatch); ++i) {
@@ -65,7 +65,7 @@ class Grower {
     return {};
   }
 
-  const scenegraph::Snapshot& snapshot() const { return *snapshot_; }
+  const scenegraph::revision::Snapshot& snapshot() const { return *snapshot_; }
   LawCount count() const {
     return {.touches = stats_.touches,
             .touches_prepare = stats_.touches_prepare,
@@ -74,9 +74,9 @@ class Grower {
   }
 
  private:
-  explicit Grower(std::shared_ptr<const scenegraph::Snapshot> snapshot)
+  explicit Grower(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot)
       : snapshot_(std::move(snapshot)) {}
-  std::shared_ptr<const scenegraph::Snapshot> snapshot_;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenegraph::TraceStats stats_;
 };
 

@@ -19,7 +19,7 @@ struct LawWindow {
   std::size_t rays_x = 1, rays_z = 1;
 
   std::size_t rays() const { return rays_x * rays_z; }
-  accel::Ray ray(std::size_t i) const;  ///< Row by row; i < rays().
+  accel::geometry::Ray ray(std::size_t i) const;  ///< Row by row; i < rays().
 };
 
 /// At least as many rays a triangle, if triangles lie evenly over the footprint.
@@ -34,8 +34,8 @@ std::vector<LawWindow> law_windows(const SceneGeometry& geometry, const AreaSamp
 /// What to grow trees from.
 struct LawTrees {
   const SceneSource* scene = nullptr;
-  accel::AnyBuilder builder;
-  accel::References references = accel::References::kRuns;
+  accel::published::AnyBuilder builder;
+  accel::mesh::References references = accel::mesh::References::kRuns;
 };
 
 struct LawCount {

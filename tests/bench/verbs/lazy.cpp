@@ -17,7 +17,7 @@ struct Mode {
   std::unique_ptr<EmbreePeer> embree;  // null: one of ours
   std::vector<double> seconds, build_ms, trace_ms;
   scenegraph::TraceStats stats;
-  scenegraph::BuildSummary summary;
+  scenegraph::revision::BuildSummary summary;
   std::string hash;
   EmbreeGrown embree_grown;
   Disagreement disagreement;
@@ -25,21 +25,21 @@ struct Mode {
 
 struct Task {
   const SceneSource& scene;
-  const std::vector<accel::Ray>& rays;
-  accel::AnyBuilder builder;
-  accel::References references;
+  const std::vector<accel::geometry::Ray>& rays;
+  accel::published::AnyBuilder builder;
+  accel::mesh::References references;
   std::size_t batch;
   int threads;
 };
 
 struct Run {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;
-  std::vector<accel::Hit> hits;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
+  std::vector<accel::geometry::Hit> hits;
 };
 
-Status trace_batches(const Task& task, const scenegraph::Snapshot& snapshot,
-                     std::span<accel::Hit> hits, scenegraph::TraceStats& stats) {
-  const std::span<const accel::Ray> rays(task.rays);
+Status trace_batches(const Task& task, const scenegraph::revision::Snapshot& snapshot,
+                     std::span<accel::geometry::Hit> hits, scenegraph::TraceStats& stats) {
+  const std::span<const accel::geometry::Ray> rays(task.rays);
   for (std::size_t first = 0; first < rays.size(); first += task.batch) {
     const std::size_t count = std::min(task.batch, rays.size() - first);
     auto traced = scenegraph::trace(snapshot, rays.subspan(first, count),
@@ -77,7 +77,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   mode.build_ms.push_back(build * 1e3);
   mode.trace_ms.push_back((seconds - build) * 1e3);
   mode.stats = stats;
-  mode.summary = scenegraph::summarize_build(**snapshot);
+  mode.summary = scenegraph::revision::summarize_build(**snapshot);
   mode.hash = hit_hash(run.hits, scenegraph::QueryKind::kClosest);
   run.snapshot = std::move(snapshot).value();
   return run;
@@ -87,7 +87,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
 Status run_embree(const Task& task, Mode& mode) {
   const auto built = mode.embree->build();
   if (!built.ok()) return built.error();
-  std::vector<accel::Hit> hits(task.rays.size());
+  std::vector<accel::geometry::Hit> hits(task.rays.size());
   const double trace = mode.embree->trace(task.rays, false, hits, task.batch);
   mode.embree_grown = mode.embree->grown();
   const double seconds = built->total_seconds + trace;
@@ -130,10 +130,11 @@ Status prepare_embree(const Task& task, const Run& ours, std::vector<Mode>& mode
     if (!mode.embree) continue;
     if (auto built = mode.embree->build(); !built.ok()) return built.error();
     mode.embree->choose_entry(task.rays, false);
-    std::vector<accel::Hit> hits(task.rays.size());
+    std::vector<accel::geometry::Hit> hits(task.rays.size());
     mode.embree->trace(task.rays, false, hits, task.batch);
     mode.hash = hit_hash(hits, scenegraph::QueryKind::kClosest);
-    for (const accel::Hit& hit : hits) mode.stats.hits += hit.state == accel::HitState::kHit;
+    for (const accel::geometry::Hit& hit : hits)
+      mode.stats.hits += hit.state == accel::geometry::HitState::kHit;
     mode.disagreement = explain(ours.snapshot, task.rays, ours.hits, hits, false);
   }
   return {};

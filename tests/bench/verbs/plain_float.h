@@ -15,26 +15,26 @@ namespace sightline::bench {
 class PlainFloat {
  public:
   /// The ray, rounded to float.
-  explicit PlainFloat(const accel::LocalRay& ray)
+  explicit PlainFloat(const accel::geometry::LocalRay& ray)
       : origin_(ray.origin), direction_(ray.direction) {}
 
   /// t of the hit in local units, or nothing. t may be negative: limits are the caller's.
-  std::optional<double> operator()(const accel::Vec3f& a, const accel::Vec3f& b,
-                                   const accel::Vec3f& c) const {
-    const accel::Vec3f e1 = b - a, e2 = c - a;
-    const accel::Vec3f p = cross(direction_, e2);
+  std::optional<double> operator()(const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b,
+                                   const accel::geometry::Vec3f& c) const {
+    const accel::geometry::Vec3f e1 = b - a, e2 = c - a;
+    const accel::geometry::Vec3f p = cross(direction_, e2);
     const float determinant = dot(e1, p), size = std::fabs(determinant);
-    const accel::Vec3f s = origin_ - a;
+    const accel::geometry::Vec3f s = origin_ - a;
     const float u = std::copysign(1.0f, determinant) * dot(s, p);
     if (!(u >= 0 && u <= size)) return std::nullopt;
-    const accel::Vec3f q = cross(s, e1);
+    const accel::geometry::Vec3f q = cross(s, e1);
     const float v = std::copysign(1.0f, determinant) * dot(direction_, q);
     if (!(v >= 0 && u + v <= size) || determinant == 0) return std::nullopt;
     return static_cast<double>(dot(e2, q) / determinant);
   }
 
  private:
-  accel::Vec3f origin_, direction_;
+  accel::geometry::Vec3f origin_, direction_;
 };
 
 }  // namespace sightline::bench

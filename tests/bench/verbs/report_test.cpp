@@ -51,46 +51,46 @@ TEST(Report, ManyRowsAreALineEach) {
 }
 
 TEST(Fingerprint, EveryColumnCounts) {
-  const auto print = [](const accel::Hit& hit) {
+  const auto print = [](const accel::geometry::Hit& hit) {
     Fingerprint fingerprint;
     fingerprint.add_columns(hit);
     return fingerprint.value();
   };
-  const accel::Hit miss;
-  std::vector<accel::Hit> hits(8);
+  const accel::geometry::Hit miss;
+  std::vector<accel::geometry::Hit> hits(8);
   hits[0].t = 1;
   hits[1].node = 1;
   hits[2].primitive = 1;
   hits[3].u = 1;
   hits[4].v = 1;
   hits[5].normal = {0, 1, 0};
-  hits[6].state = accel::HitState::kHit;
+  hits[6].state = accel::geometry::HitState::kHit;
   hits[7].u = -0.0f;
-  for (const accel::Hit& hit : hits) EXPECT_NE(print(hit), print(miss));
-  accel::Hit harder;
+  for (const accel::geometry::Hit& hit : hits) EXPECT_NE(print(hit), print(miss));
+  accel::geometry::Hit harder;
   harder.work = 7;
   EXPECT_EQ(print(harder), print(miss));
 }
 
 TEST(HitHash, CoversWhatTheKindAnswers) {
-  std::vector<accel::Hit> hits(3);
-  hits[1].state = accel::HitState::kHit;
+  std::vector<accel::geometry::Hit> hits(3);
+  hits[1].state = accel::geometry::HitState::kHit;
   hits[1].node = 5;
-  std::vector<accel::Hit> other = hits;
+  std::vector<accel::geometry::Hit> other = hits;
   using scenegraph::QueryKind;
   other[1].t = 3;
   EXPECT_EQ(hit_hash(hits, QueryKind::kClosest), hit_hash(other, QueryKind::kClosest));
   other[1].primitive = 1;
   EXPECT_NE(hit_hash(hits, QueryKind::kClosest), hit_hash(other, QueryKind::kClosest));
   EXPECT_EQ(hit_hash(hits, QueryKind::kAny), hit_hash(other, QueryKind::kAny));
-  other[2].state = accel::HitState::kInvalid;
+  other[2].state = accel::geometry::HitState::kInvalid;
   EXPECT_NE(hit_hash(hits, QueryKind::kAny), hit_hash(other, QueryKind::kAny));
   EXPECT_EQ(hit_hash({}, QueryKind::kAny), "cbf29ce484222325");
 }
 
 TEST(Npy, HoldsRowsOfEightDoubles) {
   const auto file = std::filesystem::path(testing::TempDir()) / "sightline_rays_test.npy";
-  std::vector<accel::Ray> rays(3);
+  std::vector<accel::geometry::Ray> rays(3);
   rays[2].origin = {1, 2, 3};
   rays[2].direction = {4, 5, 6};
   rays[2].tmin = 7;
@@ -106,7 +106,7 @@ TEST(Npy, HoldsRowsOfEightDoubles) {
   ASSERT_EQ(bytes.size(), 10 + header + 3 * 64);
   std::array<double, 8> last;
   std::memcpy(last.data(), bytes.data() + 10 + header + 128, sizeof(last));
-  EXPECT_EQ(last, (std::array<double, 8>{1, 2, 3, 4, 5, 6, 7, accel::kInfinity}));
+  EXPECT_EQ(last, (std::array<double, 8>{1, 2, 3, 4, 5, 6, 7, accel::geometry::kInfinity}));
 }
 
 TEST(Npy, SaysWhichFileCannotBeWritten) {

@@ -15,8 +15,8 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 
 using Methods = std::vector<std::unique_ptr<RobustMethod>>;
 
@@ -32,7 +32,7 @@ constexpr const char* kUsual = "scan-fast";
 
 struct NamedBuilder {
   std::string name;
-  accel::AnyBuilder builder;
+  accel::published::AnyBuilder builder;
 };
 
 // All that finish on a large mesh, unless told otherwise.
@@ -40,7 +40,7 @@ Result<std::vector<NamedBuilder>> chosen_builders(const CommonOptions& common,
                                                   const RobustOptions& options) {
   std::vector<std::string> names = options.builders;
   if (names.empty()) {
-    for (const std::string_view name : accel::builder_names()) {
+    for (const std::string_view name : accel::published::builder_names()) {
       if (name != "sah-naive") names.emplace_back(name);
     }
   }
@@ -64,7 +64,7 @@ Result<Methods> make_methods(const SceneSource& scene, const std::vector<NamedBu
   for (const auto& [name, builder] : builders) {
     if (auto made = add(make_exact_full(scene, name, builder)); !made.ok()) return made.error();
   }
-  const accel::AnyBuilder usual = accel::default_builder();
+  const accel::published::AnyBuilder usual = accel::published::default_builder();
   methods.push_back(make_exact_lazy(scene, kUsual, usual));
   if (auto made = add(make_plain_float(scene, kUsual, usual)); !made.ok()) return made.error();
   for (const bool robust : {false, true}) {
@@ -85,16 +85,18 @@ struct Truth {
 };
 
 // Without any tree.
-std::uint32_t count_by_hand(const scenegraph::Instances& instances, const Ray& ray) {
+std::uint32_t count_by_hand(const scenegraph::instances::Instances& instances, const Ray& ray) {
   std::uint32_t count = 0;
-  for (const scenegraph::Instance& instance : instances.list()) {
-    const auto local = accel::make_local_ray(instance.local_from_world.point(ray.origin),
-                                             instance.local_from_world.direction(ray.direction));
-    const accel::MeshView mesh = instance.mesh->view();
+  for (const scenegraph::instances::Instance& instance : instances.list()) {
+    const auto local =
+        accel::geometry::make_local_ray(instance.local_from_world.point(ray.origin),
+                                        instance.local_from_world.direction(ray.direction));
+    const accel::geometry::MeshView mesh = instance.mesh->view();
     for (std::size_t f = 0; local && f < mesh.faces.size(); ++f) {
-      if (!accel::face_bounds(mesh, f)) continue;
+      if (!accel::mesh::face_bounds(mesh, f)) continue;
       const auto& [a, b, c] = mesh.faces[f];
-      const auto t = accel::intersect(*local, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+      const auto t =
+          accel::geometry::intersect(*local, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
       count += t && *t * local->unit >= ray.tmin && *t * local->unit <= ray.tmax;
     }
   }
@@ -104,9 +106,9 @@ std::uint32_t count_by_hand(const scenegraph::Instances& instances, const Ray& r
 // A scene of unknown shape: by the product's own counts over full trees, a sample of which is
 // counted once more without trees. A ray inside a closed box hits in any case.
 Result<std::vector<CrossingBounds>> bounds_by_counting(
-    const SceneSource& scene, const std::shared_ptr<const scenegraph::Snapshot>& snapshot,
+    const SceneSource& scene, const std::shared_ptr<const scenegraph::revision::Snapshot>& snapshot,
     const std::vector<Ray>& rays) {
-  auto counter = make_exact_full(scene, "", accel::default_builder());
+  auto counter = make_exact_full(scene, "", accel::published::default_builder());
   if (!counter.ok()) return counter.error();
   std::vector<std::uint32_t> counts(rays.size());
   if (auto done = (*counter)->count(rays, counts); !done.ok()) return done.error();
@@ -127,7 +129,7 @@ Result<std::vector<CrossingBounds>> bounds_by_counting(
 }
 
 Result<Truth> make_truth(const RobustFamily& family, std::vector<Ray> rays) {
-  const auto snapshot = assemble(family.scene, accel::default_builder());
+  const auto snapshot = assemble(family.scene, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
   Truth truth;
   truth.rays = std::move(rays);
@@ -152,7 +154,7 @@ void judge_crossings(const Truth& truth, std::span<const Hit> hits,
                      std::span<const std::uint32_t> counts, bool exact, Faults& faults) {
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const CrossingBounds& allowed = truth.bounds[i];
-    const bool hit = hits[i].state == accel::HitState::kHit;
+    const bool hit = hits[i].state == accel::geometry::HitState::kHit;
     const bool lost_hit = allowed.certain_hit() && !hit;
     if (!lost_hit && !exact && allowed.parity_in_float && counts[i] % 2 == allowed.least % 2) {
       continue;

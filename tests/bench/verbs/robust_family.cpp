@@ -18,8 +18,8 @@
 
 namespace sightline::bench {
 
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using tests::Random;
 
 namespace {

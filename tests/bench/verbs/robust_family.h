@@ -43,8 +43,9 @@ Result<std::vector<RobustFamily>> make_robust_families(const std::string& name, 
 /// Every other ray of a sphere begins outside, the rest inside; all rays of the box begin inside.
 std::vector<std::string_view> robust_ray_kinds();
 
-std::vector<accel::Ray> make_robust_rays(const RobustFamily& family, std::string_view kind,
-                                         std::size_t count, std::uint64_t seed);
+std::vector<accel::geometry::Ray> make_robust_rays(const RobustFamily& family,
+                                                   std::string_view kind, std::size_t count,
+                                                   std::uint64_t seed);
 
 /// How many triangles a ray may cross.
 struct CrossingBounds {
@@ -63,10 +64,10 @@ struct CrossingBounds {
 class SphereTruth {
  public:
   explicit SphereTruth(const SceneSource& scene);
-  CrossingBounds bounds(const accel::Ray& ray) const;
+  CrossingBounds bounds(const accel::geometry::Ray& ray) const;
 
  private:
-  accel::Vec3d center_;
+  accel::geometry::Vec3d center_;
   double inner_, outer_;  // radii: all of the inside holds the inner, the outer holds all of it
 };
 

@@ -12,8 +12,8 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Ray;
-using accel::Vec3d;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 RobustFamily sphere(double offset) {
   return {"sphere",
@@ -110,13 +110,15 @@ TEST(RobustMethod, ExactAnswersKeepToTheTruth) {
   for (const double offset : {0.0, 1e7}) {
     const RobustFamily family = sphere(offset);
     const SphereTruth truth(family.scene);
-    const auto full = make_exact_full(family.scene, "scan-fast", accel::default_builder()).value();
-    const auto lazy = make_exact_lazy(family.scene, "scan-fast", accel::default_builder());
+    const auto full =
+        make_exact_full(family.scene, "scan-fast", accel::published::default_builder()).value();
+    const auto lazy =
+        make_exact_lazy(family.scene, "scan-fast", accel::published::default_builder());
     EXPECT_EQ(full->policy(), "full");
     EXPECT_EQ(lazy->policy(), "first-touch");
     for (const std::string_view kind : robust_ray_kinds()) {
       const auto rays = make_robust_rays(family, kind, 300, 2);
-      std::vector<accel::Hit> hits(rays.size());
+      std::vector<accel::geometry::Hit> hits(rays.size());
       std::vector<std::uint32_t> counts(rays.size()), lazy_counts(rays.size());
       ASSERT_TRUE(full->trace(rays, hits).ok());
       ASSERT_TRUE(full->count(rays, counts).ok());
@@ -127,7 +129,8 @@ TEST(RobustMethod, ExactAnswersKeepToTheTruth) {
         EXPECT_GE(counts[i], allowed.least) << kind << " " << i;
         EXPECT_LE(counts[i], allowed.most) << kind << " " << i;
         EXPECT_FALSE(allowed.even && counts[i] % 2 != 0) << kind << " " << i;
-        EXPECT_EQ(hits[i].state == accel::HitState::kHit, counts[i] > 0) << kind << " " << i;
+        EXPECT_EQ(hits[i].state == accel::geometry::HitState::kHit, counts[i] > 0)
+            << kind << " " << i;
       }
     }
   }
@@ -136,9 +139,9 @@ TEST(RobustMethod, ExactAnswersKeepToTheTruth) {
 TEST(RobustMethod, PlainFloatHasItsVerticesInTheWorld) {
   const SceneSource flat = in_float_world(sphere(1e7).scene);
   ASSERT_EQ(flat.nodes.size(), 1u);
-  EXPECT_EQ(flat.nodes[0].parent_from_local, scenegraph::Affine{});
+  EXPECT_EQ(flat.nodes[0].parent_from_local, scenegraph::model::Affine{});
   // What is left of a unit sphere: whole numbers.
-  for (const accel::Vec3f& v : flat.meshes[0].vertices) {
+  for (const accel::geometry::Vec3f& v : flat.meshes[0].vertices) {
     EXPECT_GE(v.x, 9'999'999.0f);
     EXPECT_LE(v.x, 10'000'001.0f);
   }

@@ -9,12 +9,12 @@
 namespace sightline::bench {
 namespace {
 
-using accel::AnyBuilder;
-using accel::Hit;
-using accel::Ray;
-using accel::Vec3d;
-using accel::Vec3f;
-using SnapshotPtr = std::shared_ptr<const scenegraph::Snapshot>;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using accel::published::AnyBuilder;
+using SnapshotPtr = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
 Result<SnapshotPtr> built(const SceneSource& scene, const AnyBuilder& builder) {
   auto snapshot = assemble(scene, builder);
@@ -151,7 +151,7 @@ class Embree final : public RobustMethod {
 
 SceneSource in_float_world(const SceneSource& scene) {
   SceneSource flat;
-  std::vector<scenegraph::Affine> world_from_local;
+  std::vector<scenegraph::model::Affine> world_from_local;
   for (const SourceNode& node : scene.nodes) {
     world_from_local.push_back(node.parent
                                    ? compose(world_from_local[*node.parent], node.parent_from_local)

@@ -29,28 +29,30 @@ class RobustMethod {
   std::string policy() const { return grows() ? "first-touch" : "full"; }
 
   /// Makes itself ready for rays like these. Not timed.
-  virtual void tune(std::span<const accel::Ray> rays) { (void)rays; }
+  virtual void tune(std::span<const accel::geometry::Ray> rays) { (void)rays; }
 
   /// The nearest hits. Returns the seconds it took, building left out; with it where the method
   /// grows: it forgets its trees before.
-  virtual Result<double> trace(std::span<const accel::Ray> rays, std::span<accel::Hit> hits) = 0;
+  virtual Result<double> trace(std::span<const accel::geometry::Ray> rays,
+                               std::span<accel::geometry::Hit> hits) = 0;
   /// How many triangles every ray crosses.
-  virtual Status count(std::span<const accel::Ray> rays, std::span<std::uint32_t> counts) = 0;
+  virtual Status count(std::span<const accel::geometry::Ray> rays,
+                       std::span<std::uint32_t> counts) = 0;
 };
 
 /// The product's, double transforms and all, over trees built before.
 Result<std::unique_ptr<RobustMethod>> make_exact_full(const SceneSource& scene,
                                                       const std::string& builder_name,
-                                                      const accel::AnyBuilder& builder);
+                                                      const accel::published::AnyBuilder& builder);
 /// The same while the trees grow.
 std::unique_ptr<RobustMethod> make_exact_lazy(const SceneSource& scene,
                                               const std::string& builder_name,
-                                              const accel::AnyBuilder& builder);
+                                              const accel::published::AnyBuilder& builder);
 
 /// Float vertices in the world, rays rounded to float, and PlainFloat in the product's walk.
 Result<std::unique_ptr<RobustMethod>> make_plain_float(const SceneSource& scene,
                                                        const std::string& builder_name,
-                                                       const accel::AnyBuilder& builder);
+                                                       const accel::published::AnyBuilder& builder);
 
 /// Embree, quality medium. Errors: as of EmbreePeer::make.
 Result<std::unique_ptr<RobustMethod>> make_embree(const SceneSource& scene, bool robust,

@@ -35,7 +35,8 @@ RobustOptions small(std::string family) {
 TEST(VerbRobust, EveryBuilderLosesNothing) {
   for (const char* family : {"icosphere-0", "icosphere-1e7", "mesh-in-box"}) {
     RobustOptions options = small(family);
-    for (const std::string_view name : accel::builder_names()) options.builders.emplace_back(name);
+    for (const std::string_view name : accel::published::builder_names())
+      options.builders.emplace_back(name);
     const auto rows = run_robust(common("gen:icosphere?level=2"), options);
     ASSERT_TRUE(rows.ok()) << rows.error().message;
     std::size_t exact = 0;
@@ -93,7 +94,7 @@ TEST(VerbAnswers, AreAllTheSame) {
       seen[key].insert(row[key].get<std::string>());
     for (const char* key : {"threads", "batch"}) seen[key].insert(row[key].dump());
   }
-  EXPECT_EQ(seen["builder"].size(), accel::builder_names().size());
+  EXPECT_EQ(seen["builder"].size(), accel::published::builder_names().size());
   EXPECT_EQ(seen["policy"].size(), 2u);
   EXPECT_EQ(seen["order"].size(), 5u);
   EXPECT_EQ(seen["threads"], (std::set<std::string>{"1", "2", "8"}));
@@ -130,7 +131,7 @@ TEST(VerbExactness, AnswersFirstThenTimes) {
 }
 
 TEST(RayOrder, IsAPermutation) {
-  std::vector<accel::Ray> rays(500);
+  std::vector<accel::geometry::Ray> rays(500);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     rays[i].origin.x = static_cast<double>(i * 7919 % 500);
   }

@@ -17,9 +17,9 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Hit;
+using accel::geometry::Hit;
 using scenegraph::Growth;
-using scenegraph::Snapshot;
+using scenegraph::revision::Snapshot;
 using tests::HardMesh;
 
 // Counts its list anew for every candidate: its time is the square of the size.
@@ -30,13 +30,13 @@ constexpr std::string_view kMeasure = "sah-sweep";
 
 struct NamedBuilder {
   std::string name;
-  accel::AnyBuilder builder;
+  accel::published::AnyBuilder builder;
 };
 
 struct Built {
   double ms = 0;
   std::uint64_t touches = 0;
-  accel::TreeMetrics metrics{};
+  accel::kdtree::TreeMetrics metrics{};
   scenegraph::TraceStats traced{};
   std::size_t wrong = 0;
 
@@ -49,7 +49,7 @@ struct Built {
 using Made = Result<std::shared_ptr<const Snapshot>>;
 
 // The last of `repeat` full trees, all alike; their median time.
-Made build_full(const SceneSource& scene, const accel::AnyBuilder& builder, int repeat,
+Made build_full(const SceneSource& scene, const accel::published::AnyBuilder& builder, int repeat,
                 Built& built) {
   std::vector<double> ms;
   std::shared_ptr<const Snapshot> last;
@@ -70,7 +70,8 @@ Made build_full(const SceneSource& scene, const accel::AnyBuilder& builder, int 
 }
 
 // Full trees, and trees that grow under the rays.
-Result<Built> examine(StabilityFamily& family, const accel::AnyBuilder& builder, int repeat) {
+Result<Built> examine(StabilityFamily& family, const accel::published::AnyBuilder& builder,
+                      int repeat) {
   Built built;
   const Made full = build_full(family.scene(), builder, repeat, built);
   if (!full.ok()) return full.error();
@@ -177,7 +178,7 @@ Result<std::vector<const HardMesh*>> chosen_meshes(const std::string& family) {
 Result<std::vector<NamedBuilder>> chosen_builders(const CommonOptions& common,
                                                   std::vector<std::string> names) {
   if (names.empty()) {
-    for (const std::string_view name : accel::builder_names()) names.emplace_back(name);
+    for (const std::string_view name : accel::published::builder_names()) names.emplace_back(name);
   }
   std::stable_partition(names.begin(), names.end(),
                         [](const std::string& name) { return name == kMeasure; });

@@ -11,7 +11,7 @@
 
 namespace sightline::bench {
 
-using accel::Hit;
+using accel::geometry::Hit;
 
 namespace {
 
@@ -39,7 +39,7 @@ Result<StabilityFamily> StabilityFamily::make(const tests::HardMesh& mesh, std::
   family.mesh_ = &mesh;
   family.rays_ = tests::make_hard_rays(made, rays, seed);
   family.scene_ = one_mesh(std::string(mesh.name), std::move(made));
-  const auto snapshot = assemble(family.scene_, accel::default_builder());
+  const auto snapshot = assemble(family.scene_, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
   const std::size_t sample = std::min(kSample, family.rays_.size());
   family.references_ = tests::BruteForce(*snapshot).trace(family.rays().first(sample));

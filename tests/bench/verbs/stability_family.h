@@ -23,21 +23,21 @@ class StabilityFamily {
 
   const tests::HardMesh& mesh() const { return *mesh_; }
   const SceneSource& scene() const { return scene_; }
-  std::span<const accel::Ray> rays() const { return rays_; }
+  std::span<const accel::geometry::Ray> rays() const { return rays_; }
 
   /// How many nearest hits are wrong: of the first rays those that the oracle calls so, which tries
   /// every triangle in 113 bits, and of all rays those that are not, bit for bit, what the first
   /// call was given.
-  std::size_t wrong(std::span<const accel::Hit> hits);
+  std::size_t wrong(std::span<const accel::geometry::Hit> hits);
 
  private:
   StabilityFamily() = default;
 
   const tests::HardMesh* mesh_ = nullptr;
   SceneSource scene_;
-  std::vector<accel::Ray> rays_;
+  std::vector<accel::geometry::Ray> rays_;
   std::vector<tests::Reference> references_;  // of the first rays
-  std::vector<accel::Hit> first_;
+  std::vector<accel::geometry::Hit> first_;
 };
 
 }  // namespace sightline::bench

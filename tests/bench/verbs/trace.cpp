@@ -18,7 +18,7 @@ struct Measured {
 
 struct Task {
   const SceneSource& scene;
-  const std::vector<accel::Ray>& rays;
+  const std::vector<accel::geometry::Ray>& rays;
   scenegraph::QueryKind kind;
   scenegraph::Growth growth;
   const AnswerCheck& check;
@@ -28,14 +28,15 @@ struct Task {
 
 // What Embree's answers are held against: all answers of the default builder's trees.
 struct Reference {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;
-  std::vector<accel::Hit> hits;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
+  std::vector<accel::geometry::Hit> hits;
 };
 
 Result<Reference> make_reference(const Task& task) {
-  auto snapshot = assemble(task.scene, accel::default_builder());
+  auto snapshot = assemble(task.scene, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
-  Reference reference{std::move(snapshot).value(), std::vector<accel::Hit>(task.rays.size())};
+  Reference reference{std::move(snapshot).value(),
+                      std::vector<accel::geometry::Hit>(task.rays.size())};
   auto traced = scenegraph::trace(*reference.snapshot, task.rays, reference.hits,
                                   {.kind = task.kind, .surface = false});
   if (!traced.ok()) return traced.error();
@@ -43,7 +44,8 @@ Result<Reference> make_reference(const Task& task) {
   return reference;
 }
 
-Status measure_ours(const Task& task, const accel::AnyBuilder& builder, Measured& measured) {
+Status measure_ours(const Task& task, const accel::published::AnyBuilder& builder,
+                    Measured& measured) {
   auto snapshot = assemble(task.scene, builder);
   if (!snapshot.ok()) return snapshot.error();
   (void)(*snapshot)->trees().still;
@@ -56,7 +58,7 @@ Status measure_ours(const Task& task, const accel::AnyBuilder& builder, Measured
   }
   const double build_seconds = build_clock.seconds();
 
-  std::vector<accel::Hit> hits(task.rays.size());
+  std::vector<accel::geometry::Hit> hits(task.rays.size());
   const Stopwatch trace_clock;
   auto traced = scenegraph::trace(
       **snapshot, task.rays, hits,
@@ -86,14 +88,15 @@ Status measure_embree(const Task& task, EmbreePeer& peer, const Reference& refer
   if (!built.ok()) return built.error();
   const bool first = measured.trace_ms.empty();
   if (first) peer.choose_entry(task.rays, task.any());
-  std::vector<accel::Hit> hits(task.rays.size());
+  std::vector<accel::geometry::Hit> hits(task.rays.size());
   const double trace_seconds = peer.trace(task.rays, task.any(), hits, 0);
   measured.build_ms.push_back(built->commit_seconds * 1e3);
   measured.trace_ms.push_back(trace_seconds * 1e3);
   if (!first) return {};
   measured.entry = peer.entry();
   measured.hash = hit_hash(hits, task.kind);
-  for (const accel::Hit& hit : hits) measured.stats.hits += hit.state == accel::HitState::kHit;
+  for (const accel::geometry::Hit& hit : hits)
+    measured.stats.hits += hit.state == accel::geometry::HitState::kHit;
   measured.disagreement = explain(reference.snapshot, task.rays, reference.hits, hits, task.any());
   return {};
 }
@@ -166,7 +169,7 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
   std::vector<Measured> measured(contenders->size());
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     for (std::size_t b = 0; b < contenders->size(); ++b) {
-      const accel::AnyBuilder* ours = (*contenders)[b].ours();
+      const accel::published::AnyBuilder* ours = (*contenders)[b].ours();
       const Status done = ours != nullptr
                               ? measure_ours(task, *ours, measured[b])
                               : measure_embree(task, *(*peers)[b], *reference, measured[b]);

@@ -9,14 +9,15 @@
 
 namespace sightline::bench {
 
-using accel::Vec3d;
+using accel::geometry::Vec3d;
 
 namespace {
 
 // Walks the cells that one ray's segment passes through, closed, and marks what their leaves hold.
 class LeafMarker {
  public:
-  LeafMarker(const accel::KdTree& tree, std::vector<bool>& seen) : tree_(tree), seen_(seen) {}
+  LeafMarker(const accel::kdtree::KdTree& tree, std::vector<bool>& seen)
+      : tree_(tree), seen_(seen) {}
 
   void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
     origin_ = origin;
@@ -32,11 +33,11 @@ class LeafMarker {
       tmin = std::max(tmin, std::min(at_lo, at_hi));
       tmax = std::min(tmax, std::max(at_lo, at_hi));
     }
-    if (tmin <= tmax) descend(accel::load(tree_.root()), tmin, tmax);
+    if (tmin <= tmax) descend(accel::kdtree::load(tree_.root()), tmin, tmax);
   }
 
  private:
-  void descend(accel::Slot slot, double enter, double leave) {
+  void descend(accel::kdtree::Slot slot, double enter, double leave) {
     if (slot.is_leaf()) {
       std::uint32_t storage = 0;
       for (const std::uint32_t face : tree_.leaf(slot, storage)) seen_[face] = true;
@@ -46,19 +47,19 @@ class LeafMarker {
     const auto axis = static_cast<std::size_t>(slot.axis());
     const double o = origin_[axis], d = direction_[axis];
     const double plane = static_cast<double>(slot.position());
-    const accel::AtomicSlot* children = tree_.children(slot);
+    const accel::kdtree::AtomicSlot* children = tree_.children(slot);
     if (d == 0) {
-      if (o <= plane) descend(accel::load(children[0]), enter, leave);
-      if (o >= plane) descend(accel::load(children[1]), enter, leave);
+      if (o <= plane) descend(accel::kdtree::load(children[0]), enter, leave);
+      if (o >= plane) descend(accel::kdtree::load(children[1]), enter, leave);
       return;
     }
     const double t = (plane - o) / d;
     const std::size_t near = d > 0 ? 0 : 1;
-    if (enter <= t) descend(accel::load(children[near]), enter, std::min(leave, t));
-    if (leave >= t) descend(accel::load(children[1 - near]), std::max(enter, t), leave);
+    if (enter <= t) descend(accel::kdtree::load(children[near]), enter, std::min(leave, t));
+    if (leave >= t) descend(accel::kdtree::load(children[1 - near]), std::max(enter, t), leave);
   }
 
-  const accel::KdTree& tree_;
+  const accel::kdtree::KdTree& tree_;
   std::vector<bool>& seen_;
   Vec3d origin_, direction_;
 };
@@ -66,18 +67,19 @@ class LeafMarker {
 // The same for the boxes of a hierarchy.
 class BvhLeafMarker {
  public:
-  BvhLeafMarker(const accel::Bvh& bvh, std::vector<bool>& seen) : bvh_(bvh), seen_(seen) {}
+  BvhLeafMarker(const accel::published::bvh::Bvh& bvh, std::vector<bool>& seen)
+      : bvh_(bvh), seen_(seen) {}
 
   void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
-    accel::LocalRay local;
-    accel::TreeRay ray;
-    if (!accel::set_local_ray(origin, direction, local) ||
-        !accel::enter(local, bvh_.root.box, tmin / local.unit, tmax / local.unit, ray)) {
+    accel::geometry::LocalRay local;
+    accel::kdtree::TreeRay ray;
+    if (!accel::geometry::set_local_ray(origin, direction, local) ||
+        !accel::kdtree::enter(local, bvh_.root.box, tmin / local.unit, tmax / local.unit, ray)) {
       return;
     }
-    accel::WalkCounters unused;
+    accel::kdtree::WalkCounters unused;
     Visit visit{seen_, ray.t_out};
-    accel::walk(bvh_, ray, unused, visit);
+    accel::published::bvh::walk(bvh_, ray, unused, visit);
   }
 
  private:
@@ -90,17 +92,17 @@ class BvhLeafMarker {
     }
     double limit() const { return t_out; }
   };
-  const accel::Bvh& bvh_;
+  const accel::published::bvh::Bvh& bvh_;
   std::vector<bool>& seen_;
 };
 
 }  // namespace
 
-accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
-  const accel::EpochPin pin;
-  accel::TreeMetrics sum;
-  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
-    const accel::TreeMetrics m = mesh->tree().metrics();
+accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& snapshot) {
+  const accel::kdtree::EpochPin pin;
+  accel::kdtree::TreeMetrics sum;
+  for (const scenegraph::model::Mesh* mesh : snapshot.meshes()) {
+    const accel::kdtree::TreeMetrics m = mesh->tree().metrics();
     sum.nodes += m.nodes;
     sum.leaves += m.leaves;
     sum.nonempty_leaves += m.nonempty_leaves;
@@ -117,17 +119,17 @@ accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot) {
   return sum;
 }
 
-std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot) {
+std::optional<double> end_point_overlap(const scenegraph::revision::Snapshot& snapshot) {
   std::optional<double> sum;
-  for (const scenegraph::Mesh* mesh : snapshot.meshes()) {
-    const accel::BvhTree* tree = mesh->tree().bvh();
+  for (const scenegraph::model::Mesh* mesh : snapshot.meshes()) {
+    const accel::published::bvh::BvhTree* tree = mesh->tree().bvh();
     if (tree == nullptr || tree->built() == nullptr) continue;
     sum = sum.value_or(0) + bench::end_point_overlap(*tree->built(), mesh->view());
   }
   return sum;
 }
 
-void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
+void set_metrics(Row& row, const accel::kdtree::TreeMetrics& metrics) {
   row["nodes"] = metrics.nodes;
   row["leaves"] = metrics.leaves;
   row["nonempty_leaves"] = metrics.nonempty_leaves;
@@ -141,24 +143,26 @@ void set_metrics(Row& row, const accel::TreeMetrics& metrics) {
   row["bytes_final"] = metrics.bytes;
 }
 
-void SeenTriangles::add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits) {
-  const accel::EpochPin pin;
-  for (const scenegraph::Instance& instance : snapshot_.trees().still.list()) {
+void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
+                        std::span<const accel::geometry::Hit> hits) {
+  const accel::kdtree::EpochPin pin;
+  for (const scenegraph::instances::Instance& instance : snapshot_.trees().still.list()) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     const auto mark_all = [&](auto&& marker) {
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (hits[i].state == accel::HitState::kInvalid || (instance.mask & rays[i].mask) == 0)
+        if (hits[i].state == accel::geometry::HitState::kInvalid ||
+            (instance.mask & rays[i].mask) == 0)
           continue;
         marker.mark(instance.local_from_world.point(rays[i].origin),
                     instance.local_from_world.direction(rays[i].direction), rays[i].tmin,
                     std::min(rays[i].tmax, hits[i].t));
       }
     };
-    const accel::MeshTree& tree = instance.mesh->tree();
+    const accel::mesh::MeshTree& tree = instance.mesh->tree();
     if (tree.kd() != nullptr) {
       mark_all(LeafMarker(*tree.kd(), marks));
-    } else if (const accel::Bvh* bvh = tree.bvh()->built()) {
+    } else if (const accel::published::bvh::Bvh* bvh = tree.bvh()->built()) {
       mark_all(BvhLeafMarker(*bvh, marks));
     }
   }
@@ -172,9 +176,9 @@ std::uint64_t SeenTriangles::count() const {
   return count;
 }
 
-std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
-                                std::span<const accel::Ray> rays,
-                                std::span<const accel::Hit> hits) {
+std::uint64_t visible_triangles(const scenegraph::revision::Snapshot& snapshot,
+                                std::span<const accel::geometry::Ray> rays,
+                                std::span<const accel::geometry::Hit> hits) {
   SeenTriangles seen(snapshot);
   seen.add(rays, hits);
   return seen.count();

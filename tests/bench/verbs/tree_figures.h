@@ -16,30 +16,31 @@ namespace sightline::bench {
 
 /// Sums; the greatest of max_depth. For a single mesh: that mesh's tree. The scene-level tree is
 /// left out.
-accel::TreeMetrics measure_meshes(const scenegraph::Snapshot& snapshot);
+accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& snapshot);
 
 /// Of those that are hierarchies; nothing if none is.
-std::optional<double> end_point_overlap(const scenegraph::Snapshot& snapshot);
+std::optional<double> end_point_overlap(const scenegraph::revision::Snapshot& snapshot);
 
 /// Adds the contract's keys from `nodes` to `bytes_final`.
-void set_metrics(Row& row, const accel::TreeMetrics& metrics);
+void set_metrics(Row& row, const accel::kdtree::TreeMetrics& metrics);
 
 /// Distinct triangles in the leaves that rays enter up to their hits; what is not built holds none.
 class SeenTriangles {
  public:
   /// The snapshot must outlive it. Its trees may grow between calls.
-  explicit SeenTriangles(const scenegraph::Snapshot& snapshot) : snapshot_(snapshot) {}
+  explicit SeenTriangles(const scenegraph::revision::Snapshot& snapshot) : snapshot_(snapshot) {}
   /// hits[i] is the closest hit of rays[i].
-  void add(std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+  void add(std::span<const accel::geometry::Ray> rays, std::span<const accel::geometry::Hit> hits);
   std::uint64_t count() const;
 
  private:
-  const scenegraph::Snapshot& snapshot_;
-  std::unordered_map<const scenegraph::Mesh*, std::vector<bool>> seen_;  // by face
+  const scenegraph::revision::Snapshot& snapshot_;
+  std::unordered_map<const scenegraph::model::Mesh*, std::vector<bool>> seen_;  // by face
 };
 
 /// Those of one batch.
-std::uint64_t visible_triangles(const scenegraph::Snapshot& snapshot,
-                                std::span<const accel::Ray> rays, std::span<const accel::Hit> hits);
+std::uint64_t visible_triangles(const scenegraph::revision::Snapshot& snapshot,
+                                std::span<const accel::geometry::Ray> rays,
+                                std::span<const accel::geometry::Hit> hits);
 
 }  // namespace sightline::bench

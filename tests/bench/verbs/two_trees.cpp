@@ -16,9 +16,9 @@
 namespace sightline::bench {
 namespace {
 
-using accel::Vec3d;
-using accel::Vec3f;
-using scenegraph::Mobility;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
+using scenegraph::model::Mobility;
 
 constexpr double kPartRadius = 0.005;  // over the scene's diagonal
 constexpr double kFarAway = 10;        // likewise
@@ -40,7 +40,7 @@ constexpr std::array<Variant, 5> kVariants{{
 }};
 
 struct Held {
-  std::shared_ptr<const scenegraph::Snapshot> snapshot;
+  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
   std::vector<double> trace_ms;
   scenegraph::TraceStats stats;
   std::string hash;

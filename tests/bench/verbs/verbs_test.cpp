@@ -275,10 +275,10 @@ TEST(AnswerCheck, NoticesAWrongAnswer) {
   const auto check = AnswerCheck::make(*scene, *rays, scenegraph::QueryKind::kClosest);
   ASSERT_TRUE(check.ok());
   const auto snapshot = assemble(*scene, {});
-  std::vector<accel::Hit> hits(rays->size());
+  std::vector<accel::geometry::Hit> hits(rays->size());
   ASSERT_TRUE(scenegraph::trace(**snapshot, *rays, hits, {}).ok());
   EXPECT_TRUE((*check)(hits).ok());
-  hits[hits.size() / 2] = accel::Hit{};
+  hits[hits.size() / 2] = accel::geometry::Hit{};
   const auto wrong = (*check)(hits);
   ASSERT_FALSE(wrong.ok());
   EXPECT_EQ(wrong.error().code, Code::kDataLoss);

@@ -19,7 +19,7 @@ Error invalid(std::string message) {
   return {Code::kInvalidArgument, std::move(message), "COMMAND_LINE"};
 }
 
-Result<scenegraph::Affine> parse_rotation(std::string_view text) {
+Result<scenegraph::model::Affine> parse_rotation(std::string_view text) {
   std::array<double, 3> degrees{};
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -59,20 +59,21 @@ std::string_view policy_name(scenegraph::Growth growth) {
   return growth == scenegraph::Growth::kFull ? "full" : "first-touch";
 }
 
-Result<accel::References> parse_hierarchy(const std::string& name) {
-  if (name == "soup") return accel::References::kSoup;
-  if (name == "runs") return accel::References::kRuns;
+Result<accel::mesh::References> parse_hierarchy(const std::string& name) {
+  if (name == "soup") return accel::mesh::References::kSoup;
+  if (name == "runs") return accel::mesh::References::kRuns;
   return invalid(fmt::format("no hierarchy \"{}\"; there are: soup runs", name));
 }
 
-Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, const RayOptions& rays,
-                                          std::uint64_t seed) {
+Result<std::vector<accel::geometry::Ray>> make_rays(const SceneSource& scene,
+                                                    const RayOptions& rays, std::uint64_t seed) {
   const auto kind = parse_ray_kind(rays.kind);
   if (!kind.ok()) return kind.error();
   return make_rays(scene, *kind, rays.count, seed);
 }
 
-Result<AnswerCheck> AnswerCheck::make(const SceneSource& scene, std::span<const accel::Ray> rays,
+Result<AnswerCheck> AnswerCheck::make(const SceneSource& scene,
+                                      std::span<const accel::geometry::Ray> rays,
                                       scenegraph::QueryKind kind) {
   auto snapshot = assemble(scene, {});
   if (!snapshot.ok()) return snapshot.error();
@@ -86,8 +87,8 @@ Result<AnswerCheck> AnswerCheck::make(const SceneSource& scene, std::span<const 
   return check;
 }
 
-Status AnswerCheck::operator()(std::span<const accel::Hit> hits) const {
-  std::vector<accel::Hit> sampled;
+Status AnswerCheck::operator()(std::span<const accel::geometry::Hit> hits) const {
+  std::vector<accel::geometry::Hit> sampled;
   for (const std::size_t i : sample_) sampled.push_back(hits[i]);
   const tests::Comparison result =
       compare(rays_, sampled, oracle_, {.any = kind_ == scenegraph::QueryKind::kAny});

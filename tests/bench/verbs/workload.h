@@ -23,25 +23,26 @@ Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::G
 std::string_view policy_name(scenegraph::Growth growth);
 
 /// "soup" or "runs".
-Result<accel::References> parse_hierarchy(const std::string& name);
+Result<accel::mesh::References> parse_hierarchy(const std::string& name);
 
-Result<std::vector<accel::Ray>> make_rays(const SceneSource& scene, const RayOptions& rays,
-                                          std::uint64_t seed);
+Result<std::vector<accel::geometry::Ray>> make_rays(const SceneSource& scene,
+                                                    const RayOptions& rays, std::uint64_t seed);
 
 /// Holds a sample of answers against brute force.
 class AnswerCheck {
  public:
   /// Keeps a copy of the scene's arrays.
-  static Result<AnswerCheck> make(const SceneSource& scene, std::span<const accel::Ray> rays,
+  static Result<AnswerCheck> make(const SceneSource& scene,
+                                  std::span<const accel::geometry::Ray> rays,
                                   scenegraph::QueryKind kind);
   /// Error: kDataLoss, saying what differs.
-  Status operator()(std::span<const accel::Hit> hits) const;
+  Status operator()(std::span<const accel::geometry::Hit> hits) const;
 
  private:
   explicit AnswerCheck(tests::BruteForce oracle) : oracle_(std::move(oracle)) {}
   tests::BruteForce oracle_;
   std::vector<std::size_t> sample_;
-  std::vector<accel::Ray> rays_;
+  std::vector<accel::geometry::Ray> rays_;
   scenegraph::QueryKind kind_{};
 };
 

@@ -9,7 +9,7 @@
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/relay.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using tests::kScene;
@@ -162,4 +162,4 @@ TEST_F(Apply, TransformsWithoutNodesAreRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -12,7 +12,7 @@
 #include "client/client.h"
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using tests::DownwardRays;
@@ -357,4 +357,4 @@ TEST_F(Cast, AStreamOutlivesNoServer) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

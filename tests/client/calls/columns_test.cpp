@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 const std::vector<double> kSix{1, 2, 3, 4, 5, 6};
@@ -51,4 +51,4 @@ TEST(Columns, HitsGoToTheirRows) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

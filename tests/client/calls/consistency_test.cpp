@@ -9,7 +9,7 @@
 #include "client/calls/scene_upload.h"
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using tests::kScene;
@@ -66,4 +66,4 @@ TEST_F(ConsistencyTest, WhatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 const std::vector<Vertex> kVertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -53,4 +53,4 @@ TEST(MeshBlob, TheDigestIsTheSha256OfTheBytesAndTheirNumber) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -13,7 +13,7 @@
 #include "client/client.h"
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using tests::DownwardRays;
@@ -122,4 +122,4 @@ TEST_F(Prefetch, AStopCancelsIt) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 TEST(RequestId, IsAVersionFourUuidAndNeverTheSame) {
@@ -21,4 +21,4 @@ TEST(RequestId, IsAVersionFourUuidAndNeverTheSame) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -8,7 +8,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 TEST(RpcError, EveryCodeHasOneOfItsOwn) {
@@ -37,4 +37,4 @@ TEST(RpcError, DetailsThatAreNoneLeaveNoReason) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

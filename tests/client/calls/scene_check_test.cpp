@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 ServerInfo limits() {
@@ -16,10 +16,10 @@ ServerInfo limits() {
   return info;
 }
 
-ImportedScene chain(std::uint32_t depth) {
-  ImportedScene scene;
+importer::ImportedScene chain(std::uint32_t depth) {
+  importer::ImportedScene scene;
   for (std::uint32_t i = 0; i < depth; ++i) {
-    ImportedNode node;
+    importer::ImportedNode node;
     node.name = "node" + std::to_string(i);
     node.parent = i == 0 ? kNone : i - 1;
     scene.nodes.push_back(node);
@@ -28,7 +28,7 @@ ImportedScene chain(std::uint32_t depth) {
 }
 
 TEST(SceneCheck, TakesWhatIsWithinTheLimits) {
-  ImportedScene scene = chain(3);
+  importer::ImportedScene scene = chain(3);
   scene.meshes.resize(1);
   scene.meshes[0].faces.resize(2);
   EXPECT_TRUE(check_scene(scene, limits()));
@@ -42,20 +42,20 @@ TEST(SceneCheck, NamesTheNodeThatIsTooDeep) {
 
 TEST(SceneCheck, NamesTheNodeWithoutAnInverse) {
   for (const double flat : {0.0, 1e-13}) {
-    ImportedScene scene = chain(2);
+    importer::ImportedScene scene = chain(2);
     scene.nodes[1].parent_from_local[10] = flat;
     const Status status = check_scene(scene, limits());
     ASSERT_FALSE(status) << flat;
     EXPECT_EQ(status.error().code, Code::kInvalidArgument);
     EXPECT_NE(status.error().message.find("'node1'"), std::string::npos);
   }
-  ImportedScene mirrored = chain(1);
+  importer::ImportedScene mirrored = chain(1);
   mirrored.nodes[0].parent_from_local = {0, -3, 0, 1e6, 2, 0, 0, 0, 0, 0, -1e-3, 0};
   EXPECT_TRUE(check_scene(mirrored, limits()));
 }
 
 TEST(SceneCheck, AMeshTooBigIsAResourceLimit) {
-  ImportedScene scene = chain(1);
+  importer::ImportedScene scene = chain(1);
   scene.meshes.resize(1);
   scene.meshes[0].faces.resize(3);
   const Status status = check_scene(scene, limits());
@@ -64,4 +64,4 @@ TEST(SceneCheck, AMeshTooBigIsAResourceLimit) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

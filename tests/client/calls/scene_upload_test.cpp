@@ -8,14 +8,14 @@
 
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using SceneUpload = tests::LiveClient;
 using tests::kScene;
 
 TEST_F(SceneUpload, CountsAreTheScenes) {
-  ImportedScene scene = tests::row_of_sheets(5);
+  importer::ImportedScene scene = tests::row_of_sheets(5);
   scene.up_axis = UpAxis::kZ;
   scene.meters_per_unit = 0.5;
   const auto info = upload_scene(client_, kScene, scene, {});
@@ -33,7 +33,7 @@ TEST_F(SceneUpload, CountsAreTheScenes) {
 }
 
 TEST_F(SceneUpload, EqualMeshesOfAFileStaySeveralAndUnusedOnesAreNotSent) {
-  ImportedScene scene = tests::row_of_sheets(2);
+  importer::ImportedScene scene = tests::row_of_sheets(2);
   scene.meshes.push_back(scene.meshes[0]);
   scene.meshes.push_back(tests::sheets(9));
   scene.nodes[2].mesh = 1;
@@ -57,7 +57,7 @@ TEST_F(SceneUpload, WhatTheServerHasIsNotSentAgain) {
 
 TEST_F(SceneUpload, AnExistingSceneIsAConflictUnlessReplaced) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
-  ImportedScene other = tests::row_of_sheets(3);
+  importer::ImportedScene other = tests::row_of_sheets(3);
   other.meshes[0] = tests::sheets(7);
   bool sent = false;
   const auto refused =
@@ -74,14 +74,14 @@ TEST_F(SceneUpload, AnExistingSceneIsAConflictUnlessReplaced) {
 
 TEST_F(SceneUpload, ASceneThatCannotBeIsRefusedWithTheOldOneInPlace) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
-  ImportedScene flat = tests::row_of_sheets(1);
+  importer::ImportedScene flat = tests::row_of_sheets(1);
   flat.nodes[1].parent_from_local[0] = 0;
   EXPECT_FALSE(upload_scene(client_, kScene, flat, {.replace = true}));
   EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
 }
 
 TEST_F(SceneUpload, AHalfMadeSceneIsDeletedAgain) {
-  ImportedScene scene = tests::row_of_sheets(3);
+  importer::ImportedScene scene = tests::row_of_sheets(3);
   scene.nodes[3].name = std::string(2000, 'x');  // longer than servers take
   const auto refused = upload_scene(client_, kScene, scene, {});
   ASSERT_FALSE(refused);
@@ -91,7 +91,7 @@ TEST_F(SceneUpload, AHalfMadeSceneIsDeletedAgain) {
 
 TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
-  ImportedScene other = tests::row_of_sheets(3);
+  importer::ImportedScene other = tests::row_of_sheets(3);
   other.meshes[0] = tests::sheets(9);
   for (const char* name : {kScene, "projects/default/scenes/new"}) {
     std::stop_source stop;
@@ -108,7 +108,7 @@ TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
 
 TEST_F(SceneUpload, NodesMayBeAddedToWhatThereIs) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
-  ImportedScene more = tests::row_of_sheets(1);
+  importer::ImportedScene more = tests::row_of_sheets(1);
   more.meshes[0] = tests::sheets(9);
   SceneUploadOptions options;
   options.by_node = {Mobility::kRigid, Mobility::kDeforming};
@@ -136,4 +136,4 @@ TEST_F(SceneUpload, AnEmptySceneIsAScene) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 TEST(UpdateBatch, ASmallOneIsOneMessage) {
@@ -72,4 +72,4 @@ TEST(UpdateBatch, LimitsAreKeptAtHome) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -10,7 +10,7 @@
 #include "sightline/v1/blob.grpc.pb.h"
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 namespace v1 = ::sightline::v1;
@@ -19,7 +19,7 @@ using Upload = tests::LiveClient;
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 TEST_F(Upload, WhatWasUploadedIsNotMissing) {
-  const ImportedMesh mesh = tests::sheets(3);
+  const importer::ImportedMesh mesh = tests::sheets(3);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   const std::vector<std::string> digests{blob.digest()};
   EXPECT_EQ(*client_.missing_meshes(digests), digests);
@@ -29,7 +29,7 @@ TEST_F(Upload, WhatWasUploadedIsNotMissing) {
 }
 
 TEST_F(Upload, ABigMeshGoesInChunks) {
-  const ImportedMesh mesh = tests::sheets(50000);
+  const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   ASSERT_GT(blob.size(), 3 * kChunkBytes);
   std::vector<std::uint64_t> told;
@@ -41,7 +41,7 @@ TEST_F(Upload, ABigMeshGoesInChunks) {
 }
 
 TEST_F(Upload, IsTakenUpWhereItStopped) {
-  const ImportedMesh mesh = tests::sheets(50000);
+  const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   {
     const auto blobs = v1::BlobService::NewStub(open_channel(endpoint()));
@@ -64,9 +64,9 @@ TEST_F(Upload, IsTakenUpWhereItStopped) {
 }
 
 TEST_F(Upload, AWrongDigestIsDataLoss) {
-  const ImportedMesh mesh = tests::sheets(1);
+  const importer::ImportedMesh mesh = tests::sheets(1);
   const MeshBlob blob(mesh.vertices, mesh.faces);
-  ImportedMesh moved = mesh;
+  importer::ImportedMesh moved = mesh;
   moved.vertices[0][0] = 5;
   const Status uploaded = client_.upload_mesh(blob, MeshBlob(moved.vertices, moved.faces).digest());
   ASSERT_FALSE(uploaded);
@@ -74,7 +74,7 @@ TEST_F(Upload, AWrongDigestIsDataLoss) {
 }
 
 TEST_F(Upload, AMeshThatIsNoneIsRefused) {
-  ImportedMesh mesh = tests::sheets(1);
+  importer::ImportedMesh mesh = tests::sheets(1);
   mesh.faces[0][0] = 99;
   const MeshBlob blob(mesh.vertices, mesh.faces);
   const Status uploaded = client_.upload_mesh(blob, blob.digest());
@@ -94,4 +94,4 @@ TEST_F(Upload, ManyDigestsAreAskedInParts) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

@@ -10,7 +10,7 @@
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/relay.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 using tests::kScene;
@@ -123,4 +123,4 @@ TEST_F(WatchTest, SaysWhatCannotBeWatched) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

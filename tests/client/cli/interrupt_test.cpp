@@ -89,9 +89,9 @@ TEST(InterruptedProgram, EndsThoughTheServerSaysNothing) {
 }
 
 // A sheet of n x n squares, waved so that no two rows are alike.
-ImportedScene large_sheet(std::uint32_t n) {
-  ImportedScene scene;
-  ImportedMesh mesh;
+importer::ImportedScene large_sheet(std::uint32_t n) {
+  importer::ImportedScene scene;
+  importer::ImportedMesh mesh;
   for (std::uint32_t y = 0; y <= n; ++y) {
     for (std::uint32_t x = 0; x <= n; ++x) {
       const auto z = static_cast<float>((x * 7 + y * 13) % 11) * 0.01F;

@@ -8,7 +8,7 @@
 
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using tests::TempDir;
@@ -258,4 +258,4 @@ TEST(AssimpImport, ProgressNeverRunsBackwards) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

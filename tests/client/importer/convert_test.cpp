@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -111,4 +111,4 @@ TEST(Convert, WeightsOfShapesThatThereAreNotMoveNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -11,7 +11,7 @@
 
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using tests::TempDir;
@@ -129,4 +129,4 @@ TEST(FrameSequence, TheHorseGallops) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

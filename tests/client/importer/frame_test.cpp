@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using Rows = std::array<double, 12>;
@@ -65,4 +65,4 @@ TEST(Frame, NothingAskedChangesNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

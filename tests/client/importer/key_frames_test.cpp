@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 Track<Point> ramp() { return {{{1, {0, 0, 0}}, {2, {2, 4, 6}}, {4, {2, 4, 10}}}}; }
@@ -77,4 +77,4 @@ TEST(KeyFrames, WeightsThatAreMissingCountZero) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -13,7 +13,7 @@
 #include "tests/client/support/temp_dir.h"
 #include "tests/support/random.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using Offset = std::array<double, 3>;
@@ -134,7 +134,7 @@ TEST(Lattice, MeshesThatTouchAndMeshesThatAreEqualStaySo) {
   EXPECT_EQ(scene.meshes[0].vertices[1], scene.meshes[1].vertices[0]);
   EXPECT_EQ(scene.meshes[0].vertices[2], scene.meshes[1].vertices[2]);
   const auto digest = [&](std::size_t i) {
-    return MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
+    return calls::MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
   };
   EXPECT_EQ(digest(0), digest(3));
   EXPECT_NE(digest(0), digest(2));
@@ -202,4 +202,4 @@ f 3 2 1
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

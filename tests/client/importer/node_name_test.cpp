@@ -7,7 +7,7 @@
 
 #include "client/importer/imported_scene.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 TEST(NodeName, Utf8StaysAsItIs) {
@@ -34,4 +34,4 @@ TEST(NodeName, IsCutBetweenCharactersAndKeepsItsSuffix) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

@@ -13,7 +13,7 @@
 #include "tests/client/importer/gltf_file.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using tests::GltfFile;
@@ -297,4 +297,4 @@ TEST_F(RealAnimations, TheDroneMovesItsPartsAndBlendsAShape) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

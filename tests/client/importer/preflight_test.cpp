@@ -9,7 +9,7 @@
 #include "client/importer/gltf_nodes.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 using tests::TempDir;
@@ -142,4 +142,4 @@ TEST(GltfNodes, WhatIsNoTreeOrNoJsonIsLeftToAssimp) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

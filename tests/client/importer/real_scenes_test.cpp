@@ -8,7 +8,7 @@
 
 #include "client/importer/assimp_import.h"
 
-namespace sightline::client {
+namespace sightline::client::importer {
 namespace {
 
 struct Counts {
@@ -88,4 +88,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::importer

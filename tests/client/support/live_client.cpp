@@ -35,8 +35,8 @@ client::Client connect(int port) {
 
 LiveClient::LiveClient() : server_(start()), client_(connect(server_->port())) {}
 
-client::ImportedMesh sheets(std::uint32_t count) {
-  client::ImportedMesh mesh;
+client::importer::ImportedMesh sheets(std::uint32_t count) {
+  client::importer::ImportedMesh mesh;
   mesh.name = "sheets";
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto z = static_cast<float>(i);
@@ -48,12 +48,12 @@ client::ImportedMesh sheets(std::uint32_t count) {
   return mesh;
 }
 
-client::ImportedScene row_of_sheets(std::uint32_t copies) {
-  client::ImportedScene scene;
+client::importer::ImportedScene row_of_sheets(std::uint32_t copies) {
+  client::importer::ImportedScene scene;
   scene.meshes.push_back(sheets(2));
   scene.nodes.push_back({.name = "room"});
   for (std::uint32_t i = 0; i < copies; ++i) {
-    client::ImportedNode node{.name = "sheet", .parent = 0, .mesh = 0};
+    client::importer::ImportedNode node{.name = "sheet", .parent = 0, .mesh = 0};
     node.parent_from_local[3] = 10.0 * i;
     scene.nodes.push_back(node);
   }

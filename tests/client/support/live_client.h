@@ -28,11 +28,11 @@ class LiveClient : public testing::Test {
 };
 
 /// `count` unit squares in planes z = 0, 1, 2, ..., two triangles each.
-client::ImportedMesh sheets(std::uint32_t count);
+client::importer::ImportedMesh sheets(std::uint32_t count);
 
 /// A root "room", and under it `copies` nodes "sheet" of one mesh, moved by 10 along x from one to
 /// the next.
-client::ImportedScene row_of_sheets(std::uint32_t copies);
+client::importer::ImportedScene row_of_sheets(std::uint32_t copies);
 
 /// n rays downward from z = 5 onto the squares of row_of_sheets, one a square, and around again.
 struct DownwardRays {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::client {
+namespace sightline::client::wire {
 namespace {
 
 TEST(UpdateCodec, WhatIsDecodedIsWhatWasEncoded) {
@@ -60,4 +60,4 @@ TEST(UpdateCodec, AliasesOfEarlierMessagesBecomeIds) {
 }
 
 }  // namespace
-}  // namespace sightline::client
+}  // namespace sightline::client::wire

@@ -20,12 +20,12 @@
 
 namespace sightline::tests {
 
-using accel::AnyBuilder;
-using accel::LocalRay;
-using accel::MeshQuery;
-using accel::MeshTree;
-using accel::MeshView;
-using accel::Ray;
+using accel::geometry::LocalRay;
+using accel::geometry::MeshView;
+using accel::geometry::Ray;
+using accel::mesh::MeshQuery;
+using accel::mesh::MeshTree;
+using accel::published::AnyBuilder;
 
 namespace {
 
@@ -34,7 +34,7 @@ using Wrong = std::optional<std::string>;
 constexpr std::size_t kMostJudged = 64;
 
 struct Answer {
-  double t = accel::kInfinity;
+  double t = accel::geometry::kInfinity;
   std::uint32_t primitive = 0;
   bool any = false;
   std::vector<std::uint32_t> primitives;  ///< All that are hit, ascending.
@@ -51,12 +51,13 @@ std::string in_words(const Answer& answer) {
 Answer search(const SoupCase& soup, const Ray& ray, const LocalRay& local) {
   Answer answer;
   for (std::uint32_t i = 0; i < soup.faces.size(); ++i) {
-    const accel::Face& f = soup.faces[i];
-    if (f[0] == accel::kNoVertex) continue;
-    const accel::Vec3f &a = soup.vertices[f[0]], &b = soup.vertices[f[1]], &c = soup.vertices[f[2]];
+    const accel::geometry::Face& f = soup.faces[i];
+    if (f[0] == accel::geometry::kNoVertex) continue;
+    const accel::geometry::Vec3f &a = soup.vertices[f[0]], &b = soup.vertices[f[1]],
+                                 &c = soup.vertices[f[2]];
     if (!is_finite(a) || !is_finite(b) || !is_finite(c)) continue;
-    const std::optional<double> t = accel::intersect(local, a, b, c);
-    if (!t || accel::is_culled(soup.culling, local, a, b, c)) continue;
+    const std::optional<double> t = accel::geometry::intersect(local, a, b, c);
+    if (!t || accel::geometry::is_culled(soup.culling, local, a, b, c)) continue;
     const double world = *t * local.unit;
     if (!(world >= ray.tmin && world <= ray.tmax) || !std::isfinite(world)) continue;
     if (world < answer.t) {
@@ -72,21 +73,22 @@ Answer search(const SoupCase& soup, const Ray& ray, const LocalRay& local) {
 /// What any t gets that is no double is not settled: a ray without limits alone is judged.
 Wrong judge_all(const SoupCase& soup, const LocalRay& local) {
   const RationalRay exact(local.origin, local.direction);
-  for (const accel::Face& f : soup.faces) {
-    if (f[0] == accel::kNoVertex) continue;
-    const accel::Vec3f &a = soup.vertices[f[0]], &b = soup.vertices[f[1]], &c = soup.vertices[f[2]];
+  for (const accel::geometry::Face& f : soup.faces) {
+    if (f[0] == accel::geometry::kNoVertex) continue;
+    const accel::geometry::Vec3f &a = soup.vertices[f[0]], &b = soup.vertices[f[1]],
+                                 &c = soup.vertices[f[2]];
     if (!is_finite(a) || !is_finite(b) || !is_finite(c)) continue;
     const bool hit = judge(exact, exactly(a), exactly(b), exactly(c)).hit;
-    if (hit != accel::intersect(local, a, b, c).has_value())
+    if (hit != accel::geometry::intersect(local, a, b, c).has_value())
       return fmt::format("the hit rule errs on {} {} {}", f[0], f[1], f[2]);
   }
   return {};
 }
 
 Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay& local) {
-  const accel::EpochPin pin;
-  accel::WalkCounters walked;
-  accel::BuildCounters built;
+  const accel::kdtree::EpochPin pin;
+  accel::kdtree::WalkCounters walked;
+  accel::kdtree::BuildCounters built;
   MeshQuery fresh;
   fresh.ray = local;
   fresh.tmin = ray.tmin;
@@ -95,7 +97,7 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   fresh.node = 1;
   MeshQuery any = fresh, nearest = fresh, all = fresh;
   any.any = true;
-  accel::Distinct<std::uint32_t> primitives;
+  accel::mesh::Distinct<std::uint32_t> primitives;
   all.primitives = &primitives;
   tree.query(any, walked, built);
   tree.query(nearest, walked, built);
@@ -112,9 +114,10 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
 }
 
 Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool has_room) {
-  const accel::EpochPin pin;
-  const accel::TreeMetrics metrics = tree.metrics();
-  if (metrics.max_depth > accel::kMaxTreeDepth) return fmt::format("depth {}", metrics.max_depth);
+  const accel::kdtree::EpochPin pin;
+  const accel::kdtree::TreeMetrics metrics = tree.metrics();
+  if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
+    return fmt::format("depth {}", metrics.max_depth);
   if (metrics.unbuilt_cells != metrics.given_up_cells)
     return fmt::format("{} unbuilt cells", metrics.unbuilt_cells);
   if (has_room && metrics.given_up_cells != 0)
@@ -129,9 +132,9 @@ Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool has_room) {
 }
 
 AnyBuilder builder_for(const SoupCase& soup) {
-  AnyBuilder builder = *accel::make_builder(soup.builder);
+  AnyBuilder builder = *accel::published::make_builder(soup.builder);
   for (const auto& [name, value] : soup.parameters)
-    (void)accel::set_parameter(builder, name, value).ok();
+    (void)accel::published::set_parameter(builder, name, value).ok();
   return builder;
 }
 
@@ -161,13 +164,13 @@ Wrong check_answers(MeshTree& tree, const SoupCase& soup, const std::vector<Aske
 
 Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   const MeshView view = soup.view();
-  const accel::MeshSurvey survey = accel::survey_mesh(view);
+  const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
   const AnyBuilder builder = builder_for(soup);
   // Builders of the papers may cut until there is no room; ours have a budget of references.
   const bool has_room =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
   MeshTree full(view, survey, builder, soup.references);
-  accel::BuildCounters counters;
+  accel::kdtree::BuildCounters counters;
   full.expand_all(counters);
   if (auto wrong = check_metrics(full, survey.finite_triangles, has_room)) return "full: " + *wrong;
   if (auto wrong = check_answers(full, soup, asked)) return "full: " + *wrong;
@@ -186,7 +189,7 @@ Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
 std::optional<std::string> check_soup(const SoupCase& soup, SoupTally& tally) {
   std::vector<Asked> asked;
   for (const Ray& ray : soup.rays) {
-    const auto local = accel::make_local_ray(ray.origin, ray.direction);
+    const auto local = accel::geometry::make_local_ray(ray.origin, ray.direction);
     if (!local) continue;
     asked.push_back({&ray, *local, search(soup, ray, *local)});
     tally.hits += asked.back().expected.primitives.size();
@@ -198,7 +201,7 @@ std::optional<std::string> check_soup(const SoupCase& soup, SoupTally& tally) {
   tbb::task_arena arena(soup.in_parallel ? 2 : 1);
   Wrong wrong;
   arena.execute([&] { wrong = check_trees(soup, asked); });
-  accel::reclaim();
+  accel::kdtree::reclaim();
   if (!wrong) return {};
   std::string text = fmt::format("{}, {} faces", soup.builder, soup.faces.size());
   for (const auto& [name, value] : soup.parameters) text += fmt::format(", {}={}", name, value);

@@ -27,7 +27,7 @@ TEST(BuilderCorpus, EveryBuilderStandsEveryMesh) {
     SoupCase soup = make_soup(Bytes(input.bytes));
     soup.parameters.clear();
     if (soup.faces.size() > 100) continue;  // enough that all of it takes seconds
-    for (const std::string_view builder : accel::builder_names()) {
+    for (const std::string_view builder : accel::published::builder_names()) {
       soup.builder = builder;
       EXPECT_EQ(check_soup(soup, tally), std::nullopt) << input.name;
     }

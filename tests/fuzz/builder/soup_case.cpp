@@ -12,9 +12,9 @@
 
 namespace sightline::tests {
 
-using accel::Ray;
-using accel::Vec3d;
-using accel::Vec3f;
+using accel::geometry::Ray;
+using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -45,14 +45,15 @@ void take_faces(Bytes& bytes, SoupCase& soup) {
   for (std::size_t left = bytes.below(61); left > 0; --left) {
     const auto kind = bytes.take<std::uint8_t>();
     if (kind >= 250) {
-      soup.faces.push_back({accel::kNoVertex, accel::kNoVertex, accel::kNoVertex});
+      soup.faces.push_back(
+          {accel::geometry::kNoVertex, accel::geometry::kNoVertex, accel::geometry::kNoVertex});
       continue;
     }
     if (kind >= 220 && !soup.faces.empty()) {
       soup.faces.push_back(soup.faces[bytes.below(soup.faces.size())]);
       continue;
     }
-    accel::Face face{};
+    accel::geometry::Face face{};
     for (std::uint32_t& corner : face) {
       const std::size_t choice = bytes.below(2 * soup.vertices.size() + 2);
       if (choice < soup.vertices.size()) {
@@ -86,9 +87,9 @@ void copy_faces(Bytes& bytes, SoupCase& soup) {
       soup.vertices.push_back(p);
     }
     for (std::size_t f = 0; f < faces; ++f) {
-      accel::Face face = soup.faces[f];
+      accel::geometry::Face face = soup.faces[f];
       for (std::uint32_t& corner : face) {
-        if (moved && corner != accel::kNoVertex)
+        if (moved && corner != accel::geometry::kNoVertex)
           corner += static_cast<std::uint32_t>(copy * vertices);
       }
       soup.faces.push_back(face);
@@ -127,8 +128,8 @@ Ray take_ray(Bytes& bytes, const SoupCase& soup) {
   Ray ray;
   if (soup.faces.empty() || soup.vertices.empty() || kind >= 224)
     return {take_vector(bytes), take_vector(bytes)};
-  accel::Face face = soup.faces[bytes.take<std::uint16_t>() % soup.faces.size()];
-  if (face[0] == accel::kNoVertex) face = {};
+  accel::geometry::Face face = soup.faces[bytes.take<std::uint16_t>() % soup.faces.size()];
+  if (face[0] == accel::geometry::kNoVertex) face = {};
   const Vec3d a(soup.vertices[face[0]]), b(soup.vertices[face[1]]), c(soup.vertices[face[2]]);
   const auto share = [&] { return static_cast<double>(bytes.below(9)) / 8; };
   const double along = share();
@@ -156,13 +157,13 @@ void limit(Bytes& bytes, Ray& ray) {
 }  // namespace
 
 SoupCase make_soup(Bytes bytes) {
-  const std::vector<std::string_view> names = accel::builder_names();
+  const std::vector<std::string_view> names = accel::published::builder_names();
   SoupCase soup;
   soup.builder = names[bytes.below(names.size())];
   const auto how = bytes.take<std::uint8_t>();
-  soup.references = how % 2 == 0 ? accel::References::kRuns : accel::References::kSoup;
+  soup.references = how % 2 == 0 ? accel::mesh::References::kRuns : accel::mesh::References::kSoup;
   soup.in_parallel = how / 2 % 8 == 0;
-  soup.culling = static_cast<accel::Culling>(how / 16 % 3);
+  soup.culling = static_cast<accel::geometry::Culling>(how / 16 % 3);
   take_parameters(bytes, soup);
   take_faces(bytes, soup);
   copy_faces(bytes, soup);

@@ -18,14 +18,14 @@ struct SoupCase {
   std::string_view builder;  ///< Of accel::builder_names().
   /// For set_parameter, which may refuse any.
   std::vector<std::pair<std::string_view, std::string>> parameters;
-  accel::References references = accel::References::kRuns;
+  accel::mesh::References references = accel::mesh::References::kRuns;
   bool in_parallel = false;
-  accel::Culling culling = accel::Culling::kNone;
-  std::vector<accel::Vec3f> vertices;  ///< May be NaN or infinite.
-  std::vector<accel::Face> faces;      ///< Indices are good, or all kNoVertex.
-  std::vector<accel::Ray> rays;        ///< May be none that the hit rule takes.
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
+  std::vector<accel::geometry::Vec3f> vertices;  ///< May be NaN or infinite.
+  std::vector<accel::geometry::Face> faces;      ///< Indices are good, or all kNoVertex.
+  std::vector<accel::geometry::Ray> rays;        ///< May be none that the hit rule takes.
 
-  accel::MeshView view() const { return {vertices, faces}; }
+  accel::geometry::MeshView view() const { return {vertices, faces}; }
 };
 
 /// Any bytes make one: up to 60 triangles, and of some of them copies, moved by one step after the

@@ -72,7 +72,7 @@ void die_quietly() {
 
 void read_by_assimp(const fs::path& file) {
   try {
-    (void)client::AssimpFile::read(file).ok();
+    (void)client::importer::AssimpFile::read(file).ok();
   } catch (const std::exception&) {  // It lives: that is all that is asked here.
   }
 }
@@ -158,8 +158,8 @@ std::optional<std::string> refusal(const client::Result<Scene>& scene) {
 }
 
 FileReport import(const fs::path& file) {
-  const auto plain = client::import_scene(file);
-  const auto animated = client::import_animated_scene(file);
+  const auto plain = client::importer::import_scene(file);
+  const auto animated = client::importer::import_animated_scene(file);
   FileReport report{animated ? FileOutcome::kTaken : FileOutcome::kRefused, {}};
   if ((report.wrong = refusal(plain)) || (report.wrong = refusal(animated))) return report;
   if (!plain) {
@@ -184,7 +184,8 @@ FileReport check_file(std::span<const std::uint8_t> bytes) {
   static const Folder folder;
   static Taster taster(folder.path());
   const fs::path file = folder.put(ending_of(bytes), bytes.empty() ? bytes : bytes.subspan(1));
-  if (client::check_damage(file) && !taster.survives(file)) return {FileOutcome::kAssimpDied, {}};
+  if (client::importer::check_damage(file) && !taster.survives(file))
+    return {FileOutcome::kAssimpDied, {}};
   return import(file);
 }
 

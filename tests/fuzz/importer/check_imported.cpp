@@ -15,12 +15,12 @@
 
 namespace sightline::tests {
 
-using client::AnimatedScene;
-using client::Animation;
-using client::ImportedMesh;
-using client::ImportedNode;
-using client::ImportedScene;
-using client::kNone;
+using client::importer::AnimatedScene;
+using client::importer::Animation;
+using client::importer::ImportedMesh;
+using client::importer::ImportedNode;
+using client::importer::ImportedScene;
+using client::importer::kNone;
 
 namespace {
 
@@ -57,7 +57,8 @@ bool is_utf8(std::string_view text) {
 }
 
 Wrong check_name(std::string_view name) {
-  if (name.size() > client::kMaxNodeName) return fmt::format("a name of {} bytes", name.size());
+  if (name.size() > client::importer::kMaxNodeName)
+    return fmt::format("a name of {} bytes", name.size());
   if (!is_utf8(name)) return "a name that is not UTF-8";
   return {};
 }
@@ -89,9 +90,9 @@ Wrong check_node(const ImportedScene& scene, std::size_t place) {
 }
 
 template <class Value>
-Wrong check_track(const client::Track<Value>& track) {
+Wrong check_track(const client::importer::Track<Value>& track) {
   double before = -HUGE_VAL;
-  for (const client::Key<Value>& key : track.keys) {
+  for (const client::importer::Key<Value>& key : track.keys) {
     if (!std::isfinite(key.seconds) || key.seconds < before) return "keys out of order";
     if (!is_finite(key.value)) return "a key that is not finite";
     before = key.seconds;
@@ -99,8 +100,8 @@ Wrong check_track(const client::Track<Value>& track) {
   return {};
 }
 
-Wrong check_skin(const client::Skin& skin, const ImportedMesh& mesh, std::size_t nodes) {
-  for (const client::Skin::Bone& bone : skin.bones) {
+Wrong check_skin(const client::importer::Skin& skin, const ImportedMesh& mesh, std::size_t nodes) {
+  for (const client::importer::Skin::Bone& bone : skin.bones) {
     if (bone.node >= nodes || !is_finite(bone.bone_from_mesh)) return "a bad bone";
   }
   if (skin.bones.empty() && skin.influences.empty()) return {};
@@ -121,7 +122,7 @@ Wrong check_skin(const client::Skin& skin, const ImportedMesh& mesh, std::size_t
 }
 
 Wrong check_rig(const AnimatedScene& animated) {
-  const client::Rig& rig = animated.rig;
+  const client::importer::Rig& rig = animated.rig;
   const ImportedScene& scene = animated.scene;
   if (rig.parent_from_local.size() != scene.nodes.size()) return "a rig of other nodes";
   if (rig.skins.size() != scene.meshes.size() || rig.shapes.size() != scene.meshes.size())
@@ -139,11 +140,11 @@ Wrong check_rig(const AnimatedScene& animated) {
 Wrong check_poses(const AnimatedScene& animated, const Animation& animation) {
   const double end = animation.seconds;
   for (const double seconds : {0.0, end / 3, end / 2, end, 1.5 * end, 1e9, -1.0}) {
-    const client::Pose pose = client::pose(animated, animation, seconds);
-    for (const client::Pose::Placed& placed : pose.placed) {
+    const client::importer::Pose pose = client::importer::pose(animated, animation, seconds);
+    for (const client::importer::Pose::Placed& placed : pose.placed) {
       if (placed.node >= animated.scene.nodes.size()) return "a pose of no node";
     }
-    for (const client::Pose::Shaped& shaped : pose.shaped) {
+    for (const client::importer::Pose::Shaped& shaped : pose.shaped) {
       for (const std::uint32_t node : shaped.nodes) {
         if (node >= animated.scene.nodes.size()) return "a shape of no node";
         const std::uint32_t mesh = animated.scene.nodes[node].mesh;
@@ -159,7 +160,7 @@ Wrong check_animation(const AnimatedScene& animated, const Animation& animation)
   if (auto wrong = check_name(animation.name)) return wrong;
   if (!std::isfinite(animation.seconds) || animation.seconds < 0)
     return fmt::format("an animation of {} s", animation.seconds);
-  for (const client::NodeChannel& channel : animation.channels) {
+  for (const client::importer::NodeChannel& channel : animation.channels) {
     if (channel.node >= animated.scene.nodes.size()) return "a channel of no node";
     if (channel.positions.keys.empty() || channel.rotations.keys.empty() ||
         channel.scalings.keys.empty())
@@ -168,7 +169,7 @@ Wrong check_animation(const AnimatedScene& animated, const Animation& animation)
     if (auto wrong = check_track(channel.rotations)) return wrong;
     if (auto wrong = check_track(channel.scalings)) return wrong;
   }
-  for (const client::Deformation& deformation : animation.deformations) {
+  for (const client::importer::Deformation& deformation : animation.deformations) {
     if (deformation.node >= animated.scene.nodes.size() ||
         animated.scene.nodes[deformation.node].mesh != deformation.mesh)
       return "a deformation of no mesh";
@@ -196,7 +197,7 @@ std::optional<std::string> check_imported(const ImportedScene& scene) {
   client::ServerInfo limits;
   limits.max_depth = 8;
   limits.max_triangles_per_mesh = 12;
-  const client::Status uploadable = client::check_scene(scene, limits);
+  const client::Status uploadable = client::calls::check_scene(scene, limits);
   if (!uploadable && uploadable.error().message.empty()) return "refused without a word";
   return {};
 }

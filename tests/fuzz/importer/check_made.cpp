@@ -10,9 +10,9 @@ namespace sightline::tests {
 
 std::optional<std::string> check_made(std::span<const std::uint8_t> bytes, bool* taken) {
   const MadeScene made = make_scene(Bytes(bytes));
-  auto plain = client::convert_scene(*made.scene, made.importer_name, made.options);
+  auto plain = client::importer::convert_scene(*made.scene, made.importer_name, made.options);
   const auto animated =
-      client::convert_animated_scene(*made.scene, made.importer_name, made.options);
+      client::importer::convert_animated_scene(*made.scene, made.importer_name, made.options);
   if (taken != nullptr) *taken = animated.ok();
   if (!plain) {
     if (plain.error().message.empty()) return "refused without a word";
@@ -20,7 +20,7 @@ std::optional<std::string> check_made(std::span<const std::uint8_t> bytes, bool*
   }
   if (auto wrong = check_imported(*plain)) return wrong;
   if (!animated && animated.error().message.empty()) return "refused without a word";
-  client::rebase(*plain);
+  client::importer::rebase(*plain);
   if (auto wrong = check_imported(*plain)) return wrong;
   if (!animated) return {};
   if (auto wrong = difference(*plain, animated->scene)) return wrong;

@@ -239,8 +239,8 @@ void describe_frame(Bytes& bytes, aiScene& scene) {
   }
 }
 
-client::ImportOptions take_options(Bytes& bytes) {
-  client::ImportOptions options;
+client::importer::ImportOptions take_options(Bytes& bytes) {
+  client::importer::ImportOptions options;
   const std::size_t up = bytes.below(4);
   if (up == 1) options.up_axis = client::UpAxis::kY;
   if (up == 2) options.up_axis = client::UpAxis::kZ;

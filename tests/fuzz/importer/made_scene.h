@@ -12,9 +12,9 @@
 namespace sightline::tests {
 
 struct MadeScene {
-  std::unique_ptr<aiScene> scene;  ///< Has a root; arrays are as long as their counts say.
-  std::string importer_name;       ///< That Assimp would have read it with.
-  client::ImportOptions options;   ///< Such as the command accepts.
+  std::unique_ptr<aiScene> scene;           ///< Has a root; arrays are as long as their counts say.
+  std::string importer_name;                ///< That Assimp would have read it with.
+  client::importer::ImportOptions options;  ///< Such as the command accepts.
 };
 
 /// Any bytes make one: up to four meshes, twelve nodes and three animations of a few keys each.

@@ -7,7 +7,7 @@
 
 #include "tests/scenegraph/random_hierarchy.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::hierarchy {
 namespace {
 
 using tests::Frames;
@@ -20,7 +20,8 @@ Hierarchy added_up(const Hierarchy& hierarchy) {
   again.wide = {};
   const Hierarchy nothing;
   SubtreeUpdate update(nothing, again);
-  again.nodes.for_each([&](NodeId id, const std::shared_ptr<const Node>&) { update.edited(id); });
+  again.nodes.for_each(
+      [&](model::NodeId id, const std::shared_ptr<const model::Node>&) { update.edited(id); });
   update.finish();
   return again;
 }
@@ -28,35 +29,36 @@ Hierarchy added_up(const Hierarchy& hierarchy) {
 void expect_up_to_date(const Hierarchy& hierarchy) {
   const Hierarchy expected = added_up(hierarchy);
   ASSERT_EQ(hierarchy.subtrees.size(), expected.subtrees.size());
-  expected.subtrees.for_each([&](NodeId id, const std::shared_ptr<const Subtree>& subtree) {
+  expected.subtrees.for_each([&](model::NodeId id, const std::shared_ptr<const Subtree>& subtree) {
     const std::shared_ptr<const Subtree>* kept = hierarchy.subtrees.find(id);
     ASSERT_NE(kept, nullptr) << id;
     ASSERT_EQ(**kept, *subtree) << id;
   });
 }
 
-std::vector<NodeId> ids_of(const Snapshot& snapshot) {
-  std::vector<NodeId> ids;
+std::vector<model::NodeId> ids_of(const revision::Snapshot& snapshot) {
+  std::vector<model::NodeId> ids;
   snapshot.nodes().for_each(
-      [&](NodeId id, const std::shared_ptr<const Node>&) { ids.push_back(id); });
+      [&](model::NodeId id, const std::shared_ptr<const model::Node>&) { ids.push_back(id); });
   return ids;
 }
 
 /// Any update that may be refused as well: then nothing has happened.
-Update random_update(Random& random, const std::vector<NodeId>& ids, Frames frames, int alias) {
-  const auto any = [&] { return static_cast<NodeRef>(ids[random.below(ids.size())]); };
+model::Update random_update(Random& random, const std::vector<model::NodeId>& ids, Frames frames,
+                            int alias) {
+  const auto any = [&] { return static_cast<model::NodeRef>(ids[random.below(ids.size())]); };
   switch (random.below(5)) {
     case 0:
-      return DeleteNode{any(), random.below(4) == 0};
+      return model::DeleteNode{any(), random.below(4) == 0};
     case 1:
     case 2: {
-      const NodeRef one = any(), other = any();
-      if (one == other) return SetTransforms{{one}, {random_frame(random, frames)}};
-      return SetTransforms{{one, other},
-                           {random_frame(random, frames), random_frame(random, frames)}};
+      const model::NodeRef one = any(), other = any();
+      if (one == other) return model::SetTransforms{{one}, {random_frame(random, frames)}};
+      return model::SetTransforms{{one, other},
+                                  {random_frame(random, frames), random_frame(random, frames)}};
     }
     default: {
-      PutNode put;
+      model::PutNode put;
       put.node = random.below(2) == 0 ? alias : any();
       put.parent = random.below(6) == 0 ? 0 : any();
       put.parent_from_local = random_frame(random, frames);
@@ -76,11 +78,11 @@ TEST_P(SubtreesInFrames, StayRightThroughAnyUpdates) {
   expect_up_to_date(scene.snapshot()->hierarchy());
   int applied = 0;
   for (int round = 0; round < 400; ++round) {
-    const std::vector<NodeId> ids = ids_of(*scene.snapshot());
+    const std::vector<model::NodeId> ids = ids_of(*scene.snapshot());
     if (ids.size() < 20) {
       ASSERT_TRUE(scene.apply(tests::random_hierarchy(60, frames, random.next())));
     }
-    std::vector<Update> updates;
+    std::vector<model::Update> updates;
     const auto count = static_cast<int>(1 + random.below(4));
     for (int i = 1; i <= count; ++i) updates.push_back(random_update(random, ids, frames, -i));
     applied += scene.apply(updates) ? 1 : 0;
@@ -97,12 +99,12 @@ INSTANTIATE_TEST_SUITE_P(All, SubtreesInFrames,
 TEST(Subtrees, OneOfManyChildrenAtATime) {
   Random random(5);
   Scene scene;
-  std::vector<Update> updates;
-  PutNode top;
+  std::vector<model::Update> updates;
+  model::PutNode top;
   top.node = -1;
   updates.emplace_back(top);
   for (int i = 2; i <= 300; ++i) {
-    PutNode put;
+    model::PutNode put;
     put.node = -i;
     put.parent = -1;
     put.parent_from_local = random_frame(random, Frames::kRigid);
@@ -112,9 +114,9 @@ TEST(Subtrees, OneOfManyChildrenAtATime) {
   ASSERT_TRUE(scene.apply(updates));
   for (int round = 0; round < 300; ++round) {
     // Inward and outward, by one that is outermost or not.
-    const auto id = static_cast<NodeRef>(2 + random.below(299));
-    ASSERT_TRUE(scene.apply(
-        {SetTransforms{{id}, {random_frame(random, Frames::kRigid, round % 3 == 0 ? 40 : 3)}}}));
+    const auto id = static_cast<model::NodeRef>(2 + random.below(299));
+    ASSERT_TRUE(scene.apply({model::SetTransforms{
+        {id}, {random_frame(random, Frames::kRigid, round % 3 == 0 ? 40 : 3)}}}));
     expect_up_to_date(scene.snapshot()->hierarchy());
     if (HasFatalFailure()) return;
   }
@@ -122,11 +124,11 @@ TEST(Subtrees, OneOfManyChildrenAtATime) {
 
 TEST(Subtrees, ManyOnLevelGround) {
   Scene scene;
-  PutNode ground;
+  model::PutNode ground;
   ground.node = -1;
-  std::vector<Update> updates{ground};
+  std::vector<model::Update> updates{ground};
   for (int i = 2; i <= 100; ++i) {
-    PutNode put;
+    model::PutNode put;
     put.node = -i;
     put.parent = -1;
     put.mesh = tests::some_mesh(2);
@@ -136,10 +138,10 @@ TEST(Subtrees, ManyOnLevelGround) {
   }
   ASSERT_TRUE(scene.apply(updates));
   EXPECT_EQ(scene.snapshot()->hierarchy().group(1).outermost[6], 99u) << "down";
-  for (NodeRef id = 2; id <= 100; ++id) {
-    Affine up;
+  for (model::NodeRef id = 2; id <= 100; ++id) {
+    model::Affine up;
     up.m[11] = static_cast<double>(id % 3);
-    ASSERT_TRUE(scene.apply({SetTransforms{{id}, {up}}}));
+    ASSERT_TRUE(scene.apply({model::SetTransforms{{id}, {up}}}));
     expect_up_to_date(scene.snapshot()->hierarchy());
   }
 }
@@ -148,30 +150,30 @@ TEST(Subtrees, ManyOnLevelGround) {
 TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
   Random random(21);
   Scene scene;
-  PutNode one, other;
+  model::PutNode one, other;
   one.node = -1;
   other.node = -2;
   ASSERT_TRUE(scene.apply({one, other}));
-  std::vector<NodeRef> alive;
+  std::vector<model::NodeRef> alive;
   for (int round = 0; round < 60; ++round) {
-    std::vector<Update> updates;
+    std::vector<model::Update> updates;
     const bool grows = round % 20 < 10;
     for (int i = 1; grows && i <= 400; ++i) {
-      PutNode put;
+      model::PutNode put;
       put.node = -i;
-      put.parent = static_cast<NodeRef>(random.below(3));
+      put.parent = static_cast<model::NodeRef>(random.below(3));
       put.parent_from_local = random_frame(random, Frames::kRigid, 10);
       put.mesh = tests::some_mesh(random.next());
       updates.emplace_back(put);
     }
     for (std::size_t i = 0; !grows && i < 400 && !alive.empty(); ++i) {
       std::swap(alive[random.below(alive.size())], alive.back());
-      updates.emplace_back(DeleteNode{alive.back()});
+      updates.emplace_back(model::DeleteNode{alive.back()});
       alive.pop_back();
     }
     for (std::size_t i = 0; i < 5 && !alive.empty(); ++i) {
-      updates.emplace_back(SetTransforms{{alive[random.below(alive.size())]},
-                                         {random_frame(random, Frames::kRigid, 40)}});
+      updates.emplace_back(model::SetTransforms{{alive[random.below(alive.size())]},
+                                                {random_frame(random, Frames::kRigid, 40)}});
     }
     const auto applied = scene.apply(updates);
     ASSERT_TRUE(applied) << applied.error().message;
@@ -184,7 +186,7 @@ TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
 TEST(Subtrees, CountWhatIsThere) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(500, Frames::kRigid, 9));
   Subtree expected;
-  snapshot->nodes().for_each([&](NodeId, const std::shared_ptr<const Node>& node) {
+  snapshot->nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (node->mesh == nullptr) return;
     ++expected.mesh_nodes;
     expected.triangles += node->mesh->triangles();
@@ -203,30 +205,31 @@ TEST(Subtrees, CountWhatIsThere) {
 TEST(Subtrees, HoldEveryVertexInTheirFrame) {
   for (const Frames frames : {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat}) {
     const auto snapshot = tests::snapshot_of(tests::random_hierarchy(200, frames, 11));
-    snapshot->nodes().for_each([&](NodeId id, const std::shared_ptr<const Node>& node) {
-      if (node->mesh == nullptr || node->mesh->bounds().empty()) return;
-      // Upwards, one frame after the other, in 64 bits.
-      for (const accel::Vec3f& v : node->mesh->view().vertices) {
-        long double p[] = {static_cast<long double>(v.x), static_cast<long double>(v.y),
-                           static_cast<long double>(v.z)};
-        for (const Node* at = node.get();;) {
-          const Subtree subtree = snapshot->hierarchy().subtree(*at);
-          for (std::size_t a = 0; a < 3; ++a) {
-            ASSERT_GE(p[a], static_cast<long double>(subtree.box.lo[a])) << id;
-            ASSERT_LE(p[a], static_cast<long double>(subtree.box.hi[a])) << id;
+    snapshot->nodes().for_each(
+        [&](model::NodeId id, const std::shared_ptr<const model::Node>& node) {
+          if (node->mesh == nullptr || node->mesh->bounds().empty()) return;
+          // Upwards, one frame after the other, in 64 bits.
+          for (const accel::geometry::Vec3f& v : node->mesh->view().vertices) {
+            long double p[] = {static_cast<long double>(v.x), static_cast<long double>(v.y),
+                               static_cast<long double>(v.z)};
+            for (const model::Node* at = node.get();;) {
+              const Subtree subtree = snapshot->hierarchy().subtree(*at);
+              for (std::size_t a = 0; a < 3; ++a) {
+                ASSERT_GE(p[a], static_cast<long double>(subtree.box.lo[a])) << id;
+                ASSERT_LE(p[a], static_cast<long double>(subtree.box.hi[a])) << id;
+              }
+              if (at->parent == 0) break;
+              const auto& m = at->parent_from_local.m;
+              const long double q[] = {p[0], p[1], p[2]};
+              for (std::size_t row = 0; row < 3; ++row) {
+                p[row] = static_cast<long double>(m[4 * row + 3]);
+                for (std::size_t col = 0; col < 3; ++col)
+                  p[row] += static_cast<long double>(m[4 * row + col]) * q[col];
+              }
+              at = snapshot->find(at->parent);
+            }
           }
-          if (at->parent == 0) break;
-          const auto& m = at->parent_from_local.m;
-          const long double q[] = {p[0], p[1], p[2]};
-          for (std::size_t row = 0; row < 3; ++row) {
-            p[row] = static_cast<long double>(m[4 * row + 3]);
-            for (std::size_t col = 0; col < 3; ++col)
-              p[row] += static_cast<long double>(m[4 * row + col]) * q[col];
-          }
-          at = snapshot->find(at->parent);
-        }
-      }
-    });
+        });
   }
 }
 
@@ -234,12 +237,12 @@ TEST(Subtrees, OfASceneThatIsEmptiedAreGone) {
   Scene scene;
   ASSERT_TRUE(scene.apply(tests::random_hierarchy(50, Frames::kRigid, 2)));
   while (!scene.snapshot()->roots().empty()) {
-    const auto root = static_cast<NodeRef>(scene.snapshot()->roots().front());
-    ASSERT_TRUE(scene.apply({DeleteNode{root, true}}));
+    const auto root = static_cast<model::NodeRef>(scene.snapshot()->roots().front());
+    ASSERT_TRUE(scene.apply({model::DeleteNode{root, true}}));
     expect_up_to_date(scene.snapshot()->hierarchy());
   }
   EXPECT_EQ(scene.snapshot()->hierarchy().subtree(0), Subtree{});
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::hierarchy

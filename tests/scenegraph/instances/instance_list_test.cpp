@@ -12,22 +12,23 @@
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
 /// All of it in the static tree.
-std::vector<Update> at_rest(int nodes, tests::Frames frames, std::uint64_t seed) {
-  std::vector<Update> updates = tests::random_hierarchy(nodes, frames, seed);
-  for (Update& update : updates) std::get<PutNode>(update).mobility = Mobility::kStatic;
+std::vector<model::Update> at_rest(int nodes, tests::Frames frames, std::uint64_t seed) {
+  std::vector<model::Update> updates = tests::random_hierarchy(nodes, frames, seed);
+  for (model::Update& update : updates)
+    std::get<model::PutNode>(update).mobility = model::Mobility::kStatic;
   return updates;
 }
 
-using accel::BoxRef;
+using accel::kdtree::BoxRef;
 using tests::Frames;
 
 constexpr Frames kAllFrames[] = {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat};
 
-bool holds(const accel::Aabb& outer, const accel::Aabb& inner) {
+bool holds(const accel::geometry::Aabb& outer, const accel::geometry::Aabb& inner) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (!(outer.lo[a] <= inner.lo[a] && inner.hi[a] <= outer.hi[a])) return false;
   }
@@ -77,11 +78,11 @@ TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
 TEST(Instances, StandWhereTheHierarchyPutsThem) {
   for (const Frames frames : kAllFrames) {
     const auto snapshot = tests::snapshot_of(at_rest(400, frames, 3));
-    NodeId before = 0;
+    model::NodeId before = 0;
     std::size_t count = 0;
     for (const Instance& instance : snapshot->trees().still.list()) {
-      const Node& node = *snapshot->find(instance.node);
-      const Affine world = world_from_local(snapshot->hierarchy(), node);
+      const model::Node& node = *snapshot->find(instance.node);
+      const model::Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
       EXPECT_EQ(instance.mirrored, mirrors(world));
       EXPECT_EQ(instance.mesh, node.mesh.get());
@@ -101,15 +102,16 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
 TEST(Instances, BoxesHoldWhateverTheConditions) {
   // Each alone is fine, and so is the whole: what is squeezed is stretched again below.
   for (const double squeeze : {1e-3, 1e-6, 1e-9}) {
-    std::vector<Update> updates;
+    std::vector<model::Update> updates;
     tests::Random random(8);
     for (int i = 1; i <= 40; ++i) {
-      PutNode put;
+      model::PutNode put;
       put.node = -i;
       put.parent = i == 1 ? 0 : -i + 1;
       const double scale = i % 2 == 0 ? squeeze : 1 / squeeze;
-      put.parent_from_local = Affine{{1, 0, 0, random.uniform(-3, 3), 0, 1, 0,
-                                      random.uniform(-3, 3), 0, 0, scale, random.uniform(-3, 3)}};
+      put.parent_from_local =
+          model::Affine{{1, 0, 0, random.uniform(-3, 3), 0, 1, 0, random.uniform(-3, 3), 0, 0,
+                         scale, random.uniform(-3, 3)}};
       put.mesh = tests::some_mesh(static_cast<std::uint64_t>(i % 4));
       updates.emplace_back(put);
     }
@@ -144,12 +146,12 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
 
 /// Groups of many kinds under one node, more than are placed together: of nothing, of one instance,
 /// of a few, of so many that runs are made of them, of groups.
-std::vector<Update> many_groups(int count) {
-  std::vector<Update> updates;
+std::vector<model::Update> many_groups(int count) {
+  std::vector<model::Update> updates;
   tests::Random random(9);
-  NodeRef last = 0;
-  const auto add = [&](NodeRef parent, double apart, bool mesh) {
-    PutNode put;
+  model::NodeRef last = 0;
+  const auto add = [&](model::NodeRef parent, double apart, bool mesh) {
+    model::PutNode put;
     put.node = --last;
     put.parent = parent;
     put.parent_from_local.m[3] = random.uniform(0, apart);
@@ -158,12 +160,12 @@ std::vector<Update> many_groups(int count) {
     updates.emplace_back(put);
     return put.node;
   };
-  const NodeRef root = add(0, 1, false);
+  const model::NodeRef root = add(0, 1, false);
   for (int i = 0; i < count; ++i) {
-    const NodeRef group = add(root, 1e4, i % 5 == 0);
+    const model::NodeRef group = add(root, 1e4, i % 5 == 0);
     const int children = i % 97 == 0 ? 200 : i % 4;
     for (int k = 0; k < children; ++k) {
-      const NodeRef child = add(group, 50, k % 2 == 0);
+      const model::NodeRef child = add(group, 50, k % 2 == 0);
       if (k % 8 == 0) add(child, 5, i % 3 > 0);
     }
   }
@@ -220,10 +222,10 @@ TEST(Instances, WeighWhatIsBelow) {
 
 TEST(Instances, ThatCannotBeReachedAreInNoList) {
   // Not by way of Scene, which refuses them.
-  Hierarchy hierarchy;
-  const auto add = [&](NodeId id, NodeId parent, const Affine& where,
-                       std::shared_ptr<const Mesh> mesh) {
-    Node node;
+  hierarchy::Hierarchy hierarchy;
+  const auto add = [&](model::NodeId id, model::NodeId parent, const model::Affine& where,
+                       std::shared_ptr<const model::Mesh> mesh) {
+    model::Node node;
     node.id = id;
     node.parent = parent;
     node.parent_from_local = where;
@@ -231,24 +233,24 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
     if (node.mesh != nullptr) node.entered = std::make_shared<std::atomic<bool>>(false);
     if (id == 1) node.children = {2, 3, 4};
     if (id == 4) node.children = {5};
-    hierarchy.nodes.set(id, std::make_shared<const Node>(node));
+    hierarchy.nodes.set(id, std::make_shared<const model::Node>(node));
   };
-  const Affine singular{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
+  const model::Affine singular{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
   add(1, 0, {}, nullptr);
   add(2, 1, singular, tests::some_mesh(0));
   add(3, 1, {}, tests::some_mesh(0));
   add(4, 1, singular, nullptr);
   add(5, 4, {}, tests::some_mesh(0));
-  hierarchy.roots = std::make_shared<const std::vector<NodeId>>(1, 1);
-  const Hierarchy nothing;
-  SubtreeUpdate update(nothing, hierarchy);
-  for (NodeId id = 1; id <= 5; ++id) update.edited(id);
+  hierarchy.roots = std::make_shared<const std::vector<model::NodeId>>(1, 1);
+  const hierarchy::Hierarchy nothing;
+  hierarchy::SubtreeUpdate update(nothing, hierarchy);
+  for (model::NodeId id = 1; id <= 5; ++id) update.edited(id);
   update.finish();
-  const Snapshot snapshot(1, hierarchy);
+  const revision::Snapshot snapshot(1, hierarchy);
   const Instances& instances = snapshot.trees().still;
   EXPECT_EQ(instances.size(), 3u);
-  const accel::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
-  accel::Hit hit;
+  const accel::geometry::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
+  accel::geometry::Hit hit;
   ASSERT_TRUE(trace(snapshot, {&ray, 1}, {&hit, 1}, {}));
   EXPECT_EQ(hit.node, 3u);
   ASSERT_TRUE(build_all(snapshot));
@@ -260,9 +262,9 @@ TEST(Instances, OfNothing) {
   const Scene empty;
   EXPECT_EQ(empty.snapshot()->trees().still.size(), 0u);
   EXPECT_TRUE(empty.snapshot()->trees().still.list().empty());
-  std::vector<Update> groups;
+  std::vector<model::Update> groups;
   for (int i = 1; i <= 10; ++i) {
-    PutNode put;
+    model::PutNode put;
     put.node = -i;
     put.parent = -(i / 2);
     if (i > 5) put.mesh = tests::some_mesh(static_cast<std::uint64_t>(4 + i % 2));
@@ -276,23 +278,23 @@ TEST(Instances, OfNothing) {
 
 /// Nodes in a chain above the only instance are opened at once.
 TEST(Instances, FarDownAChainAndFarAway) {
-  std::vector<Update> updates;
-  for (int i = 1; i <= kMaxDepth; ++i) {
-    PutNode put;
+  std::vector<model::Update> updates;
+  for (int i = 1; i <= model::kMaxDepth; ++i) {
+    model::PutNode put;
     put.node = -i;
     put.parent = -i + 1;
     put.parent_from_local.m[3] = 1e5;
-    if (i == kMaxDepth) put.mesh = tests::some_mesh(0);
+    if (i == model::kMaxDepth) put.mesh = tests::some_mesh(0);
     updates.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(updates);
   ASSERT_EQ(snapshot->trees().still.coarsest().size(), 1u);
   EXPECT_FALSE(snapshot->trees().still.coarsest()[0].openable());
-  const accel::Ray ray{{1e5 * kMaxDepth, 0.01, 9}, {0, 0, -1}};
-  accel::Hit hit;
+  const accel::geometry::Ray ray{{1e5 * model::kMaxDepth, 0.01, 9}, {0, 0, -1}};
+  accel::geometry::Hit hit;
   ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));
-  EXPECT_EQ(hit.node, static_cast<std::uint64_t>(kMaxDepth));
+  EXPECT_EQ(hit.node, static_cast<std::uint64_t>(model::kMaxDepth));
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

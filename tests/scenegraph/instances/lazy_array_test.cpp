@@ -9,7 +9,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
 using Counters = Zeroed<std::atomic<std::uint32_t>>;
@@ -64,4 +64,4 @@ TEST(Zeroed, IsOneArrayForAllThreads) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -14,14 +14,14 @@
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 using tests::Frames;
 
-std::vector<Hit> cast(const Snapshot& snapshot, const std::vector<Ray>& rays,
+std::vector<Hit> cast(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
                       const TraceOptions& options = {}) {
   std::vector<Hit> hits(rays.size());
   EXPECT_TRUE(trace(snapshot, rays, hits, options));
@@ -92,12 +92,12 @@ TEST(LazyHierarchy, SelectionsOfGroupsThatAreNotOpened) {
   const std::vector<Ray> rays = tests::rays_through(*warm, 400, 5);
   tests::Random random(6);
   for (int round = 0; round < 20; ++round) {
-    const NodeId root = round % 3 == 0 ? 0 : 1 + random.below(500);
-    const std::vector<NodeId> excluded{1 + random.below(500), 1 + random.below(500)};
+    const model::NodeId root = round % 3 == 0 ? 0 : 1 + random.below(500);
+    const std::vector<model::NodeId> excluded{1 + random.below(500), 1 + random.below(500)};
     tests::Filter filter;
-    for (NodeId id = 1; id <= 500; ++id) {
+    for (model::NodeId id = 1; id <= 500; ++id) {
       bool in = root == 0, out = false;
-      for (NodeId at = id; at != 0; at = warm->find(at)->parent) {
+      for (model::NodeId at = id; at != 0; at = warm->find(at)->parent) {
         in = in || at == root;
         out = out || at == excluded[0] || at == excluded[1];
       }
@@ -122,18 +122,19 @@ TEST(LazyHierarchy, FollowsUpdates) {
   Scene scene;
   ASSERT_TRUE(scene.apply(tests::random_hierarchy(300, Frames::kRigid, 13)));
   for (int round = 0; round < 15; ++round) {
-    const auto id = static_cast<NodeRef>(1 + random.below(300));
-    const NodeId parent = random.below(300);
-    std::vector<Update> updates{SetTransforms{{id}, {random_frame(random, Frames::kRigid)}}};
+    const auto id = static_cast<model::NodeRef>(1 + random.below(300));
+    const model::NodeId parent = random.below(300);
+    std::vector<model::Update> updates{
+        model::SetTransforms{{id}, {random_frame(random, Frames::kRigid)}}};
     if (scene.snapshot()->find(parent) != nullptr) {
-      PutNode put;
+      model::PutNode put;
       put.node = -1;
-      put.parent = static_cast<NodeRef>(parent);
+      put.parent = static_cast<model::NodeRef>(parent);
       put.parent_from_local = random_frame(random, Frames::kRigid, 30);
       put.mesh = tests::some_mesh(0);
       updates.emplace_back(put);
     }
-    if (round % 4 == 3) updates.emplace_back(DeleteNode{id, true});
+    if (round % 4 == 3) updates.emplace_back(model::DeleteNode{id, true});
     if (!scene.apply(updates)) continue;
     const auto snapshot = scene.snapshot();
     const std::vector<Ray> rays = tests::rays_through(*snapshot, 300, 7);
@@ -205,21 +206,21 @@ TEST(LazyHierarchy, SummariesOpenNothing) {
 
 TEST(BuildAll, TellsHowFarItIs) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(200, Frames::kRigid, 1));
-  BuildProgress progress;
+  query::BuildProgress progress;
   EXPECT_EQ(progress.share(), 0);
   ASSERT_TRUE(build_all(*snapshot, nullptr, &progress));
-  const SceneSummary scene = summarize(*snapshot);
+  const revision::SceneSummary scene = summarize(*snapshot);
   EXPECT_EQ(progress.meshes_total, scene.meshes);
   EXPECT_EQ(progress.meshes_done, scene.meshes);
   EXPECT_EQ(progress.triangles_total, scene.triangles_unique);
   EXPECT_EQ(progress.triangles_done, scene.triangles_unique);
   EXPECT_EQ(progress.share(), 1);
   const std::atomic<bool> cancelled{true};
-  BuildProgress none;
+  query::BuildProgress none;
   EXPECT_FALSE(build_all(*tests::tiled_plane(64, 4), &cancelled, &none));
   EXPECT_EQ(none.meshes_total, 1u);
   EXPECT_EQ(none.meshes_done, 0u);
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

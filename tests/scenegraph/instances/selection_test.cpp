@@ -7,14 +7,14 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
 using tests::mesh_of;
 using tests::put_node;
 
 /// 1 holds 2 (a mesh) and 3 (a group with the mesh 4); 5 is a mesh beside them.
-std::shared_ptr<const Snapshot> family() {
+std::shared_ptr<const revision::Snapshot> family() {
   const auto mesh = mesh_of(tests::cube());
   Scene scene;
   EXPECT_TRUE(
@@ -23,11 +23,12 @@ std::shared_ptr<const Snapshot> family() {
   return scene.snapshot();
 }
 
-std::vector<NodeId> selected(NodeId root, const std::vector<NodeId>& excluded) {
+std::vector<model::NodeId> selected(model::NodeId root,
+                                    const std::vector<model::NodeId>& excluded) {
   const auto snapshot = family();
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
-  std::vector<NodeId> nodes;
+  std::vector<model::NodeId> nodes;
   const InstanceList list = snapshot->trees().still.list();
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
@@ -38,7 +39,7 @@ std::vector<NodeId> selected(NodeId root, const std::vector<NodeId>& excluded) {
 }
 
 TEST(Selection, IsASubtreeLessSubtrees) {
-  using Nodes = std::vector<NodeId>;
+  using Nodes = std::vector<model::NodeId>;
   EXPECT_EQ(selected(0, {}), (Nodes{2, 4, 5}));
   EXPECT_EQ(selected(1, {}), (Nodes{2, 4}));
   EXPECT_EQ(selected(3, {}), (Nodes{4}));
@@ -54,11 +55,11 @@ TEST(Selection, NamesTheNodeThatIsNotThere) {
   ASSERT_FALSE(root);
   EXPECT_EQ(root.error().code, Code::kNotFound);
   EXPECT_EQ(root.error().message, "root node 77 is not in revision 1");
-  const std::vector<NodeId> excluded{2, 0};
+  const std::vector<model::NodeId> excluded{2, 0};
   const auto none = Selection::make(family(), 1, excluded);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().message, "excluded node 0 is not in revision 1");
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

@@ -9,12 +9,12 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::Aabb;
-using accel::BoxRef;
-using accel::Vec3f;
+using accel::geometry::Aabb;
+using accel::geometry::Vec3f;
+using accel::kdtree::BoxRef;
 
 /// Unit cells of a square, row by row.
 std::vector<BoxRef> tiles(std::uint32_t side) {
@@ -45,7 +45,7 @@ std::size_t check(const BoxRef& ref, const std::vector<std::span<const BoxRef>>&
     return 1;
   }
   EXPECT_NE(ref.id & kRun, 0u);
-  const std::uint32_t number = (ref.id & ~accel::kOpenable & ~kRun) - first;
+  const std::uint32_t number = (ref.id & ~accel::kdtree::kOpenable & ~kRun) - first;
   std::size_t count = 0;
   std::uint64_t weight = 0;
   EXPECT_LT(number, members.size());
@@ -108,7 +108,7 @@ TEST(SiblingRuns, AreNotMadeOfWhatIsEverywhere) {
 TEST(SiblingRuns, EndureBoxesWithoutExtent) {
   std::vector<BoxRef> same(1000);
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    const Aabb box = accel::widen_flat({{2, 2, 2}, {2, 2, 2}});
+    const Aabb box = accel::geometry::widen_flat({{2, 2, 2}, {2, 2, 2}});
     same[i] = {box.lo, i, box.hi, 1};
   }
   coarsest_of(same);
@@ -118,4 +118,4 @@ TEST(SiblingRuns, EndureBoxesWithoutExtent) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::instances

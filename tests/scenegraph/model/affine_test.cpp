@@ -7,7 +7,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 namespace {
 
 void expect_near(const Vec3d& a, const Vec3d& b, double tolerance) {
@@ -54,4 +54,4 @@ TEST(Affine, RefusesWhatCannotBeInverted) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -5,16 +5,18 @@
 
 #include <limits>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 namespace {
 
-const std::vector<accel::Vec3f> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const std::vector<accel::geometry::Vec3f> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 TEST(Mesh, CountsWhatItHolds) {
   auto corners = kCorners;
   corners.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
-  const auto mesh = Mesh::make(
-      corners, {{0, 1, 2}, {accel::kNoVertex, accel::kNoVertex, accel::kNoVertex}, {0, 1, 3}});
+  const auto mesh = Mesh::make(corners, {{0, 1, 2},
+                                         {accel::geometry::kNoVertex, accel::geometry::kNoVertex,
+                                          accel::geometry::kNoVertex},
+                                         {0, 1, 3}});
   ASSERT_TRUE(mesh);
   EXPECT_EQ((*mesh)->faces(), 3u);
   EXPECT_EQ((*mesh)->triangles(), 2u);
@@ -29,7 +31,7 @@ TEST(Mesh, NamesTheFaceAndTheIndexOutOfRange) {
   EXPECT_EQ(mesh.error().code, Code::kInvalidArgument);
   EXPECT_EQ(mesh.error().message, "face 1 has vertex index 7, but the mesh has 3 vertices");
   // Half of the mark is no mark.
-  EXPECT_FALSE(Mesh::make(kCorners, {{accel::kNoVertex, accel::kNoVertex, 0}}));
+  EXPECT_FALSE(Mesh::make(kCorners, {{accel::geometry::kNoVertex, accel::geometry::kNoVertex, 0}}));
 }
 
 TEST(Mesh, MayBeEmpty) {
@@ -39,4 +41,4 @@ TEST(Mesh, MayBeEmpty) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

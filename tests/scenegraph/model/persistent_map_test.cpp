@@ -9,7 +9,7 @@
 
 #include "tests/support/random.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::model {
 namespace {
 
 using Map = PersistentMap<std::shared_ptr<int>>;
@@ -98,4 +98,4 @@ TEST(PersistentMap, CopiesDoNotSeeLaterChanges) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::model

@@ -13,23 +13,24 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 
 constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;
 constexpr std::size_t kRays = 4000;
 
-std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m) {
-  return *Mesh::make(m.vertices, m.faces);
+std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
+  return *model::Mesh::make(m.vertices, m.faces);
 }
 
-PutNode put(NodeRef node, NodeRef parent, std::shared_ptr<const Mesh> mesh, const Affine& where) {
-  PutNode p;
+model::PutNode put(model::NodeRef node, model::NodeRef parent,
+                   std::shared_ptr<const model::Mesh> mesh, const model::Affine& where) {
+  model::PutNode p;
   p.node = node;
   p.parent = parent;
   p.name = "n" + std::to_string(-node);
@@ -39,28 +40,34 @@ PutNode put(NodeRef node, NodeRef parent, std::shared_ptr<const Mesh> mesh, cons
   return p;
 }
 
-std::shared_ptr<const Snapshot> scene_of(const std::vector<Update>& updates) {
+std::shared_ptr<const revision::Snapshot> scene_of(const std::vector<model::Update>& updates) {
   Scene scene;
   const auto applied = scene.apply(updates);
   EXPECT_TRUE(applied) << applied.error().message;
   return scene.snapshot();
 }
 
-std::vector<Hit> cast(const Snapshot& snapshot, std::span<const Ray> rays) {
+std::vector<Hit> cast(const revision::Snapshot& snapshot, std::span<const Ray> rays) {
   std::vector<Hit> hits(rays.size());
   EXPECT_TRUE(trace(snapshot, rays, hits, {}));
   return hits;
 }
 
-Hit cast(const Snapshot& snapshot, const Ray& ray) { return cast(snapshot, {&ray, 1})[0]; }
+Hit cast(const revision::Snapshot& snapshot, const Ray& ray) {
+  return cast(snapshot, {&ray, 1})[0];
+}
 
-Affine scaling(double x, double y, double z) { return {{x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0}}; }
-Affine translation(const Vec3d& by) { return {{1, 0, 0, by.x, 0, 1, 0, by.y, 0, 0, 1, by.z}}; }
+model::Affine scaling(double x, double y, double z) {
+  return {{x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0}};
+}
+model::Affine translation(const Vec3d& by) {
+  return {{1, 0, 0, by.x, 0, 1, 0, by.y, 0, 0, 1, by.z}};
+}
 
 /// By the angle whose sine and cosine these are, about z and then about x.
-Affine turning(double sine, double cosine) {
-  const Affine about_z{{cosine, -sine, 0, 0, sine, cosine, 0, 0, 0, 0, 1, 0}};
-  const Affine about_x{{1, 0, 0, 0, 0, cosine, -sine, 0, 0, sine, cosine, 0}};
+model::Affine turning(double sine, double cosine) {
+  const model::Affine about_z{{cosine, -sine, 0, 0, sine, cosine, 0, 0, 0, 0, 1, 0}};
+  const model::Affine about_x{{1, 0, 0, 0, 0, cosine, -sine, 0, 0, sine, cosine, 0}};
   return compose(about_x, about_z);
 }
 
@@ -72,7 +79,7 @@ std::vector<Ray> moved(std::vector<Ray> rays, const Vec3d& by) {
 TEST(Millimetres, AreTheSameToTheLastBitWhereTheRaysAreExact) {
   const auto plate = to_mesh(tests::ridged_plate());
   const Vec3d far{1e7, -1e7, 1e7};
-  const auto here = scene_of({put(-1, 0, plate, Affine{})});
+  const auto here = scene_of({put(-1, 0, plate, model::Affine{})});
   const auto there = scene_of({put(-1, 0, plate, translation(far))});
   const std::vector<Ray> rays = tests::kilometre_rays(kRays, 1, 20);
   const std::vector<Hit> a = cast(*here, rays), b = cast(*there, moved(rays, far));
@@ -88,8 +95,8 @@ TEST(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
   const auto plate = to_mesh(tests::ridged_plate());
   const Vec3d far{1e7 + 1.0 / 3, -1e7 - 0.7, 1e7 + 0.1};
   // Standing free, and turned under a parent that carries it out.
-  const Affine turned = turning(0.6, 0.8);
-  const auto free_here = scene_of({put(-1, 0, plate, Affine{})});
+  const model::Affine turned = turning(0.6, 0.8);
+  const auto free_here = scene_of({put(-1, 0, plate, model::Affine{})});
   const auto free_there = scene_of({put(-1, 0, plate, translation(far))});
   const auto turned_here = scene_of({put(-1, 0, plate, turned)});
   const auto turned_there =
@@ -112,7 +119,7 @@ TEST(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
 
 TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
   const auto cube = to_mesh(tests::cube());
-  for (const Affine& stretch :
+  for (const model::Affine& stretch :
        {scaling(1, 1, 1), scaling(1024, 0x1p-10, 1), scaling(3, 7, 0.1), scaling(1e5, 1e-5, 1)}) {
     const auto snapshot = scene_of({put(-1, 0, cube, stretch)});
     for (const double speed : {1.0, 0.25, 100.0}) {
@@ -122,7 +129,7 @@ TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
           cast(*snapshot, Ray{{0.25 * stretch.m[0], 0.125 * stretch.m[5], 50}, {0, 0, -speed}});
       ASSERT_EQ(hit.state, HitState::kHit);
       EXPECT_NEAR(hit.t, (50 - top) / speed, 1e-12 * 50 / speed);
-      EXPECT_EQ(hit.normal, (accel::Vec3f{0, 0, 1}));
+      EXPECT_EQ(hit.normal, (accel::geometry::Vec3f{0, 0, 1}));
     }
   }
 }
@@ -130,8 +137,9 @@ TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
 TEST(Transforms, NormalsStandOnStretchedSurfaces) {
   const auto sphere = to_mesh(tests::icosphere(3));
   tests::Random random(3);
-  for (const Affine& shape : {scaling(1, 20, 0.05), scaling(-1, 20, 0.05), scaling(-3, -2, -0.5),
-                              compose(turning(0.6, 0.8), scaling(5, 0.2, 1))}) {
+  for (const model::Affine& shape :
+       {scaling(1, 20, 0.05), scaling(-1, 20, 0.05), scaling(-3, -2, -0.5),
+        compose(turning(0.6, 0.8), scaling(5, 0.2, 1))}) {
     const auto snapshot = scene_of({put(-1, 0, sphere, shape)});
     const tests::TestMesh mesh = tests::icosphere(3);
     for (int i = 0; i < 300; ++i) {
@@ -140,7 +148,7 @@ TEST(Transforms, NormalsStandOnStretchedSurfaces) {
       const Hit hit = cast(*snapshot, Ray{shape.point(from), shape.direction(at - from)});
       ASSERT_EQ(hit.state, HitState::kHit);
       // Of the triangle's corners in the world, by winding.
-      const accel::Face& f = mesh.faces[hit.primitive];
+      const accel::geometry::Face& f = mesh.faces[hit.primitive];
       const auto corner = [&](std::size_t k) { return shape.point(Vec3d(mesh.vertices[f[k]])); };
       const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
       EXPECT_NEAR(dot(n * (1 / length(n)), Vec3d(hit.normal)), 1, 1e-6);
@@ -153,7 +161,7 @@ TEST(Transforms, NormalsStandOnStretchedSurfaces) {
 TEST(Transforms, NearlySingularOnesAgreeWithTheOracleUpToTheLimit) {
   const auto sphere = to_mesh(tests::icosphere(3));
   for (const double thin : {1e-3, 1e-6, 1e-9}) {
-    const Affine flat = compose(turning(0.6, 0.8), scaling(1, 1, thin));
+    const model::Affine flat = compose(turning(0.6, 0.8), scaling(1, 1, thin));
     const auto snapshot = scene_of({put(-1, 0, sphere, flat)});
     tests::Random random(4);
     std::vector<Ray> rays(500);
@@ -168,14 +176,15 @@ TEST(Transforms, NearlySingularOnesAgreeWithTheOracleUpToTheLimit) {
 }
 
 TEST(Transforms, SingularOnesAreRefusedByTheNodesNameWithTheLimit) {
-  const auto refusal = [](const Affine& matrix) {
+  const auto refusal = [](const model::Affine& matrix) {
     Scene scene;
     const auto applied = scene.apply({put(-7, 0, nullptr, matrix)});
     return applied ? std::string() : applied.error().message;
   };
   EXPECT_EQ(refusal(scaling(1, 1, 1e-11)), "");
-  for (const Affine& matrix : {scaling(1, 0, 1), scaling(1, 1, 1e-12), scaling(1e-200, 1e-200, 1),
-                               Affine{{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}}}) {
+  for (const model::Affine& matrix :
+       {scaling(1, 0, 1), scaling(1, 1, 1e-12), scaling(1e-200, 1e-200, 1),
+        model::Affine{{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}}}) {
     const std::string message = refusal(matrix);
     EXPECT_NE(message.find("\"n7\""), std::string::npos) << message;
     EXPECT_NE(message.find("1e12"), std::string::npos) << message;
@@ -183,4 +192,4 @@ TEST(Transforms, SingularOnesAreRefusedByTheNodesNameWithTheLimit) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

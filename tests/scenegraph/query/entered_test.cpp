@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
 TEST(EnteredOnce, KnowsEachUntilItIsCleared) {
@@ -26,4 +26,4 @@ TEST(RecentlyEntered, KnowsTheLastFew) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

@@ -15,25 +15,26 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
-using accel::Culling;
-using accel::Hit;
-using accel::HitState;
-using accel::Ray;
+using accel::geometry::Culling;
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
 using tests::ask_all_kinds;
 using tests::contradiction;
 using tests::KindAnswers;
 
-std::shared_ptr<const Mesh> to_mesh(const tests::TestMesh& m,
-                                    const accel::AnyBuilder& builder = accel::default_builder()) {
-  return *Mesh::make(m.vertices, m.faces, builder);
+std::shared_ptr<const model::Mesh> to_mesh(
+    const tests::TestMesh& m,
+    const accel::published::AnyBuilder& builder = accel::published::default_builder()) {
+  return *model::Mesh::make(m.vertices, m.faces, builder);
 }
 
-PutNode place(NodeRef node, std::shared_ptr<const Mesh> mesh, const Affine& where = {},
-              NodeRef parent = 0) {
-  PutNode p;
+model::PutNode place(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
+                     const model::Affine& where = {}, model::NodeRef parent = 0) {
+  model::PutNode p;
   p.node = node;
   p.parent = parent;
   p.mesh = std::move(mesh);
@@ -50,9 +51,9 @@ tests::TestMesh straddled(std::uint32_t triangles, std::uint64_t seed) {
 }
 
 /// In either orientation, not too flat.
-Affine random_affine(tests::Random& random, double reach) {
+model::Affine random_affine(tests::Random& random, double reach) {
   for (;;) {
-    Affine a;
+    model::Affine a;
     for (double& x : a.m) x = random.uniform(-1, 1);
     for (const std::size_t i : {3u, 7u, 11u}) a.m[i] = random.uniform(-reach, reach);
     const auto back = inverse(a);
@@ -62,15 +63,16 @@ Affine random_affine(tests::Random& random, double reach) {
 
 /// Node 1 is a group with the even nodes under it, node 2 lies under 1 and carries a mesh and every
 /// fourth node. Masks go around.
-std::shared_ptr<const Snapshot> crowd(int nodes, const accel::AnyBuilder& builder) {
+std::shared_ptr<const revision::Snapshot> crowd(int nodes,
+                                                const accel::published::AnyBuilder& builder) {
   tests::Random random(31);
   const auto sphere = to_mesh(tests::icosphere(2), builder);
   const auto soup = to_mesh(straddled(300, 5), builder);
   Scene scene;
-  std::vector<Update> updates{place(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{place(-1, nullptr, random_affine(random, 1))};
   for (int id = 2; id <= nodes; ++id) {
-    const NodeRef parent = id == 2 ? -1 : id % 4 == 0 ? -2 : id % 2 == 0 ? -1 : 0;
-    PutNode node = place(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
+    const model::NodeRef parent = id == 2 ? -1 : id % 4 == 0 ? -2 : id % 2 == 0 ? -1 : 0;
+    model::PutNode node = place(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
     node.mask = 1u << (id % 3);
     updates.push_back(node);
   }
@@ -78,12 +80,15 @@ std::shared_ptr<const Snapshot> crowd(int nodes, const accel::AnyBuilder& builde
   return scene.snapshot();
 }
 
-std::shared_ptr<const Snapshot> crowd(int nodes) { return crowd(nodes, accel::default_builder()); }
+std::shared_ptr<const revision::Snapshot> crowd(int nodes) {
+  return crowd(nodes, accel::published::default_builder());
+}
 
 /// Some with limits and masks of their own.
-std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint64_t seed) {
+std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
+                              std::uint64_t seed) {
   tests::Random random(seed);
-  const WorldBounds& b = snapshot.bounds();
+  const revision::WorldBounds& b = snapshot.bounds();
   std::vector<Ray> rays(n);
   for (Ray& ray : rays) {
     const auto p = [&] {
@@ -102,17 +107,18 @@ std::vector<Ray> rays_through(const Snapshot& snapshot, std::size_t n, std::uint
 }
 
 /// Nodes of crowd() that a selection hides, by what crowd() says of their parents.
-std::vector<std::uint64_t> hidden_by(int nodes, NodeId root, const std::vector<NodeId>& excluded) {
+std::vector<std::uint64_t> hidden_by(int nodes, model::NodeId root,
+                                     const std::vector<model::NodeId>& excluded) {
   std::vector<std::uint64_t> hidden;
   for (int id = 1; id <= nodes; ++id) {
-    std::vector<NodeId> chain{static_cast<NodeId>(id)};
+    std::vector<model::NodeId> chain{static_cast<model::NodeId>(id)};
     if (id > 2 && id % 4 == 0) chain.push_back(2);
     if (id > 1 && id % 2 == 0) chain.push_back(1);
-    const auto has = [&](NodeId node) {
+    const auto has = [&](model::NodeId node) {
       return std::find(chain.begin(), chain.end(), node) != chain.end();
     };
     bool seen = root == 0 || has(root);
-    for (const NodeId node : excluded) seen = seen && !has(node);
+    for (const model::NodeId node : excluded) seen = seen && !has(node);
     if (!seen) hidden.push_back(static_cast<std::uint64_t>(id));
   }
   return hidden;
@@ -139,8 +145,8 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   constexpr int kNodes = 30;
   const tests::BruteForce oracle(crowd(kNodes));
   struct Selected {
-    NodeId root;
-    std::vector<NodeId> excluded;
+    model::NodeId root;
+    std::vector<model::NodeId> excluded;
   };
   const Selected selections[] = {{0, {}},        {1, {}},     {2, {}}, {0, {1}},
                                  {0, {2, 5, 7}}, {1, {2, 6}}, {2, {1}}};
@@ -148,7 +154,7 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     for (const Selected& selected : selections) {
       const auto snapshot = crowd(kNodes);
-      const auto selection = Selection::make(snapshot, selected.root, selected.excluded);
+      const auto selection = instances::Selection::make(snapshot, selected.root, selected.excluded);
       ASSERT_TRUE(selection);
       const std::vector<Ray> rays = rays_through(*snapshot, 300, seed++);
       TraceOptions options;
@@ -170,8 +176,8 @@ TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
   const std::vector<Ray> rays = rays_through(*crowd(20), 400, 7);
   const KindAnswers expected = ask_all_kinds(*crowd(20), rays, {});
   EXPECT_EQ(contradiction(expected, TraceOptions{}.max_hits), "");
-  for (const std::string_view name : accel::builder_names()) {
-    const auto builder = accel::make_builder(name);
+  for (const std::string_view name : accel::published::builder_names()) {
+    const auto builder = accel::published::make_builder(name);
     ASSERT_TRUE(builder);
     for (const Growth growth : {Growth::kFirstTouch, Growth::kFull, Growth::kNone}) {
       TraceOptions options;
@@ -301,8 +307,8 @@ TEST(Kinds, ThousandsOfHitsOfOneRay) {
 }
 
 TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
-  const Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-  for (const Affine& where : {Affine{}, mirror}) {
+  const model::Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+  for (const model::Affine& where : {model::Affine{}, mirror}) {
     Scene scene;
     ASSERT_TRUE(scene.apply({place(-1, to_mesh(tests::cube()), where)}));
     const Ray ray{{0.25, 0.125, 5}, {0, 0, -2}};
@@ -315,7 +321,7 @@ TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
     };
     // The normal is that of the winding in scene coordinates: a front is what faces the ray.
     const bool outward = ask(Culling::kNone).normal.z > 0;
-    EXPECT_EQ(outward, where == Affine{});
+    EXPECT_EQ(outward, where == model::Affine{});
     EXPECT_EQ(ask(Culling::kBack).t, outward ? 2 : 3);
     EXPECT_EQ(ask(Culling::kFront).t, outward ? 3 : 2);
   }
@@ -388,4 +394,4 @@ TEST(Kinds, WhatCannotBeAskedIsRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

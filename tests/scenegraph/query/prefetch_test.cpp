@@ -10,7 +10,7 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::query {
 namespace {
 
 using tests::mesh_of;
@@ -18,7 +18,7 @@ using tests::put_node;
 
 /// 1 holds 2 (a cube) and 3 (a group with 4, the same cube); 5 is a staircase beside them, 6 a mesh
 /// without a triangle.
-std::shared_ptr<const Snapshot> family() {
+std::shared_ptr<const revision::Snapshot> family() {
   const auto cube = mesh_of(tests::cube());
   Scene scene;
   EXPECT_TRUE(
@@ -28,14 +28,14 @@ std::shared_ptr<const Snapshot> family() {
   return scene.snapshot();
 }
 
-using Ids = std::vector<NodeId>;
+using Ids = std::vector<model::NodeId>;
 
 Ids ids_under(const Ids& roots, const Ids& excluded) {
   const auto snapshot = family();
   const auto nodes = mesh_nodes_under(*snapshot, roots, excluded);
   EXPECT_TRUE(nodes);
   Ids ids;
-  for (const Node* node : *nodes) ids.push_back(node->id);
+  for (const model::Node* node : *nodes) ids.push_back(node->id);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
@@ -71,7 +71,7 @@ TEST(Prefetch, BuildsWhatWasSelectedAndNoMore) {
   EXPECT_EQ(progress.trees.meshes_total, 1u);
   EXPECT_EQ(progress.trees.triangles_done, 12u);
   EXPECT_EQ(progress.triangles_reached(), 12u);
-  const BuildSummary built = summarize_build(*snapshot);
+  const revision::BuildSummary built = summarize_build(*snapshot);
   EXPECT_EQ(built.triangles_built, 12u);
   EXPECT_EQ(built.instances_entered, 2u);
 }
@@ -108,7 +108,7 @@ TEST(Prefetch, ACancelledOneBuildsNothingMore) {
   const std::atomic<bool> cancelled{true};
   EXPECT_EQ(build_mesh_trees(*nodes, progress, &cancelled).error().code, Code::kCancelled);
   EXPECT_EQ(build_scene_tree(*snapshot, progress, &cancelled).error().code, Code::kCancelled);
-  const std::vector<accel::Ray> rays = tests::rays_at(tests::cube(), 10, 1);
+  const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10, 1);
   EXPECT_EQ(grow_for_rays(*snapshot, rays, {.cancelled = &cancelled}, progress).error().code,
             Code::kCancelled);
   EXPECT_EQ(progress.trees.meshes_done, 0u);
@@ -117,7 +117,7 @@ TEST(Prefetch, ACancelledOneBuildsNothingMore) {
 }
 
 TEST(Prefetch, GrowsForRaysWhatACastOfThemWould) {
-  const std::vector<accel::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
+  const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
   for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny, QueryKind::kCount}) {
     const auto snapshot = family();
     PrefetchProgress progress;
@@ -131,4 +131,4 @@ TEST(Prefetch, GrowsForRaysWhatACastOfThemWould) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::query

@@ -9,26 +9,28 @@
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 namespace {
 
-using accel::Vec3f;
+using accel::geometry::Vec3f;
 
-std::shared_ptr<const Mesh> triangle() {
-  return *Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+std::shared_ptr<const model::Mesh> triangle() {
+  return *model::Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
 }
 
-std::vector<Update> put(NodeRef alias, const std::shared_ptr<const Mesh>& mesh) {
+std::vector<model::Update> put(model::NodeRef alias,
+                               const std::shared_ptr<const model::Mesh>& mesh) {
   return {tests::put_node(alias, 0, mesh)};
 }
 
-double height(const Scene& scene, NodeId node) {
+double height(const Scene& scene, model::NodeId node) {
   return static_cast<double>(scene.snapshot()->find(node)->mesh->view().vertices[0].z);
 }
 
-Status patch(Scene& scene, std::vector<NodeRef> nodes, std::uint32_t first,
+Status patch(Scene& scene, std::vector<model::NodeRef> nodes, std::uint32_t first,
              std::vector<Vec3f> positions) {
-  const auto applied = scene.apply({PatchVertices{std::move(nodes), first, std::move(positions)}});
+  const auto applied =
+      scene.apply({model::PatchVertices{std::move(nodes), first, std::move(positions)}});
   return applied ? Status() : Status(applied.error());
 }
 
@@ -37,7 +39,7 @@ TEST(Deformations, MoveVerticesAndNothingElse) {
   ASSERT_TRUE(scene.apply(put(-1, triangle())));
   const auto before = scene.snapshot();
   ASSERT_TRUE(patch(scene, {1}, 1, {{2, 0, 5}}));
-  const Node& node = *scene.snapshot()->find(1);
+  const model::Node& node = *scene.snapshot()->find(1);
   EXPECT_TRUE(node.patched);
   EXPECT_EQ(node.mesh_digest, "digest");
   EXPECT_EQ(node.mesh->view().vertices[0], (Vec3f{0, 0, 0}));
@@ -57,9 +59,9 @@ TEST(Deformations, AreSharedByThoseNamedTogether) {
   EXPECT_EQ(height(scene, 1), 1);
   EXPECT_EQ(snapshot->find(3)->mesh, mesh);
   // In one batch: together, then one alone, which leaves the other where it was.
-  ASSERT_TRUE(
-      scene.apply({PatchVertices{{1, 2}, 0, {{0, 0, 2}}}, PatchVertices{{2}, 0, {{0, 0, 3}}},
-                   PatchVertices{{1}, 1, {{1, 1, 1}}}}));
+  ASSERT_TRUE(scene.apply({model::PatchVertices{{1, 2}, 0, {{0, 0, 2}}},
+                           model::PatchVertices{{2}, 0, {{0, 0, 3}}},
+                           model::PatchVertices{{1}, 1, {{1, 1, 1}}}}));
   EXPECT_EQ(height(scene, 1), 2);
   EXPECT_EQ(height(scene, 2), 3);
   EXPECT_EQ(scene.snapshot()->find(2)->mesh->view().vertices[1], (Vec3f{1, 0, 0}));
@@ -69,10 +71,10 @@ TEST(Deformations, EndWhereANodeIsPutAgainOrDeleted) {
   Scene scene;
   const auto mesh = triangle();
   ASSERT_TRUE(scene.apply(put(-1, mesh)));
-  ASSERT_TRUE(scene.apply({PatchVertices{{1}, 0, {{0, 0, 2}}}, put(1, mesh)[0]}));
+  ASSERT_TRUE(scene.apply({model::PatchVertices{{1}, 0, {{0, 0, 2}}}, put(1, mesh)[0]}));
   EXPECT_EQ(scene.snapshot()->find(1)->mesh, mesh);
   EXPECT_FALSE(scene.snapshot()->find(1)->patched);
-  ASSERT_TRUE(scene.apply({PatchVertices{{1}, 0, {{0, 0, 2}}}, DeleteNode{1}}));
+  ASSERT_TRUE(scene.apply({model::PatchVertices{{1}, 0, {{0, 0, 2}}}, model::DeleteNode{1}}));
   EXPECT_EQ(scene.snapshot()->find(1), nullptr);
 }
 
@@ -96,8 +98,8 @@ TEST(Deformations, OfWhatIsNotThereAreRefused) {
 TEST(Deformations, MayLeaveTheRangeOfFiniteNumbersAndComeBack) {
   Scene scene;
   ASSERT_TRUE(scene.apply(put(-1, triangle())));
-  const accel::Ray ray{{0.2, 0.2, 9}, {0, 0, -1}};
-  accel::Hit hit;
+  const accel::geometry::Ray ray{{0.2, 0.2, 9}, {0, 0, -1}};
+  accel::geometry::Hit hit;
   ASSERT_TRUE(trace(*scene.snapshot(), {&ray, 1}, {&hit, 1}, {}));
   EXPECT_EQ(hit.t, 9);
   ASSERT_TRUE(patch(scene, {1}, 0, {{std::numeric_limits<float>::quiet_NaN(), 0, 0}}));
@@ -110,4 +112,4 @@ TEST(Deformations, MayLeaveTheRangeOfFiniteNumbersAndComeBack) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

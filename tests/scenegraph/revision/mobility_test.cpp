@@ -11,17 +11,20 @@
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 
-namespace sightline::scenegraph {
+namespace sightline::scenegraph::revision {
 namespace {
 
-using accel::Hit;
-using accel::Ray;
+using accel::geometry::Hit;
+using accel::geometry::Ray;
 
-Affine at(double x, double y = 0, double z = 0) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
+model::Affine at(double x, double y = 0, double z = 0) {
+  return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}};
+}
 
-PutNode mesh_node(NodeRef alias, double x, Mobility mobility = Mobility::kStatic,
-                  NodeRef parent = 0) {
-  PutNode put;
+model::PutNode mesh_node(model::NodeRef alias, double x,
+                         model::Mobility mobility = model::Mobility::kStatic,
+                         model::NodeRef parent = 0) {
+  model::PutNode put;
   put.node = alias;
   put.parent = parent;
   put.parent_from_local = at(x);
@@ -32,7 +35,7 @@ PutNode mesh_node(NodeRef alias, double x, Mobility mobility = Mobility::kStatic
 
 /// Static nodes 1 .. count in a row.
 void add_row(Scene& scene, int count) {
-  std::vector<Update> updates;
+  std::vector<model::Update> updates;
   for (int i = 1; i <= count; ++i) updates.emplace_back(mesh_node(-i, 10.0 * i));
   ASSERT_TRUE(scene.apply(updates));
 }
@@ -55,10 +58,10 @@ void expect_as_oracle(const std::shared_ptr<const Snapshot>& snapshot, std::uint
 
 TEST(Movers, BeginWhereTheirMobilitySays) {
   Scene scene;
-  ASSERT_TRUE(scene.apply({mesh_node(-1, 0), mesh_node(-2, 10, Mobility::kRigid),
-                           mesh_node(-3, 20, Mobility::kDeforming),
-                           mesh_node(-4, 30, Mobility::kStatic, -2),
-                           mesh_node(-5, 40, Mobility::kRigid, -2)}));
+  ASSERT_TRUE(scene.apply({mesh_node(-1, 0), mesh_node(-2, 10, model::Mobility::kRigid),
+                           mesh_node(-3, 20, model::Mobility::kDeforming),
+                           mesh_node(-4, 30, model::Mobility::kStatic, -2),
+                           mesh_node(-5, 40, model::Mobility::kRigid, -2)}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(snapshot->trees().still.size(), 1u);
   EXPECT_EQ(snapshot->trees().moving.size(), 4u);
@@ -71,16 +74,16 @@ TEST(Movers, BeginWhereTheirMobilitySays) {
 TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
   Scene scene;
   add_row(scene, 100);
-  ASSERT_TRUE(scene.apply({SetTransforms{{3}, {at(35)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{3}, {at(35)}}}));
   EXPECT_EQ(scene.snapshot()->hierarchy().movers.size(), 0u);
   expect_as_oracle(scene.snapshot(), 2);
-  ASSERT_TRUE(scene.apply({SetTransforms{{3, 4}, {at(36), at(46)}}, mesh_node(-1, 5)}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{3, 4}, {at(36), at(46)}}, mesh_node(-1, 5)}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(snapshot->hierarchy().movers.size(), 3u);
   EXPECT_EQ(snapshot->halves().departed->nodes().size(), 2u);
   EXPECT_EQ(snapshot->trees().moving.size(), 3u);
   expect_as_oracle(snapshot, 3);
-  ASSERT_TRUE(scene.apply({DeleteNode{5}}));
+  ASSERT_TRUE(scene.apply({model::DeleteNode{5}}));
   EXPECT_EQ(scene.snapshot()->halves().departed->nodes().size(), 3u);
   EXPECT_EQ(scene.snapshot()->halves().moving, snapshot->halves().moving);
   expect_as_oracle(scene.snapshot(), 4);
@@ -89,8 +92,8 @@ TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
 TEST(Movers, LeaveTheStaticTreeAlone) {
   Scene scene;
   add_row(scene, 500);
-  ASSERT_TRUE(scene.apply({mesh_node(-1, 0, Mobility::kRigid)}));
-  const auto id = static_cast<NodeRef>(501);
+  ASSERT_TRUE(scene.apply({mesh_node(-1, 0, model::Mobility::kRigid)}));
+  const auto id = static_cast<model::NodeRef>(501);
   std::vector<Ray> rays;
   for (int i = 0; i <= 500; ++i) rays.push_back({{10.0 * i + 0.1, 0.2, 9}, {0, 0, -1}});
   TraceStats stats;
@@ -98,7 +101,7 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   EXPECT_GT(stats.touches, stats.dynamic_touches);
   const auto still = scene.snapshot()->halves().still;
   for (int frame = 1; frame < 20; ++frame) {
-    ASSERT_TRUE(scene.apply({SetTransforms{{id}, {at(3.0 * frame)}}}));
+    ASSERT_TRUE(scene.apply({model::SetTransforms{{id}, {at(3.0 * frame)}}}));
     cast(*scene.snapshot(), rays, &stats);
     EXPECT_EQ(scene.snapshot()->halves().still, still);
     EXPECT_EQ(stats.touches + stats.touches_prepare, stats.dynamic_touches);
@@ -110,23 +113,23 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
 
 TEST(Movers, OfAGroupTakeAllBelowAlong) {
   Scene scene;
-  PutNode group;
+  model::PutNode group;
   group.node = -1;
-  std::vector<Update> updates{group};
+  std::vector<model::Update> updates{group};
   for (int i = 2; i <= 50; ++i)
-    updates.emplace_back(mesh_node(-i, 10.0 * i, Mobility::kStatic, -1));
+    updates.emplace_back(mesh_node(-i, 10.0 * i, model::Mobility::kStatic, -1));
   ASSERT_TRUE(scene.apply(updates));
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
-  ASSERT_TRUE(scene.apply({SetTransforms{{1}, {at(3, 4)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {at(3, 4)}}}));
   EXPECT_EQ(scene.snapshot()->trees().moving.size(), 49u);
   expect_as_oracle(scene.snapshot(), 6);
   // One that is taken out of the group goes on moving by itself.
-  PutNode out = mesh_node(2, -5);
+  model::PutNode out = mesh_node(2, -5);
   ASSERT_TRUE(scene.apply({out}));
   EXPECT_EQ(scene.snapshot()->hierarchy().movers.size(), 2u);
   EXPECT_EQ(scene.snapshot()->trees().moving.size(), 49u);
   expect_as_oracle(scene.snapshot(), 7);
-  ASSERT_TRUE(scene.apply({DeleteNode{1, true}}));
+  ASSERT_TRUE(scene.apply({model::DeleteNode{1, true}}));
   EXPECT_EQ(scene.snapshot()->trees().moving.size(), 1u);
   EXPECT_EQ(summarize(*scene.snapshot()).instances, 1u);
   expect_as_oracle(scene.snapshot(), 8);
@@ -137,7 +140,7 @@ TEST(Movers, ChangesOfNameAloneMoveNothing) {
   add_row(scene, 10);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
   const Halves before = scene.snapshot()->halves();
-  PutNode renamed = mesh_node(4, 40);
+  model::PutNode renamed = mesh_node(4, 40);
   renamed.name = "renamed";
   ASSERT_TRUE(scene.apply({renamed}));
   EXPECT_EQ(scene.snapshot()->find(4)->name, "renamed");
@@ -149,10 +152,11 @@ TEST(Settle, BringsBackWhatRests) {
   Scene scene;
   add_row(scene, 200);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
-  ASSERT_TRUE(scene.apply({SetTransforms{{7, 8, 9}, {at(75), at(85), at(95)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{7, 8, 9}, {at(75), at(85), at(95)}}}));
   bool due = false;
   for (std::uint64_t round = 0; round < 4 * Rest::kRevisions && !due; ++round) {
-    const auto applied = scene.apply({SetTransforms{{10}, {at(100 + static_cast<double>(round))}}});
+    const auto applied =
+        scene.apply({model::SetTransforms{{10}, {at(100 + static_cast<double>(round))}}});
     ASSERT_TRUE(applied);
     due = applied->settle;
   }
@@ -166,7 +170,7 @@ TEST(Settle, BringsBackWhatRests) {
   EXPECT_EQ(after->trees().moving.size(), 1u);
   EXPECT_EQ(after->halves().departed, nullptr);
   expect_as_oracle(after, 9);
-  ASSERT_TRUE(scene.apply({SetTransforms{{8}, {at(1)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{8}, {at(1)}}}));
   EXPECT_EQ(scene.snapshot()->trees().moving.size(), 2u);
   expect_as_oracle(scene.snapshot(), 10);
 }
@@ -178,7 +182,7 @@ TEST(Settle, FindsTheNewTreeBuiltWhereTheOldWas) {
   for (int i = 0; i <= 3000; ++i) rays.push_back({{10.0 * i + 0.1, 0.2, 9}, {0, 0, -1}});
   TraceStats cold, settled;
   cast(*scene.snapshot(), rays, &cold);
-  ASSERT_TRUE(scene.apply({SetTransforms{{7}, {at(75)}}}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{7}, {at(75)}}}));
   scene.settle();
   cast(*scene.snapshot(), rays, &settled);
   // Not all: planes fall elsewhere, and a cell may lie between the places that are looked at.
@@ -201,25 +205,26 @@ TEST(Settle, AmongAnyUpdatesHitsAreTheOracles) {
     Scene scene;
     ASSERT_TRUE(scene.apply(tests::random_hierarchy(150, frames, 8)));
     for (std::uint64_t round = 0; round < 120; ++round) {
-      std::vector<NodeRef> ids;
-      scene.snapshot()->nodes().for_each([&](NodeId id, const std::shared_ptr<const Node>&) {
-        ids.push_back(static_cast<NodeRef>(id));
-      });
+      std::vector<model::NodeRef> ids;
+      scene.snapshot()->nodes().for_each(
+          [&](model::NodeId id, const std::shared_ptr<const model::Node>&) {
+            ids.push_back(static_cast<model::NodeRef>(id));
+          });
       const auto any = [&] { return ids[random.below(ids.size())]; };
-      std::vector<Update> updates;
-      PutNode put =
-          mesh_node(random.below(2) == 0 ? -1 : any(), 0, static_cast<Mobility>(random.below(3)),
-                    random.below(4) == 0 ? 0 : any());
+      std::vector<model::Update> updates;
+      model::PutNode put = mesh_node(random.below(2) == 0 ? -1 : any(), 0,
+                                     static_cast<model::Mobility>(random.below(3)),
+                                     random.below(4) == 0 ? 0 : any());
       put.parent_from_local = tests::random_frame(random, frames);
       updates.emplace_back(put);
-      updates.emplace_back(SetTransforms{{any()}, {tests::random_frame(random, frames)}});
-      if (ids.size() > 100) updates.emplace_back(DeleteNode{any(), random.below(3) == 0});
+      updates.emplace_back(model::SetTransforms{{any()}, {tests::random_frame(random, frames)}});
+      if (ids.size() > 100) updates.emplace_back(model::DeleteNode{any(), random.below(3) == 0});
       (void)scene.apply(updates);
       if (random.below(3) == 0) scene.settle();
       const auto snapshot = scene.snapshot();
       const std::size_t gone =
           snapshot->halves().departed == nullptr ? 0 : snapshot->halves().departed->nodes().size();
-      const Subtree all = snapshot->hierarchy().subtree(0);
+      const hierarchy::Subtree all = snapshot->hierarchy().subtree(0);
       ASSERT_GE(snapshot->trees().size(), all.instances);
       if (gone == 0) {
         ASSERT_EQ(snapshot->trees().size(), all.instances);
@@ -231,4 +236,4 @@ TEST(Settle, AmongAnyUpdatesHitsAreTheOracles) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph
+}  // namespace sightline::scenegraph::revision

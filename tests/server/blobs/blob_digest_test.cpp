@@ -7,7 +7,7 @@
 
 #include "tests/server/blobs/blob_of.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 // The sum of "abc" as FIPS 180-2 gives it.
@@ -38,4 +38,4 @@ TEST(BlobDigest, RefusesAllButTheCanonicalForm) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

@@ -24,8 +24,8 @@ std::string blob_of(const TestMesh& mesh) {
   return blob;
 }
 
-server::BlobDigest digest_of(const std::string& bytes) {
-  server::Sha256 sum;
+server::blobs::BlobDigest digest_of(const std::string& bytes) {
+  server::blobs::Sha256 sum;
   sum.update(bytes_of(bytes));
   return {sum.finish(), bytes.size()};
 }

@@ -14,7 +14,7 @@ namespace sightline::tests {
 std::string blob_of(const TestMesh& mesh);
 
 /// The digest that names these bytes.
-server::BlobDigest digest_of(const std::string& bytes);
+server::blobs::BlobDigest digest_of(const std::string& bytes);
 
 inline std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));

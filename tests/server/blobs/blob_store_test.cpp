@@ -11,7 +11,7 @@
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 using tests::blob_of;
@@ -180,4 +180,4 @@ TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

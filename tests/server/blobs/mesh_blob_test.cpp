@@ -9,13 +9,14 @@
 #include "tests/server/blobs/blob_of.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::server {
+namespace sightline::server::blobs {
 namespace {
 
 using tests::blob_of;
 using tests::bytes_of;
 
-Result<std::shared_ptr<const scenegraph::Mesh>> read(const std::string& blob, std::size_t piece) {
+Result<std::shared_ptr<const scenegraph::model::Mesh>> read(const std::string& blob,
+                                                            std::size_t piece) {
   MeshBlobReader reader(blob.size());
   for (std::size_t at = 0; at < blob.size(); at += piece) {
     const Status taken =
@@ -103,4 +104,4 @@ TEST(MeshBlob, RefusesAnIndexOutOfRange) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::blobs

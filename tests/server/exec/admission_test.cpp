@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 TEST(Admission, CountsWhatIsInFlight) {
@@ -52,4 +52,4 @@ TEST(Admission, ATicketMovesAndIsGivenBackOnce) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 TEST(Compute, NeverWorksOnTheCallersThread) {
@@ -67,4 +67,4 @@ TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

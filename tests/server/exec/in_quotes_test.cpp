@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 TEST(InQuotes, ShowsPrintableText) { EXPECT_EQ(in_quotes("a b"), "\"a b\""); }
@@ -20,4 +20,4 @@ TEST(InQuotes, CutsLongText) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 TEST(OpenCalls, LetsInSoManyAtATime) {
@@ -35,4 +35,4 @@ TEST(OpenCalls, TellsThoseThatAreOpenAndLetsNoOtherIn) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -5,25 +5,25 @@
 
 #include "server/scenes/memory_scene_store.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 class PrefetchCallsTest : public testing::Test {
  protected:
-  MemorySceneStore scenes_;
+  scenes::MemorySceneStore scenes_;
   Admission admission_{{}};
   Compute compute_{1};
   OpenCalls waits_{1, "reads", "TOO_MANY_WAITING"};
-  CastServices services_{.scenes = scenes_,
-                         .compute = compute_,
-                         .admission = admission_,
-                         .listing = admission_,
-                         .waiting = {compute_, admission_, waits_}};
+  queries::CastServices services_{.scenes = scenes_,
+                                  .compute = compute_,
+                                  .admission = admission_,
+                                  .listing = admission_,
+                                  .waiting = {compute_, admission_, waits_}};
 };
 
 TEST_F(PrefetchCallsTest, LetsInSoManyAtATime) {
   PrefetchCalls calls(2);
-  PrefetchJob a(services_), b(services_), c(services_);
+  queries::PrefetchJob a(services_), b(services_), c(services_);
   EXPECT_TRUE(calls.enter(a));
   EXPECT_TRUE(calls.enter(b));
   const Status refused = calls.enter(c);
@@ -39,7 +39,7 @@ TEST_F(PrefetchCallsTest, StoppingEndsThoseInWorkAndLetsNoOtherIn) {
   v1::PrefetchRequest request;
   request.set_scene("projects/p/scenes/s");
   PrefetchCalls calls(2);
-  PrefetchJob a(services_), b(services_);
+  queries::PrefetchJob a(services_), b(services_);
   ASSERT_TRUE(a.open(request));
   EXPECT_TRUE(calls.enter(a));
   calls.stop();
@@ -51,4 +51,4 @@ TEST_F(PrefetchCallsTest, StoppingEndsThoseInWorkAndLetsNoOtherIn) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

@@ -6,7 +6,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 google::rpc::ErrorInfo info_of(const grpc::Status& status) {
@@ -65,4 +65,4 @@ TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {
 TEST(RpcStatus, OkIsOk) { EXPECT_TRUE(to_grpc(Status()).ok()); }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

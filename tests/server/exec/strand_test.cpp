@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::exec {
 namespace {
 
 TEST(SerialQueue, RunsOneAfterTheOtherInOrder) {
@@ -64,4 +64,4 @@ TEST(SerialQueue, ATaskMayPostAnother) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::exec

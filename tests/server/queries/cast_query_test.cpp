@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 v1::CastRaysRequest request_of(v1::QueryKind kind) {
@@ -103,9 +103,9 @@ TEST(DecodeQuery, TakesCullingAndNodes) {
   request.add_exclude(7);
   const auto query = decode_query(request, {});
   ASSERT_TRUE(query);
-  EXPECT_EQ(query->culling, accel::Culling::kFront);
+  EXPECT_EQ(query->culling, accel::geometry::Culling::kFront);
   EXPECT_EQ(query->root, 5u);
-  EXPECT_EQ(query->excluded, std::vector<scenegraph::NodeId>{7});
+  EXPECT_EQ(query->excluded, std::vector<scenegraph::model::NodeId>{7});
   EXPECT_TRUE(query->selects());
   EXPECT_FALSE(decode_query({}, {})->selects());
 }
@@ -138,4 +138,4 @@ TEST(DecodeQuery, OnlyAListHasALimitOfHits) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

@@ -22,10 +22,10 @@ namespace {
 
 const std::string kScene = "projects/p/scenes/s";
 
-std::vector<accel::Ray> random_rays(std::size_t count) {
+std::vector<accel::geometry::Ray> random_rays(std::size_t count) {
   Random random(3);
-  std::vector<accel::Ray> rays(count);
-  for (accel::Ray& ray : rays) {
+  std::vector<accel::geometry::Ray> rays(count);
+  for (accel::geometry::Ray& ray : rays) {
     ray.origin = {random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2)};
     ray.direction = random.direction();
   }
@@ -145,12 +145,13 @@ TEST_F(CastRpcTest, AnEmptySceneAndAnEmptyBatchAreAnswered) {
 TEST_F(CastRpcTest, RefusesTooManyRaysByNumber) {
   api_.make_scene(kScene, planar_sheet(1));
   const grpc::Status status =
-      fail(cast_request(kScene, rays_downward(server::kMaxRaysPerRequest + 1)));
+      fail(cast_request(kScene, rays_downward(server::queries::kMaxRaysPerRequest + 1)));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(status), "TOO_MANY_RAYS");
   EXPECT_NE(status.error_message().find("16385 rays, the limit is 16384"), std::string::npos);
-  EXPECT_EQ(cast(cast_request(kScene, rays_downward(server::kMaxRaysPerRequest))).stats().rays(),
-            server::kMaxRaysPerRequest);
+  EXPECT_EQ(
+      cast(cast_request(kScene, rays_downward(server::queries::kMaxRaysPerRequest))).stats().rays(),
+      server::queries::kMaxRaysPerRequest);
 }
 
 TEST_F(CastRpcTest, RefusesBadRequests) {

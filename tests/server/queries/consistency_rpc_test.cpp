@@ -27,7 +27,7 @@ class ConsistencyRpcTest : public LiveServer {
   v1::SceneRevision head() { return api_.get(kScene).head(); }
 
   std::string token_after(std::uint64_t revisions) {
-    auto token = server::RevisionToken::parse(head().token());
+    auto token = server::scenes::RevisionToken::parse(head().token());
     token->revision += revisions;
     return token->text();
   }
@@ -165,7 +165,7 @@ TEST_F(ConsistencyRpcTest, AnExactRevisionAnswersWithItsOwnHits) {
 }
 
 TEST_F(ConsistencyRpcTest, RefusesRevisionsThatAreNotKeptOrNotThere) {
-  const std::uint64_t kept = server::RecentLimits().revisions;
+  const std::uint64_t kept = server::scenes::RecentLimits().revisions;
   for (std::uint64_t i = 0; i < kept + 5; ++i) ASSERT_TRUE(api_.apply(kScene, {}).ok());
   v1::CastRaysResponse reply;
   const grpc::Status old = exact(1, &reply), early = exact(kept + 7, &reply);
@@ -188,7 +188,7 @@ TEST_F(ConsistencyRpcTest, BoundsTheReadsThatWait) {
   *request.mutable_request() = cast_request(kScene, rays_downward(1));
   request.mutable_request()->mutable_consistency()->set_at_least(token);
   v1::CastRaysRequest alone = request.request();
-  for (std::size_t i = 0; i < server::kMaxWaitingReads; ++i) {
+  for (std::size_t i = 0; i < server::scenes::kMaxWaitingReads; ++i) {
     if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
     contexts.push_back(std::make_unique<grpc::ClientContext>());
     streams.push_back(clients.back().rays->StreamCastRays(contexts.back().get()));

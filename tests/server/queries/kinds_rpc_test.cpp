@@ -21,10 +21,10 @@ namespace {
 
 const std::string kScene = "projects/p/scenes/s";
 
-std::vector<accel::Ray> random_rays(std::size_t count) {
+std::vector<accel::geometry::Ray> random_rays(std::size_t count) {
   Random random(4);
-  std::vector<accel::Ray> rays(count);
-  for (accel::Ray& ray : rays) {
+  std::vector<accel::geometry::Ray> rays(count);
+  for (accel::geometry::Ray& ray : rays) {
     ray.origin = {random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2)};
     ray.direction = random.direction();
   }
@@ -49,16 +49,17 @@ void append_list(const v1::CastRaysResponse& reply, KindAnswers& answers) {
   ASSERT_EQ(offsets.size(), states.size() + 1);
   ASSERT_EQ(offsets.back(), t.size());
   for (std::size_t i = 0; i < states.size(); ++i) {
-    answers.lists.push_back({.count = offsets[i + 1] - offsets[i],
-                             .state = static_cast<accel::HitState>(states[i] == 3 ? 1 : states[i]),
-                             .cut_off = states[i] == 3});
+    answers.lists.push_back(
+        {.count = offsets[i + 1] - offsets[i],
+         .state = static_cast<accel::geometry::HitState>(states[i] == 3 ? 1 : states[i]),
+         .cut_off = states[i] == 3});
   }
   for (std::size_t k = 0; k < t.size(); ++k) {
-    accel::Hit hit;
+    accel::geometry::Hit hit;
     hit.t = t[k];
     hit.node = node[k];
     hit.primitive = primitive[k];
-    hit.state = accel::HitState::kHit;
+    hit.state = accel::geometry::HitState::kHit;
     answers.listed.push_back(hit);
   }
 }
@@ -85,7 +86,7 @@ class KindsRpcTest : public LiveServer {
                              v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT})
       request.add_fields(field);
     answers.closest = decode_hits(cast(request));
-    for (accel::Hit& hit : answers.closest) {  // what a list does not have here
+    for (accel::geometry::Hit& hit : answers.closest) {  // what a list does not have here
       hit.u = hit.v = 0;
       hit.normal = {};
     }
@@ -93,7 +94,7 @@ class KindsRpcTest : public LiveServer {
     request.set_kind(v1::QUERY_KIND_ANY);
     for (const auto state : values<std::uint8_t>(cast(request), v1::HIT_FIELD_HIT)) {
       answers.any.emplace_back();
-      answers.any.back().state = static_cast<accel::HitState>(state);
+      answers.any.back().state = static_cast<accel::geometry::HitState>(state);
     }
     request.set_kind(v1::QUERY_KIND_COUNT);
     request.add_fields(v1::HIT_FIELD_HIT);
@@ -102,7 +103,7 @@ class KindsRpcTest : public LiveServer {
     const auto states = values<std::uint8_t>(counted, v1::HIT_FIELD_HIT);
     for (std::size_t i = 0; i < counts.size(); ++i) {
       answers.counts.push_back(
-          {.count = counts[i], .state = static_cast<accel::HitState>(states[i])});
+          {.count = counts[i], .state = static_cast<accel::geometry::HitState>(states[i])});
     }
     request.clear_fields();
     stream_list(request, answers, replies);
@@ -146,10 +147,11 @@ TEST_F(KindsRpcTest, AgreeWithEachOtherAndTheOracle) {
     v1::CastRaysRequest request = cast_request(kScene, rays);
     request.set_culling(culling);
     const KindAnswers answers = ask(request);
-    EXPECT_EQ(contradiction(answers, server::kDefaultMaxHits), "");
-    const accel::Culling same = culling == v1::CULLING_BACK    ? accel::Culling::kBack
-                                : culling == v1::CULLING_FRONT ? accel::Culling::kFront
-                                                               : accel::Culling::kNone;
+    EXPECT_EQ(contradiction(answers, server::queries::kDefaultMaxHits), "");
+    const accel::geometry::Culling same =
+        culling == v1::CULLING_BACK    ? accel::geometry::Culling::kBack
+        : culling == v1::CULLING_FRONT ? accel::geometry::Culling::kFront
+                                       : accel::geometry::Culling::kNone;
     const KindComparison compared = compare_kinds(rays, answers, oracle, {.culling = same});
     EXPECT_EQ(compared.mismatches, 0u) << compared.report();
     EXPECT_GT(compared.hits, 500u);
@@ -158,13 +160,13 @@ TEST_F(KindsRpcTest, AgreeWithEachOtherAndTheOracle) {
 
 TEST_F(KindsRpcTest, AListOfAnyLengthComesInRepliesBelowAMebibyte) {
   api_.make_scene(kScene, duplicates(200));
-  std::vector<accel::Ray> rays(3000, accel::Ray{{0.2, 0.2, 1}, {0, 0, -1}});
+  std::vector<accel::geometry::Ray> rays(3000, accel::geometry::Ray{{0.2, 0.2, 1}, {0, 0, -1}});
   for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].origin.x = 5;  // misses
   int replies = 0;
   const KindAnswers answers = ask(cast_request(kScene, rays), &replies);
-  EXPECT_EQ(contradiction(answers, server::kDefaultMaxHits), "");
+  EXPECT_EQ(contradiction(answers, server::queries::kDefaultMaxHits), "");
   EXPECT_EQ(answers.listed.size(), 2000u * 200);
-  EXPECT_GT(answers.listed.size(), server::kHitsListed) << "traced in several goes";
+  EXPECT_GT(answers.listed.size(), server::queries::kHitsListed) << "traced in several goes";
   EXPECT_GE(replies, 20);
 }
 
@@ -173,8 +175,9 @@ TEST_F(KindsRpcTest, AStreamGoesOnAfterALongList) {
   grpc::ClientContext context;
   const auto stream = api_.rays->StreamCastRays(&context);
   v1::StreamCastRaysRequest message;
-  *message.mutable_request() =
-      cast_request(kScene, std::vector<accel::Ray>(500, accel::Ray{{0.2, 0.2, 1}, {0, 0, -1}}));
+  *message.mutable_request() = cast_request(
+      kScene,
+      std::vector<accel::geometry::Ray>(500, accel::geometry::Ray{{0.2, 0.2, 1}, {0, 0, -1}}));
   message.mutable_request()->set_kind(v1::QUERY_KIND_ALL);
   for (std::uint64_t chunk = 0; chunk < 5; ++chunk) {
     message.set_chunk(chunk);
@@ -198,7 +201,8 @@ TEST_F(KindsRpcTest, AClientThatLeavesALongListHoldsNobodyUp) {
     const auto stream = api_.rays->StreamCastRays(&context);
     v1::StreamCastRaysRequest message;
     *message.mutable_request() = cast_request(
-        kScene, std::vector<accel::Ray>(10'000, accel::Ray{{0.2, 0.2, 1}, {0, 0, -1}}));
+        kScene,
+        std::vector<accel::geometry::Ray>(10'000, accel::geometry::Ray{{0.2, 0.2, 1}, {0, 0, -1}}));
     message.mutable_request()->set_kind(v1::QUERY_KIND_ALL);
     ASSERT_TRUE(stream->Write(message));
     v1::StreamCastRaysResponse reply;
@@ -212,7 +216,7 @@ TEST_F(KindsRpcTest, AClientThatLeavesALongListHoldsNobodyUp) {
 
 TEST_F(KindsRpcTest, MarksTheRaysThatWereCutOff) {
   api_.make_scene(kScene, duplicates(5));
-  const accel::Ray hit{{0.2, 0.2, 1}, {0, 0, -1}}, miss{{5, 5, 1}, {0, 0, -1}},
+  const accel::geometry::Ray hit{{0.2, 0.2, 1}, {0, 0, -1}}, miss{{5, 5, 1}, {0, 0, -1}},
       bad{{0, 0, 0}, {0, 0, 0}};
   v1::CastRaysRequest request = cast_request(kScene, std::vector{hit, miss, bad});
   request.set_kind(v1::QUERY_KIND_ALL);
@@ -265,7 +269,9 @@ TEST_F(KindsRpcTest, SeesOnlyWhatIsUnderTheRootLessExclusions) {
   // 1 holds 2 and 3, three sheets one above the other.
   ASSERT_TRUE(api_.create(kScene).ok());
   const std::string sheet = api_.add_mesh(planar_sheet(1));
-  const auto at = [](double z) { return scenegraph::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}}; };
+  const auto at = [](double z) {
+    return scenegraph::model::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, z}};
+  };
   ASSERT_TRUE(api_.apply(kScene, {put_node(-1, sheet, 0, at(0)), put_node(-2, sheet, -1, at(1)),
                                   put_node(-3, sheet, -1, at(2))})
                   .ok());

@@ -28,7 +28,7 @@ v1::PrefetchRequest prefetch_of(const std::string& scene) {
   return request;
 }
 
-v1::CastRaysRequest all_fields(std::span<const accel::Ray> rays, v1::BuildMode build) {
+v1::CastRaysRequest all_fields(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
   v1::CastRaysRequest request = cast_request(kScene, rays);
   request.set_build(build);
   for (const auto field : {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE,
@@ -37,8 +37,8 @@ v1::CastRaysRequest all_fields(std::span<const accel::Ray> rays, v1::BuildMode b
   return request;
 }
 
-scenegraph::Affine moved(double x) {
-  scenegraph::Affine affine;
+scenegraph::model::Affine moved(double x) {
+  scenegraph::model::Affine affine;
   affine.m[3] = x;
   return affine;
 }
@@ -93,13 +93,13 @@ class PrefetchRpcTest : public LiveServer {
   }
 
   /// The hits, judged by nobody yet, and as bytes.
-  v1::CastRaysResponse cast(std::span<const accel::Ray> rays, v1::BuildMode build) {
+  v1::CastRaysResponse cast(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
     v1::CastRaysResponse reply;
     const grpc::Status status = api_.cast(all_fields(rays, build), &reply);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return reply;
   }
-  std::string bytes_of(std::span<const accel::Ray> rays, v1::BuildMode build) {
+  std::string bytes_of(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
     const v1::CastRaysResponse reply = cast(rays, build);
     std::string bytes;
     for (const v1::HitColumn& column : reply.columns()) bytes += column.data();
@@ -143,7 +143,7 @@ TEST_F(PrefetchRpcTest, BuildsTheWholeScene) {
 
 TEST_F(PrefetchRpcTest, HitsAreThoseOfAnyOtherWayOfBuilding) {
   const TestMesh mesh = random_soup(2000, 0.2, 11);
-  const std::vector<accel::Ray> rays = rays_at(mesh, 400, 3);
+  const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 400, 3);
   api_.make_scene(kScene, mesh);
   const std::string expected = bytes_of(rays, v1::BUILD_MODE_NONE);
   const BruteForce oracle({PlacedMesh{mesh.view()}});
@@ -182,7 +182,7 @@ TEST_F(PrefetchRpcTest, BuildsWhatIsUnderSomeNodesAndNotUnderOthers) {
 
 TEST_F(PrefetchRpcTest, BuildsWhatRaysWouldTouchAndNoMore) {
   api_.make_scene(kScene, planar_sheet(64));
-  const std::vector<accel::Ray> rays = rays_downward(300);
+  const std::vector<accel::geometry::Ray> rays = rays_downward(300);
   v1::PrefetchRequest request = prefetch_of(kScene);
   *request.mutable_rays() = encode_rays(rays);
   const v1::PrefetchResponse last = prefetched(request);
@@ -199,7 +199,7 @@ TEST_F(PrefetchRpcTest, BuildsWhatRaysWouldTouchAndNoMore) {
 
 TEST_F(PrefetchRpcTest, TheKindOfTheRaysSaysHowFarTheyGo) {
   api_.make_scene(kScene, flat_walls(200));
-  std::vector<accel::Ray> rays(1);
+  std::vector<accel::geometry::Ray> rays(1);
   rays[0].origin = {-0.5, 0.3, 0.4};
   rays[0].direction = {1, 0, 0};
   const auto built = [&](v1::QueryKind kind) {
@@ -216,7 +216,7 @@ TEST_F(PrefetchRpcTest, TheKindOfTheRaysSaysHowFarTheyGo) {
 
 TEST_F(PrefetchRpcTest, RaysSeeTheirRootAlone) {
   make_two_groups();
-  std::vector<accel::Ray> rays(1);
+  std::vector<accel::geometry::Ray> rays(1);
   rays[0].origin = {-5, 0.3, 0.4};
   rays[0].direction = {1, 0, 0};
   v1::PrefetchRequest request = prefetch_of(kScene);
@@ -246,13 +246,13 @@ TEST_F(PrefetchRpcTest, RefusesWhatItDoesNotKnow) {
   request.add_exclude(78);
   EXPECT_NE(prefetch(request).error_message().find("excluded node 78"), std::string::npos);
   request.clear_exclude();
-  *request.mutable_rays() = encode_rays(rays_downward(server::kMaxRaysPerRequest + 1));
+  *request.mutable_rays() = encode_rays(rays_downward(server::queries::kMaxRaysPerRequest + 1));
   EXPECT_EQ(reason_of(prefetch(request)), "TOO_MANY_RAYS");
   request = prefetch_of(kScene);
   request.set_kind(static_cast<v1::QueryKind>(99));
   EXPECT_EQ(reason_of(prefetch(request)), "UNKNOWN_KIND");
   request = prefetch_of(kScene);
-  for (int i = 0; i <= server::kMaxPrefetchRoots; ++i) request.add_roots(1);
+  for (int i = 0; i <= server::queries::kMaxPrefetchRoots; ++i) request.add_roots(1);
   EXPECT_EQ(reason_of(prefetch(request)), "TOO_MANY_ROOTS");
 }
 
@@ -304,7 +304,7 @@ TEST_F(PrefetchRpcTest, ADeadlineEndsIt) {
 TEST_F(PrefetchRpcTest, QueriesAndPrefetchesOfOneSceneGoTogether) {
   const TestMesh mesh = random_soup(200'000, 0.01, 9);
   api_.make_scene(kScene, mesh);
-  const std::vector<accel::Ray> rays = rays_at(mesh, 200, 1);
+  const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 200, 1);
   const std::string expected = bytes_of(rays, v1::BUILD_MODE_NONE);
   std::vector<std::thread> threads;
   for (int i = 0; i < 3; ++i) {

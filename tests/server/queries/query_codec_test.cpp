@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::queries {
 namespace {
 
 template <class T>
@@ -32,14 +32,14 @@ v1::Rays two_rays() {
 }
 
 TEST(DecodeRays, FillsDefaults) {
-  std::vector<accel::Ray> rays;
+  std::vector<accel::geometry::Ray> rays;
   ASSERT_TRUE(decode_rays(two_rays(), rays));
   ASSERT_EQ(rays.size(), 2u);
-  EXPECT_EQ(rays[1].origin, (accel::Vec3d{4, 5, 6}));
-  EXPECT_EQ(rays[1].direction, (accel::Vec3d{0, 1, 0}));
+  EXPECT_EQ(rays[1].origin, (accel::geometry::Vec3d{4, 5, 6}));
+  EXPECT_EQ(rays[1].direction, (accel::geometry::Vec3d{0, 1, 0}));
   EXPECT_EQ(rays[1].tmin, 0);
-  EXPECT_EQ(rays[1].tmax, accel::kInfinity);
-  EXPECT_EQ(rays[1].mask, accel::kAllMasks);
+  EXPECT_EQ(rays[1].tmax, accel::geometry::kInfinity);
+  EXPECT_EQ(rays[1].mask, accel::geometry::kAllMasks);
 }
 
 TEST(DecodeRays, ReadsDoublesAndEveryColumn) {
@@ -50,10 +50,10 @@ TEST(DecodeRays, ReadsDoublesAndEveryColumn) {
   columns.set_tmin(column<double>({-1}));
   columns.set_tmax(column<double>({1e300}));
   columns.set_masks(column<std::uint32_t>({6}));
-  std::vector<accel::Ray> rays(7);
+  std::vector<accel::geometry::Ray> rays(7);
   ASSERT_TRUE(decode_rays(columns, rays));
   ASSERT_EQ(rays.size(), 1u);
-  EXPECT_EQ(rays[0].origin, (accel::Vec3d{0.1, 0.2, 0.3}));
+  EXPECT_EQ(rays[0].origin, (accel::geometry::Vec3d{0.1, 0.2, 0.3}));
   EXPECT_EQ(rays[0].tmin, -1);
   EXPECT_EQ(rays[0].tmax, 1e300);
   EXPECT_EQ(rays[0].mask, 6u);
@@ -62,7 +62,7 @@ TEST(DecodeRays, ReadsDoublesAndEveryColumn) {
 TEST(DecodeRays, LeavesNanToTheTracer) {
   v1::Rays columns = two_rays();
   columns.set_tmin(column<float>({std::numeric_limits<float>::quiet_NaN(), 0}));
-  std::vector<accel::Ray> rays;
+  std::vector<accel::geometry::Ray> rays;
   ASSERT_TRUE(decode_rays(columns, rays));
   EXPECT_TRUE(std::isnan(rays[0].tmin));
 }
@@ -70,17 +70,17 @@ TEST(DecodeRays, LeavesNanToTheTracer) {
 TEST(DecodeRays, ForgetsTheBatchBefore) {
   v1::Rays columns = two_rays();
   columns.set_masks(column<std::uint32_t>({1, 2}));
-  std::vector<accel::Ray> rays;
+  std::vector<accel::geometry::Ray> rays;
   ASSERT_TRUE(decode_rays(columns, rays));
   ASSERT_TRUE(decode_rays(two_rays(), rays));
-  EXPECT_EQ(rays[0].mask, accel::kAllMasks);
+  EXPECT_EQ(rays[0].mask, accel::geometry::kAllMasks);
 }
 
 TEST(DecodeRays, NamesTheColumnItsBytesAndTheExpectedBytes) {
   const auto message_with = [](auto edit) {
     v1::Rays columns = two_rays();
     edit(columns);
-    std::vector<accel::Ray> rays;
+    std::vector<accel::geometry::Ray> rays;
     const Status status = decode_rays(columns, rays);
     EXPECT_FALSE(status);
     EXPECT_EQ(status.error().code, Code::kInvalidArgument);
@@ -105,7 +105,7 @@ TEST(DecodeRays, TakesTheLimitAndNotOneMore) {
   v1::Rays columns;
   columns.set_origins(std::string(kMaxRaysPerRequest * 12, '\0'));
   columns.set_directions(std::string(kMaxRaysPerRequest * 12, '\0'));
-  std::vector<accel::Ray> rays;
+  std::vector<accel::geometry::Ray> rays;
   EXPECT_TRUE(decode_rays(columns, rays));
   columns.mutable_origins()->append(12, '\0');
   columns.mutable_directions()->append(12, '\0');
@@ -116,23 +116,24 @@ TEST(DecodeRays, TakesTheLimitAndNotOneMore) {
 }
 
 TEST(DecodeRays, ABatchMayBeEmpty) {
-  std::vector<accel::Ray> rays(3);
+  std::vector<accel::geometry::Ray> rays(3);
   ASSERT_TRUE(decode_rays({}, rays));
   EXPECT_TRUE(rays.empty());
 }
 
 TEST(EncodeHits, WritesEveryColumn) {
-  accel::Hit hit{
+  accel::geometry::Hit hit{
       .t = 2.5, .node = 7, .primitive = 3, .u = 0.25f, .v = 0.5f, .normal = {0, 0, 1}, .work = 12};
-  hit.state = accel::HitState::kHit;
-  const std::vector<accel::Hit> hits{hit, {}};
+  hit.state = accel::geometry::HitState::kHit;
+  const std::vector<accel::geometry::Hit> hits{hit, {}};
   const std::vector fields{v1::HIT_FIELD_T,           v1::HIT_FIELD_NODE,   v1::HIT_FIELD_PRIMITIVE,
                            v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT,
                            v1::HIT_FIELD_WORK};
   v1::CastRaysResponse reply;
   encode_hits(hits, fields, reply);
   ASSERT_EQ(reply.columns_size(), 7);
-  EXPECT_EQ(values<double>(reply.columns(0).data()), (std::vector<double>{2.5, accel::kInfinity}));
+  EXPECT_EQ(values<double>(reply.columns(0).data()),
+            (std::vector<double>{2.5, accel::geometry::kInfinity}));
   EXPECT_EQ(values<std::uint64_t>(reply.columns(1).data()), (std::vector<std::uint64_t>{7, 0}));
   EXPECT_EQ(values<std::uint32_t>(reply.columns(2).data()), (std::vector<std::uint32_t>{3, 0}));
   EXPECT_EQ(values<float>(reply.columns(3).data()), (std::vector<float>{0.25f, 0.5f, 0, 0}));
@@ -143,8 +144,9 @@ TEST(EncodeHits, WritesEveryColumn) {
 
 TEST(EncodeHits, OverwritesAReplyThatIsUsedAgain) {
   v1::CastRaysResponse reply;
-  encode_hits(std::vector<accel::Hit>(5), std::vector{v1::HIT_FIELD_T, v1::HIT_FIELD_NODE}, reply);
-  encode_hits(std::vector<accel::Hit>(2), std::vector{v1::HIT_FIELD_HIT}, reply);
+  encode_hits(std::vector<accel::geometry::Hit>(5),
+              std::vector{v1::HIT_FIELD_T, v1::HIT_FIELD_NODE}, reply);
+  encode_hits(std::vector<accel::geometry::Hit>(2), std::vector{v1::HIT_FIELD_HIT}, reply);
   ASSERT_EQ(reply.columns_size(), 1);
   EXPECT_EQ(reply.columns(0).field(), v1::HIT_FIELD_HIT);
   EXPECT_EQ(reply.columns(0).data().size(), 2u);
@@ -155,17 +157,19 @@ TEST(EncodeHits, TheLargestReplyStaysBelowAMebibyte) {
   for (int f = v1::HitField_MIN + 1; f <= v1::HitField_MAX; ++f)
     fields.push_back(static_cast<v1::HitField>(f));
   v1::CastRaysResponse reply;
-  encode_hits(std::vector<accel::Hit>(kMaxRaysPerRequest), fields, reply);
+  encode_hits(std::vector<accel::geometry::Hit>(kMaxRaysPerRequest), fields, reply);
   EXPECT_LT(reply.ByteSizeLong() + 1024, std::size_t{1} << 20);
 }
 
-scenegraph::RayTally tally(std::uint32_t count, accel::HitState state, bool cut_off = false) {
+scenegraph::RayTally tally(std::uint32_t count, accel::geometry::HitState state,
+                           bool cut_off = false) {
   return {.count = count, .work = 9, .state = state, .cut_off = cut_off};
 }
 
 TEST(EncodeTallies, WritesCounts) {
-  const std::vector rays{tally(3, accel::HitState::kHit), tally(0, accel::HitState::kMiss),
-                         tally(scenegraph::kInvalidCount, accel::HitState::kInvalid)};
+  const std::vector rays{tally(3, accel::geometry::HitState::kHit),
+                         tally(0, accel::geometry::HitState::kMiss),
+                         tally(scenegraph::kInvalidCount, accel::geometry::HitState::kInvalid)};
   const std::vector fields{v1::HIT_FIELD_COUNT, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK};
   v1::CastRaysResponse reply;
   encode_tallies(rays, {}, fields, reply);
@@ -176,9 +180,10 @@ TEST(EncodeTallies, WritesCounts) {
 }
 
 TEST(EncodeTallies, WritesLists) {
-  const std::vector rays{tally(2, accel::HitState::kHit, true), tally(0, accel::HitState::kMiss),
-                         tally(1, accel::HitState::kHit)};
-  std::vector<accel::Hit> hits(3);
+  const std::vector rays{tally(2, accel::geometry::HitState::kHit, true),
+                         tally(0, accel::geometry::HitState::kMiss),
+                         tally(1, accel::geometry::HitState::kHit)};
+  std::vector<accel::geometry::Hit> hits(3);
   for (std::size_t k = 0; k < 3; ++k) hits[k].t = static_cast<double>(k);
   const std::vector fields{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_T};
   v1::CastRaysResponse reply;
@@ -197,9 +202,9 @@ TEST(EncodeTallies, TheLargestListStaysBelowAMebibyte) {
                            v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK};
   v1::CastRaysResponse reply;
   encode_tallies(std::vector<scenegraph::RayTally>(kMaxRaysPerRequest),
-                 std::vector<accel::Hit>(kMaxHitsPerReply), fields, reply);
+                 std::vector<accel::geometry::Hit>(kMaxHitsPerReply), fields, reply);
   EXPECT_LT(reply.ByteSizeLong() + 1024, std::size_t{1} << 20);
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::queries

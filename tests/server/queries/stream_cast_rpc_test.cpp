@@ -113,7 +113,7 @@ TEST_F(StreamCastRpcTest, ABadBatchEndsTheCallWithItsError) {
   const auto large = api_.rays->StreamCastRays(&large_context);
   large->Write(chunk(0, kScene, 10));
   EXPECT_TRUE(large->Read(&reply));
-  large->Write(chunk(1, kScene, server::kMaxRaysPerRequest + 1));
+  large->Write(chunk(1, kScene, server::queries::kMaxRaysPerRequest + 1));
   EXPECT_FALSE(large->Read(&reply));
   EXPECT_EQ(reason_of(large->Finish()), "TOO_MANY_RAYS");
 }
@@ -124,7 +124,7 @@ TEST_F(StreamCastRpcTest, ACancelledStreamLeavesTheServerServing) {
     grpc::ClientContext context;
     const auto stream = api_.rays->StreamCastRays(&context);
     for (std::uint64_t i = 0; i < 4; ++i)
-      stream->Write(chunk(i, kScene, server::kMaxRaysPerRequest));
+      stream->Write(chunk(i, kScene, server::queries::kMaxRaysPerRequest));
     context.TryCancel();
     EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
   }
@@ -155,7 +155,7 @@ TEST_F(StreamCastRpcTest, BoundsTheOpenStreams) {
   std::vector<std::unique_ptr<Stream>> streams;
   std::vector<Api> clients;
   v1::StreamCastRaysResponse reply;
-  for (std::size_t i = 0; i < server::kMaxCastStreams; ++i) {
+  for (std::size_t i = 0; i < server::queries::kMaxCastStreams; ++i) {
     if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
     contexts.push_back(std::make_unique<grpc::ClientContext>());
     streams.push_back(clients.back().rays->StreamCastRays(contexts.back().get()));

@@ -7,19 +7,19 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::DeleteNode;
-using scenegraph::PatchVertices;
-using scenegraph::PutNode;
 using scenegraph::Scene;
-using scenegraph::SetTransforms;
-using scenegraph::Update;
+using scenegraph::model::DeleteNode;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::PutNode;
+using scenegraph::model::SetTransforms;
+using scenegraph::model::Update;
 
-std::shared_ptr<const scenegraph::Mesh> sheet(std::uint32_t n) {
+std::shared_ptr<const scenegraph::model::Mesh> sheet(std::uint32_t n) {
   const tests::TestMesh mesh = tests::planar_sheet(n);
-  return *scenegraph::Mesh::make(mesh.vertices, mesh.faces);
+  return *scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
 }
 
 TEST(AppliedUpdates, NameEveryNodeByItsId) {
@@ -39,7 +39,7 @@ TEST(AppliedUpdates, NameEveryNodeByItsId) {
   EXPECT_EQ(std::get<PutNode>(updates[2]).parent, 102);
   EXPECT_EQ(std::get<PutNode>(updates[3]).node, 102);
   EXPECT_EQ(std::get<SetTransforms>(updates[4]).nodes,
-            (std::vector<scenegraph::NodeRef>{101, 3, 102}));
+            (std::vector<scenegraph::model::NodeRef>{101, 3, 102}));
   EXPECT_EQ(std::get<PatchVertices>(updates[5]).nodes.front(), 101);
   EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
 }
@@ -49,7 +49,7 @@ TEST(AppliedUpdates, CountPatchedVerticesThatAreReplaced) {
   ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, nullptr), tests::put_node(-2, -1, sheet(200))}));
   const std::vector<Update> patch{PatchVertices{{2}, 0, {{1, 2, 3}}}};
   const std::vector<Update> removal{DeleteNode{1, true}};
-  const std::uint64_t bytes = 201 * 201 * sizeof(accel::Vec3f);
+  const std::uint64_t bytes = 201 * 201 * sizeof(accel::geometry::Vec3f);
   EXPECT_LT(bytes_replaced(*scene.snapshot(), patch), bytes)
       << "the store of blobs holds that mesh";
   ASSERT_TRUE(scene.apply(patch));
@@ -59,4 +59,4 @@ TEST(AppliedUpdates, CountPatchedVerticesThatAreReplaced) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

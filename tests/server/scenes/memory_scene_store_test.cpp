@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 std::vector<std::string> names_of(const ScenePage& page) {
@@ -54,4 +54,4 @@ TEST(MemorySceneStore, IsBounded) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 TEST(Names, TakesIdsOfTheDocumentedAlphabet) {
@@ -44,4 +44,4 @@ TEST(Names, AnErrorIsShortHoweverLongTheName) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 TEST(Producers, AreFoundAgainAndBounded) {
@@ -23,12 +23,12 @@ TEST(Producers, AreFoundAgainAndBounded) {
 TEST(Producers, KeepTheIdsOfTheLastBatches) {
   Producer producer;
   for (std::uint64_t i = 1; i <= 40; ++i)
-    producer.commit(
-        i, i % 2 == 0 ? std::vector<scenegraph::NodeId>{i} : std::vector<scenegraph::NodeId>{});
+    producer.commit(i, i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}
+                                  : std::vector<scenegraph::model::NodeId>{});
   ASSERT_EQ(producer.put.size(), kPutsKept / 2);
   EXPECT_EQ(producer.put.front().sequence, 26u);
   EXPECT_EQ(producer.put.back().nodes.front(), 40u);
-  producer.commit(41, std::vector<scenegraph::NodeId>(kPutIdsKept));
+  producer.commit(41, std::vector<scenegraph::model::NodeId>(kPutIdsKept));
   EXPECT_EQ(producer.put.size(), 1u);
 }
 
@@ -41,4 +41,4 @@ TEST(Producers, AreNamedInLettersDigitsDotsUnderscoresAndDashes) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

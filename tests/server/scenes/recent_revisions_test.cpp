@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-std::shared_ptr<const scenegraph::Snapshot> revision(std::uint64_t number) {
-  return std::make_shared<const scenegraph::Snapshot>(number, scenegraph::Hierarchy{});
+std::shared_ptr<const scenegraph::revision::Snapshot> revision(std::uint64_t number) {
+  return std::make_shared<const scenegraph::revision::Snapshot>(number,
+                                                                scenegraph::hierarchy::Hierarchy{});
 }
 
 TEST(RecentRevisions, KeepsSoMany) {
@@ -60,4 +61,4 @@ TEST(RecentRevisions, ForgetsAll) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 TEST(RequestAnswers, KeepsTheLast) {
@@ -29,10 +29,10 @@ TEST(RequestAnswers, KeepsFewerOfManyNodes) {
   RequestAnswers answers({.answers = 10, .nodes = 100});
   for (std::uint64_t i = 1; i <= 4; ++i)
     answers.keep(std::to_string(i), i,
-                 {.revision = i, .nodes = std::vector<scenegraph::NodeId>(40)});
+                 {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)});
   EXPECT_EQ(*answers.find("2", 2), nullptr);
   EXPECT_NE(*answers.find("3", 3), nullptr);
-  answers.keep("5", 5, {.revision = 5, .nodes = std::vector<scenegraph::NodeId>(1000)});
+  answers.keep("5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)});
   EXPECT_EQ(*answers.find("4", 4), nullptr);
   EXPECT_NE(*answers.find("5", 5), nullptr);
 }
@@ -47,4 +47,4 @@ TEST(RequestAnswers, RefusesAnotherRequestOfTheSameId) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 TEST(RevisionToken, IsReadBack) {
@@ -34,4 +34,4 @@ TEST(RevisionToken, RefusesAnythingElse) {
 TEST(RevisionToken, IncarnationsDiffer) { EXPECT_NE(new_incarnation(), new_incarnation()); }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -5,7 +5,7 @@
 
 #include <future>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
 class RevisionWaitTest : public testing::Test {
@@ -26,11 +26,11 @@ class RevisionWaitTest : public testing::Test {
   void publish() { ASSERT_TRUE(scene_->apply({}, std::nullopt, compute_)); }
 
   static constexpr std::chrono::hours kLong{1};
-  Admission admission_{{.rays = 10, .bytes = 1000}};
-  OpenCalls waits_{2, "reads", "TOO_MANY_WAITING"};
+  exec::Admission admission_{{.rays = 10, .bytes = 1000}};
+  exec::OpenCalls waits_{2, "reads", "TOO_MANY_WAITING"};
   const std::shared_ptr<StoredScene> scene_ =
       std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
-  Compute compute_{1};
+  exec::Compute compute_{1};
   const WaitServices services_{compute_, admission_, waits_};
 };
 
@@ -96,4 +96,4 @@ TEST_F(RevisionWaitTest, SoManyWaitAtATimeAndOfSoManyBytes) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

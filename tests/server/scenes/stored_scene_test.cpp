@@ -6,12 +6,12 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::PatchVertices;
-using scenegraph::PutNode;
-using scenegraph::Update;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::PutNode;
+using scenegraph::model::Update;
 
 class StoredSceneTest : public testing::Test {
  protected:
@@ -21,7 +21,7 @@ class StoredSceneTest : public testing::Test {
 
   const std::shared_ptr<StoredScene> scene_ =
       std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
-  Compute compute_{1};
+  exec::Compute compute_{1};
 };
 
 TEST_F(StoredSceneTest, AnUpdateIsInTheLogWhenListenersAreTold) {
@@ -42,7 +42,7 @@ TEST_F(StoredSceneTest, AnUpdateIsInTheLogWhenListenersAreTold) {
 
 TEST_F(StoredSceneTest, KeepsRevisionsButNotManyMegabytesOfThem) {
   const tests::TestMesh sheet = tests::planar_sheet(700);
-  const auto mesh = *scenegraph::Mesh::make(sheet.vertices, sheet.faces);
+  const auto mesh = *scenegraph::model::Mesh::make(sheet.vertices, sheet.faces);
   ASSERT_TRUE(apply({tests::put_node(-1, 0, mesh)}));
   for (int i = 0; i < 30; ++i) ASSERT_TRUE(apply({PatchVertices{{1}, 0, {{1, 2, 3}}}}));
   EXPECT_TRUE(scene_->at(31));
@@ -66,4 +66,4 @@ TEST_F(StoredSceneTest, TakesNoUpdatesOnceItIsRemoved) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -3,14 +3,14 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::server {
+namespace sightline::server::scenes {
 namespace {
 
-using scenegraph::PatchVertices;
-using scenegraph::Update;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::Update;
 
 std::vector<Update> patch(std::size_t vertices) {
-  return {PatchVertices{{1}, 0, std::vector<accel::Vec3f>(vertices)}};
+  return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
 }
 
 TEST(UpdateLog, KeepsSoMany) {
@@ -18,7 +18,8 @@ TEST(UpdateLog, KeepsSoMany) {
   EXPECT_EQ(log.last(), 0u);
   EXPECT_FALSE(log.find(0));
   EXPECT_FALSE(log.find(1));
-  for (std::size_t i = 1; i <= 5; ++i) log.add(std::vector<Update>(i, scenegraph::DeleteNode{1}));
+  for (std::size_t i = 1; i <= 5; ++i)
+    log.add(std::vector<Update>(i, scenegraph::model::DeleteNode{1}));
   EXPECT_EQ(log.last(), 5u);
   for (std::size_t i = 3; i <= 5; ++i) EXPECT_EQ((*log.find(i))->size(), i);
   for (const std::uint64_t outside : {0u, 2u, 6u}) {
@@ -49,4 +50,4 @@ TEST(UpdateLog, WhoHoldsAnEntryKeepsIt) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::scenes

@@ -36,10 +36,10 @@ std::string reason_of(const grpc::Status& status) {
   return details.details(0).UnpackTo(&info) ? info.reason() : std::string();
 }
 
-v1::Rays encode_rays(std::span<const accel::Ray> rays) {
+v1::Rays encode_rays(std::span<const accel::geometry::Ray> rays) {
   v1::Rays columns;
   columns.set_float64(true);
-  for (const accel::Ray& ray : rays) {
+  for (const accel::geometry::Ray& ray : rays) {
     append(*columns.mutable_origins(), ray.origin);
     append(*columns.mutable_directions(), ray.direction);
     append(*columns.mutable_tmin(), ray.tmin);
@@ -56,29 +56,29 @@ std::string column_of(const v1::CastRaysResponse& reply, v1::HitField field) {
   return {};
 }
 
-std::vector<accel::Hit> decode_hits(const v1::CastRaysResponse& reply) {
+std::vector<accel::geometry::Hit> decode_hits(const v1::CastRaysResponse& reply) {
   const std::string state = column_of(reply, v1::HIT_FIELD_HIT);
   const std::string t = column_of(reply, v1::HIT_FIELD_T);
   const std::string node = column_of(reply, v1::HIT_FIELD_NODE);
   const std::string primitive = column_of(reply, v1::HIT_FIELD_PRIMITIVE);
   const std::string barycentric = column_of(reply, v1::HIT_FIELD_BARYCENTRIC);
   const std::string normal = column_of(reply, v1::HIT_FIELD_NORMAL);
-  std::vector<accel::Hit> hits(state.size());
+  std::vector<accel::geometry::Hit> hits(state.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const auto uv = row<std::array<float, 2>>(barycentric, i);
-    hits[i].state = static_cast<accel::HitState>(state[i]);
+    hits[i].state = static_cast<accel::geometry::HitState>(state[i]);
     hits[i].t = row<double>(t, i);
     hits[i].node = row<std::uint64_t>(node, i);
     hits[i].primitive = row<std::uint32_t>(primitive, i);
     hits[i].u = uv[0];
     hits[i].v = uv[1];
-    hits[i].normal = row<accel::Vec3f>(normal, i);
+    hits[i].normal = row<accel::geometry::Vec3f>(normal, i);
   }
   return hits;
 }
 
-std::vector<accel::Ray> rays_downward(std::size_t count) {
-  std::vector<accel::Ray> rays(count);
+std::vector<accel::geometry::Ray> rays_downward(std::size_t count) {
+  std::vector<accel::geometry::Ray> rays(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto k = static_cast<double>(i);
     rays[i].origin = {std::fmod(k * 0.618034, 1.0), std::fmod(k * 0.754878, 1.0), 10};
@@ -178,7 +178,7 @@ void Api::make_scene(const std::string& scene, const TestMesh& mesh) {
 }
 
 v1::Update put_node(std::int64_t alias, const std::string& digest, std::int64_t parent,
-                    const scenegraph::Affine& parent_from_local) {
+                    const scenegraph::model::Affine& parent_from_local) {
   v1::Update update;
   v1::PutNode& put = *update.mutable_put_node();
   put.set_node(alias);
@@ -189,7 +189,8 @@ v1::Update put_node(std::int64_t alias, const std::string& digest, std::int64_t 
   return update;
 }
 
-v1::CastRaysRequest cast_request(const std::string& scene, std::span<const accel::Ray> rays) {
+v1::CastRaysRequest cast_request(const std::string& scene,
+                                 std::span<const accel::geometry::Ray> rays) {
   v1::CastRaysRequest request;
   request.set_scene(scene);
   *request.mutable_rays() = encode_rays(rays);

@@ -22,16 +22,16 @@ namespace sightline::tests {
 std::string reason_of(const grpc::Status& status);
 
 /// A message of these rays as float64 columns.
-v1::Rays encode_rays(std::span<const accel::Ray> rays);
+v1::Rays encode_rays(std::span<const accel::geometry::Ray> rays);
 
 /// The column of this field, or empty.
 std::string column_of(const v1::CastRaysResponse& reply, v1::HitField field);
 
 /// The rows of a reply that has the fields T, NODE, PRIMITIVE, BARYCENTRIC, NORMAL and HIT.
-std::vector<accel::Hit> decode_hits(const v1::CastRaysResponse& reply);
+std::vector<accel::geometry::Hit> decode_hits(const v1::CastRaysResponse& reply);
 
 /// `count` rays along -z from z = 10, over x and y in [0, 1).
-std::vector<accel::Ray> rays_downward(std::size_t count);
+std::vector<accel::geometry::Ray> rays_downward(std::size_t count);
 
 class Api {
  public:
@@ -61,9 +61,10 @@ class Api {
 
 /// A PutNode of a fresh node.
 v1::Update put_node(std::int64_t alias, const std::string& digest = {}, std::int64_t parent = 0,
-                    const scenegraph::Affine& parent_from_local = {});
+                    const scenegraph::model::Affine& parent_from_local = {});
 
 /// A request for closest hits with the default fields.
-v1::CastRaysRequest cast_request(const std::string& scene, std::span<const accel::Ray> rays);
+v1::CastRaysRequest cast_request(const std::string& scene,
+                                 std::span<const accel::geometry::Ray> rays);
 
 }  // namespace sightline::tests

@@ -61,7 +61,7 @@ TEST_F(ApplyRpcTest, AnIdStandsForOneRequest) {
   const grpc::Status other = apply(api_, "a", {put_node(-2)}, &reply);
   EXPECT_EQ(other.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(reason_of(other), "REQUEST_ID_REUSED");
-  const std::string limit(server::kMaxRequestId, 'x');
+  const std::string limit(server::scenes::kMaxRequestId, 'x');
   EXPECT_TRUE(apply(api_, limit, {put_node(-1)}, &reply).ok());
   EXPECT_EQ(reason_of(apply(api_, limit + "x", {put_node(-1)}, &reply)), "REQUEST_ID_TOO_LONG");
   EXPECT_EQ(api_.get(kScene).nodes(), 2u);

@@ -9,15 +9,15 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
-using scenegraph::Affine;
-using scenegraph::DeleteNode;
-using scenegraph::PatchVertices;
-using scenegraph::PutNode;
-using scenegraph::SetTransforms;
-using scenegraph::Update;
+using scenegraph::model::Affine;
+using scenegraph::model::DeleteNode;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::PutNode;
+using scenegraph::model::SetTransforms;
+using scenegraph::model::Update;
 
 Affine at(double x) { return {{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
 
@@ -38,7 +38,7 @@ void fill(scenegraph::Scene& scene) {
   std::vector<Update> updates;
   for (int m = 0; m < 2; ++m) {
     const tests::TestMesh sheet = tests::planar_sheet(4);
-    const auto mesh = *scenegraph::Mesh::make(sheet.vertices, sheet.faces);
+    const auto mesh = *scenegraph::model::Mesh::make(sheet.vertices, sheet.faces);
     for (int i = 1; i <= 2; ++i) updates.push_back(tests::put_node(-2 * m - i, 0, mesh));
   }
   ASSERT_TRUE(scene.apply(updates));
@@ -71,14 +71,15 @@ TEST(Coalesce, TheNewestTransformOfEachNodeCounts) {
                              2);
   ASSERT_EQ(made.size(), 1u);
   const auto& set = std::get<SetTransforms>(made[0]);
-  EXPECT_EQ(set.nodes, (std::vector<scenegraph::NodeRef>{1, 2, 3}));
+  EXPECT_EQ(set.nodes, (std::vector<scenegraph::model::NodeRef>{1, 2, 3}));
   EXPECT_EQ(set.parent_from_local[1].m[3], 4);
 }
 
 TEST(Coalesce, APatchThatANewerOneCoversIsLeftOut) {
-  const auto patch = [](std::vector<scenegraph::NodeRef> nodes, std::uint32_t first,
+  const auto patch = [](std::vector<scenegraph::model::NodeRef> nodes, std::uint32_t first,
                         std::size_t count) {
-    return Update(PatchVertices{std::move(nodes), first, std::vector<accel::Vec3f>(count)});
+    return Update(
+        PatchVertices{std::move(nodes), first, std::vector<accel::geometry::Vec3f>(count)});
   };
   const auto made = coalesce(batches({{patch({1, 2}, 2, 3), patch({1}, 0, 4), patch({1, 2}, 0, 9)},
                                       {patch({2, 1}, 2, 4)},
@@ -102,7 +103,7 @@ TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
     for (std::uint32_t b = 2 + below(6); b > 0; --b) {
       std::vector<Update> updates;
       for (std::uint32_t u = 1 + below(3); u > 0; --u) {
-        const auto node = static_cast<scenegraph::NodeRef>(1 + below(4));
+        const auto node = static_cast<scenegraph::model::NodeRef>(1 + below(4));
         if (below(2) == 0) {
           updates.push_back(SetTransforms{{node}, {at(below(100))}});
           continue;
@@ -110,7 +111,8 @@ TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
         PatchVertices patch{{node}, below(25), {}};
         if (below(3) == 0) patch.nodes.push_back(((node - 1) ^ 1) + 1);
         patch.positions.resize(below(26 - patch.first));
-        for (accel::Vec3f& p : patch.positions) p = {static_cast<float>(random() % 10), 1, 2};
+        for (accel::geometry::Vec3f& p : patch.positions)
+          p = {static_cast<float>(random() % 10), 1, 2};
         updates.emplace_back(std::move(patch));
       }
       made.push_back(batch(std::move(updates)));
@@ -120,12 +122,13 @@ TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
     const bool good = together.apply(coalesce(made, made.size())).ok();
     if (!all_good) continue;  // then they are applied one by one
     ASSERT_TRUE(good) << round;
-    for (scenegraph::NodeId id = 1; id <= 4; ++id) {
-      const scenegraph::Node &a = *one.snapshot()->find(id), &b = *together.snapshot()->find(id);
+    for (scenegraph::model::NodeId id = 1; id <= 4; ++id) {
+      const scenegraph::model::Node &a = *one.snapshot()->find(id),
+                                    &b = *together.snapshot()->find(id);
       EXPECT_EQ(a.parent_from_local.m, b.parent_from_local.m);
       const auto va = a.mesh->view().vertices, vb = b.mesh->view().vertices;
       ASSERT_TRUE(std::equal(va.begin(), va.end(), vb.begin(), vb.end(),
-                             [](const accel::Vec3f& p, const accel::Vec3f& q) {
+                             [](const accel::geometry::Vec3f& p, const accel::geometry::Vec3f& q) {
                                return p.x == q.x && p.y == q.y && p.z == q.z;
                              }))
           << round << " node " << id;
@@ -134,4 +137,4 @@ TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

@@ -5,15 +5,15 @@
 
 #include "tests/scenegraph/put_node.h"
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
-using scenegraph::Affine;
-using scenegraph::DeleteNode;
-using scenegraph::NodeRef;
-using scenegraph::PutNode;
-using scenegraph::SetTransforms;
-using scenegraph::Update;
+using scenegraph::model::Affine;
+using scenegraph::model::DeleteNode;
+using scenegraph::model::NodeRef;
+using scenegraph::model::PutNode;
+using scenegraph::model::SetTransforms;
+using scenegraph::model::Update;
 
 class ProducerTurnTest : public testing::Test {
  protected:
@@ -32,7 +32,7 @@ class ProducerTurnTest : public testing::Test {
   void add_pose(NodeRef node, double x) {
     add({SetTransforms{{node}, {Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}}}});
   }
-  double x(scenegraph::NodeId node) const {
+  double x(scenegraph::model::NodeId node) const {
     return scene_->snapshot()->find(node)->parent_from_local.m[3];
   }
   /// Of all batches, in order.
@@ -47,10 +47,10 @@ class ProducerTurnTest : public testing::Test {
     return all;
   }
 
-  const std::shared_ptr<StoredScene> scene_ =
-      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
-  Compute compute_{1};
-  Producer producer_;
+  const std::shared_ptr<scenes::StoredScene> scene_ =
+      std::make_shared<scenes::StoredScene>(scenes::SceneInfo{.name = "projects/p/scenes/s"});
+  exec::Compute compute_{1};
+  scenes::Producer producer_;
   int call_ = 0;
   std::uint64_t sequence_ = 0;
   std::deque<UpdateBatch> batches_;
@@ -83,7 +83,7 @@ TEST_F(ProducerTurnTest, TheLatestPosesWin) {
     EXPECT_EQ(outcomes[i].sequence, i + 1);
     EXPECT_EQ(outcomes[i].applied->revision, revisions[i]) << i;
   }
-  EXPECT_EQ(outcomes[6].applied->nodes, std::vector<scenegraph::NodeId>{4});
+  EXPECT_EQ(outcomes[6].applied->nodes, std::vector<scenegraph::model::NodeId>{4});
   EXPECT_EQ(turn.coalesced(), 4u);
   EXPECT_EQ(x(1), 70);
   EXPECT_EQ(x(2), 3);
@@ -145,4 +145,4 @@ TEST_F(ProducerTurnTest, EndsWhereAnotherCallHasTakenOver) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

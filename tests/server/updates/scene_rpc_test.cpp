@@ -161,7 +161,7 @@ TEST_F(SceneRpcTest, SetsTransformsAndDeletes) {
   const auto parent = static_cast<std::int64_t>(applied.nodes(0));
   v1::Update move;
   move.mutable_set_transforms()->add_nodes(parent);
-  const scenegraph::Affine matrix{{2, 0, 0, 1, 0, 2, 0, 2, 0, 0, 2, 3}};
+  const scenegraph::model::Affine matrix{{2, 0, 0, 1, 0, 2, 0, 2, 0, 0, 2, 3}};
   move.mutable_set_transforms()->set_matrices(matrix.m.data(), sizeof(matrix.m));
   ASSERT_TRUE(api_.apply(kScene, {move}).ok());
   EXPECT_EQ(nodes({applied.nodes(0)})[0].transform().matrix(11), 3);
@@ -249,7 +249,7 @@ TEST_F(SceneRpcTest, BoundsTheNodesOfAReply) {
   v1::BatchGetNodesRequest request;
   v1::BatchGetNodesResponse reply;
   request.set_scene(kScene);
-  for (int i = 0; i <= server::kMaxNodesPerRequest; ++i) request.add_ids(1);
+  for (int i = 0; i <= server::updates::kMaxNodesPerRequest; ++i) request.add_ids(1);
   const grpc::Status status = api_.scenes->BatchGetNodes(&context, request, &reply);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_NE(status.error_message().find("513 ids, the limit is 512"), std::string::npos);

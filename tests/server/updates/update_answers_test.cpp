@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::server {
+namespace sightline::server::updates {
 namespace {
 
 TEST(UpdateAnswers, AcksThatFollowEachOtherAreOne) {
@@ -33,7 +33,7 @@ TEST(UpdateAnswers, AcksThatFollowEachOtherAreOne) {
 
 TEST(UpdateAnswers, StaySmallMessages) {
   UpdateAnswers answers;
-  const std::vector<scenegraph::NodeId> many(65536, ~scenegraph::NodeId{0});
+  const std::vector<scenegraph::model::NodeId> many(65536, ~scenegraph::model::NodeId{0});
   for (std::uint64_t i = 1; i <= 4; ++i) answers.ack(i, {7, i}, 0, many);
   v1::StreamUpdatesResponse out;
   for (std::uint64_t i = 1; i <= 4; ++i) {
@@ -44,4 +44,4 @@ TEST(UpdateAnswers, StaySmallMessages) {
 }
 
 }  // namespace
-}  // namespace sightline::server
+}  // namespace sightline::server::updates

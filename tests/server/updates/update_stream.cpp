@@ -71,19 +71,19 @@ grpc::Status UpdateStream::finish() {
 
 v1::Update move_to(std::uint64_t node, double x) {
   v1::Update update;
-  const scenegraph::Affine matrix{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}};
+  const scenegraph::model::Affine matrix{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}};
   update.mutable_set_transforms()->add_nodes(static_cast<std::int64_t>(node));
   update.mutable_set_transforms()->set_matrices(matrix.m.data(), sizeof(matrix.m));
   return update;
 }
 
 v1::Update patch(const std::vector<std::uint64_t>& nodes, std::uint32_t first,
-                 const std::vector<accel::Vec3f>& positions) {
+                 const std::vector<accel::geometry::Vec3f>& positions) {
   v1::Update update;
   v1::PatchVertices& vertices = *update.mutable_patch_vertices();
   vertices.mutable_nodes()->Assign(nodes.begin(), nodes.end());
   vertices.set_first(first);
-  vertices.set_positions(positions.data(), positions.size() * sizeof(accel::Vec3f));
+  vertices.set_positions(positions.data(), positions.size() * sizeof(accel::geometry::Vec3f));
   return update;
 }
 

@@ -47,7 +47,7 @@ v1::Update move_to(std::uint64_t node, double x);
 
 /// A PatchVertices of these nodes.
 v1::Update patch(const std::vector<std::uint64_t>& nodes, std::uint32_t first,
-                 const std::vector<accel::Vec3f>& positions);
+                 const std::vector<accel::geometry::Vec3f>& positions);
 
 /// The node's translation along x, or NaN if there is no such node.
 double x_of(Api& api, const std::string& scene, std::uint64_t node);

@@ -43,7 +43,7 @@ TEST_F(UpdateStreamRpcTest, AppliesBatchesInOrderAndAcksThem) {
   UpdateStream stream(api_);
   const v1::ProducerOpened opened = stream.open(kScene);
   EXPECT_EQ(opened.last_committed(), 0u);
-  EXPECT_EQ(opened.window(), server::kUpdateWindow);
+  EXPECT_EQ(opened.window(), server::updates::kUpdateWindow);
   EXPECT_EQ(opened.revision().revision(), 0u);
   ASSERT_TRUE(stream.send(1, {put_node(-1), put_node(-2, "", -1)}));
   ASSERT_TRUE(stream.send(2, {}));
@@ -166,7 +166,7 @@ TEST_F(UpdateStreamRpcTest, ABatchBeyondTheLimitOfBytesIsRejectedAndTheStreamGoe
   const std::uint64_t node = add_node();
   UpdateStream stream(api_);
   stream.open(kScene);
-  const v1::Update large = patch({node}, 0, std::vector<accel::Vec3f>(300'000));
+  const v1::Update large = patch({node}, 0, std::vector<accel::geometry::Vec3f>(300'000));
   for (std::size_t bytes = 0; bytes <= server::kMaxBatchBytes; bytes += large.ByteSizeLong())
     ASSERT_TRUE(stream.send(1, {large}, true));
   ASSERT_TRUE(stream.send(1, {large}));

@@ -124,7 +124,7 @@ TEST_F(WatchRpcTest, TellsEveryRevisionFromTheStart) {
 TEST_F(WatchRpcTest, RefusesWhatIsNotKeptOrNotThere) {
   Watcher early(api_, kScene, 1);
   EXPECT_EQ(early.finish().error_code(), grpc::StatusCode::OUT_OF_RANGE);
-  const std::uint64_t count = server::LogLimits().revisions + 10;
+  const std::uint64_t count = server::scenes::LogLimits().revisions + 10;
   UpdateStream stream(api_);
   stream.open(kScene);
   std::thread writer([&] {
@@ -150,7 +150,7 @@ TEST_F(WatchRpcTest, LargeRevisionsComeInPieces) {
   v1::ApplyUpdatesResponse reply;
   ASSERT_TRUE(api_.apply(kScene, {put_node(-1, mesh)}, &reply).ok());
   Watcher watcher(api_, kScene);
-  std::vector<accel::Vec3f> positions(150'000);
+  std::vector<accel::geometry::Vec3f> positions(150'000);
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = {static_cast<float>(i), 1, 2};
   v1::Update moves;
   for (int i = 0; i < 20'000; ++i) {
@@ -165,10 +165,10 @@ TEST_F(WatchRpcTest, LargeRevisionsComeInPieces) {
   EXPECT_GE(watcher.parts(), 1);
   std::string bytes;
   for (const v1::Update& update : message.updates()) {
-    EXPECT_EQ(update.patch_vertices().first(), 7 + bytes.size() / sizeof(accel::Vec3f));
+    EXPECT_EQ(update.patch_vertices().first(), 7 + bytes.size() / sizeof(accel::geometry::Vec3f));
     bytes += update.patch_vertices().positions();
   }
-  EXPECT_EQ(bytes.size(), positions.size() * sizeof(accel::Vec3f));
+  EXPECT_EQ(bytes.size(), positions.size() * sizeof(accel::geometry::Vec3f));
   EXPECT_EQ(std::memcmp(bytes.data(), positions.data(), bytes.size()), 0);
   ASSERT_TRUE(watcher.revision(message));
   std::string matrices;
@@ -228,7 +228,7 @@ TEST_F(WatchRpcTest, BoundsTheWatches) {
   std::vector<Api> clients;
   std::vector<std::unique_ptr<Watcher>> watchers;
   v1::WatchSceneResponse message;
-  for (std::size_t i = 0; i < server::kMaxWatches; ++i) {
+  for (std::size_t i = 0; i < server::updates::kMaxWatches; ++i) {
     if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
     watchers.push_back(std::make_unique<Watcher>(clients.back(), kScene));
     ASSERT_TRUE(watchers.back()->read(message));

@@ -15,28 +15,29 @@
 #include "tests/accel/published/bvh/check_hierarchy.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 Bvh build(const tests::TestMesh& mesh, const BvhBuilder& builder = {}) {
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   return builder.build(mesh.view(), counters);
 }
 
-std::vector<BoxRef> references(const tests::TestMesh& mesh) {
-  std::vector<BoxRef> refs(mesh.faces.size());
+std::vector<kdtree::BoxRef> references(const tests::TestMesh& mesh) {
+  std::vector<kdtree::BoxRef> refs(mesh.faces.size());
   refs.resize(face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 
 /// The cost of every boundary of the bins, counted box by box.
-double least_sum(const std::vector<BoxRef>& refs, const CenterBins& bins, std::uint32_t count) {
+double least_sum(const std::vector<kdtree::BoxRef>& refs, const CenterBins& bins,
+                 std::uint32_t count) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::uint32_t last = 0; last + 1 < count; ++last) {
-      Aabb left, right;
+      geometry::Aabb left, right;
       double n_left = 0, n_right = 0;
-      for (const BoxRef& ref : refs) {
+      for (const kdtree::BoxRef& ref : refs) {
         const bool goes = bins.goes_left(ref, {.axis = axis, .last_left = last});
         (goes ? left : right).grow(ref.bounds());
         ++(goes ? n_left : n_right);
@@ -50,9 +51,9 @@ double least_sum(const std::vector<BoxRef>& refs, const CenterBins& bins, std::u
 
 TEST(CenterBins, FindTheCheapestOfTheirBoundaries) {
   for (const std::uint32_t count : {2u, 3u, 16u, 256u}) {
-    const std::vector<BoxRef> refs = references(tests::random_soup(200, 0.1, count));
+    const std::vector<kdtree::BoxRef> refs = references(tests::random_soup(200, 0.1, count));
     ListSpan span;
-    for (const BoxRef& ref : refs) span.add(ref);
+    for (const kdtree::BoxRef& ref : refs) span.add(ref);
     CenterBins bins(span.centers, count);
     bins.add(refs);
     const BinSplit best = bins.best();
@@ -62,9 +63,9 @@ TEST(CenterBins, FindTheCheapestOfTheirBoundaries) {
 }
 
 TEST(CenterBins, OfPartsAddUp) {
-  const std::vector<BoxRef> refs = references(tests::random_soup(500, 0.1, 9));
+  const std::vector<kdtree::BoxRef> refs = references(tests::random_soup(500, 0.1, 9));
   ListSpan span;
-  for (const BoxRef& ref : refs) span.add(ref);
+  for (const kdtree::BoxRef& ref : refs) span.add(ref);
   CenterBins whole(span.centers, 32), first(span.centers, 32), second(span.centers, 32);
   whole.add(refs);
   first.add(std::span(refs).first(123));
@@ -93,8 +94,8 @@ TEST(BinnedGrowth, LeavesAreAsLargeAsTheRuleSays) {
 
 TEST(BinnedGrowth, SplittingSmallListsPays) {
   const tests::TestMesh mesh = tests::icosphere(4);
-  const TreeMetrics paper = measure(build(mesh)),
-                    further = measure(build(mesh, {.leaf = {.split_small = true}}));
+  const kdtree::TreeMetrics paper = measure(build(mesh)),
+                            further = measure(build(mesh, {.leaf = {.split_small = true}}));
   EXPECT_LT(further.sah_cost, paper.sah_cost);
 }
 
@@ -118,7 +119,7 @@ TEST(BinnedGrowth, CoincidentTrianglesAreHalved) {
   const tests::TestMesh mesh = tests::duplicates(1000);
   const Bvh bvh = build(mesh);
   tests::check_hierarchy(bvh, mesh);
-  const TreeMetrics m = measure(bvh);
+  const kdtree::TreeMetrics m = measure(bvh);
   EXPECT_EQ(m.references, 1000u);
   EXPECT_LE(m.max_depth, 8);
 }
@@ -143,7 +144,7 @@ TEST(BinnedGrowth, NumbersAtTheEndsOfFloat) {
   tests::TestMesh mesh = tests::random_soup(50, 0.2, 4);
   for (const float scale : {3e38f, 1e-38f, 1e-44f}) {
     tests::TestMesh scaled = mesh;
-    for (Vec3f& v : scaled.vertices) v = {v.x * scale, v.y * scale, v.z * scale};
+    for (geometry::Vec3f& v : scaled.vertices) v = {v.x * scale, v.y * scale, v.z * scale};
     tests::check_hierarchy(build(scaled), scaled);
   }
 }
@@ -156,4 +157,4 @@ TEST(BinnedGrowth, OfNothingIsAnEmptyLeaf) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -8,21 +8,21 @@
 #include "accel/geometry/clip.h"
 #include "accel/published/bvh/bvh_growth.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
-BoxRef ref(std::uint32_t id, const Aabb& box) { return {box.lo, id, box.hi, 1}; }
+kdtree::BoxRef ref(std::uint32_t id, const geometry::Aabb& box) { return {box.lo, id, box.hi, 1}; }
 
 /// [0, 2] x [0, 1] x [0, 1] over [0, 1.5] and [0.5, 2].
 Bvh two_leaves() {
   BvhGrowth growth(3);
-  const Aabb left{{0, 0, 0}, {1.5f, 1, 1}}, right{{0.5f, 0, 0}, {2, 1, 1}};
-  const std::vector<BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const geometry::Aabb left{{0, 0, 0}, {1.5f, 1, 1}}, right{{0.5f, 0, 0}, {2, 1, 1}};
+  const std::vector<kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   return growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
 }
 
 TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
-  const TreeMetrics m = measure(two_leaves());
+  const kdtree::TreeMetrics m = measure(two_leaves());
   EXPECT_EQ(m.nodes, 3u);
   EXPECT_EQ(m.leaves, 2u);
   EXPECT_EQ(m.references, 3u);
@@ -37,8 +37,8 @@ TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
 
 TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
   BvhGrowth growth(3);
-  const Aabb box{{0, 0, 0}, {1, 1, 1}};
-  const std::vector<BoxRef> thrice{ref(7, box), ref(3, box), ref(7, box)};
+  const geometry::Aabb box{{0, 0, 0}, {1, 1, 1}};
+  const std::vector<kdtree::BoxRef> thrice{ref(7, box), ref(3, box), ref(7, box)};
   const Bvh bvh = growth.finish(growth.leaf(thrice, box));
   EXPECT_EQ(bvh.ids, (std::vector<std::uint32_t>{7, 3}));
   BvhGrowth repeating(3, true);
@@ -47,7 +47,7 @@ TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
 }
 
 TEST(ClippedArea, IsThatOfThePartInTheBox) {
-  const Vec3f a{0, 0, 0}, b{2, 0, 0}, c{0, 2, 0};
+  const geometry::Vec3f a{0, 0, 0}, b{2, 0, 0}, c{0, 2, 0};
   EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, -1}, {2, 2, 1}}), 2);
   EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, 0}, {1, 1, 0}}), 1);
   EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{1, 1, -1}, {2, 2, 1}}), 0);
@@ -55,4 +55,4 @@ TEST(ClippedArea, IsThatOfThePartInTheBox) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

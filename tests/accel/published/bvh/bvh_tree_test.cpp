@@ -16,7 +16,7 @@
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 TEST(BvhTree, IsBuiltOnceByManyThreads) {
@@ -24,12 +24,12 @@ TEST(BvhTree, IsBuiltOnceByManyThreads) {
   BvhTree tree(mesh.view(), BvhBuilder{.method = BvhMethod::kSpatial});
   EXPECT_EQ(tree.built(), nullptr);
   EXPECT_EQ(tree.bytes(), 0u);
-  std::vector<BuildCounters> counters(4);
+  std::vector<kdtree::BuildCounters> counters(4);
   std::vector<std::thread> threads;
-  for (BuildCounters& own : counters) threads.emplace_back([&] { tree.build(own); });
+  for (kdtree::BuildCounters& own : counters) threads.emplace_back([&] { tree.build(own); });
   for (std::thread& thread : threads) thread.join();
   std::uint64_t built = 0;
-  for (const BuildCounters& own : counters) built += own.cells_expanded;
+  for (const kdtree::BuildCounters& own : counters) built += own.cells_expanded;
   EXPECT_EQ(built, 1u);
   ASSERT_NE(tree.built(), nullptr);
   EXPECT_EQ(tree.bytes(), tree.built()->bytes());
@@ -41,7 +41,7 @@ TEST(BvhTree, IsBuiltFromWithinTasks) {
   BvhTree tree(mesh.view(), BvhBuilder{});
   std::atomic<int> done = 0;
   tbb::parallel_for(0, 64, [&](int) {
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     tree.build(counters);
     ++done;
   });
@@ -53,24 +53,25 @@ TEST(BvhTree, OnlyRaysThatMayBuildDo) {
   for (const std::string_view name : builder_names()) {
     const AnyBuilder builder = *make_builder(name);
     if (!std::holds_alternative<BvhBuilder>(builder)) continue;
-    MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder);
-    const auto ask = [&](AtUnbuilt at_unbuilt) {
-      const EpochPin pin;
-      MeshQuery query;
+    mesh::MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder);
+    const auto ask = [&](mesh::AtUnbuilt at_unbuilt) {
+      const kdtree::EpochPin pin;
+      mesh::MeshQuery query;
       query.ray = *make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
       query.at_unbuilt = at_unbuilt;
-      WalkCounters walked;
-      BuildCounters built;
+      kdtree::WalkCounters walked;
+      kdtree::BuildCounters built;
       tree.query(query, walked, built);
       return query;
     };
     EXPECT_EQ(tree.metrics().unbuilt_cells, 1u);
     EXPECT_EQ(tree.growth().cells_deferred, 1u);
-    const MeshQuery skipped = ask(AtUnbuilt::kSkip), searched = ask(AtUnbuilt::kSearch);
+    const mesh::MeshQuery skipped = ask(mesh::AtUnbuilt::kSkip),
+                          searched = ask(mesh::AtUnbuilt::kSearch);
     EXPECT_TRUE(!skipped.found && skipped.met_unbuilt);
     EXPECT_TRUE(searched.found && searched.met_unbuilt);
     EXPECT_TRUE(tree.untouched());
-    const MeshQuery built = ask(AtUnbuilt::kExpand);
+    const mesh::MeshQuery built = ask(mesh::AtUnbuilt::kExpand);
     EXPECT_TRUE(built.found && !built.met_unbuilt);
     EXPECT_EQ(built.best_t, searched.best_t);
     EXPECT_EQ(built.best_primitive, searched.best_primitive);
@@ -85,7 +86,7 @@ TEST(BvhWalk, MeetsWhatMayMeetMeets) {
   int met = 0;
   for (int i = 0; i < 20'000; ++i) {
     BvhNode node;
-    std::array<Aabb, 2> boxes;
+    std::array<geometry::Aabb, 2> boxes;
     for (const std::size_t side : {0u, 1u}) {
       for (std::size_t a = 0; a < 3; ++a) {
         const auto x = static_cast<float>(random.uniform(-1, 1));
@@ -95,12 +96,12 @@ TEST(BvhWalk, MeetsWhatMayMeetMeets) {
       node.set(side, {.box = boxes[side]});
       EXPECT_EQ(node.child(side).box, boxes[side]);
     }
-    Vec3d origin{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
-    Vec3d direction = Vec3d(boxes[0].lo) - origin;
+    geometry::Vec3d origin{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    geometry::Vec3d direction = geometry::Vec3d(boxes[0].lo) - origin;
     if (i % 3 == 0) direction[static_cast<std::size_t>(i / 3) % 3] = i % 2 == 0 ? 0.0 : -0.0;
     if (i % 5 == 0) origin.x = static_cast<double>(boxes[0].lo.x);
-    const LocalRay local = *make_local_ray(origin, direction);
-    TreeRay ray;
+    const geometry::LocalRay local = *make_local_ray(origin, direction);
+    kdtree::TreeRay ray;
     if (!enter(local, {{-1, -1, -1}, {1.5f, 1.5f, 1.5f}}, 0, 10, ray)) continue;
     const BvhMeeting meeting = meet_children(node, ray, ray.t_out);
     for (const std::size_t side : {0u, 1u}) {
@@ -114,4 +115,4 @@ TEST(BvhWalk, MeetsWhatMayMeetMeets) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

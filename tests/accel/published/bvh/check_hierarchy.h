@@ -14,22 +14,23 @@
 
 namespace sightline::tests {
 
-inline bool holds_box(const accel::Aabb& outer, const accel::Aabb& inner) {
-  accel::Aabb both = outer;
+inline bool holds_box(const accel::geometry::Aabb& outer, const accel::geometry::Aabb& inner) {
+  accel::geometry::Aabb both = outer;
   both.grow(inner);
   return both == outer;
 }
 
 struct HierarchyLeaf {
-  accel::Aabb box;
+  accel::geometry::Aabb box;
   std::vector<std::uint32_t> ids;
 };
 
 /// Checks order, depth and boxes; collects the leaves.
-inline void collect_leaves(const accel::Bvh& bvh, const accel::BvhChild& at, int depth,
+inline void collect_leaves(const accel::published::bvh::Bvh& bvh,
+                           const accel::published::bvh::BvhChild& at, int depth,
                            std::size_t& next_node, std::size_t& next_id,
                            std::vector<HierarchyLeaf>& leaves) {
-  ASSERT_LE(depth, accel::kMaxBvhDepth);
+  ASSERT_LE(depth, accel::published::bvh::kMaxBvhDepth);
   if (!at.inner) {
     ASSERT_EQ(at.first, at.count > 0 ? next_id : at.first);
     next_id += at.count;
@@ -42,14 +43,15 @@ inline void collect_leaves(const accel::Bvh& bvh, const accel::BvhChild& at, int
   }
   ASSERT_EQ(at.first, next_node++);
   for (const std::size_t side : {0u, 1u}) {
-    const accel::BvhChild child = bvh.nodes[at.first].child(side);
+    const accel::published::bvh::BvhChild child = bvh.nodes[at.first].child(side);
     ASSERT_TRUE(holds_box(at.box, child.box));
     collect_leaves(bvh, child, depth + 1, next_node, next_id, leaves);
   }
 }
 
 /// Points of triangles are tried at random: `tries` of each.
-inline void check_hierarchy(const accel::Bvh& bvh, const TestMesh& mesh, int tries = 8) {
+inline void check_hierarchy(const accel::published::bvh::Bvh& bvh, const TestMesh& mesh,
+                            int tries = 8) {
   std::size_t nodes = 0, ids = 0;
   std::vector<HierarchyLeaf> leaves;
   collect_leaves(bvh, bvh.root, 0, nodes, ids, leaves);
@@ -61,19 +63,19 @@ inline void check_hierarchy(const accel::Bvh& bvh, const TestMesh& mesh, int tri
   }
   Random random(5);
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    if (!accel::face_bounds(mesh.view(), i)) {
+    if (!accel::mesh::face_bounds(mesh.view(), i)) {
       ASSERT_TRUE(naming[i].empty());
       continue;
     }
-    const accel::Face& f = mesh.faces[i];
+    const accel::geometry::Face& f = mesh.faces[i];
     for (int k = 0; k < tries; ++k) {
       const double u = k == 0 ? 1 : k == 1 ? 0 : random.uniform(0, 1);
       const double v = k == 1 ? 1 : random.uniform(0, 1 - u);
-      const accel::Vec3d p = accel::Vec3d(mesh.vertices[f[0]]) * (1 - u - v) +
-                             accel::Vec3d(mesh.vertices[f[1]]) * u +
-                             accel::Vec3d(mesh.vertices[f[2]]) * v;
+      const accel::geometry::Vec3d p = accel::geometry::Vec3d(mesh.vertices[f[0]]) * (1 - u - v) +
+                                       accel::geometry::Vec3d(mesh.vertices[f[1]]) * u +
+                                       accel::geometry::Vec3d(mesh.vertices[f[2]]) * v;
       const bool covered = std::any_of(naming[i].begin(), naming[i].end(), [&](std::size_t leaf) {
-        const accel::Aabb& box = leaves[leaf].box;
+        const accel::geometry::Aabb& box = leaves[leaf].box;
         for (std::size_t a = 0; a < 3; ++a) {
           // The point itself is off by roundings of double, far below those of the box.
           const double off = 1e-14 * std::max(std::fabs(p[a]), 1e-300);

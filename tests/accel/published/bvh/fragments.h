@@ -10,25 +10,26 @@
 
 namespace sightline::tests {
 
-inline std::vector<accel::BoxRef> face_refs(const TestMesh& mesh) {
-  std::vector<accel::BoxRef> refs(mesh.faces.size());
-  refs.resize(accel::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
+inline std::vector<accel::kdtree::BoxRef> face_refs(const TestMesh& mesh) {
+  std::vector<accel::kdtree::BoxRef> refs(mesh.faces.size());
+  refs.resize(accel::mesh::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 
 /// Sorted lists, and the memory they are in.
 struct SortedFragments {
-  explicit SortedFragments(const std::vector<accel::BoxRef>& refs)
-      : lists(accel::sort_by_centers(refs, stack, counters)) {}
+  explicit SortedFragments(const std::vector<accel::kdtree::BoxRef>& refs)
+      : lists(accel::published::bvh::sort_by_centers(refs, stack, counters)) {}
 
-  accel::FragmentStack stack;
-  accel::BuildCounters counters;
-  accel::CenterLists lists;
+  accel::published::bvh::FragmentStack stack;
+  accel::kdtree::BuildCounters counters;
+  accel::published::bvh::CenterLists lists;
 };
 
-inline bool is_sorted_along(std::span<const accel::Fragment> list, std::size_t axis) {
+inline bool is_sorted_along(std::span<const accel::published::bvh::Fragment> list,
+                            std::size_t axis) {
   for (std::size_t i = 1; i < list.size(); ++i) {
-    if (!accel::precedes(list[i - 1], list[i], axis)) return false;
+    if (!accel::published::bvh::precedes(list[i - 1], list[i], axis)) return false;
   }
   return true;
 }
@@ -38,7 +39,7 @@ inline TestMesh turned(TestMesh mesh, double degrees) {
   const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
   for (const std::size_t axis : {0u, 1u, 2u}) {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (accel::Vec3f& p : mesh.vertices) {
+    for (accel::geometry::Vec3f& p : mesh.vertices) {
       const auto x = static_cast<double>(p[u]), y = static_cast<double>(p[v]);
       p[u] = static_cast<float>(c * x - s * y);
       p[v] = static_cast<float>(s * x + c * y);
@@ -53,10 +54,10 @@ inline TestMesh beams(int n) {
   TestMesh mesh;
   for (const std::size_t axis : {0u, 1u, 2u}) {
     for (int i = 0; i < n * n; ++i) {
-      accel::Vec3f lo{}, hi{};
+      accel::geometry::Vec3f lo{}, hi{};
       lo[(axis + 1) % 3] = static_cast<float>(i % n);
       lo[(axis + 2) % 3] = static_cast<float>(i / n);
-      hi = lo + accel::Vec3f{0.25f, 0.25f, 0.25f};
+      hi = lo + accel::geometry::Vec3f{0.25f, 0.25f, 0.25f};
       hi[axis] = static_cast<float>(n);
       mesh.append(box(lo, hi));
     }

@@ -12,14 +12,15 @@
 #include "tests/accel/published/bvh/fragments.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 using tests::SortedFragments;
 using tests::TestMesh;
 
-std::optional<Aabb> clipped(const MeshView& mesh, std::uint32_t face, const Aabb& cell) {
-  const Face& f = mesh.faces[face];
+std::optional<geometry::Aabb> clipped(const geometry::MeshView& mesh, std::uint32_t face,
+                                      const geometry::Aabb& cell) {
+  const geometry::Face& f = mesh.faces[face];
   return clipped_bounds(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]], cell);
 }
 
@@ -27,25 +28,26 @@ std::optional<Aabb> clipped(const MeshView& mesh, std::uint32_t face, const Aabb
 std::vector<Fragment> random_fragments(const TestMesh& mesh, std::uint64_t seed) {
   tests::Random random(seed);
   std::vector<Fragment> fragments;
-  for (const BoxRef& ref : tests::face_refs(mesh)) {
-    Aabb part;
+  for (const kdtree::BoxRef& ref : tests::face_refs(mesh)) {
+    geometry::Aabb part;
     const auto x = [&] { return static_cast<float>(random.uniform(-0.3, 1.3)); };
-    part.grow(Vec3f{x(), x(), x()});
-    part.grow(Vec3f{x(), x(), x()});
+    part.grow(geometry::Vec3f{x(), x(), x()});
+    part.grow(geometry::Vec3f{x(), x(), x()});
     const bool whole = random.below(3) == 0;
-    const std::optional<Aabb> box = whole ? ref.bounds() : clipped(mesh.view(), ref.id, part);
+    const std::optional<geometry::Aabb> box =
+        whole ? ref.bounds() : clipped(mesh.view(), ref.id, part);
     if (box) fragments.emplace_back(*box, ref.id, ref.id);
   }
   return fragments;
 }
 
-float plane(const Aabb& box, std::size_t axis, std::uint32_t i, std::uint32_t bins) {
+float plane(const geometry::Aabb& box, std::size_t axis, std::uint32_t i, std::uint32_t bins) {
   if (i == bins) return box.hi[axis];
   const auto lo = static_cast<double>(box.lo[axis]), hi = static_cast<double>(box.hi[axis]);
   return static_cast<float>(lo + (hi - lo) * (i / static_cast<double>(bins)));
 }
 
-void expect_near(const Aabb& a, const Aabb& b, double off) {
+void expect_near(const geometry::Aabb& a, const geometry::Aabb& b, double off) {
   ASSERT_EQ(a.empty(), b.empty());
   if (a.empty()) return;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -55,18 +57,18 @@ void expect_near(const Aabb& a, const Aabb& b, double off) {
 }
 
 /// What a plane leaves on its sides, clipped anew for each.
-double clipped_sum(const MeshView& mesh, std::span<const Fragment> list, std::size_t axis,
+double clipped_sum(const geometry::MeshView& mesh, std::span<const Fragment> list, std::size_t axis,
                    float position) {
-  std::array<Aabb, 2> box;
+  std::array<geometry::Aabb, 2> box;
   std::array<double, 2> n{};
   for (const Fragment& f : list) {
-    const HalvedCell halves = halve(f.bounds(), static_cast<int>(axis), position);
+    const geometry::HalvedCell halves = halve(f.bounds(), static_cast<int>(axis), position);
     for (const std::size_t side : {0u, 1u}) {
       const bool reaches = side == 0 ? f.lo[axis] < position : f.hi[axis] > position;
       if (!reaches) continue;
       n[side] += 1;
       const bool straddles = f.lo[axis] < position && f.hi[axis] > position;
-      const std::optional<Aabb> part =
+      const std::optional<geometry::Aabb> part =
           straddles ? clipped(mesh, f.id(), side == 0 ? halves.left : halves.right) : f.bounds();
       if (part) box[side].grow(*part);
     }
@@ -88,13 +90,13 @@ TEST(ChoppedAxis, HoldsWhatClippingToEachBinLeaves) {
         const FragmentCorners corners(mesh.view(), f);
         bins.add(f, bins.span(f), corners.all());
         for (std::size_t i = 0; i < bins.bins(); ++i) {
-          Aabb cell = f.bounds();
+          geometry::Aabb cell = f.bounds();
           cell.lo[axis] = std::max(cell.lo[axis], planes[i]);
           cell.hi[axis] = std::min(cell.hi[axis], planes[i + 1]);
           if (cell.empty() || cell.lo[axis] == cell.hi[axis]) continue;
-          const std::optional<Aabb> part = clipped(mesh.view(), f.id(), cell);
+          const std::optional<geometry::Aabb> part = clipped(mesh.view(), f.id(), cell);
           // A corner that only just reaches into a bin may be missed.
-          const Aabb found = bins.bounds(i).aabb();
+          const geometry::Aabb found = bins.bounds(i).aabb();
           if (found.empty() || !part) continue;
           expect_near(found, *part, 2e-6);
         }
@@ -136,7 +138,7 @@ TEST(PlaneSearch, FindsTheCheapestOfAllPlanes) {
                                               plane(sorted.lists.box, axis, i, bins)));
         }
       }
-      BuildCounters counters;
+      kdtree::BuildCounters counters;
       ListCorners room;
       const SpatialSplit split = best_spatial_split(
           mesh.view(), sorted.lists, bins, std::numeric_limits<double>::infinity(), room, counters);
@@ -155,7 +157,7 @@ TEST(PlaneSearch, FindsTheCheapestOfAllPlanes) {
 TEST(PlaneSearch, LooksAtLongListsInSlices) {
   const TestMesh mesh = tests::random_soup(20'000, 0.2, 8);
   const SortedFragments sorted(tests::face_refs(mesh));
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   ListCorners room;
   const SpatialSplit split = best_spatial_split(
       mesh.view(), sorted.lists, 64, std::numeric_limits<double>::infinity(), room, counters);
@@ -169,7 +171,7 @@ TEST(PlaneSearch, NothingIsFoundInANodeWithoutExtent) {
   // Its box is as wide as widen_flat makes a point.
   const TestMesh mesh{{{1, 1, 1}}, {{0, 0, 0}, {0, 0, 0}}};
   const SortedFragments sorted(tests::face_refs(mesh));
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   ListCorners room;
   EXPECT_FALSE(best_spatial_split(mesh.view(), sorted.lists, 256,
                                   std::numeric_limits<double>::infinity(), room, counters)
@@ -177,4 +179,4 @@ TEST(PlaneSearch, NothingIsFoundInANodeWithoutExtent) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -11,7 +11,7 @@
 #include "tests/accel/published/bvh/fragments.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 using Goes = Straddler::Goes;
@@ -24,7 +24,7 @@ SpatialSplit middle_of(const CenterLists& lists, std::size_t axis) {
 
 PlaneSplit plan(const TestMesh& mesh, const CenterLists& lists, std::size_t axis, bool unsplit) {
   PlaneSplit split;
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   plan_plane_split(mesh.view(), lists, middle_of(lists, axis), unsplit, split, counters);
   return split;
 }
@@ -39,7 +39,7 @@ std::map<std::uint32_t, Goes> decided_naively(const CenterLists& lists, const Pl
   }
   for (const auto& [order, straddler] : parts) {
     if (straddler->goes != Goes::kBoth) continue;
-    Aabb left, right;
+    geometry::Aabb left, right;
     double n_left = 0, n_right = 0;
     for (const Fragment& f : lists.along[1]) {
       const auto s = parts.find(f.order());
@@ -59,7 +59,7 @@ std::map<std::uint32_t, Goes> decided_naively(const CenterLists& lists, const Pl
       n_left += g != Goes::kRight ? 1 : 0;
       n_right += g != Goes::kLeft ? 1 : 0;
     }
-    Aabb left_with = left, right_with = right;
+    geometry::Aabb left_with = left, right_with = right;
     left_with.grow(straddler->whole.bounds());
     right_with.grow(straddler->whole.bounds());
     const double split = half_area(left) * n_left + half_area(right) * n_right;
@@ -106,7 +106,7 @@ TEST(PlaneSplit, ChildrenHoldAllOfEveryTriangle) {
     const std::size_t size = sorted.lists.size();
     const ListHalves halves = divide_by_plane(sorted.lists, split, room.data(), sorted.counters);
     EXPECT_EQ(halves.left.size() + halves.right.size(), size + split.added(size));
-    std::map<std::uint32_t, std::vector<Aabb>> parts;
+    std::map<std::uint32_t, std::vector<geometry::Aabb>> parts;
     for (const CenterLists* half : {&halves.left, &halves.right}) {
       for (const std::size_t axis : {0u, 1u, 2u}) {
         ASSERT_TRUE(tests::is_sorted_along(half->along[axis], axis));
@@ -116,12 +116,13 @@ TEST(PlaneSplit, ChildrenHoldAllOfEveryTriangle) {
       for (const Fragment& f : half->along[2]) parts[f.id()].push_back(f.bounds());
     }
     for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
-      const Face& f = mesh.faces[i];
+      const geometry::Face& f = mesh.faces[i];
       for (int k = 0; k < 20; ++k) {
         const double u = random.uniform(), v = random.uniform(0, 1 - u);
-        const Vec3d p = Vec3d(mesh.vertices[f[0]]) * (1 - u - v) + Vec3d(mesh.vertices[f[1]]) * u +
-                        Vec3d(mesh.vertices[f[2]]) * v;
-        const auto holds = [&](const Aabb& box) {
+        const geometry::Vec3d p = geometry::Vec3d(mesh.vertices[f[0]]) * (1 - u - v) +
+                                  geometry::Vec3d(mesh.vertices[f[1]]) * u +
+                                  geometry::Vec3d(mesh.vertices[f[2]]) * v;
+        const auto holds = [&](const geometry::Aabb& box) {
           for (std::size_t a = 0; a < 3; ++a) {
             if (p[a] < static_cast<double>(box.lo[a]) - 1e-14 ||
                 p[a] > static_cast<double>(box.hi[a]) + 1e-14)
@@ -139,8 +140,8 @@ TEST(PlaneSplit, OneSidedPartsAreNoStraddlers) {
   // A triangle whose box reaches over the plane by a corner that an earlier cut has taken away.
   const TestMesh mesh{{{0, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   FragmentStack stack;
-  std::vector<BoxRef> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
-  BuildCounters counters;
+  std::vector<kdtree::BoxRef> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
+  kdtree::BuildCounters counters;
   const CenterLists lists = sort_by_centers(refs, stack, counters);
   PlaneSplit split;
   plan_plane_split(mesh.view(), lists, {0, 2.0f, 1, 1, 0}, true, split, counters);
@@ -152,4 +153,4 @@ TEST(PlaneSplit, OneSidedPartsAreNoStraddlers) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -14,35 +14,39 @@
 #include "tests/accel/published/bvh/fragments.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 using tests::TestMesh;
-using Split = std::vector<BoxRef> (*)(const MeshView&, std::vector<BoxRef>, const PreSplitRule&,
-                                      BuildCounters&);
+using Split = std::vector<kdtree::BoxRef> (*)(const geometry::MeshView&,
+                                              std::vector<kdtree::BoxRef>, const PreSplitRule&,
+                                              kdtree::BuildCounters&);
 
 class PreSplit : public testing::TestWithParam<Split> {
  protected:
-  static std::vector<BoxRef> split(const TestMesh& mesh, const PreSplitRule& rule) {
-    BuildCounters counters;
+  static std::vector<kdtree::BoxRef> split(const TestMesh& mesh, const PreSplitRule& rule) {
+    kdtree::BuildCounters counters;
     return GetParam()(mesh.view(), tests::face_refs(mesh), rule, counters);
   }
 };
 
-void expect_covered(const TestMesh& mesh, const std::vector<BoxRef>& pieces) {
-  ASSERT_TRUE(std::is_sorted(pieces.begin(), pieces.end(),
-                             [](const BoxRef& a, const BoxRef& b) { return a.id < b.id; }));
+void expect_covered(const TestMesh& mesh, const std::vector<kdtree::BoxRef>& pieces) {
+  ASSERT_TRUE(
+      std::is_sorted(pieces.begin(), pieces.end(),
+                     [](const kdtree::BoxRef& a, const kdtree::BoxRef& b) { return a.id < b.id; }));
   tests::Random random(3);
   auto begin = pieces.begin();
   for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
-    const auto end = std::find_if(begin, pieces.end(), [&](const BoxRef& r) { return r.id != i; });
-    const Face& f = mesh.faces[i];
+    const auto end =
+        std::find_if(begin, pieces.end(), [&](const kdtree::BoxRef& r) { return r.id != i; });
+    const geometry::Face& f = mesh.faces[i];
     for (int k = 0; k < 30; ++k) {
       const double u = k == 0 ? 1 : random.uniform(), v = random.uniform(0, 1 - u);
-      const Vec3d p = Vec3d(mesh.vertices[f[0]]) * (1 - u - v) + Vec3d(mesh.vertices[f[1]]) * u +
-                      Vec3d(mesh.vertices[f[2]]) * v;
+      const geometry::Vec3d p = geometry::Vec3d(mesh.vertices[f[0]]) * (1 - u - v) +
+                                geometry::Vec3d(mesh.vertices[f[1]]) * u +
+                                geometry::Vec3d(mesh.vertices[f[2]]) * v;
       ASSERT_TRUE(std::any_of(begin, end,
-                              [&](const BoxRef& r) {
+                              [&](const kdtree::BoxRef& r) {
                                 for (std::size_t a = 0; a < 3; ++a) {
                                   const double off = 1e-14 * std::fabs(p[a]);
                                   if (p[a] < static_cast<double>(r.lo[a]) - off ||
@@ -72,7 +76,7 @@ TEST_P(PreSplit, PiecesCoverTheirTriangles) {
     expect_covered(mesh, split(mesh, {.budget = 9.5}));
   }
   TestMesh far = tests::random_soup(100, 0.5, 7);
-  for (Vec3f& v : far.vertices) v = v + Vec3f{1e6f, -3e5f, 10};
+  for (geometry::Vec3f& v : far.vertices) v = v + geometry::Vec3f{1e6f, -3e5f, 10};
   expect_covered(far, split(far, {.budget = 20}));
 }
 
@@ -87,7 +91,8 @@ TEST_P(PreSplit, BudgetIsMetExactly) {
 
 TEST_P(PreSplit, TheWholeRootAsThresholdSplitsNothing) {
   const TestMesh mesh = tests::random_soup(100, 0.5, 2);
-  const std::vector<BoxRef> refs = tests::face_refs(mesh), pieces = split(mesh, {.threshold = 1});
+  const std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh),
+                                    pieces = split(mesh, {.threshold = 1});
   ASSERT_EQ(pieces.size(), refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i) EXPECT_EQ(pieces[i].bounds(), refs[i].bounds());
 }
@@ -95,8 +100,8 @@ TEST_P(PreSplit, TheWholeRootAsThresholdSplitsNothing) {
 TEST_P(PreSplit, NoThresholdIsTooSmall) {
   for (const float scale : {1e-38f, 1.0f, 1e30f}) {
     TestMesh mesh = tests::random_soup(10, 0.5, 4);
-    for (Vec3f& v : mesh.vertices) v = v * scale;
-    const std::vector<BoxRef> pieces = split(mesh, {.threshold = 0});
+    for (geometry::Vec3f& v : mesh.vertices) v = v * scale;
+    const std::vector<kdtree::BoxRef> pieces = split(mesh, {.threshold = 0});
     EXPECT_LE(pieces.size(), 640u);
     expect_covered(mesh, pieces);
   }
@@ -116,21 +121,22 @@ INSTANTIATE_TEST_SUITE_P(Methods, PreSplit, testing::Values(&split_early, &split
 
 TEST(EarlySplit, NoPieceIsLargerThanTheThreshold) {
   const TestMesh mesh = tests::random_soup(50, 0.5, 5);
-  const std::vector<BoxRef> refs = tests::face_refs(mesh);
-  BuildCounters counters;
-  const std::vector<BoxRef> pieces = split_early(mesh.view(), refs, {.threshold = 0.02}, counters);
+  const std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  kdtree::BuildCounters counters;
+  const std::vector<kdtree::BoxRef> pieces =
+      split_early(mesh.view(), refs, {.threshold = 0.02}, counters);
   const double most = 0.02 * half_area(bounds_of(refs));
   EXPECT_GT(pieces.size(), refs.size());
-  for (const BoxRef& piece : pieces) EXPECT_LE(half_area(piece.bounds()), most);
+  for (const kdtree::BoxRef& piece : pieces) EXPECT_LE(half_area(piece.bounds()), most);
   EXPECT_EQ(counters.touches_prepare, 2 * (pieces.size() - refs.size()));
 }
 
 TEST(EdgeSplit, LeavesWhatIsAxisAlignedWhole) {
   const TestMesh mesh = tests::beams(3);
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   EXPECT_EQ(split_edges(mesh.view(), tests::face_refs(mesh), {.threshold = 0}, counters).size(),
             mesh.faces.size());
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -15,20 +15,20 @@
 #include "tests/accel/published/bvh/check_hierarchy.h"
 #include "tests/accel/published/bvh/fragments.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::bvh {
 namespace {
 
 using tests::TestMesh;
 
 struct Grown {
   Bvh bvh;
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   std::size_t references = 0;  ///< There were.
 };
 
 Grown grow(const TestMesh& mesh, const SpatialRule& spatial, const BvhLeafRule& leaf = {}) {
-  const MeshView view = mesh.view();
-  std::vector<BoxRef> refs = tests::face_refs(mesh);
+  const geometry::MeshView view = mesh.view();
+  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
   Grown grown;
   grown.references = refs.size();
   BvhGrowth growth(sweep_room(refs.size(), spatial));
@@ -120,11 +120,11 @@ TEST(SweepGrowth, IsTheSameForAnyNumberOfThreads) {
 
 TEST(SweepGrowth, IsTheSameInWhateverOrderReferencesAre) {
   const TestMesh mesh = tests::random_soup(5000, 0.1, 3);
-  const MeshView view = mesh.view();
-  std::vector<BoxRef> refs = tests::face_refs(mesh);
+  const geometry::MeshView view = mesh.view();
+  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
   const Grown straight = grow(mesh, {});
   std::reverse(refs.begin(), refs.end());
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   BvhGrowth growth(sweep_room(refs.size(), {}));
   const Bvh reversed = growth.finish(grow_by_sweep(&view, refs, {}, {}, growth, counters));
   EXPECT_EQ(reversed.ids, straight.bvh.ids);
@@ -133,8 +133,8 @@ TEST(SweepGrowth, IsTheSameInWhateverOrderReferencesAre) {
 TEST(SweepGrowth, SpatialSplitsLowerCostAndOverlapOfWhatIsTurned) {
   for (const double degrees : {0.0, 20.0, 45.0}) {
     const TestMesh mesh = tests::turned(tests::beams(8), degrees);
-    const TreeMetrics sweep = measure(grow(mesh, kNever).bvh);
-    const TreeMetrics split = measure(grow(mesh, {}).bvh);
+    const kdtree::TreeMetrics sweep = measure(grow(mesh, kNever).bvh);
+    const kdtree::TreeMetrics split = measure(grow(mesh, {}).bvh);
     EXPECT_LE(split.sah_cost, sweep.sah_cost * 1.01) << degrees;
     if (degrees > 0) {
       EXPECT_LT(split.overlap, sweep.overlap) << degrees;
@@ -210,7 +210,7 @@ TEST(SweepGrowth, CoordinatesOfAnySize) {
   for (const float scale : {1e-44f, 1e-38f, 1e-20f, 1e10f, 1e30f, 1e38f}) {
     for (const float at : {0.0f, 1.0f}) {
       TestMesh mesh = tests::random_soup(500, 0.4, 11);
-      for (Vec3f& v : mesh.vertices) v = (v + Vec3f{at, at, at}) * scale;
+      for (geometry::Vec3f& v : mesh.vertices) v = (v + geometry::Vec3f{at, at, at}) * scale;
       for (const SpatialRule& rule : {kNever, SpatialRule{.alpha = 0, .budget = 5}}) {
         tests::check_hierarchy(grow(mesh, rule).bvh, mesh);
       }
@@ -242,7 +242,7 @@ TEST(SweepGrowth, FlatAndThinThings) {
 
 TEST(SweepGrowth, WithoutAMeshThereAreNoSpatialSplits) {
   const TestMesh mesh = tests::turned(tests::beams(5), 45);
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   BvhGrowth growth(sweep_room(mesh.faces.size(), {}));
   const Bvh bvh =
       growth.finish(grow_by_sweep(nullptr, tests::face_refs(mesh), {}, {}, growth, counters));
@@ -250,4 +250,4 @@ TEST(SweepGrowth, WithoutAMeshThereAreNoSpatialSplits) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::bvh

@@ -9,7 +9,7 @@
 
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
@@ -38,7 +38,7 @@ TEST(CountBins, EqualsDirectCounting) {
     count_bins(refs, a, alone);
     for (std::uint32_t i = 0; i < 8; ++i) {
       std::uint32_t starts = 0, ends = 0;
-      for (const BoxRef& ref : refs) {
+      for (const kdtree::BoxRef& ref : refs) {
         starts += static_cast<std::uint32_t>(ref.lo[a]) == i ? ref.weight : 0;
         ends += static_cast<std::uint32_t>(ref.hi[a]) == i ? ref.weight : 0;
       }
@@ -53,7 +53,7 @@ TEST(CountBins, EqualsDirectCounting) {
 TEST(CountBins, DoesNotDependOnThreads) {
   const auto refs = tests::random_boxes(200000, 0.001, 2);
   std::array<std::array<AxisBins, 3>, 2> counted;
-  std::array<Aabb, 2> bounds;
+  std::array<geometry::Aabb, 2> bounds;
   for (std::size_t i = 0; i < 2; ++i) {
     tbb::task_arena arena(i == 0 ? 1 : 4);
     counted[i].fill(AxisBins(0, 1, 32));
@@ -73,9 +73,10 @@ TEST(CountBins, DoesNotDependOnThreads) {
 }
 
 TEST(ContentBounds, EndAtTheCell) {
-  const std::vector<BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
-                                 tests::box_ref({2, 0, 0}, {3, 2, 1})};
-  EXPECT_EQ(content_bounds(refs, {{1, -1, 0}, {9, 1.5f, 9}}), (Aabb{{1, 0, 0}, {4, 1.5f, 1}}));
+  const std::vector<kdtree::BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                         tests::box_ref({2, 0, 0}, {3, 2, 1})};
+  EXPECT_EQ(content_bounds(refs, {{1, -1, 0}, {9, 1.5f, 9}}),
+            (geometry::Aabb{{1, 0, 0}, {4, 1.5f, 1}}));
 }
 
 TEST(Sampling, TakesOneOfEveryStrideConsecutive) {
@@ -104,4 +105,4 @@ TEST(Sampling, IsNotFooledByARegularOrder) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -22,7 +22,7 @@
 #include "tests/accel/check_tree.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
@@ -31,7 +31,7 @@ using tests::TestMesh;
 constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
 /// What a leaf holds, or a cell that was given up for want of room, as a set.
-std::vector<std::uint32_t> held(const KdTree& tree, Slot slot) {
+std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
   std::vector<std::uint32_t> ids;
   if (slot.is_unbuilt()) {
     ids = tests::ids_of(slot.cell()->list);
@@ -44,7 +44,8 @@ std::vector<std::uint32_t> held(const KdTree& tree, Slot slot) {
   return ids;
 }
 
-void expect_same(const KdTree& a, Slot at, const KdTree& b, Slot other, std::size_t& cells) {
+void expect_same(const kdtree::KdTree& a, kdtree::Slot at, const kdtree::KdTree& b,
+                 kdtree::Slot other, std::size_t& cells) {
   ++cells;
   ASSERT_EQ(at.tag(), other.tag());
   if (at.is_binary()) {
@@ -56,37 +57,36 @@ void expect_same(const KdTree& a, Slot at, const KdTree& b, Slot other, std::siz
   ASSERT_EQ(held(a, at), held(b, other));
 }
 
-std::size_t expect_same(const KdTree& a, const KdTree& b) {
+std::size_t expect_same(const kdtree::KdTree& a, const kdtree::KdTree& b) {
   std::size_t cells = 0;
   expect_same(a, load(a.root()), b, load(b.root()), cells);
   return cells;
 }
 
-ReferenceSource source_of_faces(const MeshView& mesh) {
-  ReferenceSource source;
-  source.coarsest = [mesh](BuildCounters&) {
-    return ReferenceSource::Coarsest{.places = mesh.faces.size()};
+lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
+  lazy::ReferenceSource source;
+  source.coarsest = [mesh](kdtree::BuildCounters&) {
+    return lazy::ReferenceSource::Coarsest{.places = mesh.faces.size()};
   };
-  source.list = [mesh](std::size_t begin, std::size_t end, BoxRef* out, BuildCounters&) {
-    return face_references(mesh, begin, end, out);
-  };
+  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+                       kdtree::BuildCounters&) { return face_references(mesh, begin, end, out); };
   return source;
 }
 
-std::unique_ptr<LazyTree> make_tree(const TestMesh& mesh, const MeshView& view,
-                                    const ExactBuilder& builder) {
-  const MeshSurvey survey = survey_mesh(mesh.view());
-  return std::make_unique<LazyTree>(padded(survey.bounds), survey.finite_triangles,
-                                    KdBuilder(builder), source_of_faces(view), &view);
+std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::MeshView& view,
+                                          const ExactBuilder& builder) {
+  const mesh::MeshSurvey survey = survey_mesh(mesh.view());
+  return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
+                                          split::KdBuilder(builder), source_of_faces(view), &view);
 }
 
-void touch_all(LazyTree& tree, AtomicSlot& slot) {
-  BuildCounters counters;
+void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
+  kdtree::BuildCounters counters;
   while (load(slot).is_unbuilt() &&
-         tree.expand(slot, AtBusy::kWait, counters) == Expanded::kAgain) {
+         tree.expand(slot, lazy::AtBusy::kWait, counters) == lazy::Expanded::kAgain) {
   }
   if (!load(slot).is_binary()) return;
-  AtomicSlot* children = tree.tree().children(load(slot));
+  kdtree::AtomicSlot* children = tree.tree().children(load(slot));
   touch_all(tree, children[0]);
   touch_all(tree, children[1]);
 }
@@ -138,22 +138,22 @@ class EveryScene : public ::testing::TestWithParam<Case> {};
 
 TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
   const TestMesh mesh = GetParam().make();
-  const MeshView view = mesh.view();
+  const geometry::MeshView view = mesh.view();
   for (const auto& [clip, lambda, bad_refines] :
        {std::tuple(true, 0.8, 0u), {true, 1.0, 0u}, {false, 0.8, 0u}, {true, 0.8, 1u}}) {
     ExactBuilder builder{.costs = {.lambda = lambda}, .bad_refines = bad_refines, .clip = clip};
-    std::vector<std::unique_ptr<LazyTree>> trees;
+    std::vector<std::unique_ptr<lazy::LazyTree>> trees;
     for (const ExactSearch search : kSearches) {
       builder.search = search;
       trees.push_back(make_tree(mesh, view, builder));
-      BuildCounters counters;
+      kdtree::BuildCounters counters;
       trees.back()->expand_all(counters);
     }
     trees.push_back(make_tree(mesh, view, builder));  // cell by cell
-    const EpochPin pin;
+    const kdtree::EpochPin pin;
     touch_all(*trees.back(), trees.back()->root());
     for (std::size_t i = 1; i < trees.size(); ++i) {
-      const TreeMetrics m = measure(trees[0]->tree());
+      const kdtree::TreeMetrics m = measure(trees[0]->tree());
       EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.unbuilt_cells);
     }
   }
@@ -164,74 +164,75 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, ::testing::ValuesIn(cases()),
 
 TEST(ExactTrees, SortAndSweepBuildTheSameLargeTree) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 5);
-  const MeshView view = mesh.view();
-  std::vector<std::unique_ptr<LazyTree>> trees;
+  const geometry::MeshView view = mesh.view();
+  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   for (const ExactSearch search : {ExactSearch::kSort, ExactSearch::kSweep}) {
     trees.push_back(make_tree(mesh, view, {.search = search}));
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     trees.back()->expand_all(counters);
   }
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   EXPECT_GT(expect_same(trees[0]->tree(), trees[1]->tree()), mesh.faces.size());
 }
 
 TEST(ExactTrees, ThreadsBuildTheSameTree) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 6);
-  const MeshView view = mesh.view();
-  std::vector<std::unique_ptr<LazyTree>> trees;
+  const geometry::MeshView view = mesh.view();
+  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   std::vector<std::uint64_t> touches;
   for (const int threads : {1, 4}) {
     tbb::task_arena arena(threads);
     trees.push_back(make_tree(mesh, view, {}));
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     arena.execute([&] { trees.back()->expand_all(counters); });
     touches.push_back(counters.touches);
   }
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   expect_same(trees[0]->tree(), trees[1]->tree());
   EXPECT_EQ(touches[0], touches[1]);
 }
 
 /// Instances of a scene: heavy, and nothing to clip.
 TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
-  const std::vector<BoxRef> refs = tests::lattice_boxes(200, 50, 8);
-  std::vector<std::unique_ptr<LazyTree>> trees;
+  const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(200, 50, 8);
+  std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
-    trees.push_back(std::make_unique<LazyTree>(
-        bounds_of(refs), refs.size(), KdBuilder(ExactBuilder{.search = search}), source_of(refs)));
-    BuildCounters counters;
+    trees.push_back(std::make_unique<lazy::LazyTree>(
+        bounds_of(refs), refs.size(), split::KdBuilder(ExactBuilder{.search = search}),
+        source_of(refs)));
+    kdtree::BuildCounters counters;
     trees.back()->expand_all(counters);
   }
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   expect_same(trees[0]->tree(), trees[1]->tree());
   EXPECT_GT(expect_same(trees[0]->tree(), trees[2]->tree()), 3u);
 }
 
 TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 9);
-  const MeshView view = mesh.view();
+  const geometry::MeshView view = mesh.view();
   const auto whole = make_tree(mesh, view, {}), parts = make_tree(mesh, view, {});
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   whole->expand_all(counters);
-  const EpochPin pin;
+  const kdtree::EpochPin pin;
   // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
   // finished.
   while (load(parts->root()).is_unbuilt())
-    ASSERT_EQ(parts->expand(parts->root(), AtBusy::kWait, counters), Expanded::kAgain);
+    ASSERT_EQ(parts->expand(parts->root(), lazy::AtBusy::kWait, counters), lazy::Expanded::kAgain);
   const std::atomic<bool> cancelled{true};
-  const Slot root = load(parts->root());
+  const kdtree::Slot root = load(parts->root());
   for (std::size_t i = 0; i < 2; ++i) {
-    AtomicSlot& child = parts->tree().children(root)[i];
-    const DeferredCell& cell = *load(child).cell();
-    KdTree scratch(cell.box, cell.size);
+    kdtree::AtomicSlot& child = parts->tree().children(root)[i];
+    const kdtree::DeferredCell& cell = *load(child).cell();
+    kdtree::KdTree scratch(cell.box, cell.size);
     scratch.reserve(cell.size);
-    const KdBuilder builder = ExactBuilder{};
-    const GrowContext context{scratch, builder, &view, 60, &cancelled};
-    const BoxList listed = cell.list.copy();
-    std::vector<BoxRef> list(listed.all().begin(), listed.all().end());
-    const Slot again = grow(context, list, cell.box, cell.path, counters);
+    const split::KdBuilder builder = ExactBuilder{};
+    const grow::GrowContext context{scratch, builder, &view, 60, &cancelled};
+    const kdtree::BoxList listed = cell.list.copy();
+    std::vector<kdtree::BoxRef> list(listed.all().begin(), listed.all().end());
+    const kdtree::Slot again = grow(context, list, cell.box, cell.path, counters);
     ASSERT_TRUE(again.is_unbuilt());
-    const BoxList deferred = again.cell()->list.copy();
+    const kdtree::BoxList deferred = again.cell()->list.copy();
     const auto before = listed.all(), after = deferred.all();
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
@@ -245,4 +246,4 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -10,7 +10,7 @@
 #include "accel/published/kd/radix_sort.h"
 #include "tests/support/random.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 TEST(Event, KeepsWhatItIsMadeOf) {
@@ -77,4 +77,4 @@ TEST(SortTouches, CountsKLogK) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -10,7 +10,7 @@
 #include "accel/grow/sift.h"
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
@@ -18,14 +18,14 @@ using tests::box_ref;
 
 constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
-double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Cut& cut,
-                 const ExactCosts& costs) {
+double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 const kdtree::Cut& cut, const ExactCosts& costs) {
   double left = 0, right = 0;
-  std::vector<BoxRef> l(refs.size()), r(refs.size());
-  const Sifted n = sift(refs, cut, l.data(), r.data());
+  std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
+  const grow::Sifted n = sift(refs, cut, l.data(), r.data());
   for (std::size_t i = 0; i < n.left; ++i) left += l[i].weight;
   for (std::size_t i = 0; i < n.right; ++i) right += r[i].weight;
-  const HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
+  const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
   const double children =
       (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
   const double cost = costs.traverse + costs.intersect * children;
@@ -33,16 +33,17 @@ double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Cut& c
 }
 
 /// Every bound, both sides; cuts that change nothing left out.
-double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell, const ExactCosts& costs) {
+double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                     const ExactCosts& costs) {
   double best = 1e300;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const BoxRef& ref : refs) {
+    for (const kdtree::BoxRef& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         for (const bool planar_left : {false, true}) {
-          const Cut cut{.plane = {axis, x}, .planar_left = planar_left};
-          std::vector<BoxRef> l(refs.size()), r(refs.size());
-          const Sifted n = sift(refs, cut, l.data(), r.data());
+          const kdtree::Cut cut{.plane = {axis, x}, .planar_left = planar_left};
+          std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
+          const grow::Sifted n = sift(refs, cut, l.data(), r.data());
           if (x <= cell.lo[a] || x >= cell.hi[a]) continue;
           if (n.left == refs.size() && n.right == refs.size()) continue;
           if (x == least_above(ref.lo[a])) continue;  // behind a flat box: not a bound of anything
@@ -54,17 +55,17 @@ double best_possible(const std::vector<BoxRef>& refs, const Aabb& cell, const Ex
   return best;
 }
 
-double weight_of(const std::vector<BoxRef>& refs) {
+double weight_of(const std::vector<kdtree::BoxRef>& refs) {
   double sum = 0;
-  for (const BoxRef& ref : refs) sum += ref.weight;
+  for (const kdtree::BoxRef& ref : refs) sum += ref.weight;
   return sum;
 }
 
-void check_optimum(const std::vector<BoxRef>& refs, const Aabb& cell) {
-  std::vector<std::optional<Cut>> cuts;
+void check_optimum(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  std::vector<std::optional<kdtree::Cut>> cuts;
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search};
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     cuts.push_back(builder.choose({refs, cell, {}}, counters));
     const double best = best_possible(refs, cell, builder.costs);
     const double leaf = builder.costs.intersect * weight_of(refs);
@@ -91,24 +92,25 @@ TEST(ExactBuilder, FindsTheOptimum) {
 }
 
 TEST(ExactBuilder, HeavyReferencesPullThePlane) {
-  const std::vector<BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}), box_ref({1, 0, 0}, {2, 1, 1}),
-                                 box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  const std::vector<kdtree::BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}),
+                                         box_ref({1, 0, 0}, {2, 1, 1}),
+                                         box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   for (const ExactSearch search : kSearches) {
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     const auto cut = ExactBuilder{.search = search}.choose({refs, bounds_of(refs), {}}, counters);
     ASSERT_TRUE(cut);
-    EXPECT_EQ(cut->plane, (Plane{0, 8}));
+    EXPECT_EQ(cut->plane, (kdtree::Plane{0, 8}));
   }
 }
 
 TEST(ExactBuilder, LeavesWhatCannotBeSeparated) {
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search, .bad_refines = 9};
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, {}}, counters));
-    const std::vector<BoxRef> same(50, box_ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::BoxRef> same(50, box_ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(builder.choose({same, bounds_of(same), {}}, counters));
-    const std::vector<BoxRef> flat(50, box_ref({0, 0, 2}, {1, 1, 2}));
+    const std::vector<kdtree::BoxRef> flat(50, box_ref({0, 0, 2}, {1, 1, 2}));
     EXPECT_FALSE(builder.choose({flat, bounds_of(flat), {}}, counters));
     EXPECT_FALSE(
         builder.choose({flat, {{0, 0, 2}, {1, 1, 2}}, {}}, counters));  // a cell without thickness
@@ -119,7 +121,7 @@ TEST(ExactBuilder, LeavesWhatCannotBeSeparated) {
 /// A floor with walls standing on it: the floor goes into a flat cell, at the face of the cell, on
 /// the side that the walls are not on.
 TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
   for (int i = 0; i < 20; ++i) {
     const auto x = static_cast<float>(i);
     refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // a strip of floor
@@ -127,17 +129,17 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
   }
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search};
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     const auto cut = builder.choose({refs, bounds_of(refs), {}}, counters);
     ASSERT_TRUE(cut);
-    EXPECT_EQ(*cut, (Cut{.plane = {2, 0}, .planar_left = true}));
-    std::vector<BoxRef> left(refs.size()), right(refs.size());
-    const Sifted n = sift(refs, *cut, left.data(), right.data());
+    EXPECT_EQ(*cut, (kdtree::Cut{.plane = {2, 0}, .planar_left = true}));
+    std::vector<kdtree::BoxRef> left(refs.size()), right(refs.size());
+    const grow::Sifted n = sift(refs, *cut, left.data(), right.data());
     EXPECT_EQ(n.left, 20u);
     EXPECT_EQ(n.right, 20u);
     EXPECT_FALSE(
         builder.choose({std::span(right).first(n.right), {{0, 0, 0}, {20, 20, 5}}, {}}, counters)
-            .value_or(Cut{})
+            .value_or(kdtree::Cut{})
             .planar_left);  // nothing is left in the face
   }
 }
@@ -145,36 +147,37 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
 /// "An axis-aligned triangle in the middle of a voxel should result in two splits, generating two
 /// empty voxels and one flat, nonempty cell" (section 3.5).
 TEST(ExactBuilder, AWallInTheMiddleGetsTwoCuts) {
-  std::vector<BoxRef> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
-  Aabb cell{{0, 0, 0}, {9, 9, 9}};
+  std::vector<kdtree::BoxRef> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
+  geometry::Aabb cell{{0, 0, 0}, {9, 9, 9}};
   for (const ExactSearch search : kSearches) {
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     const ExactBuilder builder{.search = search};
     const auto first = builder.choose({refs, cell, {}}, counters);
     ASSERT_TRUE(first);
     // Empty is the larger part, above the wall.
-    EXPECT_EQ(*first, (Cut{.plane = {2, 4}, .planar_left = true}));
-    const Aabb below = halve(cell, 2, 4).left;
+    EXPECT_EQ(*first, (kdtree::Cut{.plane = {2, 4}, .planar_left = true}));
+    const geometry::Aabb below = halve(cell, 2, 4).left;
     const auto second = builder.choose({refs, below, {}}, counters);
     ASSERT_TRUE(second);
-    EXPECT_EQ(*second, (Cut{.plane = {2, 4}, .planar_left = false}));
+    EXPECT_EQ(*second, (kdtree::Cut{.plane = {2, 4}, .planar_left = false}));
     EXPECT_FALSE(builder.choose({refs, halve(below, 2, 4).right, {}}, counters));
   }
 }
 
 TEST(ExactBuilder, CutsAtALossAsOftenAsAllowed) {
   // Two boxes that overlap nearly wholly: no cut pays.
-  const std::vector<BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}), box_ref({0.1f, 0, 0}, {1, 1, 1})};
+  const std::vector<kdtree::BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}),
+                                         box_ref({0.1f, 0, 0}, {1, 1, 1})};
   for (const ExactSearch search : kSearches) {
     ExactBuilder builder{.search = search};
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     EXPECT_FALSE(builder.choose({refs, bounds_of(refs), {}}, counters));
     builder.bad_refines = 2;
     for (const int used : {0, 1}) {
       const auto cut = builder.choose({refs, bounds_of(refs), {5, used}}, counters);
       ASSERT_TRUE(cut);
       EXPECT_TRUE(cut->at_a_loss);
-      EXPECT_EQ((CellPath{5, used}.below(*cut)), (CellPath{6, used + 1}));
+      EXPECT_EQ((kdtree::CellPath{5, used}.below(*cut)), (kdtree::CellPath{6, used + 1}));
     }
     EXPECT_FALSE(builder.choose({refs, bounds_of(refs), {5, 2}}, counters));
   }
@@ -191,4 +194,4 @@ TEST(ExactBuilder, CheckNamesTheParameterAndItsRange) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

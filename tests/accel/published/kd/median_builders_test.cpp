@@ -5,7 +5,7 @@
 
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
@@ -13,8 +13,8 @@ using tests::box_ref;
 
 TEST(SpatialMedian, CutsTheMiddleOfTheAxesInTurn) {
   const auto refs = tests::random_boxes(100, 0.01, 1);
-  const Aabb cell{{0, 0, 0}, {1, 2, 4}};
-  BuildCounters counters;
+  const geometry::Aabb cell{{0, 0, 0}, {1, 2, 4}};
+  kdtree::BuildCounters counters;
   for (const int depth : {0, 1, 2, 3, 7}) {
     const auto cut = SpatialMedianBuilder{}.choose({refs, cell, {depth}}, counters);
     ASSERT_TRUE(cut);
@@ -25,49 +25,49 @@ TEST(SpatialMedian, CutsTheMiddleOfTheAxesInTurn) {
 }
 
 TEST(SpatialMedian, PassesOverAnAxisThatSeparatesNothing) {
-  std::vector<BoxRef> refs;  // rods along x
+  std::vector<kdtree::BoxRef> refs;  // rods along x
   for (int i = 0; i < 20; ++i) {
     const auto y = static_cast<float>(i);
     refs.push_back(box_ref({0, y, 0}, {9, y + 0.5f, 1}));
   }
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto cut = SpatialMedianBuilder{}.choose({refs, bounds_of(refs), {0}}, counters);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->plane.axis, 1);
-  const std::vector<BoxRef> same(20, refs[0]);
+  const std::vector<kdtree::BoxRef> same(20, refs[0]);
   EXPECT_FALSE(SpatialMedianBuilder{}.choose({same, bounds_of(same), {0}}, counters));
 }
 
 TEST(ObjectMedian, HalvesTheObjectsOfTheLongestAxis) {
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
   for (int i = 0; i < 101; ++i) {
     const auto x = static_cast<float>(i * i);  // crowded at the lower end
     refs.push_back(box_ref({0, x, 0}, {1, x + 1, 1}));
   }
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto cut = ObjectMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters);
   ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->plane, (Plane{1, 50 * 50 + 0.5f}));
+  EXPECT_EQ(cut->plane, (kdtree::Plane{1, 50 * 50 + 0.5f}));
 }
 
 TEST(ObjectMedian, RefusesCutsThatLeaveOneSideWithEverything) {
-  std::vector<BoxRef> refs;  // rods along y, the longest axis, side by side in z
+  std::vector<kdtree::BoxRef> refs;  // rods along y, the longest axis, side by side in z
   for (int i = 0; i < 20; ++i) {
     const auto z = static_cast<float>(i);
     refs.push_back(box_ref({0, 0, z}, {1, 50, z + 0.5f}));
   }
-  BuildCounters counters;
+  kdtree::BuildCounters counters;
   const auto cut = ObjectMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->plane.axis, 2);
-  const std::vector<BoxRef> same(20, refs[0]);
+  const std::vector<kdtree::BoxRef> same(20, refs[0]);
   EXPECT_FALSE(ObjectMedianBuilder{}.choose({same, bounds_of(same), {}}, counters));
 }
 
 TEST(Medians, StopAtTheLeafSize) {
   const auto refs = tests::random_boxes(9, 0.01, 2);
-  const std::span<const BoxRef> eight = std::span(refs).first(8);
-  BuildCounters counters;
+  const std::span<const kdtree::BoxRef> eight = std::span(refs).first(8);
+  kdtree::BuildCounters counters;
   EXPECT_TRUE(SpatialMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters));
   EXPECT_TRUE(ObjectMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters));
   EXPECT_FALSE(SpatialMedianBuilder{}.choose({eight, bounds_of(refs), {}}, counters));
@@ -91,4 +91,4 @@ TEST(Medians, CheckNamesTheParameterAndItsRange) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

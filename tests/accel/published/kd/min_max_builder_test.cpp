@@ -7,30 +7,30 @@
 
 #include "tests/accel/boxes.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
 using tests::box_ref;
 
-double true_cost(const std::vector<BoxRef>& refs, const Aabb& cell, const Plane& plane,
-                 const SahConstants& constants) {
+double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                 const kdtree::Plane& plane, const split::SahConstants& constants) {
   const auto a = static_cast<std::size_t>(plane.axis);
   double left = 0, right = 0;
-  for (const BoxRef& ref : refs) {
+  for (const kdtree::BoxRef& ref : refs) {
     left += ref.lo[a] < plane.position ? ref.weight : 0;
     right += ref.hi[a] > plane.position ? ref.weight : 0;
   }
-  return cut_cost(constants, CutAreas(cell, plane.axis), static_cast<double>(plane.position), left,
-                  right);
+  return cut_cost(constants, split::CutAreas(cell, plane.axis), static_cast<double>(plane.position),
+                  left, right);
 }
 
-double best_bound(const std::vector<BoxRef>& refs, const Aabb& cell,
-                  const SahConstants& constants) {
+double best_bound(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                  const split::SahConstants& constants) {
   double best = 1e300;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const BoxRef& ref : refs) {
+    for (const kdtree::BoxRef& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
           best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
@@ -40,9 +40,10 @@ double best_bound(const std::vector<BoxRef>& refs, const Aabb& cell,
   return best;
 }
 
-std::optional<Cut> choose(const MinMaxBuilder& builder, const std::vector<BoxRef>& refs,
-                          const Aabb& cell, int depth = 0) {
-  BuildCounters counters;
+std::optional<kdtree::Cut> choose(const MinMaxBuilder& builder,
+                                  const std::vector<kdtree::BoxRef>& refs,
+                                  const geometry::Aabb& cell, int depth = 0) {
+  kdtree::BuildCounters counters;
   return builder.choose({refs, cell, {depth}}, counters);
 }
 
@@ -50,7 +51,7 @@ TEST(MinMaxBuilder, IsExactUpToTheNumberOfBins) {
   const MinMaxBuilder builder;
   for (std::size_t n = 1; n <= 32; ++n) {
     const auto refs = tests::random_boxes(n, 0.1, n);
-    const Aabb cell = bounds_of(refs);
+    const geometry::Aabb cell = bounds_of(refs);
     const auto cut = choose(builder, refs, cell);
     const double best = best_bound(refs, cell, builder.cost);
     if (best < builder.cost.intersect * static_cast<double>(n)) {
@@ -67,7 +68,7 @@ TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
     const MinMaxBuilder builder{.subsample = subsample, .threads = 1};
     for (const std::size_t n : {200u, 2000u}) {
       const auto refs = tests::random_boxes(n, 0.02, n);
-      const Aabb cell = bounds_of(refs);
+      const geometry::Aabb cell = bounds_of(refs);
       const auto cut = choose(builder, refs, cell);
       ASSERT_TRUE(cut);
       EXPECT_LT(true_cost(refs, cell, cut->plane, builder.cost),
@@ -78,24 +79,24 @@ TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
 
 TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
   const auto refs = tests::random_boxes(1000, 0.01, 3);
-  const Aabb contents = bounds_of(refs);
-  Aabb cell = contents;
+  const geometry::Aabb contents = bounds_of(refs);
+  geometry::Aabb cell = contents;
   cell.hi.y = 20;
   const auto cut = choose({.threads = 1}, refs, cell);
   ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->plane, (Plane{1, contents.hi.y}));
+  EXPECT_EQ(cut->plane, (kdtree::Plane{1, contents.hi.y}));
 }
 
 /// F10 of the failure catalogue: object, floor, object, floor. The objects stand at one end, the
 /// floor lies everywhere.
 TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
   for (int i = 0; i < 600; ++i) {
     const auto s = static_cast<float>(i) / 600;
     refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // the floor
     refs.push_back(box_ref({0.1f * s, 0.5f, 0.1f}, {0.1f * s + 0.001f, 0.6f, 0.2f}, 0));  // objects
   }
-  const Aabb cell = bounds_of(refs);
+  const geometry::Aabb cell = bounds_of(refs);
   const MinMaxBuilder sampled{.threads = 1}, all{.subsample = false, .threads = 1};
   const auto cut = choose(sampled, refs, cell);
   ASSERT_TRUE(cut);
@@ -109,14 +110,14 @@ TEST(MinMaxBuilder, DecomposesAtTheMedian) {
     refs[i].lo.x = refs[i].lo.x * refs[i].lo.x * 8;  // crowded at the lower end of the longest axis
     refs[i].hi.x = refs[i].lo.x + 0.001f;
   }
-  const Aabb cell = bounds_of(refs);
+  const geometry::Aabb cell = bounds_of(refs);
   const MinMaxBuilder builder{.threads = 4};
   for (const int depth : {0, 1}) {
     const auto cut = choose(builder, refs, cell, depth);
     ASSERT_TRUE(cut);
     EXPECT_EQ(cut->plane.axis, 0);
     double left = 0, right = 0;
-    for (const BoxRef& ref : refs) {
+    for (const kdtree::BoxRef& ref : refs) {
       left += ref.lo.x < cut->plane.position ? 1 : 0;
       right += ref.hi.x > cut->plane.position ? 1 : 0;
     }
@@ -127,9 +128,9 @@ TEST(MinMaxBuilder, DecomposesAtTheMedian) {
 
 TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
   const auto refs = tests::random_boxes(300000, 0.001, 5);
-  const Aabb cell = bounds_of(refs);
+  const geometry::Aabb cell = bounds_of(refs);
   for (const std::uint32_t threads : {1u, 8u}) {
-    std::vector<std::optional<Cut>> cuts;
+    std::vector<std::optional<kdtree::Cut>> cuts;
     for (const int arena_threads : {1, 4}) {
       tbb::task_arena arena(arena_threads);
       cuts.push_back(arena.execute([&] { return choose({.threads = threads}, refs, cell); }));
@@ -141,7 +142,7 @@ TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
 TEST(MinMaxBuilder, LeavesWhatCannotBeSeparated) {
   EXPECT_FALSE(choose({}, {}, {{0, 0, 0}, {1, 1, 1}}));
   for (const std::size_t n : {1u, 20u, 500u, 20000u}) {
-    const std::vector<BoxRef> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::BoxRef> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(choose({.threads = 4}, same, bounds_of(same))) << n;
   }
 }
@@ -153,4 +154,4 @@ TEST(MinMaxBuilder, CheckNamesTheParameterAndItsRange) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

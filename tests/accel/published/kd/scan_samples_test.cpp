@@ -27,7 +27,7 @@
 #include "tests/accel/boxes.h"
 #include "tests/support/cost_curve.h"
 
-namespace sightline::accel {
+namespace sightline::accel::published::kd {
 namespace {
 
 using tests::SampleSegment;
@@ -38,17 +38,17 @@ constexpr double kRounding = 1 + 1e-4;
 
 struct Soup {
   std::string name;
-  std::vector<BoxRef> refs;
+  std::vector<kdtree::BoxRef> refs;
 };
 
-const Aabb kUnitCell{{0, 0, 0}, {1, 1, 1}};
+const geometry::Aabb kUnitCell{{0, 0, 0}, {1, 1, 1}};
 
-BoxRef slab(double lo, double hi, std::uint32_t weight = 1) {
+kdtree::BoxRef slab(double lo, double hi, std::uint32_t weight = 1) {
   return tests::box_ref({static_cast<float>(lo), 0, 0}, {static_cast<float>(hi), 1, 1}, 0, weight);
 }
 
 /// `count` thin boxes side by side, filling [0, 1].
-void add_row(std::vector<BoxRef>& refs, int count) {
+void add_row(std::vector<kdtree::BoxRef>& refs, int count) {
   for (int i = 0; i < count; ++i)
     refs.push_back(slab(i / static_cast<double>(count), (i + 1) / static_cast<double>(count)));
 }
@@ -79,9 +79,9 @@ std::vector<Soup> soups(std::uint64_t seed) {
           {"lattice", tests::lattice_boxes(200, 9, seed)}};
 }
 
-Samples sample(const std::vector<BoxRef>& refs, const Aabb& cell, std::uint32_t uniform,
-               std::uint32_t adaptive) {
-  BuildCounters counters;
+Samples sample(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+               std::uint32_t uniform, std::uint32_t adaptive) {
+  kdtree::BuildCounters counters;
   return sample_axes(refs, cell, {0, 1}, uniform, adaptive, counters)[0];
 }
 
@@ -124,10 +124,10 @@ void for_all_soups(const Check& check) {
     for (const Soup& soup : soups(seed)) {
       SCOPED_TRACE(soup.name + ", seed " + std::to_string(seed));
       // A cell that shares faces with boxes, one that boxes reach out of, and all of the list.
-      for (const Aabb& cell :
-           {kUnitCell, Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
-        std::vector<BoxRef> inside;
-        for (const BoxRef& ref : soup.refs) {
+      for (const geometry::Aabb& cell :
+           {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
+        std::vector<kdtree::BoxRef> inside;
+        for (const kdtree::BoxRef& ref : soup.refs) {
           if (is_member(ref.bounds(), cell)) inside.push_back(ref);
         }
         if (!inside.empty()) check(inside, cell);
@@ -137,7 +137,7 @@ void for_all_soups(const Check& check) {
 }
 
 TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const auto& [uniform, adaptive] : {std::pair(8u, 0u), {8u, 8u}, {9u, 13u}, {16u, 16u}}) {
       const Samples samples = sample(refs, cell, uniform, adaptive);
@@ -157,7 +157,7 @@ TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
 
 // Boxes that begin at a face lie above it: a plane there has nothing on its outer side.
 TEST(ScanSamples, CountStrictlyAtTheFaces) {
-  const std::vector<BoxRef> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
+  const std::vector<kdtree::BoxRef> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
   const Samples samples = sample(refs, kUnitCell, 2, 0);
   EXPECT_EQ(samples.at[0].left, 0);
   EXPECT_EQ(samples.at[0].right, 3);
@@ -166,17 +166,17 @@ TEST(ScanSamples, CountStrictlyAtTheFaces) {
 }
 
 TEST(ScanSamples, APassCountsEightPlanes) {
-  const std::vector<BoxRef> refs = tests::random_boxes(1000, 0.01, 1);
+  const std::vector<kdtree::BoxRef> refs = tests::random_boxes(1000, 0.01, 1);
   for (const auto& [uniform, adaptive, passes] :
        {std::tuple(2u, 0u, 1u), {8u, 8u, 2u}, {9u, 8u, 3u}, {16u, 16u, 4u}}) {
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     (void)sample_axes(refs, kUnitCell, {}, uniform, adaptive, counters);
     EXPECT_EQ(counters.touches, passes * refs.size());
   }
 }
 
 TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, 0);
@@ -196,7 +196,7 @@ TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
 }
 
 TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const SampleSegment& segment : tests::segments(sample(refs, cell, 8, 8))) {
       const Errors e = integrate(truth, segment);
@@ -206,7 +206,7 @@ TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
 }
 
 TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, n);
       const double width = static_cast<double>(cell.hi[0]) - static_cast<double>(cell.lo[0]);
@@ -223,7 +223,7 @@ TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
 TEST(ScanSamples, CrowdAtADiscontinuity) {
   for (const double wall : {0.05, 0.31, 0.5, 0.77}) {
     for (const int weight : {100, 1000, 10000}) {
-      std::vector<BoxRef> refs;
+      std::vector<kdtree::BoxRef> refs;
       add_row(refs, 500);
       for (int i = 0; i < weight; ++i) refs.push_back(slab(wall, wall));
       const auto segments = tests::segments(sample(refs, kUnitCell, 8, 8));
@@ -238,8 +238,8 @@ TEST(ScanSamples, CrowdAtADiscontinuity) {
 /// Appendix A knows not.
 class CostAlongAxis {
  public:
-  CostAlongAxis(const std::vector<BoxRef>& refs, const Aabb& cell)
-      : builder_{.axes = ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
+  CostAlongAxis(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell)
+      : builder_{.axes = split::ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
         areas_(cell, 0),
         truth_(refs, 0),
         segments_(tests::segments(
@@ -254,11 +254,11 @@ class CostAlongAxis {
   }
   const SampleSegment& segment(double x) const { return tests::segment_at(segments_, x); }
   const std::vector<double>& steps() const { return truth_.steps(); }
-  const ScanBuilder& builder() const { return builder_; }
+  const split::ScanBuilder& builder() const { return builder_; }
 
  private:
-  ScanBuilder builder_;
-  CutAreas areas_;
+  split::ScanBuilder builder_;
+  split::CutAreas areas_;
   TrueCounts truth_;
   std::vector<SampleSegment> segments_;
 };
@@ -267,7 +267,7 @@ class CostAlongAxis {
 // segment. Times the segment's width, within which the plane is known, that is at most (b - a) R /
 // ((q - 1) n): A.4.
 TEST(ScanSamples, CostIsOffByNoMoreThanTheRiseOfTheSegment) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     for (const double step : cost.steps()) {
       for (const double x : {step, step + 1e-4}) {
@@ -284,7 +284,7 @@ struct Optimum {
 };
 
 /// Between steps the cost is linear and it is semicontinuous at them, so the least lies at a step.
-Optimum true_optimum(const CostAlongAxis& cost, const Aabb& cell) {
+Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
   Optimum best{0, 1e300};
   for (const double x : cost.steps()) {
     if (x <= static_cast<double>(cell.lo[0]) || x >= static_cast<double>(cell.hi[0])) continue;
@@ -296,10 +296,10 @@ Optimum true_optimum(const CostAlongAxis& cost, const Aabb& cell) {
 // The suggested cost is least at the chosen plane, so the true one exceeds the optimum by no more
 // than what the two are off by together.
 TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
-  for_all_soups([](const std::vector<BoxRef>& refs, const Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     if (cell.hi.x - cell.lo.x < std::max(cell.hi.y - cell.lo.y, cell.hi.z - cell.lo.z)) return;
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     const auto cut = cost.builder().choose({refs, cell, {}}, counters);
     const Optimum best = true_optimum(cost, cell);
     if (!cut || best.cost == 1e300) return;
@@ -321,11 +321,11 @@ TEST(ScanSamples, DistanceTimesExcessIsBoundedAtAWall) {
     const double wall = random.uniform(0.02, 0.98);
     const int beside = 50 + static_cast<int>(random.below(500));
     const int boxes = 2 * beside + static_cast<int>(random.below(5000));
-    std::vector<BoxRef> refs;
+    std::vector<kdtree::BoxRef> refs;
     add_row(refs, beside);
     for (int i = 0; i < boxes; ++i) refs.push_back(slab(wall, wall));
     const CostAlongAxis cost(refs, kUnitCell);
-    BuildCounters counters;
+    kdtree::BuildCounters counters;
     const auto cut = cost.builder().choose({refs, kUnitCell, {}}, counters);
     ASSERT_TRUE(cut) << "wall at " << wall << ", " << boxes << " boxes, " << beside << " beside it";
     const Optimum best = true_optimum(cost, kUnitCell);
@@ -340,4 +340,4 @@ TEST(ScanSamples, DistanceTimesExcessIsBoundedAtAWall) {
 }
 
 }  // namespace
-}  // namespace sightline::accel
+}  // namespace sightline::accel::published::kd

@@ -10,7 +10,7 @@
 
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -112,4 +112,4 @@ TEST(Csv, LinesLongerThanAReadAreWhole) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

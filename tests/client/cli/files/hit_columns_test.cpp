@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 TEST(HitColumns, ComeInTheOrderOfFilesWhateverTheOrderAsked) {
@@ -53,4 +53,4 @@ TEST(HitColumns, AskTheServerForNoMoreThanTheyNeed) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

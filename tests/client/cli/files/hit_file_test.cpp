@@ -12,7 +12,7 @@
 #include "client/cli/files/npy.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 using tests::TempDir;
@@ -107,4 +107,4 @@ TEST(HitFile, WithoutACommitThereIsNoFile) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

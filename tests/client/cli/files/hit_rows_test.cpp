@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 // Two hits, a miss, a bad ray, one hit of a ray that was cut off.
@@ -65,4 +65,4 @@ TEST(HitRows, AreCountedThoughTheirTIsNotAskedFor) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

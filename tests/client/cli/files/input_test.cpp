@@ -9,7 +9,7 @@
 
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 using tests::TempDir;
@@ -60,4 +60,4 @@ TEST(Input, WhatCannotBeReadIsSaid) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

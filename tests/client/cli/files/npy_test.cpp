@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 std::string file_of(const std::string& dict, char version = 1) {
@@ -74,4 +74,4 @@ TEST(Npy, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -8,7 +8,7 @@
 
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 using tests::TempDir;
@@ -68,4 +68,4 @@ TEST(Output, AFolderThatIsNotThereIsSaid) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

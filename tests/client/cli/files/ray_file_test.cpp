@@ -9,7 +9,7 @@
 #include "client/cli/files/npy.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 using tests::TempDir;
@@ -122,4 +122,4 @@ TEST(RayFile, SaysWhatIsWrongWithAnNpy) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::files {
 namespace {
 
 std::string error_of(const std::string& text) {
@@ -112,4 +112,4 @@ TEST(UpdateJson, WhatIsWrittenCanBeRead) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::files

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 SceneInfo scene_of(std::array<double, 6> bounds, UpAxis up = UpAxis::kUnknown) {
@@ -69,4 +69,4 @@ TEST(Camera, NowhereToLookIsNoCamera) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

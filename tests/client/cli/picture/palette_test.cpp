@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 float luminance(const Rgb& c) { return 0.2126F * c[0] + 0.7152F * c[1] + 0.0722F * c[2]; }
@@ -48,4 +48,4 @@ TEST(Palette, WhiteIsWhite) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 TEST(Png, ComesBackTheSame) {
@@ -27,4 +27,4 @@ TEST(Png, ComesBackTheSame) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 TEST(Sampling, EveryPixelOnceInTiles) {
@@ -34,4 +34,4 @@ TEST(Sampling, SamplesFillThePixelRowsAndColumns) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::picture {
 namespace {
 
 float brightness(const Rgb& c) { return c[0] + c[1] + c[2]; }
@@ -48,4 +48,4 @@ TEST(Shading, APictureOfNothingHasColours) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::picture

@@ -5,7 +5,7 @@
 
 #include <variant>
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 Transform moved_by(double x) {
@@ -16,7 +16,7 @@ Transform moved_by(double x) {
 
 TEST(FrameUpdates, SayOnlyWhatIsNew) {
   FrameUpdates frames({10, 11, 12, 13});
-  Pose pose;
+  importer::Pose pose;
   pose.placed = {{0, moved_by(1)}, {1, moved_by(2)}};
   pose.shaped = {{{2, 3}, {{0, 0, 1}}}};
   std::vector<Update> updates = frames.make(pose);
@@ -41,7 +41,7 @@ TEST(FrameUpdates, SayOnlyWhatIsNew) {
 
 TEST(FrameUpdates, NodesWithoutAnIdAreLeftAlone) {
   FrameUpdates frames({0, 11, 0, 13});
-  Pose pose;
+  importer::Pose pose;
   pose.placed = {{0, moved_by(1)}, {1, moved_by(2)}};
   pose.shaped = {{{2, 3}, {{0, 0, 1}}}, {{0}, {{0, 0, 1}}}};
   const std::vector<Update> updates = frames.make(pose);
@@ -51,4 +51,4 @@ TEST(FrameUpdates, NodesWithoutAnIdAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

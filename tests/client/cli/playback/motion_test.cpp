@@ -9,7 +9,7 @@
 #include "tests/client/importer/gltf_file.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 using tests::TempDir;
@@ -94,4 +94,4 @@ TEST(Motion, WhatDoesNotMoveIsRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -10,7 +10,7 @@
 #include "tests/client/importer/gltf_file.h"
 #include "tests/client/support/run_program.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 using nlohmann::json;
@@ -236,4 +236,4 @@ TEST_F(StreamVerb, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

@@ -10,7 +10,7 @@
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/relay.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 using tests::kScene;
@@ -123,4 +123,4 @@ TEST_F(Playback, WhatIsRejectedIsToldAndTheNextFrameSaysAll) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

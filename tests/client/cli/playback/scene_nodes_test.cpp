@@ -10,7 +10,7 @@
 #include "client/cli/playback/motion.h"
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::playback {
 namespace {
 
 using tests::kScene;
@@ -97,4 +97,4 @@ TEST_F(ListNodes, FindsAllThatAreLeft) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::playback

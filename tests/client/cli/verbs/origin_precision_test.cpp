@@ -14,7 +14,7 @@
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/temp_dir.h"
 
-namespace sightline::client::cli {
+namespace sightline::client::cli::verbs {
 namespace {
 
 constexpr std::array<double, 6> kMetre{0, 0, 0, 1, 0, 0};
@@ -60,7 +60,7 @@ class CoarseCast : public tests::LiveClient {
  protected:
   /// Squares of one unit, far out along x.
   void SetUp() override {
-    ImportedScene scene = tests::row_of_sheets(1);
+    importer::ImportedScene scene = tests::row_of_sheets(1);
     scene.nodes[0].parent_from_local[3] = kFarOut;
     ASSERT_TRUE(upload_scene(client_, tests::kScene, scene, {}));
     ::setenv("SIGHTLINE_ENDPOINT", endpoint().c_str(), 1);
@@ -71,7 +71,7 @@ class CoarseCast : public tests::LiveClient {
   std::string rays(const char* dtype, double x) {
     std::string dict =
         "{'descr': '" + std::string(dtype) + "', 'fortran_order': False, 'shape': (2, 6), }\n";
-    std::string file(kNpyMagic);
+    std::string file(files::kNpyMagic);
     file += {'\1', '\0', static_cast<char>(dict.size()), '\0'};
     file += dict;
     for (const double value :
@@ -111,4 +111,4 @@ TEST_F(CoarseCast, Float64FarOutAndFloat32NearByAreNot) {
 }
 
 }  // namespace
-}  // namespace sightline::client::cli
+}  // namespace sightline::client::cli::verbs

@@ -1,65 +1,68 @@
 // Dividing: the rule, for lists of either kind.
-#include "accel/grow/divide.h"
+#include "accel/lazy/divide.h"
 
 #include <cmath>
 
 #include "accel/grow/common_vertex.h"
-#include "accel/grow/opening.h"
 #include "accel/grow/reference_budget.h"
-#include "accel/grow/sieve.h"
 #include "accel/lazy/long_list.h"
+#include "accel/lazy/opening.h"
+#include "accel/lazy/sieve.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 namespace {
 
 /// A list in one piece, with the same operations as LongList.
 class ShortList {
  public:
-  ShortList(const DivideContext& context, const DeferredCell& cell, BuildCounters& counters)
+  ShortList(const DivideContext& context, const kdtree::DeferredCell& cell,
+            kdtree::BuildCounters& counters)
       : context_(context), cell_(cell), refs_(cell.list.whole()), counters_(counters) {}
 
-  std::optional<Cut> choose() {
-    const CellRefs list{.refs = refs_, .box = cell_.box, .path = cell_.path, .first = &cell_.first};
+  std::optional<kdtree::Cut> choose() {
+    const kdtree::CellRefs list{
+        .refs = refs_, .box = cell_.box, .path = cell_.path, .first = &cell_.first};
     return choose_cut(context_.builder, list, counters_);
   }
 
   Straddling sift(Sieve& sieve, Division& out) {
     sieve.whole = true;
     Sides sides = sift_spans(sieve, {&refs_, 1}, refs_.size(), counters_);
-    out.left = {CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
-    out.right = {CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
+    out.left = {kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
+    out.right = {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
     return sides.straddling;
   }
 
   Part open() {
-    BoxList list;
+    kdtree::BoxList list;
     const bool openable = open_once(context_.source, {&refs_, 1}, cell_.box, list, counters_);
-    if (list.size() < kLongList) return {CellList(std::move(list)), {}, openable};
-    return {make_list({std::make_shared<const BoxList>(std::move(list))}), {}, openable};
+    if (list.size() < kLongList) return {kdtree::CellList(std::move(list)), {}, openable};
+    return {make_list({std::make_shared<const kdtree::BoxList>(std::move(list))}), {}, openable};
   }
 
  private:
   const DivideContext& context_;
-  const DeferredCell& cell_;
-  const std::span<const BoxRef> refs_;
-  BuildCounters& counters_;
+  const kdtree::DeferredCell& cell_;
+  const std::span<const kdtree::BoxRef> refs_;
+  kdtree::BuildCounters& counters_;
 };
 
-static_assert(ScanBuilder::kCrowdBelow == kLongList, "whole lists alone are clipped as crowds");
+static_assert(split::ScanBuilder::kCrowdBelow == kLongList,
+              "whole lists alone are clipped as crowds");
 
 /// Of short lists: a long one is cut to short ones first.
-bool meet_in_a_vertex(const DivideContext& context, const DeferredCell& cell,
+bool meet_in_a_vertex(const DivideContext& context, const kdtree::DeferredCell& cell,
                       const Division& division) {
-  const CellList &left = division.left.list, &right = division.right.list;
+  const kdtree::CellList &left = division.left.list, &right = division.right.list;
   if (context.mesh == nullptr || std::isinf(cell.path.spare) || cell.size >= kLongList)
     return false;
-  if (!keeps_all(cell.size, left.size(), right.size())) return false;
-  return meet_in_a_vertex(*context.mesh,
-                          left.size() >= right.size() ? left.whole() : right.whole());
+  if (!grow::keeps_all(cell.size, left.size(), right.size())) return false;
+  return grow::meet_in_a_vertex(*context.mesh,
+                                left.size() >= right.size() ? left.whole() : right.whole());
 }
 
 template <class List>
-Division divide(const DivideContext& context, const DeferredCell& cell, List list) {
+Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, List list) {
   Division division;
   const auto finer = [&] {
     division.kind = Division::Kind::kFiner;
@@ -69,8 +72,8 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
   };
   if (cell.openable && cell.size <= kOpenBelow) return finer();
   const bool may_cut = cell.path.depth < context.max_depth &&
-                       (cell.openable || is_worth_cutting(cell.path, cell.size));
-  const std::optional<Cut> cut = may_cut ? list.choose() : std::nullopt;
+                       (cell.openable || grow::is_worth_cutting(cell.path, cell.size));
+  const std::optional<kdtree::Cut> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
     Sieve sieve{context.builder,
                 std::nullopt,
@@ -84,14 +87,15 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
       return finer();
     // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !affords(cell.path, cell.size, straddling.all)) return {};
+    if (!cell.openable && !grow::affords(cell.path, cell.size, straddling.all)) return {};
     const bool separates =
         division.left.list.size() < cell.size || division.right.list.size() < cell.size;
     if (separates) {
       division.kind = Division::Kind::kCut;
       division.cut = *cut;
-      division.path =
-          meet_in_a_vertex(context, cell, division) ? with_less(cell.path, cell.size) : cell.path;
+      division.path = meet_in_a_vertex(context, cell, division)
+                          ? grow::with_less(cell.path, cell.size)
+                          : cell.path;
       return division;
     }
   }
@@ -101,13 +105,13 @@ Division divide(const DivideContext& context, const DeferredCell& cell, List lis
 
 }  // namespace
 
-Division divide_short(const DivideContext& context, const DeferredCell& cell,
-                      BuildCounters& counters) {
+Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
+                      kdtree::BuildCounters& counters) {
   return divide(context, cell, ShortList(context, cell, counters));
 }
 
-Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
-                     BuildCounters& counters) {
+Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell, Replay replay,
+                     kdtree::BuildCounters& counters) {
   if (std::optional<Division> division = divide_sampled(context, cell, replay, counters))
     return std::move(*division);
   if (!cell.listed) {
@@ -119,4 +123,4 @@ Division divide_long(const DivideContext& context, const DeferredCell& cell, Rep
   return divide(context, cell, LongList(context, cell, replay, counters));
 }
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy

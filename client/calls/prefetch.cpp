@@ -7,7 +7,7 @@
 #include "client/calls/rpc_error.h"
 #include "client/wire/cast_codec.h"
 
-namespace sightline::client {
+namespace sightline::client::calls {
 namespace {
 
 v1::PrefetchRequest describe(const std::string& scene, const PrefetchOptions& options) {
@@ -15,7 +15,7 @@ v1::PrefetchRequest describe(const std::string& scene, const PrefetchOptions& op
   request.set_scene(scene);
   request.mutable_roots()->Assign(options.roots.begin(), options.roots.end());
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
-  request.set_kind(encode(options.kind));
+  request.set_kind(wire::encode(options.kind));
   return request;
 }
 
@@ -74,11 +74,11 @@ Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::st
   PrefetchReport report;
   for (bool first = true;; first = false) {
     v1::Rays& rays = *request.mutable_rays();
-    const auto count = source(make_room<Scalar>(kRaysPerMessage, shape, rays));
+    const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
     if (!count) return count.error();
     // Without any ray one call is made: an unknown scene is an error all the same.
     if (*count == 0 && !first) return report;
-    trim<Scalar>(*count, shape, rays);
+    wire::trim<Scalar>(*count, shape, rays);
     const auto grown = call(connection, request, report, options.stop, progress);
     if (!grown || *count == 0) return grown;
     report = *grown;
@@ -108,4 +108,4 @@ template Result<PrefetchReport> prefetch_rays(const Connection&, const std::stri
                                               const RayColumns<const double>&,
                                               const PrefetchOptions&, const PrefetchProgress&);
 
-}  // namespace sightline::client
+}  // namespace sightline::client::calls

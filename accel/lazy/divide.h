@@ -11,47 +11,48 @@
 #include "accel/lazy/split_tree.h"
 #include "accel/split/kd_builder.h"
 
-namespace sightline::accel {
+namespace sightline::accel::lazy {
 
 /// What every cell of a tree is expanded by. `mesh`: what the references are faces of, for builders
 /// that clip; null if they are not.
 struct DivideContext {
-  const KdBuilder& builder;
+  const split::KdBuilder& builder;
   const ReferenceSource& source;
-  const MeshView* mesh;
+  const geometry::MeshView* mesh;
   int max_depth;
 };
 
 /// The list of one of the cells that come of a division.
 struct Part {
-  CellList list;
-  FirstScan first;
+  kdtree::CellList list;
+  split::FirstScan first;
   bool openable = false;
 };
 
 struct Division {
   enum class Kind { kLeaf, kCut, kCuts, kFiner };
   Kind kind = Kind::kLeaf;
-  Cut cut;                              ///< kCut.
-  CellPath path;                        ///< kCut: the cell's, as the cut leaves it.
+  kdtree::Cut cut;                      ///< kCut.
+  kdtree::CellPath path;                ///< kCut: the cell's, as the cut leaves it.
   Part left, right;                     ///< kCut; kFiner: `left` is the whole.
   std::shared_ptr<const CutTree> cuts;  ///< kCuts.
   std::vector<Part> parts;              ///< kCuts: cuts->parts().
 };
 
 /// Divides a cell with a short list. Throws std::bad_alloc.
-Division divide_short(const DivideContext& context, const DeferredCell& cell,
-                      BuildCounters& counters);
+Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
+                      kdtree::BuildCounters& counters);
 
 /// The same for a long list, or for one that is not made yet (which gives kFiner): in stages, with
 /// whoever else is at it. Every thread that comes here gets an equal division, its lists shared.
-Division divide_long(const DivideContext& context, const DeferredCell& cell, Replay replay,
-                     BuildCounters& counters);
+Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell, Replay replay,
+                     kdtree::BuildCounters& counters);
 
 /// The same where a sample of the list tells how: for builders that take samples, and at least
 /// kSampleFrom references that cannot be opened. Nothing otherwise, or if the sample does not tell.
-std::optional<Division> divide_sampled(const DivideContext& context, const DeferredCell& cell,
-                                       Replay& replay, BuildCounters& counters);
+std::optional<Division> divide_sampled(const DivideContext& context,
+                                       const kdtree::DeferredCell& cell, Replay& replay,
+                                       kdtree::BuildCounters& counters);
 
 /// Lists of at least this many references are long.
 inline constexpr std::size_t kLongList = 8192;
@@ -64,4 +65,4 @@ inline constexpr std::size_t kOpenBelow = 2;
 /// opened first: their weight counts twice and every cut looks bad.
 inline constexpr std::size_t kStraddlersToOpen = 4;
 
-}  // namespace sightline::accel
+}  // namespace sightline::accel::lazy
