@@ -120,15 +120,15 @@ struct OneFace {
 
 TEST(ClipToHalf, LeavesOutWhatOnlyTouches) {
   const OneFace up{{{0, 0, 1}, {1, 0, 1}, {0, 1, 2}}};
-  EXPECT_TRUE(clip_to_half(up.view(), 0, {{0, 0, 1}, {1, 1, 2}}));
-  EXPECT_FALSE(clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // an edge in the upper face
+  EXPECT_TRUE(grow::clip_to_half(up.view(), 0, {{0, 0, 1}, {1, 1, 2}}));
+  EXPECT_FALSE(grow::clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // an edge in the upper face
 }
 
 TEST(ClipToHalf, KeepsWhatLiesFlatInAFace) {
   const OneFace floor{{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
   for (const Aabb& cell : {Aabb{{0, 0, 0}, {0.5f, 1, 1}}, Aabb{{0, 0, 1}, {0.5f, 1, 2}},
                            Aabb{{0, 0, 1}, {0.5f, 1, 1}}}) {
-    const auto box = clip_to_half(floor.view(), 0, cell);
+    const auto box = grow::clip_to_half(floor.view(), 0, cell);
     ASSERT_TRUE(box);
     EXPECT_EQ(box->lo, (Vec3f{0, 0, 1}));
     EXPECT_EQ(box->hi, (Vec3f{0.5f, 1, least_above(1)}));
@@ -142,7 +142,7 @@ TEST(WidenFlat, OneFloatOfExtentMeansFlat) {
     const Aabb box = widen_flat({{lo, 0, 0}, {hi, 1, 1}});
     EXPECT_LE(box.lo.x, lo);
     EXPECT_GE(box.hi.x, hi);
-    return is_planar({box.lo, 0, box.hi, 1}, 0);
+    return kdtree::is_planar({box.lo, 0, box.hi, 1}, 0);
   };
   EXPECT_TRUE(is_flat(1, 1));
   EXPECT_TRUE(is_flat(0, 0));

@@ -32,7 +32,7 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const published::AnyBuilder& builder) {
-  mesh::MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, mesh::References::kSoup);
+  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder, mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);
   return static_cast<double>(counters.touches);
@@ -47,7 +47,7 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
   std::vector<Point> points;
   for (const std::uint32_t side : sides) {
     const tests::TestMesh mesh = terrain(side);
-    published::AnyBuilder values = *make_builder(builder);
+    published::AnyBuilder values = *published::make_builder(builder);
     // The exact bottom costs every triangle the same, in steps as its lists halve: a short one
     // leaves the law to be seen at sizes that a test can build.
     if (auto* scan = std::get_if<split::ScanBuilder>(&std::get<split::KdBuilder>(values)))

@@ -19,7 +19,7 @@ namespace {
 const geometry::Aabb kCell{{0, 0, 0}, {2, 1, 1}};
 const kdtree::Cut kCut{.plane = {0, 0.5f}};
 
-TEST(published::bvh::ReferenceBudget, IsSharedByAreaAndLength) {
+TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
   const HalvedPath below = halve_path({.depth = 3, .spare = 100}, kCut, halves, 50, 20, 40);
   // 10 were added. Half areas are 2 and 4.
@@ -29,7 +29,7 @@ TEST(published::bvh::ReferenceBudget, IsSharedByAreaAndLength) {
   EXPECT_DOUBLE_EQ(below.left.swell, 1.2);
 }
 
-TEST(published::bvh::ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTrianglesLittle) {
+TEST(ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTrianglesLittle) {
   const kdtree::CellPath swollen{.spare = 100, .swell = 6};
   const HalvedPath below = halve_path(swollen, kCut, halve(kCell, 0, 0.5f), 50, 20, 40);
   const double left = 2.0 * 20 * std::sqrt(20.0), right = 4.0 * 40 * std::sqrt(40.0);
@@ -39,7 +39,7 @@ TEST(published::bvh::ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTria
   EXPECT_DOUBLE_EQ(parted.left.swell, 6);
 }
 
-TEST(published::bvh::ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhatIsLeft) {
+TEST(ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhatIsLeft) {
   EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 64, 18));
   EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 64, 19));
   EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 63, 10));
@@ -47,7 +47,7 @@ TEST(published::bvh::ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhat
   EXPECT_FALSE(affords({.spare = 9, .swell = 3}, 1000, 10));
 }
 
-TEST(published::bvh::ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
+TEST(ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
   const kdtree::CellPath compact{.spare = 0, .swell = 1.5}, swollen{.spare = 5, .swell = 9};
   EXPECT_TRUE(is_worth_cutting(compact, 8));
   EXPECT_FALSE(is_worth_cutting(swollen, 8));
@@ -55,7 +55,7 @@ TEST(published::bvh::ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwoll
   EXPECT_FALSE(is_worth_cutting(swollen, 41));
 }
 
-TEST(published::bvh::ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
+TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
   const HalvedPath over = halve_path({.spare = 5}, kCut, halves, 50, 50, 50);
   EXPECT_EQ(over.left.spare + over.right.spare, 0);
@@ -65,7 +65,7 @@ TEST(published::bvh::ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
   EXPECT_EQ(flat.left.spare + flat.right.spare, 5);
 }
 
-TEST(published::bvh::ReferenceBudget, IsInfiniteUnlessSet) {
+TEST(ReferenceBudget, IsInfiniteUnlessSet) {
   const HalvedPath below = halve_path({}, kCut, halve(kCell, 0, 0.5f), 50, 50, 50);
   EXPECT_EQ(below.left.spare, std::numeric_limits<double>::infinity());
   EXPECT_EQ(below.right.spare, std::numeric_limits<double>::infinity());
@@ -73,20 +73,20 @@ TEST(published::bvh::ReferenceBudget, IsInfiniteUnlessSet) {
 
 kdtree::TreeMetrics built(std::string_view family, const published::AnyBuilder& builder) {
   const tests::TestMesh mesh = tests::find_hard_mesh(family)->make(2000, 1);
-  mesh::MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder, mesh::References::kSoup);
+  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder, mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);
   const kdtree::EpochPin pin;
   return tree.metrics();
 }
 
-TEST(published::bvh::ReferenceBudget, IsKeptByTrees) {
+TEST(ReferenceBudget, IsKeptByTrees) {
   for (const std::string_view family : {"slivers", "fan", "rods", "stacks"}) {
     for (const std::string_view name : {"scan-all-axes", "scan-best"}) {
       for (const auto& [text, most] : {std::pair("2", 2.0), {"8", 8.0}}) {
-        published::AnyBuilder builder = *make_builder(name);
-        ASSERT_TRUE(set_parameter(builder, "clip", "on"));
-        ASSERT_TRUE(set_parameter(builder, "budget", text));
+        published::AnyBuilder builder = *published::make_builder(name);
+        ASSERT_TRUE(published::set_parameter(builder, "clip", "on"));
+        ASSERT_TRUE(published::set_parameter(builder, "budget", text));
         const kdtree::TreeMetrics m = built(family, builder);
         EXPECT_EQ(m.unbuilt_cells, 0u) << family << name;
         EXPECT_LE(static_cast<double>(m.references), most * 2000) << family << name;
@@ -95,12 +95,12 @@ TEST(published::bvh::ReferenceBudget, IsKeptByTrees) {
   }
 }
 
-TEST(published::bvh::ReferenceBudget, IsLessForTrianglesThatMeetInAVertexWhereThereIsOne) {
-  published::AnyBuilder builder = *make_builder("sah-sort");
+TEST(ReferenceBudget, IsLessForTrianglesThatMeetInAVertexWhereThereIsOne) {
+  published::AnyBuilder builder = *published::make_builder("sah-sort");
   EXPECT_GT(built("fan", builder).references, 20u * 2000) << "the papers' builders have none";
-  builder = *make_builder("scan-fast");
+  builder = *published::make_builder("scan-fast");
   EXPECT_LT(built("fan", builder).references, 4u * 2000);
-  ASSERT_TRUE(set_parameter(builder, "budget", "0"));
+  ASSERT_TRUE(published::set_parameter(builder, "budget", "0"));
   EXPECT_GT(built("fan", builder).references, 20u * 2000);
 }
 

@@ -44,8 +44,8 @@ class Recut {
     ASSERT_EQ(slot.axis(), cut->plane.axis);
     ASSERT_EQ(slot.position(), cut->plane.position);
     const geometry::HalvedCell halves = halve(cell, cut->plane.axis, cut->plane.position);
-    expect(load(tree_.children(slot)[0]), left, halves.left, depth + 1);
-    expect(load(tree_.children(slot)[1]), right, halves.right, depth + 1);
+    expect(kdtree::load(tree_.children(slot)[0]), left, halves.left, depth + 1);
+    expect(kdtree::load(tree_.children(slot)[1]), right, halves.right, depth + 1);
   }
 
   kdtree::BuildCounters counters;
@@ -66,7 +66,7 @@ class Recut {
 
 void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
                  int max_depth = 20) {
-  const split::KdBuilder builder = default_builder();  // not asked for anything
+  const split::KdBuilder builder = published::default_builder();  // not asked for anything
   for (const split::BoundRule& rule :
        {split::BoundRule{}, split::BoundRule{.cost = {}, .all_axes_up_to = 0},
         split::BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
@@ -105,7 +105,7 @@ TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
   const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
   kdtree::KdTree tree(cell, refs.size());  // nothing reserved
-  const split::KdBuilder builder = default_builder();
+  const split::KdBuilder builder = published::default_builder();
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
       grow_small({.tree = tree, .builder = builder, .max_depth = 20}, {}, refs, cell, {}, counters);

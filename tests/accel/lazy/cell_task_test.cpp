@@ -127,7 +127,7 @@ struct ManyBoxes {
       return end - begin;
     };
     source.alive = refs;
-    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), default_builder(),
+    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), published::default_builder(),
                                       source);
   }
 };
@@ -137,7 +137,7 @@ kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
   kdtree::AtomicSlot* at = &tree.root();
-  for (kdtree::Slot slot = load(*at); !slot.is_leaf(); slot = load(*at)) {
+  for (kdtree::Slot slot = kdtree::load(*at); !slot.is_leaf(); slot = kdtree::load(*at)) {
     if (slot.is_unbuilt()) {
       if (tree.expand(*at, AtBusy::kWait, counters) == Expanded::kSearch) break;
       continue;
@@ -168,7 +168,7 @@ TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   std::vector<geometry::Aabb> bounds;
   for (const kdtree::BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
   const kdtree::EpochPin pin;
-  EXPECT_EQ(load(together->root()).position(), load(alone->root()).position());
+  EXPECT_EQ(kdtree::load(together->root()).position(), kdtree::load(alone->root()).position());
   const auto cells = [](const LazyTree& t) {
     return measure_growth(t.tree(), 400'000).cells_built;
   };
@@ -209,7 +209,7 @@ TEST(Expansion, OutlivesItsTree) {
     const auto tree = boxes.tree();
     descend(*tree, (*boxes.refs)[0].lo);
   }
-  reclaim();
+  kdtree::reclaim();
 }
 
 }  // namespace

@@ -58,8 +58,8 @@ std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ra
 
 std::unique_ptr<mesh::MeshTree> make_tree(const std::shared_ptr<const TestMesh>& mesh,
                                           mesh::References references) {
-  return std::make_unique<mesh::MeshTree>(mesh->view(), survey_mesh(mesh->view()),
-                                          default_builder(), references, mesh);
+  return std::make_unique<mesh::MeshTree>(mesh->view(), mesh::survey_mesh(mesh->view()),
+                                          published::default_builder(), references, mesh);
 }
 
 /// Returns whether a thread was stopped.

@@ -29,7 +29,7 @@ struct Answer {
 };
 
 std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh,
-                                    const published::AnyBuilder& builder = default_builder(),
+                                    const published::AnyBuilder& builder = published::default_builder(),
                                     References references = References::kRuns) {
   return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
 }
@@ -98,7 +98,7 @@ TestMesh damaged() {
 /// Flat triangles in one plane among others that rise from it by a single float, or fall.
 TestMesh thin() {
   TestMesh mesh = tests::planar_sheet(6);
-  const float above = least_above(1), below = std::nextafter(1.0f, 0.0f);
+  const float above = geometry::least_above(1), below = std::nextafter(1.0f, 0.0f);
   for (geometry::Vec3f& v : mesh.vertices) v.z = 1;
   tests::Random random(4);
   for (int i = 0; i < 60; ++i) {
@@ -199,9 +199,9 @@ class EveryShape : public ::testing::TestWithParam<Case> {};
 TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
   const TestMesh mesh = GetParam().make();
   const std::vector<geometry::Ray> rays = rays_for(mesh, 60);
-  for (const std::string_view name : builder_names()) {
+  for (const std::string_view name : published::builder_names()) {
     if (takes_too_long(name, mesh)) continue;
-    const published::AnyBuilder builder = *make_builder(name);
+    const published::AnyBuilder builder = *published::make_builder(name);
     const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
                unbuilt = make_tree(mesh, builder);
     kdtree::BuildCounters counters;

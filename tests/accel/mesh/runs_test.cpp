@@ -116,9 +116,9 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
     const double x = random.uniform(3, 3.5), z = random.uniform(7, 7.5);
     rays.push_back({{x, 2, z}, {0.01, -1, 0.02}});
   }
-  for (const std::string_view name : builder_names()) {
+  for (const std::string_view name : published::builder_names()) {
     if (name == "sah-naive") continue;
-    const published::AnyBuilder builder = *make_builder(name);
+    const published::AnyBuilder builder = *published::make_builder(name);
     const MeshSurvey survey = survey_mesh(view);
     MeshTree runs(view, survey, builder, References::kRuns);
     MeshTree soup(view, survey, builder, References::kSoup);
@@ -142,8 +142,8 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
 
 TEST(Runs, AreSearchedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
-  MeshTree cold(mesh.view(), survey_mesh(mesh.view()), default_builder());
-  MeshTree grown(mesh.view(), survey_mesh(mesh.view()), default_builder());
+  MeshTree cold(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
+  MeshTree grown(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
   kdtree::BuildCounters counters;
   for (const geometry::Ray& ray : tests::rays_at(mesh, 60, 4)) {
     const kdtree::EpochPin pin;

@@ -45,7 +45,7 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
   Divided d{.left = std::vector<kdtree::BoxRef>(refs.size()),
             .right = std::vector<kdtree::BoxRef>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
-  const grow::Sifted n = sift(refs, {.plane = plane}, d.left.data(), d.right.data());
+  const grow::Sifted n = grow::sift(refs, {.plane = plane}, d.left.data(), d.right.data());
   d.left.resize(n.left);
   d.right.resize(n.right);
   d.scans.left.references = n.left;

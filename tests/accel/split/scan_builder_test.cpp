@@ -16,7 +16,7 @@ namespace {
 
 kdtree::BoxRef ref(const geometry::Vec3f& lo, const geometry::Vec3f& hi, std::uint32_t id = 0,
                    std::uint32_t weight = 1) {
-  const geometry::Aabb box = widen_flat({lo, hi});
+  const geometry::Aabb box = geometry::widen_flat({lo, hi});
   return {box.lo, id, box.hi, weight};
 }
 
@@ -182,19 +182,19 @@ TEST(ScanBuilder, CheckNamesTheParameterAndItsRange) {
   EXPECT_EQ(*builder.check(), "uniform_samples is 9, must lie in 2 to 8");
 }
 
-TEST(published::AnyBuilder, IsMadeAndSetByName) {
-  for (const std::string_view name : builder_names()) EXPECT_TRUE(make_builder(name)) << name;
-  const auto unknown = make_builder("octree");
+TEST(AnyBuilder, IsMadeAndSetByName) {
+  for (const std::string_view name : published::builder_names()) EXPECT_TRUE(published::make_builder(name)) << name;
+  const auto unknown = published::make_builder("octree");
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().message.find("scan-all-axes"), std::string::npos);
-  published::AnyBuilder builder = *make_builder("scan-hybrid");
-  EXPECT_TRUE(set_parameter(builder, "samples", "4"));
+  published::AnyBuilder builder = *published::make_builder("scan-hybrid");
+  EXPECT_TRUE(published::set_parameter(builder, "samples", "4"));
   const auto& scan = std::get<ScanBuilder>(std::get<KdBuilder>(builder));
   EXPECT_EQ(scan.adaptive_samples, 4u);
-  EXPECT_FALSE(set_parameter(builder, "samples", "40"));
-  EXPECT_FALSE(set_parameter(builder, "samples", "-1"));
-  EXPECT_FALSE(set_parameter(builder, "samples", "many"));
-  EXPECT_FALSE(set_parameter(builder, "colour", "1"));
+  EXPECT_FALSE(published::set_parameter(builder, "samples", "40"));
+  EXPECT_FALSE(published::set_parameter(builder, "samples", "-1"));
+  EXPECT_FALSE(published::set_parameter(builder, "samples", "many"));
+  EXPECT_FALSE(published::set_parameter(builder, "colour", "1"));
   EXPECT_EQ(scan.adaptive_samples, 4u);
 }
 

@@ -42,8 +42,8 @@ FirstScan first_scan(const KdBuilder& builder, std::vector<kdtree::BoxRef> refs,
 }
 
 void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
-  for (const std::string_view name : builder_names()) {
-    const published::AnyBuilder any = *make_builder(name);
+  for (const std::string_view name : published::builder_names()) {
+    const published::AnyBuilder any = *published::make_builder(name);
     const auto* kd = std::get_if<KdBuilder>(&any);
     if (kd == nullptr) continue;
     const KdBuilder& builder = *kd;
@@ -83,7 +83,7 @@ TEST(ListPass, ChoosesAsFromTheListAtHand) {
 
 TEST(ListPass, ForgetsCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
-  const KdBuilder builder = default_builder();
+  const KdBuilder builder = published::default_builder();
   FirstScan wrong;
   wrong.references = 999;
   kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};

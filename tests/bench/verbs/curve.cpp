@@ -101,8 +101,8 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   const Curve curve{common.scene, options.axis, scan.cost, accel::split::CutAreas(cell, axis)};
   accel::kdtree::BuildCounters counters;
   const auto uniform =
-      sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples, 0, counters)[a];
-  const auto both = sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples,
+      accel::published::kd::sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples, 0, counters)[a];
+  const auto both = accel::published::kd::sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples,
                                 scan.adaptive_samples, counters)[a];
   const auto segments = tests::segments(both);
   const tests::TrueCounts truth(refs, a);
@@ -122,7 +122,7 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   }
   for (const float at : stations(truth, cell.lo[a], cell.hi[a], options.points)) {
     const auto x = static_cast<double>(at);
-    const tests::SampleSegment& segment = segment_at(segments, x);
+    const tests::SampleSegment& segment = tests::segment_at(segments, x);
     rows.push_back(curve.row("suggested", x, segment.left(x), segment.right(x)));
     rows.push_back(curve.row("true", x, truth.left(x), truth.right(x)));
   }

@@ -20,7 +20,7 @@ namespace {
 /// so those below a node stand side by side.
 class Names {
  public:
-  Names(const Bvh& bvh, std::size_t faces) : begin_(faces + 1) {
+  Names(const accel::published::bvh::Bvh& bvh, std::size_t faces) : begin_(faces + 1) {
     for (const std::uint32_t id : bvh.ids) ++begin_[id + 1];
     for (std::size_t i = 0; i < faces; ++i) begin_[i + 1] += begin_[i];
     places_.resize(bvh.ids.size());
@@ -39,46 +39,46 @@ class Names {
 /// What one triangle adds.
 class Descent {
  public:
-  Descent(const Bvh& bvh, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+  Descent(const accel::published::bvh::Bvh& bvh, const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b, const accel::geometry::Vec3f& c,
           std::span<const std::size_t> names)
       : bvh_(bvh), a_(a), b_(b), c_(c), names_(names) {
-    for (const Vec3f& v : {a, b, c}) box_.grow(v);
+    for (const accel::geometry::Vec3f& v : {a, b, c}) box_.grow(v);
   }
 
   /// `begin` and `end`: the ids below.
-  double sum(const BvhChild& at, std::size_t begin, std::size_t end) const {
+  double sum(const accel::published::bvh::BvhChild& at, std::size_t begin, std::size_t end) const {
     if (apart(at.box)) return 0;
     const auto named = std::lower_bound(names_.begin(), names_.end(), begin);
     const bool knows = named != names_.end() && *named < end;
     if (knows && !at.inner) return 0;
-    const double area = knows ? 0 : clipped_area(a_, b_, c_, at.box);
-    if (!at.inner) return kMeasuredIntersect * at.count * area;
+    const double area = knows ? 0 : accel::geometry::clipped_area(a_, b_, c_, at.box);
+    if (!at.inner) return accel::kdtree::kMeasuredIntersect * at.count * area;
     if (!knows && !(area > 0)) return 0;
-    const BvhNode& node = bvh_.nodes[at.first];
-    const BvhChild left = node.child(0), right = node.child(1);
+    const accel::published::bvh::BvhNode& node = bvh_.nodes[at.first];
+    const accel::published::bvh::BvhChild left = node.child(0), right = node.child(1);
     const std::size_t middle = first_id(right);
-    return kMeasuredTraverse * area + sum(left, begin, middle) + sum(right, middle, end);
+    return accel::kdtree::kMeasuredTraverse * area + sum(left, begin, middle) + sum(right, middle, end);
   }
 
  private:
-  bool apart(const Aabb& box) const {
+  bool apart(const accel::geometry::Aabb& box) const {
     return box.lo.x > box_.hi.x || box.hi.x < box_.lo.x || box.lo.y > box_.hi.y ||
            box.hi.y < box_.lo.y || box.lo.z > box_.hi.z || box.hi.z < box_.lo.z;
   }
-  std::size_t first_id(BvhChild at) const {
+  std::size_t first_id(accel::published::bvh::BvhChild at) const {
     while (at.inner) at = bvh_.nodes[at.first].child(0);
     return at.first;
   }
 
-  const Bvh& bvh_;
-  const Vec3f &a_, &b_, &c_;
+  const accel::published::bvh::Bvh& bvh_;
+  const accel::geometry::Vec3f &a_, &b_, &c_;
   std::span<const std::size_t> names_;
-  Aabb box_;
+  accel::geometry::Aabb box_;
 };
 
 }  // namespace
 
-double end_point_overlap(const Bvh& bvh, const MeshView& mesh) {
+double end_point_overlap(const accel::published::bvh::Bvh& bvh, const accel::geometry::MeshView& mesh) {
   struct Sum {
     double outside = 0, area = 0;
   };
@@ -86,10 +86,10 @@ double end_point_overlap(const Bvh& bvh, const MeshView& mesh) {
   const auto add = [&](const tbb::blocked_range<std::size_t>& faces, Sum sum) {
     for (std::size_t i = faces.begin(); i != faces.end(); ++i) {
       if (names.of(i).empty()) continue;
-      const Vec3f &a = mesh.vertices[mesh.faces[i][0]], &b = mesh.vertices[mesh.faces[i][1]],
+      const accel::geometry::Vec3f &a = mesh.vertices[mesh.faces[i][0]], &b = mesh.vertices[mesh.faces[i][1]],
                   &c = mesh.vertices[mesh.faces[i][2]];
       sum.outside += Descent(bvh, a, b, c, names.of(i)).sum(bvh.root, 0, bvh.ids.size());
-      sum.area += clipped_area(a, b, c, bvh.root.box);
+      sum.area += accel::geometry::clipped_area(a, b, c, bvh.root.box);
     }
     return sum;
   };

@@ -13,9 +13,7 @@
 namespace sightline::bench {
 namespace {
 
-using namespace accel;
-
-BoxRef ref(std::uint32_t id, const Aabb& box) { return {box.lo, id, box.hi, 1}; }
+accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) { return {box.lo, id, box.hi, 1}; }
 
 TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
   // Three squares' halves in planes of constant x; the box of the first leaf holds the third too.
@@ -25,18 +23,18 @@ TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
     mesh.vertices.insert(mesh.vertices.end(), {{x, 0, 0}, {x, 1, 0}, {x, 0, 1}});
     mesh.faces.push_back({n, n + 1, n + 2});
   }
-  BvhGrowth growth(3);
-  const Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
-  const std::vector<BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
-  const Bvh bvh = growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
+  accel::published::bvh::BvhGrowth growth(3);
+  const accel::geometry::Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
+  const std::vector<accel::kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const accel::published::bvh::Bvh bvh = growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
   // A third of all area in a leaf of two references.
-  EXPECT_DOUBLE_EQ(end_point_overlap(bvh, mesh.view()), 2 * kMeasuredIntersect / 3);
+  EXPECT_DOUBLE_EQ(end_point_overlap(bvh, mesh.view()), 2 * accel::kdtree::kMeasuredIntersect / 3);
 }
 
 TEST(EndPointOverlap, IsNoneWhereBoxesAreApart) {
   tests::TestMesh mesh = tests::flat_walls(64);
-  BuildCounters counters;
-  const Bvh bvh = BvhBuilder{.leaf = {.leaf_size = 2}}.build(mesh.view(), counters);
+  accel::kdtree::BuildCounters counters;
+  const accel::published::bvh::Bvh bvh = accel::published::bvh::BvhBuilder{.leaf = {.leaf_size = 2}}.build(mesh.view(), counters);
   EXPECT_EQ(measure(bvh).overlap, 0);
   EXPECT_EQ(end_point_overlap(bvh, mesh.view()), 0);
 }

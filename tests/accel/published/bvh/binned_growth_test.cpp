@@ -25,7 +25,7 @@ Bvh build(const tests::TestMesh& mesh, const BvhBuilder& builder = {}) {
 
 std::vector<kdtree::BoxRef> references(const tests::TestMesh& mesh) {
   std::vector<kdtree::BoxRef> refs(mesh.faces.size());
-  refs.resize(face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
+  refs.resize(mesh::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 

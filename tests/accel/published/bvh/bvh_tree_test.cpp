@@ -53,11 +53,11 @@ TEST(BvhTree, OnlyRaysThatMayBuildDo) {
   for (const std::string_view name : builder_names()) {
     const AnyBuilder builder = *make_builder(name);
     if (!std::holds_alternative<BvhBuilder>(builder)) continue;
-    mesh::MeshTree tree(mesh.view(), survey_mesh(mesh.view()), builder);
+    mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder);
     const auto ask = [&](mesh::AtUnbuilt at_unbuilt) {
       const kdtree::EpochPin pin;
       mesh::MeshQuery query;
-      query.ray = *make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
+      query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
       query.at_unbuilt = at_unbuilt;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
@@ -100,7 +100,7 @@ TEST(BvhWalk, MeetsWhatMayMeetMeets) {
     geometry::Vec3d direction = geometry::Vec3d(boxes[0].lo) - origin;
     if (i % 3 == 0) direction[static_cast<std::size_t>(i / 3) % 3] = i % 2 == 0 ? 0.0 : -0.0;
     if (i % 5 == 0) origin.x = static_cast<double>(boxes[0].lo.x);
-    const geometry::LocalRay local = *make_local_ray(origin, direction);
+    const geometry::LocalRay local = *geometry::make_local_ray(origin, direction);
     kdtree::TreeRay ray;
     if (!enter(local, {{-1, -1, -1}, {1.5f, 1.5f, 1.5f}}, 0, 10, ray)) continue;
     const BvhMeeting meeting = meet_children(node, ray, ray.t_out);

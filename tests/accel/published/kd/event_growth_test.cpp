@@ -51,7 +51,7 @@ void expect_same(const kdtree::KdTree& a, kdtree::Slot at, const kdtree::KdTree&
   if (at.is_binary()) {
     ASSERT_EQ(at.position(), other.position());
     for (std::size_t i = 0; i < 2; ++i)
-      expect_same(a, load(a.children(at)[i]), b, load(b.children(other)[i]), cells);
+      expect_same(a, kdtree::load(a.children(at)[i]), b, kdtree::load(b.children(other)[i]), cells);
     return;
   }
   ASSERT_EQ(held(a, at), held(b, other));
@@ -59,7 +59,7 @@ void expect_same(const kdtree::KdTree& a, kdtree::Slot at, const kdtree::KdTree&
 
 std::size_t expect_same(const kdtree::KdTree& a, const kdtree::KdTree& b) {
   std::size_t cells = 0;
-  expect_same(a, load(a.root()), b, load(b.root()), cells);
+  expect_same(a, kdtree::load(a.root()), b, kdtree::load(b.root()), cells);
   return cells;
 }
 
@@ -69,24 +69,24 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
     return lazy::ReferenceSource::Coarsest{.places = mesh.faces.size()};
   };
   source.list = [mesh](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
-                       kdtree::BuildCounters&) { return face_references(mesh, begin, end, out); };
+                       kdtree::BuildCounters&) { return mesh::face_references(mesh, begin, end, out); };
   return source;
 }
 
 std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::MeshView& view,
                                           const ExactBuilder& builder) {
-  const mesh::MeshSurvey survey = survey_mesh(mesh.view());
+  const mesh::MeshSurvey survey = mesh::survey_mesh(mesh.view());
   return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
                                           split::KdBuilder(builder), source_of_faces(view), &view);
 }
 
 void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
-  while (load(slot).is_unbuilt() &&
+  while (kdtree::load(slot).is_unbuilt() &&
          tree.expand(slot, lazy::AtBusy::kWait, counters) == lazy::Expanded::kAgain) {
   }
-  if (!load(slot).is_binary()) return;
-  kdtree::AtomicSlot* children = tree.tree().children(load(slot));
+  if (!kdtree::load(slot).is_binary()) return;
+  kdtree::AtomicSlot* children = tree.tree().children(kdtree::load(slot));
   touch_all(tree, children[0]);
   touch_all(tree, children[1]);
 }
@@ -199,7 +199,7 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   for (const ExactSearch search : kSearches) {
     trees.push_back(std::make_unique<lazy::LazyTree>(
         bounds_of(refs), refs.size(), split::KdBuilder(ExactBuilder{.search = search}),
-        source_of(refs)));
+        lazy::source_of(refs)));
     kdtree::BuildCounters counters;
     trees.back()->expand_all(counters);
   }
@@ -217,20 +217,20 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
   const kdtree::EpochPin pin;
   // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
   // finished.
-  while (load(parts->root()).is_unbuilt())
+  while (kdtree::load(parts->root()).is_unbuilt())
     ASSERT_EQ(parts->expand(parts->root(), lazy::AtBusy::kWait, counters), lazy::Expanded::kAgain);
   const std::atomic<bool> cancelled{true};
-  const kdtree::Slot root = load(parts->root());
+  const kdtree::Slot root = kdtree::load(parts->root());
   for (std::size_t i = 0; i < 2; ++i) {
     kdtree::AtomicSlot& child = parts->tree().children(root)[i];
-    const kdtree::DeferredCell& cell = *load(child).cell();
+    const kdtree::DeferredCell& cell = *kdtree::load(child).cell();
     kdtree::KdTree scratch(cell.box, cell.size);
     scratch.reserve(cell.size);
     const split::KdBuilder builder = ExactBuilder{};
     const grow::GrowContext context{scratch, builder, &view, 60, &cancelled};
     const kdtree::BoxList listed = cell.list.copy();
     std::vector<kdtree::BoxRef> list(listed.all().begin(), listed.all().end());
-    const kdtree::Slot again = grow(context, list, cell.box, cell.path, counters);
+    const kdtree::Slot again = grow::grow(context, list, cell.box, cell.path, counters);
     ASSERT_TRUE(again.is_unbuilt());
     const kdtree::BoxList deferred = again.cell()->list.copy();
     const auto before = listed.all(), after = deferred.all();

@@ -41,7 +41,7 @@ TEST(Event, OrdersByPositionThenTypeThenReference) {
 
 TEST(Event, AFlatBoxHasOne) {
   Event events[2];
-  EXPECT_EQ(put_events(1, least_above(1), 4, events) - events, 1);
+  EXPECT_EQ(put_events(1, geometry::least_above(1), 4, events) - events, 1);
   EXPECT_EQ(events[0], Event(1, EventType::kPlanar, 4));
   EXPECT_EQ(put_events(1, 2, 4, events) - events, 2);
   EXPECT_EQ(events[0], Event(1, EventType::kStart, 4));
@@ -58,7 +58,7 @@ TEST(SortEvents, SortsManyAsFew) {
       const double x =
           i % 2 == 0 ? static_cast<double>(random.below(5)) - 2 : random.uniform(-1e3, 1e3);
       const auto lo = static_cast<float>(x);
-      end = put_events(lo, i % 3 == 0 ? least_above(lo) : lo + 1, i, end);
+      end = put_events(lo, i % 3 == 0 ? geometry::least_above(lo) : lo + 1, i, end);
     }
     events.resize(static_cast<std::size_t>(end - events.data()));
     std::vector<Event> expected = events;
