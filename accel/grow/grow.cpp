@@ -9,24 +9,19 @@
 #include "accel/grow/common_vertex.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
-#include "accel/grow/reference_budget.h"
-#include "accel/grow/sift.h"
 #include "accel/grow/small_subtree.h"
+#include "accel/kdtree/sift.h"
+#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::grow {
 namespace {
 
 using BoxStack = ListStack<kdtree::BoxRef>;
 
-template <class Builder>
 class Growth {
  public:
-  Growth(const GrowContext& context, const Builder& builder)
-      : context_(context), builder_(builder) {
-    if constexpr (requires { builder.bound_rule(kSmallList); }) {
-      if (!builder.clips()) small_ = builder.bound_rule(kSmallList);
-    }
-  }
+  explicit Growth(const GrowContext& context)
+      : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
 
   /// `first`: what the first pass over the list would find, or null.
   kdtree::Slot grow(std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
@@ -36,11 +31,8 @@ class Growth {
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
     }
-    if (!is_worth_cutting(path, refs.size())) return leaf(refs, cell, path);
-    if constexpr (requires { builder_.bound_rule(kSmallList); }) {
-      if (small_ && is_small(refs))
-        return grow_small(context_, *small_, refs, cell, path, counters);
-    }
+    if (!split::is_worth_cutting(path, refs.size())) return leaf(refs, cell, path);
+    if (small_ && is_small(refs)) return grow_small(context_, *small_, refs, cell, path, counters);
     const std::optional<kdtree::Cut> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
     if (!cut) return leaf(refs, cell, path);
@@ -54,17 +46,16 @@ class Growth {
     const BoxStack::Mark mark = lists.mark();
     kdtree::BoxRef* right = lists.top(refs.size());
     std::optional<split::FirstScans> scans;
-    Sifted n = divide(refs, *cut, halves, right, scans);
+    kdtree::Sifted n = divide(refs, *cut, halves, right, scans);
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
     const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!affords(path, refs.size(), straddlers)) {
+    if (!split::affords(path, refs.size(), straddlers)) {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
-    if (context_.mesh != nullptr &&
-        split::clips_straddlers(builder_, path, straddlers, refs.size())) {
+    if (context_.mesh != nullptr && rule_.clips(path, straddlers, refs.size())) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
       scans.reset();  // of lists that are others now
@@ -75,8 +66,9 @@ class Growth {
     const kdtree::CellPath spent = meets(refs.first(n.left), {right, n.right}, refs.size(), path)
                                        ? with_less(path, refs.size())
                                        : path;
-    const HalvedPath below = halve_path(spent, *cut, halves, static_cast<double>(refs.size()),
-                                        static_cast<double>(n.left), static_cast<double>(n.right));
+    const split::HalvedPath below =
+        split::halve_path(spent, *cut, halves, static_cast<double>(refs.size()),
+                          static_cast<double>(n.left), static_cast<double>(n.right));
     const auto grow_left = [&] {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,
                             scans ? &scans->left : nullptr, lists, counters));
@@ -130,21 +122,19 @@ class Growth {
                                     kdtree::BuildCounters& counters) const {
     kdtree::CellRefs list{refs, cell, path};
     list.first = first;
-    return builder_.choose(list, counters);
+    return rule_.choose(list, counters);
   }
 
   /// The left list over `refs`, the right one to `right`; counted meanwhile where that is of use.
-  Sifted divide(std::span<kdtree::BoxRef> refs, const kdtree::Cut& cut,
-                const geometry::HalvedCell& halves, kdtree::BoxRef* right,
-                std::optional<split::FirstScans>& scans) const {
-    if constexpr (requires { builder_.scans_children(refs.size()); }) {
-      if (builder_.scans_children(refs.size())) {
-        scans.emplace(split::FirstScans{
-            builder_.first_planes(halves.left), builder_.first_planes(halves.right), {}, {}});
-        return sift_and_scan(refs, cut.plane, refs.data(), right, *scans);
-      }
+  kdtree::Sifted divide(std::span<kdtree::BoxRef> refs, const kdtree::Cut& cut,
+                        const geometry::HalvedCell& halves, kdtree::BoxRef* right,
+                        std::optional<split::FirstScans>& scans) const {
+    if (rule_.scans_children(refs.size())) {
+      scans.emplace(split::FirstScans{
+          rule_.first_planes(halves.left), rule_.first_planes(halves.right), {}, {}});
+      return sift_and_scan(refs, cut.plane, refs.data(), right, *scans);
     }
-    return sift(refs, cut, refs.data(), right);
+    return kdtree::sift(refs, cut, refs.data(), right);
   }
 
   kdtree::Slot leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
@@ -161,22 +151,10 @@ class Growth {
   }
 
   const GrowContext& context_;
-  const Builder& builder_;
-  std::optional<split::BoundRule> small_;  ///< For all lists up to kSmallList, if there is one.
+  const split::SplitSearch& rule_;
+  std::optional<split::BoundRule>
+      small_;  ///< For all lists up to split::kSmallList, if there is one.
 };
-
-template <class Builder>
-kdtree::Slot grow_with(const GrowContext& context, const Builder& builder,
-                       std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
-                       const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
-  if constexpr (requires { builder.grow_subtree(context, refs, cell, path, counters); }) {
-    if (const std::optional<kdtree::Slot> grown =
-            builder.grow_subtree(context, refs, cell, path, counters))
-      return *grown;
-  }
-  BoxStack lists;
-  return Growth(context, builder).grow(refs, cell, path, nullptr, lists, counters);
-}
 
 }  // namespace
 
@@ -185,25 +163,17 @@ int depth_limit(std::size_t references) {
   return std::min(static_cast<int>(8 + 1.3 * log2) + 20, kdtree::kMaxTreeDepth);
 }
 
-int depth_limit(const split::KdBuilder& builder, std::size_t references) {
-  return std::visit(
-      [&](const auto& b) {
-        const int shared = depth_limit(references);
-        if constexpr (requires { b.depth_bound(references); }) {
-          return std::min(shared, b.depth_bound(references));
-        } else {
-          return shared;
-        }
-      },
-      builder);
+int depth_limit(const split::SplitSearch& rule, std::size_t references) {
+  return std::min(depth_limit(references), rule.depth_bound(references));
 }
 
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters) {
-  return std::visit(
-      [&](const auto& builder) { return grow_with(context, builder, refs, cell, path, counters); },
-      context.builder);
+  if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
+    return *grown;
+  BoxStack lists;
+  return Growth(context).grow(refs, cell, path, nullptr, lists, counters);
 }
 
 }  // namespace sightline::accel::grow

@@ -7,14 +7,14 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/kd_tree.h"
-#include "accel/split/kd_builder.h"
+#include "accel/split/split_search.h"
 
 namespace sightline::accel::grow {
 
 /// What a growth needs besides its cell.
 struct GrowContext {
   kdtree::KdTree& tree;
-  const split::KdBuilder& builder;
+  const split::SplitSearch& rule;
   const geometry::MeshView* mesh =
       nullptr;  ///< What clipping builders clip; null: nothing to clip.
   int max_depth = 0;
@@ -26,8 +26,8 @@ struct GrowContext {
 /// depth of a good tree (Havran 2000), the rest is room for cutting off empty space.
 int depth_limit(std::size_t references);
 
-/// The same, or less where the builder has a bound of its own (`depth_bound`).
-int depth_limit(const split::KdBuilder& builder, std::size_t references);
+/// The same, or less where the rule has a bound of its own (`depth_bound`).
+int depth_limit(const split::SplitSearch& rule, std::size_t references);
 
 /// Grows the subtree under `cell` and returns its slot, not yet published anywhere. The list is
 /// used up: the left child overwrites its parent's, the right child's comes from a stack (Hunt et
@@ -35,8 +35,7 @@ int depth_limit(const split::KdBuilder& builder, std::size_t references);
 /// there is no room stays deferred, given up. Throws std::bad_alloc; whatever was grown until then
 /// stays unreachable in the tree's storage.
 ///
-/// A builder may grow subtrees in its own way (`grow_subtree`); what it makes has to be what its
-/// `choose` would lead to.
+/// A rule may grow subtrees in its own way (SplitSearch::grow_subtree).
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);

@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// A set of boxes: bit i is the i-th.
 using Set = std::uint8_t;
 /// The bounds of one axis: lower ones first.
-constexpr std::size_t kBounds = 2 * kSmallList;
+constexpr std::size_t kBounds = 2 * split::kSmallList;
 
 class SmallGrowth {
  public:
@@ -74,7 +74,7 @@ class SmallGrowth {
     for (std::size_t i = 0; i < refs_.size(); ++i) {
       for (std::size_t a = 0; a < 3; ++a) {
         axes_[a].at[i] = refs_[i].lo[a];
-        axes_[a].at[kSmallList + i] = refs_[i].hi[a];
+        axes_[a].at[split::kSmallList + i] = refs_[i].hi[a];
       }
     }
     for (std::size_t a = 0; a < 3; ++a) find_sides(axes_[a], a);
@@ -208,7 +208,7 @@ class SmallGrowth {
   std::span<const kdtree::BoxRef> refs_;
   kdtree::BuildCounters& counters_;
   std::array<Axis, 3> axes_;
-  std::array<kdtree::BoxRef, kSmallList> list_;
+  std::array<kdtree::BoxRef, split::kSmallList> list_;
 };
 
 kdtree::Slot small(const GrowContext& context, const split::BoundRule& rule,
@@ -228,7 +228,7 @@ namespace sightline::accel::grow {
 HWY_EXPORT(small);
 
 bool is_small(std::span<const kdtree::BoxRef> refs) {
-  return refs.size() <= kSmallList &&
+  return refs.size() <= split::kSmallList &&
          std::all_of(refs.begin(), refs.end(),
                      [](const kdtree::BoxRef& ref) { return ref.weight == 1; });
 }

@@ -1,5 +1,5 @@
-// Growing the subtree of a handful of boxes, where a build spends most of its cells: a set of boxes
-// is a byte, and lists are never written.
+// Growing the subtree of up to split::kSmallList boxes, where a build spends most of its cells: a
+// set of boxes is a byte, and lists are never written.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,6 @@
 #include "accel/split/exhaustive_split.h"
 
 namespace sightline::accel::grow {
-
-/// Longest list that grow_small takes.
-inline constexpr std::size_t kSmallList = 8;
 
 /// Whether a list is short enough, and every box weighs one.
 bool is_small(std::span<const kdtree::BoxRef> refs);

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "accel/grow/common_vertex.h"
-#include "accel/grow/reference_budget.h"
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/sieve.h"
+#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -22,7 +22,7 @@ class ShortList {
   std::optional<kdtree::Cut> choose() {
     const kdtree::CellRefs list{
         .refs = refs_, .box = cell_.box, .path = cell_.path, .first = &cell_.first};
-    return choose_cut(context_.builder, list, counters_);
+    return context_.rule->choose(list, counters_);
   }
 
   Straddling sift(Sieve& sieve, Division& out) {
@@ -47,9 +47,6 @@ class ShortList {
   kdtree::BuildCounters& counters_;
 };
 
-static_assert(split::ScanBuilder::kCrowdBelow == kLongList,
-              "whole lists alone are clipped as crowds");
-
 /// Of short lists: a long one is cut to short ones first.
 bool meet_in_a_vertex(const DivideContext& context, const kdtree::DeferredCell& cell,
                       const Division& division) {
@@ -72,22 +69,22 @@ Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, 
   };
   if (cell.openable && cell.size <= kOpenBelow) return finer();
   const bool may_cut = cell.path.depth < context.max_depth &&
-                       (cell.openable || grow::is_worth_cutting(cell.path, cell.size));
+                       (cell.openable || split::is_worth_cutting(cell.path, cell.size));
   const std::optional<kdtree::Cut> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
-    Sieve sieve{context.builder,
+    Sieve sieve{context.rule,
                 std::nullopt,
                 *cut,
                 cell.path,
                 halve(cell.box, cut->plane.axis, cut->plane.position),
-                scans_children(context.builder, cell.size),
+                context.rule->scans_children(cell.size),
                 cell.openable};
     if (context.mesh != nullptr) sieve.clipped = *context.mesh;
     const Straddling straddling = list.sift(sieve, division);
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
       return finer();
     // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !grow::affords(cell.path, cell.size, straddling.all)) return {};
+    if (!cell.openable && !split::affords(cell.path, cell.size, straddling.all)) return {};
     const bool separates =
         division.left.list.size() < cell.size || division.right.list.size() < cell.size;
     if (separates) {

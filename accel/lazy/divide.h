@@ -9,14 +9,14 @@
 #include "accel/lazy/cell_task.h"
 #include "accel/lazy/reference_source.h"
 #include "accel/lazy/split_tree.h"
-#include "accel/split/kd_builder.h"
+#include "accel/split/split_search.h"
 
 namespace sightline::accel::lazy {
 
 /// What every cell of a tree is expanded by. `mesh`: what the references are faces of, for builders
 /// that clip; null if they are not.
 struct DivideContext {
-  const split::KdBuilder& builder;
+  const split::SplitRule& rule;
   const ReferenceSource& source;
   const geometry::MeshView* mesh;
   int max_depth;

@@ -68,10 +68,10 @@ std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context,
                                            const kdtree::DeferredCell& cell,
                                            const LongSource& source, Replay& replay) {
   const Stage& stage =
-      replay.next(1, [source, builder = context.builder, box = cell.box, path = cell.path,
+      replay.next(1, [source, rule = context.rule, box = cell.box, path = cell.path,
                       depth = context.max_depth](std::size_t, kdtree::BuildCounters& counters) {
         auto result = std::make_unique<SliceResult>();
-        result->cuts = std::make_shared<const CutTree>(builder, source.sample(counters), box, path,
+        result->cuts = std::make_shared<const CutTree>(*rule, source.sample(counters), box, path,
                                                        CutTree::kMostLevels, depth, counters);
         return result;
       });
@@ -83,7 +83,7 @@ std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context,
 std::optional<Division> divide_sampled(const DivideContext& context,
                                        const kdtree::DeferredCell& cell, Replay& replay,
                                        kdtree::BuildCounters& counters) {
-  if (!takes_samples(context.builder)) return std::nullopt;
+  if (!context.rule->takes_samples()) return std::nullopt;
   const LongSource source(context.source, cell, counters);
   if (source.openable() || source.size() < kSampleFrom) return std::nullopt;
   const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);

@@ -14,10 +14,10 @@
 #include <tbb/parallel_reduce.h>
 
 #include "accel/grow/grow.h"
-#include "accel/grow/reference_budget.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/stall_detector.h"
+#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -37,10 +37,9 @@ std::uint64_t weight_of(const Part& part) {
 }
 
 /// What the cuts of a tree over so many references may add.
-double budget(const split::KdBuilder& builder, std::size_t references) {
-  const auto* scan = std::get_if<split::ScanBuilder>(&builder);
-  if (scan == nullptr || scan->budget == 0) return std::numeric_limits<double>::infinity();
-  return (scan->budget - 1) * static_cast<double>(references);
+double budget(const split::SplitSearch& rule, std::size_t references) {
+  if (rule.budget() == 0) return std::numeric_limits<double>::infinity();
+  return (rule.budget() - 1) * static_cast<double>(references);
 }
 
 /// Adds the time of its life.
@@ -100,27 +99,26 @@ struct LazyTree::Shares {
     const auto before = static_cast<double>(cell.size);
     double after = 0;
     for (const Part& part : division.parts) after += static_cast<double>(part.list.size());
-    parted_little = grow::parts_little(cell.path, before, after);
+    parted_little = split::parts_little(cell.path, before, after);
     swell = cell.path.swell * std::max(1.0, after / before);
     double demands = 0;
     for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);
-    each = demands > 0 ? grow::left_over(cell.path, before, after) / demands : 0;
+    each = demands > 0 ? split::left_over(cell.path, before, after) / demands : 0;
   }
 
   double of(const Division& division, std::size_t part) const {
-    return grow::demand(division.cuts->parts()[part].box,
-                        static_cast<double>(division.parts[part].list.size()), parted_little);
+    return split::demand(division.cuts->parts()[part].box,
+                         static_cast<double>(division.parts[part].list.size()), parted_little);
   }
 };
 
-LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t closed,
-                   const split::KdBuilder& builder, ReferenceSource source,
-                   const geometry::MeshView* mesh)
-    : tree_(bounds, closed, {.spare = budget(builder, closed)}),
-      builder_(builder),
+LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t closed, split::SplitRule rule,
+                   ReferenceSource source, const geometry::MeshView* mesh)
+    : tree_(bounds, closed, {.spare = budget(*rule, closed)}),
+      rule_(std::move(rule)),
       source_(std::move(source)),
       closed_(closed),
-      context_{builder_, source_, mesh, grow::depth_limit(builder, closed)} {}
+      context_{rule_, source_, mesh, grow::depth_limit(*rule_, closed)} {}
 
 Expanded LazyTree::expand(kdtree::AtomicSlot& slot, AtBusy at_busy,
                           kdtree::BuildCounters& counters) {
@@ -265,9 +263,9 @@ kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& 
   const kdtree::Slot slot = kdtree::Slot::binary(plane, *pair);
   const geometry::HalvedCell halves = halve(cell.box, plane.axis, plane.position);
   const auto weight = [](const Part& part) { return static_cast<double>(weight_of(part)); };
-  const grow::HalvedPath path =
-      grow::halve_path(division.path, division.cut, halves, static_cast<double>(cell.weight),
-                       weight(division.left), weight(division.right));
+  const split::HalvedPath path =
+      split::halve_path(division.path, division.cut, halves, static_cast<double>(cell.weight),
+                        weight(division.left), weight(division.right));
   kdtree::AtomicSlot* children = tree_.children(slot);
   children[0].store(defer(std::move(division.left), halves.left, path.left).bits(),
                     std::memory_order_relaxed);
@@ -302,7 +300,7 @@ kdtree::Slot LazyTree::finish(const kdtree::DeferredCell& cell, kdtree::BuildCou
                               const std::atomic<bool>* cancelled) {
   kdtree::BoxList list = cell.list.copy();
   if (cell.openable) list = open_all(source_, std::move(list), cell.box, counters);
-  const grow::GrowContext context{tree_, builder_, context_.mesh, context_.max_depth, cancelled};
+  const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
   return grow::grow(context, list.all(), cell.box, cell.path, counters);
 }
 

@@ -28,9 +28,9 @@ enum class AtBusy : std::uint8_t {
 class LazyTree {
  public:
   /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
-  /// bound. `mesh`: what the closed ones are faces of, for builders that clip; null if they are
+  /// bound. `mesh`: what the closed ones are faces of, for rules that clip; null if they are
   /// not. Must outlive the tree.
-  LazyTree(const geometry::Aabb& bounds, std::size_t closed, const split::KdBuilder& builder,
+  LazyTree(const geometry::Aabb& bounds, std::size_t closed, split::SplitRule rule,
            ReferenceSource source, const geometry::MeshView* mesh = nullptr);
 
   const kdtree::KdTree& tree() const { return tree_; }
@@ -74,7 +74,7 @@ class LazyTree {
                kdtree::BuildCounters& counters);
 
   kdtree::KdTree tree_;
-  split::KdBuilder builder_;
+  split::SplitRule rule_;
   ReferenceSource source_;
   std::size_t closed_;
   DivideContext context_;

@@ -27,7 +27,7 @@ Part gather(const Stage& stage, std::shared_ptr<const kdtree::BoxList> SliceResu
 std::optional<kdtree::Cut> LongList::choose() {
   kdtree::CellRefs refs{
       .refs = {}, .box = cell_.box, .path = cell_.path, .size = cell_.size, .first = &cell_.first};
-  if (!runs_passes(context_.builder)) return choose_whole(refs);
+  if (!context_.rule->runs_passes()) return choose_whole(refs);
   const split::RunPass run = [this](const split::PassKernel& kernel) {
     const Stage& stage = replay_.next(
         list_->slices(), [list = list_, kernel](std::size_t slice, kdtree::BuildCounters&) {
@@ -41,7 +41,7 @@ std::optional<kdtree::Cut> LongList::choose() {
     return sums;
   };
   refs.run = &run;
-  return choose_cut(context_.builder, refs, counters_);
+  return context_.rule->choose(refs, counters_);
 }
 
 Straddling LongList::sift(const Sieve& sieve, Division& out) {
@@ -82,17 +82,17 @@ Part LongList::open() {
 
 /// For builders that want the list in one piece.
 std::optional<kdtree::Cut> LongList::choose_whole(kdtree::CellRefs refs) {
-  const Stage& stage = replay_.next(1, [refs, list = list_, builder = context_.builder](
-                                           std::size_t, kdtree::BuildCounters& counters) {
-    const kdtree::BoxList whole = join(list->all(), list->size());
-    kdtree::CellRefs of_whole = refs;
-    of_whole.refs = whole.all();
-    of_whole.size = whole.size();
-    of_whole.first = nullptr;
-    auto result = std::make_unique<SliceResult>();
-    result->cut = choose_cut(builder, of_whole, counters);
-    return result;
-  });
+  const Stage& stage = replay_.next(
+      1, [refs, list = list_, rule = context_.rule](std::size_t, kdtree::BuildCounters& counters) {
+        const kdtree::BoxList whole = join(list->all(), list->size());
+        kdtree::CellRefs of_whole = refs;
+        of_whole.refs = whole.all();
+        of_whole.size = whole.size();
+        of_whole.first = nullptr;
+        auto result = std::make_unique<SliceResult>();
+        result->cut = rule->choose(of_whole, counters);
+        return result;
+      });
   return stage[0].cut;
 }
 

@@ -2,7 +2,7 @@
 #include "accel/lazy/sieve.h"
 
 #include "accel/grow/clip_straddlers.h"
-#include "accel/grow/sift.h"
+#include "accel/kdtree/sift.h"
 
 namespace sightline::accel::lazy {
 
@@ -13,16 +13,16 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::Box
   const std::span<kdtree::BoxRef> left = room.first(size), right = room.subspan(size);
   split::FirstScans scans;
   if (sieve.scans) {
-    scans.left_planes = first_planes(sieve.builder, sieve.halves.left);
-    scans.right_planes = first_planes(sieve.builder, sieve.halves.right);
+    scans.left_planes = sieve.rule->first_planes(sieve.halves.left);
+    scans.right_planes = sieve.rule->first_planes(sieve.halves.right);
   }
-  grow::Sifted n;
+  kdtree::Sifted n;
   for (const std::span<const kdtree::BoxRef> part : spans) {
     kdtree::BoxRef* const to_left = left.data() + n.left;
     kdtree::BoxRef* const to_right = right.data() + n.right;
-    const grow::Sifted more = sieve.scans
-                                  ? sift_and_scan(part, sieve.cut.plane, to_left, to_right, scans)
-                                  : grow::sift(part, sieve.cut, to_left, to_right);
+    const kdtree::Sifted more = sieve.scans
+                                    ? sift_and_scan(part, sieve.cut.plane, to_left, to_right, scans)
+                                    : kdtree::sift(part, sieve.cut, to_left, to_right);
     n.left += more.left;
     n.right += more.right;
   }
@@ -35,7 +35,7 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::Box
   }
   sides.straddling.all = n.left + n.right - size;
   const std::size_t seen = sieve.whole ? size : 0;  // one slice says nothing of all
-  if (sieve.clipped && clips(sieve.builder, sieve.path, sides.straddling.all, seen)) {
+  if (sieve.clipped && sieve.rule->clips(sieve.path, sides.straddling.all, seen)) {
     scans = {};
     n.left = grow::clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
     n.right =

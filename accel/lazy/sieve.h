@@ -8,13 +8,13 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/reference_list.h"
 #include "accel/split/child_scan.h"
-#include "accel/split/kd_builder.h"
+#include "accel/split/split_search.h"
 
 namespace sightline::accel::lazy {
 
 /// What sifting needs to know of a cell; owns it, so that it may be done late.
 struct Sieve {
-  split::KdBuilder builder;
+  split::SplitRule rule;
   std::optional<geometry::MeshView> clipped;  ///< What straddlers are clipped against, if they are.
   kdtree::Cut cut;
   kdtree::CellPath path;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "accel/grow/sift.h"
+#include "accel/kdtree/sift.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -17,18 +17,6 @@ constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
 
-bool takes_samples(const split::KdBuilder& builder) {
-  return std::visit(
-      [](const auto& b) {
-        if constexpr (requires { b.takes_samples(); }) {
-          return b.takes_samples();
-        } else {
-          return false;
-        }
-      },
-      builder);
-}
-
 std::vector<std::size_t> sample_places(std::size_t size) {
   const std::size_t stretch = std::max(kStretch, size / kMostSample);
   std::vector<std::size_t> places(size / stretch);
@@ -40,16 +28,16 @@ std::vector<std::size_t> sample_places(std::size_t size) {
 }
 
 struct CutTree::Growth {
-  const split::KdBuilder& builder;
+  const split::SplitSearch& rule;
   int max_depth;
 };
 
-CutTree::CutTree(const split::KdBuilder& builder, std::vector<kdtree::BoxRef> sample,
+CutTree::CutTree(const split::SplitSearch& rule, std::vector<kdtree::BoxRef> sample,
                  const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
                  kdtree::BuildCounters& counters) {
   const std::size_t size = sample.size();
   sample.resize(size + room(size));
-  grow({builder, max_depth}, std::span(sample).first(size), sample.data() + size, box, path, levels,
+  grow({rule, max_depth}, std::span(sample).first(size), sample.data() + size, box, path, levels,
        counters);
 }
 
@@ -59,13 +47,13 @@ CutTree::Child CutTree::grow(const Growth& growth, std::span<kdtree::BoxRef> sam
                              kdtree::BuildCounters& counters) {
   std::optional<kdtree::Cut> cut;
   if (levels > 0 && sample.size() >= kLeastSample && path.depth < growth.max_depth) {
-    cut = choose_cut(growth.builder, {sample, box, path}, counters);
+    cut = growth.rule.choose({sample, box, path}, counters);
   }
   if (!cut) {
     parts_.push_back({box, path});
     return {true, parts_.size() - 1};
   }
-  const grow::Sifted n = grow::sift(sample, *cut, sample.data(), room);
+  const kdtree::Sifted n = kdtree::sift(sample, *cut, sample.data(), room);
   counters.touches += sample.size();
   const geometry::HalvedCell halves = halve(box, cut->plane.axis, cut->plane.position);
   const kdtree::CellPath below = path.below(*cut);
@@ -91,7 +79,7 @@ std::vector<std::shared_ptr<const kdtree::BoxList>> CutTree::divide(
       return;
     }
     const Node& node = nodes_[child.place];
-    const grow::Sifted n = grow::sift(list, node.cut, list.data(), free);
+    const kdtree::Sifted n = kdtree::sift(list, node.cut, list.data(), free);
     counters.touches += list.size();
     self(self, node.left, list.first(n.left), free + n.right);
     self(self, node.right, {free, n.right}, free + n.right);

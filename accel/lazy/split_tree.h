@@ -7,15 +7,12 @@
 #include <vector>
 
 #include "accel/kdtree/reference_list.h"
-#include "accel/split/kd_builder.h"
+#include "accel/split/split_search.h"
 
 namespace sightline::accel::lazy {
 
-/// Lists of at least this many references are cut by samples, by builders that take them.
+/// Lists of at least this many references are cut by samples, by rules that take them.
 inline constexpr std::size_t kSampleFrom = 8192;
-
-/// Whether the builder may decide by a sample. The papers' look at everything.
-bool takes_samples(const split::KdBuilder& builder);
 
 /// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
 /// at a place in it that follows no order a list might have. Ascending.
@@ -41,7 +38,7 @@ class CutTree {
   };
 
   /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
-  CutTree(const split::KdBuilder& builder, std::vector<kdtree::BoxRef> sample,
+  CutTree(const split::SplitSearch& rule, std::vector<kdtree::BoxRef> sample,
           const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
           kdtree::BuildCounters& counters);
 

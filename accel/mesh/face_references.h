@@ -5,15 +5,8 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/lazy/reference_source.h"
-#include "accel/split/kd_builder.h"
 
 namespace sightline::accel::mesh {
-
-/// Whether the builder's trees may begin with runs. Those are opened by the rule of membership,
-/// which builders do not follow that choose the side of flat boxes.
-inline bool takes_runs(const split::KdBuilder& builder) {
-  return !std::holds_alternative<published::kd::ExactBuilder>(builder);
-}
 
 /// `bounds`: of the finite triangles. Whether runs are made of the faces, where they may be, is
 /// decided by whoever asks first. `alive`: see ReferenceSource.

@@ -7,8 +7,6 @@
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
 #include "accel/mesh/runs.h"
-#include "accel/published/bvh/bvh_measure.h"
-#include "accel/published/bvh/bvh_walk.h"
 
 namespace sightline::accel::mesh {
 namespace {
@@ -51,19 +49,16 @@ struct KdVisit : LeafTest {
 }  // namespace
 
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                              const MeshSurvey& survey, const published::AnyBuilder& builder,
+                              const MeshSurvey& survey, const TreeBuilder& builder,
                               References references, std::shared_ptr<const void> alive) {
-  if (const auto* bvh = std::get_if<published::bvh::BvhBuilder>(&builder))
-    return Tree(std::in_place_type<published::bvh::BvhTree>, mesh, *bvh);
-  const split::KdBuilder& kd = std::get<split::KdBuilder>(builder);
-  const bool may_run = references == References::kRuns && takes_runs(kd);
+  if (builder.whole != nullptr) return Tree(builder.whole->make(mesh));
+  const bool may_run = references == References::kRuns && builder.rule->takes_runs();
   return Tree(std::in_place_type<lazy::LazyTree>, padded(survey.bounds), survey.finite_triangles,
-              kd, source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+              builder.rule, source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
 }
 
-MeshTree::MeshTree(geometry::MeshView mesh, const MeshSurvey& survey,
-                   const published::AnyBuilder& builder, References references,
-                   std::shared_ptr<const void> alive)
+MeshTree::MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
+                   References references, std::shared_ptr<const void> alive)
     : mesh_(mesh),
       bounds_(padded(survey.bounds)),
       finite_triangles_(survey.finite_triangles),
@@ -78,26 +73,21 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
     KdVisit visit{test, *lazy, built};
     walk(lazy->tree(), ray, lazy->root(), walked, visit);
   } else {
-    query_bvh(std::get<published::bvh::BvhTree>(tree_), test, built);
+    query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
   }
 }
 
-void MeshTree::query_bvh(published::bvh::BvhTree& tree, LeafTest test,
-                         kdtree::BuildCounters& built) {
-  const published::bvh::Bvh* bvh = tree.built();
-  if (bvh == nullptr && test.query.at_unbuilt == AtUnbuilt::kExpand) bvh = &tree.build(built);
-  if (bvh != nullptr) {
-    walk(*bvh, test.ray, test.walked, test);
-    return;
-  }
+void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
+  if (!tree.is_built() && test.query.at_unbuilt == AtUnbuilt::kExpand) tree.build(built);
+  if (tree.is_built()) return tree.query(test);
   test.query.met_unbuilt = true;
   if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) return lazy->expand_all(built, cancelled);
-  auto& bvh = std::get<published::bvh::BvhTree>(tree_);
-  if (bvh.built() == nullptr && (cancelled == nullptr || !cancelled->load())) bvh.build(built);
+  WholeTree& whole = *std::get<std::unique_ptr<WholeTree>>(tree_);
+  if (!whole.is_built() && (cancelled == nullptr || !cancelled->load())) whole.build(built);
 }
 
 const kdtree::KdTree* MeshTree::kd() const {
@@ -105,23 +95,25 @@ const kdtree::KdTree* MeshTree::kd() const {
   return lazy != nullptr ? &lazy->tree() : nullptr;
 }
 
-bool MeshTree::untouched() const {
-  return kd() != nullptr ? kdtree::load(kd()->root()).is_unbuilt() : bvh()->built() == nullptr;
+const WholeTree* MeshTree::whole() const {
+  const auto* whole = std::get_if<std::unique_ptr<WholeTree>>(&tree_);
+  return whole != nullptr ? whole->get() : nullptr;
 }
 
-std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : bvh()->bytes(); }
+bool MeshTree::untouched() const {
+  return kd() != nullptr ? kdtree::load(kd()->root()).is_unbuilt() : !whole()->is_built();
+}
+
+std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : whole()->bytes(); }
 
 kdtree::TreeMetrics MeshTree::metrics() const {
-  if (kd() != nullptr) return measure(*kd());
-  if (const published::bvh::Bvh* built = bvh()->built()) return measure(*built);
-  return {.unbuilt_cells = 1};
+  return kd() != nullptr ? measure(*kd()) : whole()->metrics();
 }
 
 kdtree::GrowthMetrics MeshTree::growth() const {
   if (kd() != nullptr) return measure_growth(*kd(), mesh_.faces.size());
-  const published::bvh::Bvh* built = bvh()->built();
-  if (built == nullptr) return {.cells_deferred = 1};
-  return {.cells_built = 2 * built->nodes.size() + 1, .references_built = finite_triangles_};
+  if (!whole()->is_built()) return {.cells_deferred = 1};
+  return {.cells_built = whole()->cells(), .references_built = finite_triangles_};
 }
 
 }  // namespace sightline::accel::mesh

@@ -15,10 +15,17 @@
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/unique_hits.h"
-#include "accel/published/any_builder.h"
-#include "accel/published/bvh/bvh_tree.h"
+#include "accel/mesh/whole_tree.h"
+#include "accel/split/scan_split.h"
 
 namespace sightline::accel::mesh {
+
+/// What a mesh's tree is made by.
+struct TreeBuilder {
+  split::SplitRule rule = split::default_rule();
+  /// If set, the tree is built whole by it, and `rule` is not used.
+  std::shared_ptr<const WholeTreeMaker> whole = nullptr;
+};
 
 /// What a mesh's tree begins with.
 enum class References : std::uint8_t {
@@ -64,16 +71,14 @@ struct MeshQuery {
   bool collects() const { return list != nullptr || primitives != nullptr; }
 };
 
-struct LeafTest;
-
-/// A kd-tree that grows cell by cell, or a hierarchy that is built whole: by what the builder is.
+/// A kd-tree that grows cell by cell. For comparisons a tree that is built whole can stand in.
 ///
 /// Threads: all members, from any thread pinned to an epoch.
 class MeshTree {
  public:
   /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
   /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
-  MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const published::AnyBuilder& builder,
+  MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
   /// Looks for hits and updates the query.
@@ -89,16 +94,14 @@ class MeshTree {
 
   /// The one that there is; the other is null.
   const kdtree::KdTree* kd() const;
-  const published::bvh::BvhTree* bvh() const {
-    return std::get_if<published::bvh::BvhTree>(&tree_);
-  }
+  const WholeTree* whole() const;
 
  private:
-  using Tree = std::variant<lazy::LazyTree, published::bvh::BvhTree>;
+  using Tree = std::variant<lazy::LazyTree, std::unique_ptr<WholeTree>>;
   static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                   const MeshSurvey& survey, const published::AnyBuilder& builder,
-                   References references, std::shared_ptr<const void> alive);
-  void query_bvh(published::bvh::BvhTree& tree, LeafTest test, kdtree::BuildCounters& built);
+                   const MeshSurvey& survey, const TreeBuilder& builder, References references,
+                   std::shared_ptr<const void> alive);
+  void query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built);
 
   geometry::MeshView mesh_;
   geometry::Aabb bounds_;  ///< Holds all references.

@@ -12,48 +12,19 @@ struct Named {
   AnyBuilder builder;
 };
 
-/// Above this share of a leaf's cost the longest axis is taken to have no good cut.
-constexpr double kPoorCut = 0.85;
-
-/// Lists up to this length are cut at their bounds by the guided builders: longer ones cost fewer
-/// touches and no more time by two passes.
-constexpr std::uint32_t kGuidedExact = 48;
-
-/// References a triangle of our own builders. Good trees over compact meshes have four to eight.
-constexpr double kBudget = 16;
-
-split::ScanBuilder scan_fast() {
-  return {.axes = split::ScanAxes::kGuided,
-          .exact_below = kGuidedExact,
-          .hybrid_below = 8,  // as many as are weighed at once, as sets of bits
-          .retry_above = kPoorCut,
-          .refine_all_axes = true,
-          .clip_crowds = true,
-          .budget = kBudget};
-}
-
-split::ScanBuilder scan_best() {
-  return {.axes = split::ScanAxes::kGuided,
-          .exact_below = kGuidedExact,
-          .hybrid_below = kGuidedExact,
-          .refine_all_axes = true,
-          .clip = true,
-          .budget = kBudget};
-}
-
 const std::vector<Named>& all_builders() {
   static const std::vector<Named> kBuilders = {
-      {"spatial-median", split::KdBuilder(kd::SpatialMedianBuilder{})},
-      {"object-median", split::KdBuilder(kd::ObjectMedianBuilder{})},
-      {"sah-naive", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kNaive})},
-      {"sah-sort", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSort})},
-      {"sah-sweep", split::KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSweep})},
-      {"min-max-bins", split::KdBuilder(kd::MinMaxBuilder{})},
-      {"scan-one-axis", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kOne})},
-      {"scan-hybrid", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kHybrid})},
-      {"scan-all-axes", split::KdBuilder(split::ScanBuilder{.axes = split::ScanAxes::kAll})},
-      {"scan-fast", split::KdBuilder(scan_fast())},
-      {"scan-best", split::KdBuilder(scan_best())},
+      {"spatial-median", KdBuilder(kd::SpatialMedianBuilder{})},
+      {"object-median", KdBuilder(kd::ObjectMedianBuilder{})},
+      {"sah-naive", KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kNaive})},
+      {"sah-sort", KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSort})},
+      {"sah-sweep", KdBuilder(kd::ExactBuilder{.search = kd::ExactSearch::kSweep})},
+      {"min-max-bins", KdBuilder(kd::MinMaxBuilder{})},
+      {"scan-one-axis", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kOne})},
+      {"scan-hybrid", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kHybrid})},
+      {"scan-all-axes", KdBuilder(kd::HuntScan{.axes = kd::ScanAxes::kAll})},
+      {"scan-fast", KdBuilder(split::scan_fast())},
+      {"scan-best", KdBuilder(split::scan_best())},
       {"bvh-sweep", bvh::BvhBuilder{.method = bvh::BvhMethod::kSweep}},
       {"bvh-binned",
        bvh::BvhBuilder{.method = bvh::BvhMethod::kBinned, .leaf = {.split_small = true}}},
@@ -82,8 +53,27 @@ struct Parameter {
 template <class Builder>
 using Parameters = std::vector<Parameter<Builder>>;
 
-const Parameters<split::ScanBuilder>& parameters(const split::ScanBuilder&) {
-  using B = split::ScanBuilder;
+const Parameters<split::ScanSplit>& parameters(const split::ScanSplit&) {
+  using B = split::ScanSplit;
+  static const Parameters<B> kParameters = {
+      {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"uniform_samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
+      {"exact_below", [](B& b) -> std::uint32_t& { return b.exact_below; }},
+      {"hybrid_below", [](B& b) -> std::uint32_t& { return b.all_axes_up_to; }},
+      {"cost_traverse", [](B& b) -> double& { return b.cost.traverse; }},
+      {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
+      {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
+      {"retry_above", [](B& b) -> double& { return b.retry_above; }},
+      {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
+      {"clip", [](B& b) -> bool& { return b.clip; }},
+      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
+      {"budget", [](B& b) -> double& { return b.budget; }},
+  };
+  return kParameters;
+}
+
+const Parameters<kd::HuntScan>& parameters(const kd::HuntScan&) {
+  using B = kd::HuntScan;
   static const Parameters<B> kParameters = {
       {"samples", [](B& b) -> std::uint32_t& { return b.uniform_samples; }},
       {"samples", [](B& b) -> std::uint32_t& { return b.adaptive_samples; }},
@@ -95,11 +85,8 @@ const Parameters<split::ScanBuilder>& parameters(const split::ScanBuilder&) {
       {"cost_intersect", [](B& b) -> double& { return b.cost.intersect; }},
       {"empty_bonus", [](B& b) -> double& { return b.cost.empty_bonus; }},
       {"retry_above", [](B& b) -> double& { return b.retry_above; }},
-      {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
       {"snap", [](B& b) -> bool& { return b.snap; }},
       {"clip", [](B& b) -> bool& { return b.clip; }},
-      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
-      {"budget", [](B& b) -> double& { return b.budget; }},
   };
   return kParameters;
 }
@@ -241,9 +228,7 @@ Status set(Builder& builder, std::string_view key, std::string_view value) {
 
 }  // namespace
 
-split::KdBuilder default_builder() { return scan_fast(); }
-
-split::KdBuilder frame_builder() { return split::ScanBuilder{.axes = split::ScanAxes::kOne}; }
+AnyBuilder default_builder() { return KdBuilder(split::scan_fast()); }
 
 std::vector<std::string_view> builder_names() {
   std::vector<std::string_view> names;
@@ -262,8 +247,7 @@ Result<AnyBuilder> make_builder(std::string_view name) {
 
 Status set_parameter(AnyBuilder& builder, std::string_view key, std::string_view value) {
   if (auto* bvh = std::get_if<bvh::BvhBuilder>(&builder)) return set(*bvh, key, value);
-  return std::visit([&](auto& b) { return set(b, key, value); },
-                    std::get<split::KdBuilder>(builder));
+  return std::visit([&](auto& b) { return set(b, key, value); }, std::get<KdBuilder>(builder));
 }
 
 }  // namespace sightline::accel::published

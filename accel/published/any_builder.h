@@ -1,4 +1,4 @@
-// The one place where a builder is chosen at run time.
+// Builders chosen by name at run time, ours and the papers'.
 #pragma once
 
 #include <optional>
@@ -7,22 +7,33 @@
 #include <variant>
 #include <vector>
 
+#include "accel/mesh/mesh_tree.h"
 #include "accel/published/bvh/bvh_builder.h"
+#include "accel/published/kd/exact_builder.h"
+#include "accel/published/kd/hunt_scan.h"
+#include "accel/published/kd/median_builders.h"
+#include "accel/published/kd/min_max_builder.h"
 #include "accel/result.h"
-#include "accel/split/kd_builder.h"
 
 namespace sightline::accel::published {
 
-/// What a mesh's tree is made by. Trees over a scene's nodes are kd-trees, whatever their meshes
-/// have.
-using AnyBuilder = std::variant<split::KdBuilder, bvh::BvhBuilder>;
+/// A kd-tree builder as its value: ours, or a paper's.
+using KdBuilder = std::variant<split::ScanSplit, kd::HuntScan, kd::SpatialMedianBuilder,
+                               kd::ObjectMedianBuilder, kd::ExactBuilder, kd::MinMaxBuilder>;
 
-/// What trees are grown by unless told otherwise: scan-fast.
-split::KdBuilder default_builder();
+/// The interface to that rule (split/split_search.h).
+split::SplitRule rule_of(const KdBuilder& builder);
 
-/// What trees are grown by that may last for one revision only: scan-one-axis, which builds in the
-/// least time (docs/decisions/0018-frame-trees.md).
-split::KdBuilder frame_builder();
+/// Any builder that can be named.
+struct AnyBuilder : std::variant<KdBuilder, bvh::BvhBuilder> {
+  using std::variant<KdBuilder, bvh::BvhBuilder>::variant;
+
+  /// What meshes take.
+  operator mesh::TreeBuilder() const;  // NOLINT(google-explicit-constructor): it is the same thing
+};
+
+/// What the product grows trees by: scan-fast.
+AnyBuilder default_builder();
 
 /// All names that make_builder knows, in the order of docs/builders.md: kd-trees first.
 std::vector<std::string_view> builder_names();

@@ -85,15 +85,15 @@ HWY_INLINE void copy(const hn::Vec<Box>* box, kdtree::BoxRef* to) {
     hn::StoreU(box[p], Box(), reinterpret_cast<std::uint32_t*>(to) + p * kBoxLanes);
 }
 
-grow::Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                  kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
+kdtree::Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                    kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
   const auto cut = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
   Axis along_x, along_y, along_z;  // by name: they have to stay in registers
   load(scans, 0, along_x);
   load(scans, 1, along_y);
   load(scans, 2, along_z);
-  grow::Sifted n;
+  kdtree::Sifted n;
   for (std::size_t i = 0; i < refs.size(); ++i) {
     const kdtree::BoxRef& ref = refs[i];
     const std::size_t in_left = ref.lo[cut]<x, in_right = ref.hi[cut]> x;
@@ -158,8 +158,8 @@ FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n) {
   return planes;
 }
 
-grow::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                           kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
+kdtree::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                             kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
   return HWY_DYNAMIC_DISPATCH(sift)(refs, plane, left, right, scans);
 }
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/grow/sift.h"
 #include "accel/kdtree/reference.h"
+#include "accel/kdtree/sift.h"
 #include "accel/split/scan_kernel.h"
 
 namespace sightline::accel::split {
@@ -48,7 +48,7 @@ struct FirstScans {
 /// As sift by {plane}, and adds to the scans what the first pass over what was written would find.
 /// One touch a reference. Writes and counts the same on every SIMD target. May be called on one
 /// piece of a list after the other, or with scans of their own on several at once.
-grow::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                           kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans);
+kdtree::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
+                             kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans);
 
 }  // namespace sightline::accel::split

@@ -28,6 +28,9 @@ struct BoundRule {
 /// Longest list that choose_bound takes.
 inline constexpr std::size_t kMaxBoundScan = 256;
 
+/// Longest list whose subtree is grown as sets of bits (grow/small_subtree.h).
+inline constexpr std::size_t kSmallList = 8;
+
 /// The rule's cut, or nothing. The same on every SIMD target. refs: 1 to kMaxBoundScan. Touches: a
 /// pass over the list for every kScanWidth candidates of an axis.
 std::optional<kdtree::Cut> choose_bound(std::span<const kdtree::BoxRef> refs,

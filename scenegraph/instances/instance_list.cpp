@@ -38,8 +38,8 @@ void Instances::begin() const {
   source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out, accel::kdtree::BuildCounters&) {
     open(ref, out);
   };
-  made->tree = std::make_unique<accel::lazy::LazyTree>(
-      bounds, size(), accel::published::default_builder(), std::move(source));
+  made->tree = std::make_unique<accel::lazy::LazyTree>(bounds, size(), accel::split::default_rule(),
+                                                       std::move(source));
   const Beginning* none = nullptr;
   if (beginning_.compare_exchange_strong(none, made.get(), std::memory_order_acq_rel))
     (void)made.release();

@@ -14,15 +14,11 @@ Error bad_index(const accel::geometry::Face& face, std::size_t i, std::size_t ve
           "INDEX_OUT_OF_RANGE"};
 }
 
-/// A tree that may last for one frame begins with single triangles up to here; beyond, sparse rays
-/// would pay too much for the list of all.
-constexpr std::uint64_t kSoupUpTo = std::uint64_t{1} << 18;
-
 }  // namespace
 
 Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3f> vertices,
                                                std::vector<accel::geometry::Face> faces,
-                                               const accel::published::AnyBuilder& builder,
+                                               const accel::mesh::TreeBuilder& builder,
                                                accel::mesh::References references) {
   if (faces.size() > kMaxFacesPerMesh) {
     return Error{Code::kResourceExhausted,
@@ -41,7 +37,7 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3
 }
 
 Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
-           const accel::published::AnyBuilder& builder, accel::mesh::References references)
+           const accel::mesh::TreeBuilder& builder, accel::mesh::References references)
     : arrays_(std::move(arrays)),
       bounds_(survey.bounds),
       triangles_(survey.triangles),
@@ -62,12 +58,7 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
   const accel::mesh::MeshSurvey survey =
       accel::mesh::survey_mesh({arrays->vertices, *arrays->faces});
-  const bool by_default =
-      builder_ == accel::published::AnyBuilder(accel::published::default_builder());
-  return std::shared_ptr<const Mesh>(new Mesh(
-      std::move(arrays), survey,
-      by_default ? accel::published::AnyBuilder(accel::published::frame_builder()) : builder_,
-      by_default && triangles_ <= kSoupUpTo ? accel::mesh::References::kSoup : references_));
+  return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder_, references_));
 }
 
 std::uint64_t Mesh::bytes() const {

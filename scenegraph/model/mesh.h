@@ -26,12 +26,11 @@ class Mesh {
   /// `builder` is what its tree will be grown by, `references` what it begins with.
   static Result<std::shared_ptr<const Mesh>> make(
       std::vector<accel::geometry::Vec3f> vertices, std::vector<accel::geometry::Face> faces,
-      const accel::published::AnyBuilder& builder = accel::published::default_builder(),
+      const accel::mesh::TreeBuilder& builder = {},
       accel::mesh::References references = accel::mesh::References::kRuns);
 
-  /// The same faces about other vertices, as many: only the tree begins anew, by the builder of the
-  /// mesh if that is not the default, else by accel::frame_builder(), as it may last for one
-  /// revision. Errors: kInvalidArgument, a count that differs.
+  /// The same faces about other vertices, as many: only the tree begins anew. Errors:
+  /// kInvalidArgument, a count that differs.
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices) const;
 
   accel::geometry::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
@@ -55,13 +54,13 @@ class Mesh {
     std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
   Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
-       const accel::published::AnyBuilder& builder, accel::mesh::References references);
+       const accel::mesh::TreeBuilder& builder, accel::mesh::References references);
 
   std::shared_ptr<const Arrays> arrays_;
   accel::geometry::Aabb bounds_;
   std::uint64_t triangles_ = 0;
   std::uint64_t nonfinite_ = 0;
-  accel::published::AnyBuilder builder_;
+  accel::mesh::TreeBuilder builder_;
   accel::mesh::References references_;
   std::unique_ptr<accel::mesh::MeshTree> tree_;
 };

@@ -1,15 +1,19 @@
-// Building once, by whoever comes first.
+// Building once, and walking what is built.
 #include "accel/published/bvh/bvh_tree.h"
 
 #include <chrono>
 
 #include <tbb/task_arena.h>
 
+#include "accel/mesh/leaf_test.h"
+#include "accel/published/bvh/bvh_measure.h"
+#include "accel/published/bvh/bvh_walk.h"
+
 namespace sightline::accel::published::bvh {
 
-const Bvh& BvhTree::build(kdtree::BuildCounters& counters) {
+void BvhTree::build(kdtree::BuildCounters& counters) {
   const std::lock_guard lock(building_);
-  if (const Bvh* bvh = built()) return *bvh;
+  if (is_built()) return;
   const auto begun = std::chrono::steady_clock::now();
   std::unique_ptr<const Bvh> bvh;
   // Isolated: this thread must not take up a ray meanwhile that waits for this very lock.
@@ -18,8 +22,14 @@ const Bvh& BvhTree::build(kdtree::BuildCounters& counters) {
   ++counters.cells_expanded;
   counters.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  built_.store(bvh.get(), std::memory_order_release);
-  return *bvh.release();
+  built_.store(bvh.release(), std::memory_order_release);
+}
+
+void BvhTree::query(mesh::LeafTest& test) const { walk(*built(), test.ray, test.walked, test); }
+
+kdtree::TreeMetrics BvhTree::metrics() const {
+  if (is_built()) return measure(*built());
+  return {.unbuilt_cells = 1};
 }
 
 }  // namespace sightline::accel::published::bvh

@@ -1,4 +1,4 @@
-// A hierarchy over a mesh's triangles that is not there before somebody asks for it.
+// A hierarchy over a mesh's triangles, built when the first ray asks for it.
 #pragma once
 
 #include <atomic>
@@ -7,33 +7,29 @@
 #include <memory>
 #include <mutex>
 
+#include "accel/mesh/whole_tree.h"
 #include "accel/published/bvh/bvh_builder.h"
 
 namespace sightline::accel::published::bvh {
 
 /// Hierarchies over boxes do not grow piece by piece: what is below a node has to be known before
 /// its box is. The first ray that enters builds all of it, while others wait.
-///
-/// Threads: all members, from any.
-class BvhTree {
+class BvhTree final : public mesh::WholeTree {
  public:
   /// The view's arrays must outlive the tree.
   BvhTree(const geometry::MeshView& mesh, const BvhBuilder& builder)
       : mesh_(mesh), builder_(builder) {}
-  ~BvhTree() { delete built_.load(std::memory_order_relaxed); }
-  BvhTree(const BvhTree&) = delete;
-  BvhTree& operator=(const BvhTree&) = delete;
+  ~BvhTree() override { delete built_.load(std::memory_order_relaxed); }
 
   /// Null before it is built.
   const Bvh* built() const { return built_.load(std::memory_order_acquire); }
 
-  /// Builds it, or waits for whoever does. Throws std::bad_alloc; the next may try again.
-  const Bvh& build(kdtree::BuildCounters& counters);
-
-  std::uint64_t bytes() const {
-    const Bvh* bvh = built();
-    return bvh != nullptr ? bvh->bytes() : 0;
-  }
+  bool is_built() const override { return built() != nullptr; }
+  void build(kdtree::BuildCounters& counters) override;
+  void query(mesh::LeafTest& test) const override;
+  std::uint64_t bytes() const override { return is_built() ? built()->bytes() : 0; }
+  kdtree::TreeMetrics metrics() const override;
+  std::uint64_t cells() const override { return is_built() ? 2 * built()->nodes.size() + 1 : 1; }
 
  private:
   geometry::MeshView mesh_;

@@ -32,7 +32,8 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const published::AnyBuilder& builder) {
-  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder, mesh::References::kSoup);
+  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder,
+                      mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);
   return static_cast<double>(counters.touches);
@@ -50,8 +51,11 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
     published::AnyBuilder values = *published::make_builder(builder);
     // The exact bottom costs every triangle the same, in steps as its lists halve: a short one
     // leaves the law to be seen at sizes that a test can build.
-    if (auto* scan = std::get_if<split::ScanBuilder>(&std::get<split::KdBuilder>(values)))
-      scan->exact_below = 36;
+    std::visit(
+        [](auto& kd) {
+          if constexpr (requires { kd.exact_below; }) kd.exact_below = 36;
+        },
+        std::get<published::KdBuilder>(values));
     points.push_back({static_cast<double>(mesh.faces.size()), touches(mesh, values)});
   }
   return points;

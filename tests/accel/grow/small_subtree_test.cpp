@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/published/any_builder.h"
+#include "accel/split/scan_split.h"
 #include "tests/accel/boxes.h"
 
 namespace sightline::accel::grow {
@@ -66,7 +66,7 @@ class Recut {
 
 void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
                  int max_depth = 20) {
-  const split::KdBuilder builder = published::default_builder();  // not asked for anything
+  const split::SplitSearch& unused = *split::default_rule();
   for (const split::BoundRule& rule :
        {split::BoundRule{}, split::BoundRule{.cost = {}, .all_axes_up_to = 0},
         split::BoundRule{.cost = {}, .all_axes_up_to = 0, .retry_above = 0.85},
@@ -75,7 +75,7 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
     kdtree::KdTree tree(cell, refs.size());
     tree.reserve(1000);
     kdtree::BuildCounters counters;
-    const kdtree::Slot root = grow_small({.tree = tree, .builder = builder, .max_depth = max_depth},
+    const kdtree::Slot root = grow_small({.tree = tree, .rule = unused, .max_depth = max_depth},
                                          rule, refs, cell, {}, counters);
     Recut recut(tree, rule, max_depth);
     recut.expect(root, refs, cell, 0);
@@ -85,7 +85,8 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
 
 TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    const auto refs = tests::random_boxes(1 + seed % kSmallList, seed % 2 == 0 ? 0.1 : 0.6, seed);
+    const auto refs =
+        tests::random_boxes(1 + seed % split::kSmallList, seed % 2 == 0 ? 0.1 : 0.6, seed);
     expect_same(refs, tests::bounds_of(refs));
     expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
   }
@@ -93,22 +94,23 @@ TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
 
 TEST_P(SmallGrowth, ResolvesTiesAlike) {
   for (std::uint64_t seed = 0; seed < 200; ++seed)
-    expect_same(tests::lattice_boxes(1 + seed % kSmallList, 1, seed), {{0, 0, 0}, {5, 5, 5}});
+    expect_same(tests::lattice_boxes(1 + seed % split::kSmallList, 1, seed),
+                {{0, 0, 0}, {5, 5, 5}});
 }
 
 TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
-  const auto refs = tests::random_boxes(kSmallList, 0.1, 7);
+  const auto refs = tests::random_boxes(split::kSmallList, 0.1, 7);
   for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
 }
 
 TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
-  const auto refs = tests::random_boxes(kSmallList, 0.01, 3);
+  const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
   kdtree::KdTree tree(cell, refs.size());  // nothing reserved
-  const split::KdBuilder builder = published::default_builder();
+  const split::SplitSearch& unused = *split::default_rule();
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
-      grow_small({.tree = tree, .builder = builder, .max_depth = 20}, {}, refs, cell, {}, counters);
+      grow_small({.tree = tree, .rule = unused, .max_depth = 20}, {}, refs, cell, {}, counters);
   ASSERT_TRUE(root.is_unbuilt());
   EXPECT_TRUE(root.cell()->given_up);
   EXPECT_EQ(root.cell()->size, refs.size());
@@ -117,8 +119,8 @@ TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
 
 TEST(IsSmall, NeedsFewBoxesThatWeighOne) {
   EXPECT_TRUE(is_small({}));
-  EXPECT_TRUE(is_small(tests::random_boxes(kSmallList, 0.1, 1)));
-  EXPECT_FALSE(is_small(tests::random_boxes(kSmallList + 1, 0.1, 1)));
+  EXPECT_TRUE(is_small(tests::random_boxes(split::kSmallList, 0.1, 1)));
+  EXPECT_FALSE(is_small(tests::random_boxes(split::kSmallList + 1, 0.1, 1)));
   EXPECT_FALSE(is_small(std::vector{tests::box_ref({0, 0, 0}, {1, 1, 1}, 0, 2)}));
 }
 

@@ -127,7 +127,7 @@ struct ManyBoxes {
       return end - begin;
     };
     source.alive = refs;
-    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), published::default_builder(),
+    return std::make_unique<LazyTree>(tests::bounds_of(*refs), refs->size(), split::default_rule(),
                                       source);
   }
 };

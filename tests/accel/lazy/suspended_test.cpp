@@ -14,6 +14,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/mesh_tree.h"
+#include "accel/published/any_builder.h"
 #include "tests/support/scenes.h"
 
 extern "C" {

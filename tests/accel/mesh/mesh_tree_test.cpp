@@ -12,6 +12,8 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "accel/published/any_builder.h"
+#include "accel/published/bvh/bvh_tree.h"
 #include "tests/accel/check_tree.h"
 #include "tests/accel/published/bvh/check_hierarchy.h"
 #include "tests/support/random.h"
@@ -28,9 +30,9 @@ struct Answer {
   bool operator==(const Answer&) const = default;
 };
 
-std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh,
-                                    const published::AnyBuilder& builder = published::default_builder(),
-                                    References references = References::kRuns) {
+std::unique_ptr<MeshTree> make_tree(
+    const TestMesh& mesh, const published::AnyBuilder& builder = published::default_builder(),
+    References references = References::kRuns) {
   return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
 }
 
@@ -176,12 +178,13 @@ std::vector<geometry::Ray> rays_for(const TestMesh& mesh, std::size_t count) {
 
 void check(const MeshTree& tree, const TestMesh& mesh, const published::AnyBuilder& builder) {
   const kdtree::EpochPin pin;
-  if (const published::bvh::BvhTree* bvh = tree.bvh()) {
-    if (bvh->built() != nullptr) tests::check_hierarchy(*bvh->built(), mesh);
+  if (tree.whole() != nullptr) {
+    const auto& hierarchy = dynamic_cast<const published::bvh::BvhTree&>(*tree.whole());
+    if (hierarchy.is_built()) tests::check_hierarchy(*hierarchy.built(), mesh);
     return;
   }
-  const split::KdBuilder& kd = std::get<split::KdBuilder>(builder);
-  const bool may_clip = clips(kd, {}, 1000, 1000);
+  const published::KdBuilder& kd = std::get<published::KdBuilder>(builder);
+  const bool may_clip = published::rule_of(kd)->clips({}, 1000, 1000);
   if (may_clip || std::holds_alternative<published::kd::ExactBuilder>(kd)) {
     tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
   } else {

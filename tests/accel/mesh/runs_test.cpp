@@ -1,6 +1,7 @@
 // Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and
 // without.
 #include "accel/mesh/runs.h"
+#include "accel/published/any_builder.h"
 
 #include <gtest/gtest.h>
 

@@ -20,17 +20,14 @@ TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
       EXPECT_FALSE(bvh->check()) << name;
       continue;
     }
-    EXPECT_FALSE(
-        std::visit([](const auto& b) { return b.check(); }, std::get<split::KdBuilder>(*builder)))
+    EXPECT_FALSE(std::visit([](const auto& b) { return b.check(); }, std::get<KdBuilder>(*builder)))
         << name;
   }
 }
 
 TEST(SetParameter, TakesNumbersCountsAndSwitches) {
   AnyBuilder builder = *make_builder("sah-sort");
-  const auto exact = [&] {
-    return std::get<kd::ExactBuilder>(std::get<split::KdBuilder>(builder));
-  };
+  const auto exact = [&] { return std::get<kd::ExactBuilder>(std::get<KdBuilder>(builder)); };
   EXPECT_EQ(exact().search, kd::ExactSearch::kSort);
   EXPECT_TRUE(set_parameter(builder, "lambda", "1"));
   EXPECT_EQ(exact().costs.lambda, 1);
@@ -83,7 +80,7 @@ TEST(SetParameter, OfAHierarchyNamesWhatItsMethodKnows) {
 TEST(SetParameter, OneNameMaySetSeveral) {
   AnyBuilder builder = *make_builder("scan-hybrid");
   EXPECT_TRUE(set_parameter(builder, "samples", "4"));
-  const auto& scan = std::get<split::ScanBuilder>(std::get<split::KdBuilder>(builder));
+  const auto& scan = std::get<kd::HuntScan>(std::get<KdBuilder>(builder));
   EXPECT_EQ(scan.uniform_samples, 4u);
   EXPECT_EQ(scan.adaptive_samples, 4u);
 }
@@ -95,8 +92,8 @@ TEST(SetParameter, ReachesEveryBuilder) {
                                          {"min-max-bins", "subsample", "off"},
                                          {"min-max-bins", "threads", "2"},
                                          {"scan-all-axes", "empty_bonus", "1"},
-                                         {"scan-all-axes", "clip_crowds", "1"},
-                                         {"scan-all-axes", "budget", "7.5"},
+                                         {"scan-fast", "clip_crowds", "1"},
+                                         {"scan-best", "budget", "7.5"},
                                          {"bvh-sweep", "leaf_size", "4"},
                                          {"bvh-sweep", "split_small", "on"},
                                          {"bvh-binned", "bins", "16"},

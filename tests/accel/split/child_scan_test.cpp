@@ -45,7 +45,7 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
   Divided d{.left = std::vector<kdtree::BoxRef>(refs.size()),
             .right = std::vector<kdtree::BoxRef>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
-  const grow::Sifted n = grow::sift(refs, {.plane = plane}, d.left.data(), d.right.data());
+  const kdtree::Sifted n = kdtree::sift(refs, {.plane = plane}, d.left.data(), d.right.data());
   d.left.resize(n.left);
   d.right.resize(n.right);
   d.scans.left.references = n.left;
@@ -79,16 +79,16 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   };
   std::vector<kdtree::BoxRef> left = refs, right(refs.size());
   FirstScans scans = unscanned(cell, plane, samples);
-  const grow::Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
+  const kdtree::Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
   expect_lists(std::span(left).first(n.left), std::span(right).first(n.right), scans);
 
   const std::size_t third = refs.size() / 3;
   const std::span<const kdtree::BoxRef> all(refs);
-  grow::Sifted sum;
+  kdtree::Sifted sum;
   FirstScans summed = unscanned(cell, plane, samples);
   for (const auto piece : {all.first(third), all.subspan(third, third), all.subspan(2 * third)}) {
     FirstScans own = unscanned(cell, plane, samples);
-    const grow::Sifted m =
+    const kdtree::Sifted m =
         sift_and_scan(piece, plane, left.data() + sum.left, right.data() + sum.right, own);
     sum = {sum.left + m.left, sum.right + m.right};
     summed.left += own.left;

@@ -32,11 +32,11 @@ struct Pieces {
   }
 };
 
-FirstScan first_scan(const KdBuilder& builder, std::vector<kdtree::BoxRef> refs,
+FirstScan first_scan(const SplitSearch& rule, std::vector<kdtree::BoxRef> refs,
                      const geometry::Aabb& cell) {
   // Cut at its lower face, the whole list is the right cell's.
   std::vector<kdtree::BoxRef> right(refs.size());
-  FirstScans scans{{}, first_planes(builder, cell), {}, {}};
+  FirstScans scans{{}, rule.first_planes(cell), {}, {}};
   sift_and_scan(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
   return scans.right;
 }
@@ -44,13 +44,13 @@ FirstScan first_scan(const KdBuilder& builder, std::vector<kdtree::BoxRef> refs,
 void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
   for (const std::string_view name : published::builder_names()) {
     const published::AnyBuilder any = *published::make_builder(name);
-    const auto* kd = std::get_if<KdBuilder>(&any);
+    const auto* kd = std::get_if<published::KdBuilder>(&any);
     if (kd == nullptr) continue;
-    const KdBuilder& builder = *kd;
-    if (!runs_passes(builder)) continue;
+    const SplitRule rule = published::rule_of(*kd);
+    if (!rule->runs_passes()) continue;
     SCOPED_TRACE(std::string(name) + " " + std::to_string(refs.size()));
     const auto choose = [&](const kdtree::CellRefs& list, kdtree::BuildCounters& counters) {
-      return std::visit([&](const auto& b) { return b.choose(list, counters); }, builder);
+      return rule->choose(list, counters);
     };
     kdtree::BuildCounters at_hand;
     const auto cut = choose({refs, cell, {}}, at_hand);
@@ -66,7 +66,7 @@ void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry
     EXPECT_EQ(pieces.passes * refs.size(), at_hand.touches);
 
     kdtree::BuildCounters counted_before;
-    const FirstScan first = first_scan(builder, refs, cell);
+    const FirstScan first = first_scan(*rule, refs, cell);
     list.first = &first;
     EXPECT_EQ(choose(list, counted_before), cut);
     EXPECT_LE(counted_before.touches, at_hand.touches - refs.size());
@@ -83,12 +83,11 @@ TEST(ListPass, ChoosesAsFromTheListAtHand) {
 
 TEST(ListPass, ForgetsCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
-  const KdBuilder builder = published::default_builder();
   FirstScan wrong;
   wrong.references = 999;
   kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};
   kdtree::BuildCounters counters, expected;
-  const auto& scan = std::get<ScanBuilder>(builder);
+  const ScanSplit scan = scan_fast();
   const auto cut = scan.choose(list, expected);
   list.first = &wrong;
   EXPECT_EQ(scan.choose(list, counters), cut);

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"

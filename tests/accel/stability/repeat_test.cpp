@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/support/hard_meshes.h"
 #include "tests/support/hard_rays.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/support/hard_rays.h"
 #include "tests/support/hard_shapes.h"

@@ -1,5 +1,6 @@
 // How fast each builder is, and what its tree costs to trace.
 #include "tests/bench/charts/builders.h"
+#include "accel/published/any_builder.h"
 
 #include <array>
 #include <map>

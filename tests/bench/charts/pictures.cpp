@@ -1,5 +1,6 @@
 // Pictures of one view in growing numbers of rays.
 #include "tests/bench/charts/pictures.h"
+#include "accel/published/any_builder.h"
 
 #include "tests/bench/scenes/ray_kinds.h"
 #include "tests/bench/verbs/hit_hash.h"

@@ -1,5 +1,6 @@
 // The rays of the measurements.
 #include "tests/bench/scenes/ray_kinds.h"
+#include "accel/published/any_builder.h"
 
 #include <fmt/core.h>
 

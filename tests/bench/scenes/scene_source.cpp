@@ -1,5 +1,6 @@
 // A scene as plain arrays, and how it becomes a snapshot.
 #include "tests/bench/scenes/scene_source.h"
+#include "accel/published/any_builder.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 // Setting a static part under what moves.
 #include "tests/bench/scenes/staged_scene.h"
+#include "accel/published/any_builder.h"
 
 #include <numeric>
 #include <utility>

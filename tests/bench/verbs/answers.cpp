@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/scenes/ray_orders.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/hit_hash.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/memory_peak.h"
 #include "tests/bench/verbs/tree_figures.h"

@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/charts/configurations.h"
 #include "tests/bench/charts/csv.h"
 #include "tests/bench/charts/scenes.h"

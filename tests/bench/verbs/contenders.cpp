@@ -1,5 +1,6 @@
 // What --builder names.
 #include "tests/bench/verbs/contenders.h"
+#include "accel/published/any_builder.h"
 
 #include <fmt/core.h>
 
@@ -82,7 +83,7 @@ std::optional<BuildCosts> build_costs(const accel::published::AnyBuilder& builde
           return std::nullopt;
         }
       },
-      std::get<accel::split::KdBuilder>(builder));
+      std::get<accel::published::KdBuilder>(builder));
 }
 
 Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(

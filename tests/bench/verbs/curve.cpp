@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "accel/split/scan_builder.h"
+#include "accel/published/any_builder.h"
+#include "accel/split/scan_split.h"
 #include "tests/bench/scenes/scene_geometry.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/verbs.h"
@@ -85,7 +86,7 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   const auto builder = configured_builder("scan-one-axis", common);
   if (!builder.ok()) return builder.error();
   const auto& scan =
-      std::get<accel::split::ScanBuilder>(std::get<accel::split::KdBuilder>(*builder));
+      std::get<accel::published::kd::HuntScan>(std::get<accel::published::KdBuilder>(*builder));
   const auto scene = make_scene(common);
   if (!scene.ok()) return scene.error();
   const SceneGeometry geometry(*scene);
@@ -100,10 +101,10 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   const auto a = static_cast<std::size_t>(axis);
   const Curve curve{common.scene, options.axis, scan.cost, accel::split::CutAreas(cell, axis)};
   accel::kdtree::BuildCounters counters;
-  const auto uniform =
-      accel::published::kd::sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples, 0, counters)[a];
-  const auto both = accel::published::kd::sample_axes(refs, cell, {axis, axis + 1}, scan.uniform_samples,
-                                scan.adaptive_samples, counters)[a];
+  const auto uniform = accel::published::kd::sample_axes(refs, cell, {axis, axis + 1},
+                                                         scan.uniform_samples, 0, counters)[a];
+  const auto both = accel::published::kd::sample_axes(
+      refs, cell, {axis, axis + 1}, scan.uniform_samples, scan.adaptive_samples, counters)[a];
   const auto segments = tests::segments(both);
   const tests::TrueCounts truth(refs, a);
 

@@ -1,5 +1,6 @@
 // Looking at a frame, and checking what was seen.
 #include "tests/bench/verbs/frame_view.h"
+#include "accel/published/any_builder.h"
 
 #include <fmt/core.h>
 

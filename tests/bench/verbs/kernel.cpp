@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "accel/grow/sift.h"
+#include "accel/kdtree/sift.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_kernel.h"
 #include "tests/bench/verbs/stopwatch.h"
@@ -111,7 +111,7 @@ class Bench {
     near_ = {};
     accel::split::scan_wide_axis(boxes_, 0, wide_, many_, near_);
   }
-  void sift() { sifted_ = accel::grow::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
+  void sift() { sifted_ = accel::kdtree::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
   void sift_and_scan() {
     scans_.left = scans_.right = {};
     sifted_ = accel::split::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
@@ -161,7 +161,7 @@ class Bench {
   PlaneCounts<kFirstPlanes> one_;
   PlaneCounts<kScanWidth> many_;
   accel::split::PlaneNeighbours near_;
-  accel::grow::Sifted sifted_;
+  accel::kdtree::Sifted sifted_;
   accel::split::FirstScans scans_{};
 };
 

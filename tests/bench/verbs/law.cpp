@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/law_fit.h"
 #include "tests/bench/verbs/law_windows.h"

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/scenes/generators.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/verbs.h"

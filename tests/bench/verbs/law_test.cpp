@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/scenes/generators.h"
 #include "tests/bench/verbs/law_windows.h"
 #include "tests/bench/verbs/tree_figures.h"

@@ -1,6 +1,7 @@
 // lazy: from vertex and index arrays to hits, growing only what rays enter, or everything first.
 #include <algorithm>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/disagreement.h"
 #include "tests/bench/verbs/hit_hash.h"

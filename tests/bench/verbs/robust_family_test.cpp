@@ -1,5 +1,6 @@
 // The families' rays are as promised, and what is certain of them is so.
 #include "tests/bench/verbs/robust_family.h"
+#include "accel/published/any_builder.h"
 
 #include <gtest/gtest.h>
 

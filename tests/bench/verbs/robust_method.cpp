@@ -1,5 +1,6 @@
 // Ways to find hits.
 #include "tests/bench/verbs/robust_method.h"
+#include "accel/published/any_builder.h"
 
 #include "scenegraph/trace.h"
 #include "tests/bench/embree/peer.h"

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/embree/peer.h"
 #include "tests/bench/scenes/ray_orders.h"
 #include "tests/bench/verbs/verbs.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "accel/published/any_builder.h"
 #include "tests/bench/scenes/generators.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/stability_family.h"

@@ -1,5 +1,6 @@
 // A mesh at which methods fail as the stability verb takes it.
 #include "tests/bench/verbs/stability_family.h"
+#include "accel/published/any_builder.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 // trace: how fast rays are answered from a builder's trees.
+#include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/disagreement.h"
 #include "tests/bench/verbs/hit_hash.h"

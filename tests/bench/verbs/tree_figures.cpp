@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/bvh_walk.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 
@@ -122,7 +123,7 @@ accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& 
 std::optional<double> end_point_overlap(const scenegraph::revision::Snapshot& snapshot) {
   std::optional<double> sum;
   for (const scenegraph::model::Mesh* mesh : snapshot.meshes()) {
-    const accel::published::bvh::BvhTree* tree = mesh->tree().bvh();
+    const auto* tree = dynamic_cast<const accel::published::bvh::BvhTree*>(mesh->tree().whole());
     if (tree == nullptr || tree->built() == nullptr) continue;
     sum = sum.value_or(0) + bench::end_point_overlap(*tree->built(), mesh->view());
   }
@@ -162,8 +163,9 @@ void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
     const accel::mesh::MeshTree& tree = instance.mesh->tree();
     if (tree.kd() != nullptr) {
       mark_all(LeafMarker(*tree.kd(), marks));
-    } else if (const accel::published::bvh::Bvh* bvh = tree.bvh()->built()) {
-      mark_all(BvhLeafMarker(*bvh, marks));
+    } else if (tree.whole()->is_built()) {
+      const auto& hierarchy = dynamic_cast<const accel::published::bvh::BvhTree&>(*tree.whole());
+      mark_all(BvhLeafMarker(*hierarchy.built(), marks));
     }
   }
 }

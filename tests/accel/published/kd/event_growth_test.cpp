@@ -17,7 +17,8 @@
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
-#include "accel/split/kd_builder.h"
+#include "accel/published/any_builder.h"
+#include "accel/split/split_search.h"
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
 #include "tests/support/scenes.h"
@@ -69,7 +70,9 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
     return lazy::ReferenceSource::Coarsest{.places = mesh.faces.size()};
   };
   source.list = [mesh](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
-                       kdtree::BuildCounters&) { return mesh::face_references(mesh, begin, end, out); };
+                       kdtree::BuildCounters&) {
+    return mesh::face_references(mesh, begin, end, out);
+  };
   return source;
 }
 
@@ -77,7 +80,7 @@ std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::
                                           const ExactBuilder& builder) {
   const mesh::MeshSurvey survey = mesh::survey_mesh(mesh.view());
   return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
-                                          split::KdBuilder(builder), source_of_faces(view), &view);
+                                          rule_of(builder), source_of_faces(view), &view);
 }
 
 void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
@@ -197,9 +200,9 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
-    trees.push_back(std::make_unique<lazy::LazyTree>(
-        bounds_of(refs), refs.size(), split::KdBuilder(ExactBuilder{.search = search}),
-        lazy::source_of(refs)));
+    trees.push_back(std::make_unique<lazy::LazyTree>(bounds_of(refs), refs.size(),
+                                                     rule_of(ExactBuilder{.search = search}),
+                                                     lazy::source_of(refs)));
     kdtree::BuildCounters counters;
     trees.back()->expand_all(counters);
   }
@@ -226,8 +229,8 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     const kdtree::DeferredCell& cell = *kdtree::load(child).cell();
     kdtree::KdTree scratch(cell.box, cell.size);
     scratch.reserve(cell.size);
-    const split::KdBuilder builder = ExactBuilder{};
-    const grow::GrowContext context{scratch, builder, &view, 60, &cancelled};
+    const split::SplitRule rule = rule_of(ExactBuilder{});
+    const grow::GrowContext context{scratch, *rule, &view, 60, &cancelled};
     const kdtree::BoxList listed = cell.list.copy();
     std::vector<kdtree::BoxRef> list(listed.all().begin(), listed.all().end());
     const kdtree::Slot again = grow::grow(context, list, cell.box, cell.path, counters);

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "accel/grow/sift.h"
+#include "accel/kdtree/sift.h"
 #include "tests/accel/boxes.h"
 
 namespace sightline::accel::published::kd {
@@ -22,7 +22,7 @@ double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
                  const kdtree::Cut& cut, const ExactCosts& costs) {
   double left = 0, right = 0;
   std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
-  const grow::Sifted n = grow::sift(refs, cut, l.data(), r.data());
+  const kdtree::Sifted n = kdtree::sift(refs, cut, l.data(), r.data());
   for (std::size_t i = 0; i < n.left; ++i) left += l[i].weight;
   for (std::size_t i = 0; i < n.right; ++i) right += r[i].weight;
   const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
@@ -43,10 +43,11 @@ double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aa
         for (const bool planar_left : {false, true}) {
           const kdtree::Cut cut{.plane = {axis, x}, .planar_left = planar_left};
           std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
-          const grow::Sifted n = grow::sift(refs, cut, l.data(), r.data());
+          const kdtree::Sifted n = kdtree::sift(refs, cut, l.data(), r.data());
           if (x <= cell.lo[a] || x >= cell.hi[a]) continue;
           if (n.left == refs.size() && n.right == refs.size()) continue;
-          if (x == geometry::least_above(ref.lo[a])) continue;  // behind a flat box: not a bound of anything
+          if (x == geometry::least_above(ref.lo[a]))
+            continue;  // behind a flat box: not a bound of anything
           best = std::min(best, true_cost(refs, cell, cut, costs));
         }
       }
@@ -134,7 +135,7 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
     ASSERT_TRUE(cut);
     EXPECT_EQ(*cut, (kdtree::Cut{.plane = {2, 0}, .planar_left = true}));
     std::vector<kdtree::BoxRef> left(refs.size()), right(refs.size());
-    const grow::Sifted n = grow::sift(refs, *cut, left.data(), right.data());
+    const kdtree::Sifted n = kdtree::sift(refs, *cut, left.data(), right.data());
     EXPECT_EQ(n.left, 20u);
     EXPECT_EQ(n.right, 20u);
     EXPECT_FALSE(

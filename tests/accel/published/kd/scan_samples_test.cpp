@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/split/scan_builder.h"
+#include "accel/published/kd/hunt_scan.h"
 #include "tests/accel/boxes.h"
 #include "tests/support/cost_curve.h"
 
@@ -239,7 +239,7 @@ TEST(ScanSamples, CrowdAtADiscontinuity) {
 class CostAlongAxis {
  public:
   CostAlongAxis(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell)
-      : builder_{.axes = split::ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
+      : builder_{.axes = ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
         areas_(cell, 0),
         truth_(refs, 0),
         segments_(tests::segments(
@@ -254,10 +254,10 @@ class CostAlongAxis {
   }
   const SampleSegment& segment(double x) const { return tests::segment_at(segments_, x); }
   const std::vector<double>& steps() const { return truth_.steps(); }
-  const split::ScanBuilder& builder() const { return builder_; }
+  const HuntScan& builder() const { return builder_; }
 
  private:
-  split::ScanBuilder builder_;
+  HuntScan builder_;
   split::CutAreas areas_;
   TrueCounts truth_;
   std::vector<SampleSegment> segments_;

@@ -8,7 +8,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel::grow {
+namespace sightline::accel::split {
 
 /// By how much more than of a surface cuts have multiplied a cell's references. Of n triangles of a
 /// surface about sqrt(n) lie across the border of what holds them, so that there a path's swell is
@@ -87,4 +87,4 @@ inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Cut& cu
   return below;
 }
 
-}  // namespace sightline::accel::grow
+}  // namespace sightline::accel::split

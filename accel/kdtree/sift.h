@@ -7,7 +7,7 @@
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel::grow {
+namespace sightline::accel::kdtree {
 
 struct Sifted {
   std::size_t left = 0;
@@ -15,14 +15,13 @@ struct Sifted {
 };
 
 /// Where cut.planar_left is not set: by the rule of membership alone.
-inline Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                   kdtree::BoxRef* left, kdtree::BoxRef* right) {
+inline Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
-  kdtree::BoxRef *end_of_left = left, *end_of_right = right;
-  for (const kdtree::BoxRef& ref : refs) {
+  BoxRef *end_of_left = left, *end_of_right = right;
+  for (const BoxRef& ref : refs) {
     const bool in_left = ref.lo[axis]<x, in_right = ref.hi[axis]> x;
-    const kdtree::BoxRef copy = ref;  // `ref` may lie where `left` is written
+    const BoxRef copy = ref;  // `ref` may lie where `left` is written
     *end_of_right = copy;
     *end_of_left = copy;
     end_of_left += in_left;
@@ -35,16 +34,15 @@ inline Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& pl
 /// Writes the members of the left cell to `left` and those of the right cell to `right`, in order.
 /// Each has room for refs.size() boxes; `left` may be refs.data() itself. Without branches on the
 /// boxes: both sides are always written, and the place moves on only if the box belongs there.
-inline Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Cut& cut,
-                   kdtree::BoxRef* left, kdtree::BoxRef* right) {
+inline Sifted sift(std::span<const BoxRef> refs, const Cut& cut, BoxRef* left, BoxRef* right) {
   if (!cut.planar_left) return sift(refs, cut.plane, left, right);
   const auto axis = static_cast<std::size_t>(cut.plane.axis);
   const float x = cut.plane.position;
   Sifted n;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const BoxRef& ref : refs) {
     const bool planar = ref.lo[axis] == x && is_planar(ref, axis);
     const bool in_left = ref.lo[axis] < x || planar, in_right = ref.hi[axis] > x && !planar;
-    const kdtree::BoxRef copy = ref;
+    const BoxRef copy = ref;
     right[n.right] = copy;
     left[n.left] = copy;
     n.left += in_left;
@@ -53,4 +51,4 @@ inline Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Cut& cut,
   return n;
 }
 
-}  // namespace sightline::accel::grow
+}  // namespace sightline::accel::kdtree

@@ -1,0 +1,43 @@
+// Trees over a mesh that are built whole instead of cell by cell.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/kdtree/tree_metrics.h"
+
+namespace sightline::accel::mesh {
+
+struct LeafTest;
+
+/// A hierarchy to compare kd-trees with (accel/published/bvh). The service builds none.
+/// Threads: all members, from any.
+class WholeTree {
+ public:
+  WholeTree() = default;
+  virtual ~WholeTree() = default;
+  WholeTree(const WholeTree&) = delete;
+  WholeTree& operator=(const WholeTree&) = delete;
+
+  virtual bool is_built() const = 0;
+  /// Builds it, or waits for the thread that does. Throws std::bad_alloc; a later call may try
+  /// again.
+  virtual void build(kdtree::BuildCounters& counters) = 0;
+  /// Needs is_built().
+  virtual void query(LeafTest& test) const = 0;
+
+  virtual std::uint64_t bytes() const = 0;
+  virtual kdtree::TreeMetrics metrics() const = 0;
+  /// Nodes and leaves, once built; else 1.
+  virtual std::uint64_t cells() const = 0;
+};
+
+/// Makes the tree of a mesh, not yet built. The view's arrays must outlive it.
+class WholeTreeMaker {
+ public:
+  virtual ~WholeTreeMaker() = default;
+  virtual std::unique_ptr<WholeTree> make(const geometry::MeshView& mesh) const = 0;
+};
+
+}  // namespace sightline::accel::mesh

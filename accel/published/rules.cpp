@@ -1,0 +1,118 @@
+// The papers' builders behind the interface that trees are grown by, and hierarchies behind theirs.
+#include "accel/published/any_builder.h"
+#include "accel/published/bvh/bvh_tree.h"
+
+namespace sightline::accel::published {
+namespace {
+
+/// What all of them have: parameters that choose.
+template <class Builder>
+class Search : public split::SplitSearch {
+ public:
+  explicit Search(const Builder& builder) : builder_(builder) {}
+
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const override {
+    return builder_.choose(cell, counters);
+  }
+
+ protected:
+  const Builder& builder() const { return builder_; }
+
+ private:
+  Builder builder_;
+};
+
+class HuntSearch final : public Search<kd::HuntScan> {
+ public:
+  using Search::Search;
+
+  bool clips(const kdtree::CellPath&, std::size_t, std::size_t) const override {
+    return builder().clip;
+  }
+  bool runs_passes() const override { return true; }
+  bool scans_children(std::size_t references) const override {
+    return builder().scans_children(references);
+  }
+  split::FirstPlanes first_planes(const geometry::Aabb& child) const override {
+    return split::first_planes(child, builder().uniform_samples);
+  }
+  std::optional<split::BoundRule> small_rule() const override {
+    return builder().clip ? std::nullopt : builder().bound_rule(split::kSmallList);
+  }
+};
+
+template <class Builder>
+class MedianSearch final : public Search<Builder> {
+ public:
+  using Search<Builder>::Search;
+
+  int depth_bound(std::size_t references) const override {
+    return this->builder().depth_bound(references);
+  }
+};
+
+class ExactSearchRule final : public Search<kd::ExactBuilder> {
+ public:
+  using Search::Search;
+
+  bool clips(const kdtree::CellPath&, std::size_t, std::size_t) const override {
+    return builder().clips();
+  }
+  bool takes_runs() const override { return false; }
+  std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
+                                           std::span<const kdtree::BoxRef> refs,
+                                           const geometry::Aabb& cell, const kdtree::CellPath& path,
+                                           kdtree::BuildCounters& counters) const override {
+    return builder().grow_subtree(context, refs, cell, path, counters);
+  }
+};
+
+class MinMaxSearch final : public Search<kd::MinMaxBuilder> {
+ public:
+  using Search::Search;
+
+  std::optional<split::BoundRule> small_rule() const override {
+    return builder().bound_rule(split::kSmallList);
+  }
+};
+
+split::SplitRule make(const split::ScanSplit& b) { return split::make_rule(b); }
+split::SplitRule make(const kd::HuntScan& b) { return std::make_shared<const HuntSearch>(b); }
+split::SplitRule make(const kd::SpatialMedianBuilder& b) {
+  return std::make_shared<const MedianSearch<kd::SpatialMedianBuilder>>(b);
+}
+split::SplitRule make(const kd::ObjectMedianBuilder& b) {
+  return std::make_shared<const MedianSearch<kd::ObjectMedianBuilder>>(b);
+}
+split::SplitRule make(const kd::ExactBuilder& b) {
+  return std::make_shared<const ExactSearchRule>(b);
+}
+split::SplitRule make(const kd::MinMaxBuilder& b) {
+  return std::make_shared<const MinMaxSearch>(b);
+}
+
+class BvhMaker final : public mesh::WholeTreeMaker {
+ public:
+  explicit BvhMaker(const bvh::BvhBuilder& builder) : builder_(builder) {}
+  std::unique_ptr<mesh::WholeTree> make(const geometry::MeshView& mesh) const override {
+    return std::make_unique<bvh::BvhTree>(mesh, builder_);
+  }
+
+ private:
+  bvh::BvhBuilder builder_;
+};
+
+}  // namespace
+
+split::SplitRule rule_of(const KdBuilder& builder) {
+  return std::visit([](const auto& b) { return make(b); }, builder);
+}
+
+AnyBuilder::operator mesh::TreeBuilder() const {
+  if (const auto* hierarchy = std::get_if<bvh::BvhBuilder>(this))
+    return {.whole = std::make_shared<const BvhMaker>(*hierarchy)};
+  return {.rule = rule_of(std::get<KdBuilder>(*this))};
+}
+
+}  // namespace sightline::accel::published

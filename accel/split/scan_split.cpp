@@ -1,0 +1,110 @@
+// The product's rule: bounds for short lists, a guided scan for the others.
+#include "accel/split/scan_split.h"
+
+#include "accel/split/guided_scan.h"
+#include "accel/split/out_of_range.h"
+#include "accel/split/reference_budget.h"
+
+namespace sightline::accel::split {
+namespace {
+
+/// Straddlers are clipped in a list of at least kCrowdFrom references, below kCrowdBelow, if one in
+/// kCrowd straddles; where triangles are long, one in kLongCrowd.
+constexpr std::size_t kCrowdFrom = 32, kCrowdBelow = 8192, kCrowd = 4, kLongCrowd = 5;
+
+/// Lists up to this length are always cut at their bounds: that is cheaper than a scan.
+constexpr std::size_t kExactAnyway = 12;
+
+class ScanSearch final : public SplitSearch {
+ public:
+  explicit ScanSearch(const ScanSplit& rule) : rule_(rule) {}
+
+  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
+                                    kdtree::BuildCounters& counters) const override {
+    return rule_.choose(cell, counters);
+  }
+  bool clips(const kdtree::CellPath& path, std::size_t straddlers,
+             std::size_t references) const override {
+    return rule_.clips(path, straddlers, references);
+  }
+  bool runs_passes() const override { return true; }
+  bool takes_samples() const override { return !rule_.clip; }
+  /// Not short lists, most of whose children are cut at their bounds, and not with clipping, which
+  /// changes what was counted.
+  bool scans_children(std::size_t references) const override {
+    return !rule_.clip && references >= 2 * std::size_t{rule_.exact_below};
+  }
+  FirstPlanes first_planes(const geometry::Aabb& child) const override {
+    return split::first_planes(child, rule_.uniform_samples);
+  }
+  std::optional<BoundRule> small_rule() const override {
+    return rule_.clip ? std::nullopt : rule_.bound_rule(kSmallList);
+  }
+  double budget() const override { return rule_.budget; }
+
+ private:
+  ScanSplit rule_;
+};
+
+}  // namespace
+
+std::optional<std::string> ScanSplit::check() const {
+  const auto most = static_cast<std::uint32_t>(kFirstPlanes);
+  if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
+  if (auto e = out_of_range("exact_below", exact_below, 0u, std::uint32_t{kMaxBoundScan})) return e;
+  if (budget != 0) {
+    if (auto e = out_of_range("budget", budget, 1.0, 64.0)) return e;
+  }
+  if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;
+  if (auto e = out_of_range("cost_intersect", cost.intersect, 1e-6, 1e6)) return e;
+  if (auto e = out_of_range("empty_bonus", cost.empty_bonus, 1e-6, 1.0)) return e;
+  return out_of_range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity());
+}
+
+bool ScanSplit::clips(const kdtree::CellPath& path, std::size_t straddlers,
+                      std::size_t references) const {
+  if (clip) return true;
+  if (!clip_crowds || references < kCrowdFrom || references >= kCrowdBelow) return false;
+  const bool is_of_long = is_long(path, static_cast<double>(references));
+  return straddlers * (is_of_long ? kLongCrowd : kCrowd) >= references;
+}
+
+std::optional<BoundRule> ScanSplit::bound_rule(std::size_t references) const {
+  if (references > exact_below) return std::nullopt;
+  return BoundRule{.cost = cost, .all_axes_up_to = all_axes_up_to, .retry_above = retry_above};
+}
+
+std::optional<kdtree::Cut> ScanSplit::choose(const kdtree::CellRefs& list,
+                                             kdtree::BuildCounters& counters) const {
+  if (list.size == 0) return std::nullopt;
+  const bool swollen = list.size > kExactAnyway && is_swollen(list.path, list.size);
+  if (const auto rule = bound_rule(list.size); rule && !swollen)
+    return choose_bound(list.refs, list.box, *rule, counters);
+  return choose_guided(list,
+                       {.cost = cost,
+                        .uniform_samples = uniform_samples,
+                        .refine_all_axes = refine_all_axes,
+                        .once = swollen},
+                       counters);
+}
+
+ScanSplit scan_fast() {
+  constexpr double kPoorCut = 0.85;  // above this share of a leaf's cost no cut is good
+  return {.retry_above = kPoorCut, .clip_crowds = true};
+}
+
+ScanSplit scan_best() {
+  ScanSplit best;
+  best.all_axes_up_to = best.exact_below;
+  best.clip = true;
+  return best;
+}
+
+SplitRule make_rule(const ScanSplit& rule) { return std::make_shared<const ScanSearch>(rule); }
+
+const SplitRule& default_rule() {
+  static const SplitRule kRule = make_rule(scan_fast());
+  return kRule;
+}
+
+}  // namespace sightline::accel::split
