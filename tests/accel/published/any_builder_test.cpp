@@ -92,7 +92,7 @@ TEST(SetParameter, ReachesEveryBuilder) {
                                          {"min-max-bins", "subsample", "off"},
                                          {"min-max-bins", "threads", "2"},
                                          {"scan-all-axes", "empty_bonus", "1"},
-                                         {"scan-fast", "clip_crowds", "1"},
+                                         {"scan-fast", "clip_crowds", "0"},
                                          {"scan-best", "budget", "7.5"},
                                          {"bvh-sweep", "leaf_size", "4"},
                                          {"bvh-sweep", "split_small", "on"},
