@@ -3,11 +3,15 @@
 #include "accel/lazy/cell_task.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "accel/kdtree/tree_metrics.h"
@@ -202,14 +206,47 @@ TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
   }
 }
 
+/// Waits for what happens sooner or later, or never: the limit only ends a test that fails.
+template <class Condition>
+bool happens(Condition condition) {
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > limit) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
 TEST(Expansion, OutlivesItsTree) {
-  // Threads called to help may come when the tree is gone.
-  for (int i = 0; i < 20; ++i) {
-    const ManyBoxes boxes(70'000);
+  std::atomic<bool> helper_stopped{false}, go_on{false}, helped{true};
+  std::weak_ptr<const void> source;
+  const auto caller = std::this_thread::get_id();
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  tbb::task_arena arena(2);
+  arena.execute([&] {
+    ManyBoxes boxes(70'000);
+    source = boxes.refs;
+    // A called thread stops in its first slice. The caller does one before, as no thread is called
+    // to a pass of one slice.
+    boxes.at_slice = [&, first = true]() mutable {
+      if (std::this_thread::get_id() == caller) {
+        helped = helped &&
+                 (std::exchange(first, false) || happens([&] { return helper_stopped.load(); }));
+      } else if (!helper_stopped.exchange(true)) {
+        while (!go_on) std::this_thread::yield();
+      }
+    };
     const auto tree = boxes.tree();
     descend(*tree, (*boxes.refs)[0].lo);
-  }
+  });
+  ASSERT_TRUE(helped) << "no thread was called";
   kdtree::reclaim();
+  EXPECT_FALSE(source.expired()) << "the stopped thread still reads it";
+  go_on = true;
+  EXPECT_TRUE(happens([&] {
+    kdtree::reclaim();
+    return source.expired();
+  }));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
+#include "tests/accel/stability/catalogue.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 #include "tests/support/hard_meshes.h"
@@ -18,18 +19,6 @@ constexpr std::size_t kRays = 25 * kHardRayKinds;
 // Held against the oracle, which takes its time.
 constexpr std::size_t kSample = 8 * kHardRayKinds;
 constexpr std::uint64_t kSeed = 7;
-
-std::vector<std::string_view> names() {
-  std::vector<std::string_view> all;
-  for (const HardMesh& mesh : hard_meshes()) all.push_back(mesh.name);
-  return all;
-}
-
-std::string test_name(const ::testing::TestParamInfo<std::string_view>& mesh) {
-  std::string name(mesh.param);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 accel::geometry::Hit as_hit(const NearestHit& nearest) {
   accel::geometry::Hit hit;
@@ -91,7 +80,8 @@ TEST_P(HardMeshHits, OfZeroToFortyTriangles) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, HardMeshHits, ::testing::ValuesIn(names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Catalogue, HardMeshHits, ::testing::ValuesIn(hard_mesh_names()),
+                         hard_mesh_test_name);
 
 }  // namespace
 }  // namespace sightline::tests

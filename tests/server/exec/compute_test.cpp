@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <future>
 #include <memory>
 #include <thread>
+#include <utility>
 
 namespace sightline::server::exec {
 namespace {
@@ -29,28 +32,45 @@ TEST(Compute, NeverWorksOnTheCallersThread) {
   }
 }
 
-TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
-  std::atomic<bool> others_done{false};
-  Compute compute(1);
-  for (int i = 0; i < 3; ++i) {
-    compute.enqueue_apart([&] {
-      while (!others_done) std::this_thread::yield();
-    });
+/// Tasks that keep their workers until they are let go.
+class Blockers {
+ public:
+  ~Blockers() { let_go_.set_value(); }
+  auto task() const {
+    return [gone = let_go_future_] { gone.wait(); };
   }
-  compute.enqueue([&] { others_done = true; });
+
+ private:
+  std::promise<void> let_go_;
+  std::shared_future<void> let_go_future_{let_go_.get_future()};
+};
+
+/// Whether a task has run. It runs or never does: the limit only ends a test that fails.
+bool has_run(std::future<void> done) {
+  return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
+}
+
+TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
+  Compute compute(1);
+  const Blockers blockers;
+  for (int i = 0; i < 3; ++i) compute.enqueue_apart(blockers.task());
+  std::promise<void> run;
+  std::future<void> done = run.get_future();
+  compute.enqueue([run = std::move(run)]() mutable { run.set_value(); });
+  EXPECT_TRUE(has_run(std::move(done)));
 }
 
 TEST(Compute, UpdatesDoNotWaitForOthers) {
-  std::atomic<bool> updated{false};
   Compute compute(1);
+  const Blockers blockers;
   for (int i = 0; i < 3; ++i) {
-    const auto wait = [&] {
-      while (!updated) std::this_thread::yield();
-    };
-    compute.enqueue(wait);
-    compute.enqueue_apart(wait);
+    compute.enqueue(blockers.task());
+    compute.enqueue_apart(blockers.task());
   }
-  compute.enqueue_update([&] { updated = true; });
+  std::promise<void> run;
+  std::future<void> done = run.get_future();
+  compute.enqueue_update([run = std::move(run)]() mutable { run.set_value(); });
+  EXPECT_TRUE(has_run(std::move(done)));
 }
 
 TEST(Compute, TasksMayOwnWhatCannotBeCopied) {

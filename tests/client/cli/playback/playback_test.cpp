@@ -1,8 +1,10 @@
-// Frames on their way: which are sent, which are passed over.
+// Which frames are sent, and which are skipped.
 #include "client/cli/playback/playback.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -27,7 +29,7 @@ TEST(Percentile, IsOneOfTheValues) {
 
 class Playback : public tests::LiveClient {
  protected:
-  Playback() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(1), {})); }
+  Playback() { EXPECT_TRUE(calls::upload_scene(client_, kScene, tests::row_of_sheets(1), {})); }
 
   // Frame k moves the sheet to x = k.
   static std::vector<Update> move(std::uint64_t frame) {
@@ -45,7 +47,7 @@ class Playback : public tests::LiveClient {
 };
 
 TEST_F(Playback, EveryFrameIsAccountedForAndTheLastIsSent) {
-  // At such a rate some are late, how many is not ours to say.
+  // At this rate some are late; how many depends on the machine.
   const auto report = play(
       client_, request(500, 20'000), [](std::uint64_t k, bool) { return move(k); },
       [](std::uint64_t) {});
@@ -68,28 +70,39 @@ TEST_F(Playback, FramesOfNothingAreNotSent) {
 }
 
 TEST_F(Playback, WhileTheWindowIsFullFramesAreDroppedAndTheNextSaysAll) {
+  constexpr std::size_t kWindow = 16;
   tests::Relay relay(server_->port());
   const auto through = Client::connect(relay.endpoint());
   ASSERT_TRUE(through);
-  int told_afresh = 0;
-  bool held = false;
+  struct Shown {
+    std::uint64_t frame;
+    bool afresh;
+  };
+  std::vector<Shown> shown;
+  std::stop_source stop;
+  PlaybackRequest endless = request(0, 100);
+  endless.stop = stop.get_token();
   const auto report = play(
-      *through, request(40, 1000),
-      [&](std::uint64_t k, bool afresh) {
-        // With the first that is shown, which need not be frame 0: that may be late.
-        if (!std::exchange(held, true)) relay.hold(true);
-        if (k == 39) relay.hold(false);
-        if (afresh) ++told_afresh;
-        return move(k);
+      *through, endless,
+      [&](std::uint64_t frame, bool afresh) {
+        if (shown.empty()) relay.hold(true);
+        // Answers come again once a frame has been dropped.
+        if (afresh) relay.hold(false);
+        // The frame before this one was afresh, and was sent.
+        if (!afresh && !shown.empty() && shown.back().afresh) stop.request_stop();
+        shown.push_back({frame, afresh});
+        return move(frame);
       },
-      [&](std::uint64_t) {});
+      [](std::uint64_t) {});
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames_sent + report->frames_late + report->frames_dropped, 40U);
-  EXPECT_LE(report->frames_sent, 16U + 1);
-  if (report->frames_dropped > 0) {
-    EXPECT_EQ(told_afresh, static_cast<int>(report->frames_dropped));
-  }
-  EXPECT_EQ(x(), 39);
+  const auto afresh = [](const Shown& frame) { return frame.afresh; };
+  const auto first = std::find_if(shown.begin(), shown.end(), afresh);
+  EXPECT_EQ(first - shown.begin(), kWindow + 1)
+      << "one frame more than the window takes is dropped";
+  EXPECT_EQ(report->frames_sent + report->frames_dropped, shown.size());
+  const bool last_sent = x() == static_cast<double>(shown.back().frame);
+  EXPECT_EQ(std::count_if(shown.begin(), shown.end(), afresh) + (last_sent ? 0 : 1),
+            report->frames_dropped);
 }
 
 TEST_F(Playback, AStopEndsItWithEverythingAnswered) {
@@ -105,21 +118,28 @@ TEST_F(Playback, AStopEndsItWithEverythingAnswered) {
   EXPECT_EQ(report->stream.last_answered, report->frames_sent);
 }
 
-TEST_F(Playback, WhatIsRejectedIsToldAndTheNextFrameSaysAll) {
-  bool afresh_seen = false;
+TEST_F(Playback, ARejectedFrameIsReportedAndTheNextSaysAll) {
+  bool rejected = false;
+  int afresh_seen = 0;
+  std::stop_source stop;
+  PlaybackRequest endless = request(0, 100);
+  endless.stop = stop.get_token();
   const auto report = play(
-      client_, request(4, 20),
-      [&](std::uint64_t k, bool afresh) {
-        afresh_seen = afresh_seen || afresh;
-        if (k > 0) return move(k);
-        return std::vector<Update>{DeleteNode{99, false}};
+      client_, endless,
+      [&](std::uint64_t frame, bool afresh) {
+        if (!std::exchange(rejected, true)) return std::vector<Update>{DeleteNode{99, false}};
+        if (afresh) {
+          ++afresh_seen;
+          stop.request_stop();
+        }
+        return move(frame);
       },
       [](std::uint64_t) {});
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_TRUE(report->first_reject);
   EXPECT_EQ(report->first_reject->code, Code::kNotFound);
   EXPECT_EQ(report->stream.rejected, 1U);
-  EXPECT_TRUE(afresh_seen);
+  EXPECT_EQ(afresh_seen, 1);
 }
 
 }  // namespace

@@ -1,0 +1,86 @@
+"""Comments, names and pages use the field's terms: words.txt lists what is not used, and what to say instead."""
+
+import functools
+import pathlib
+import re
+
+from sources import PRODUCT, code, comments, cpp_files, line_of, pages, read
+
+WORDS = pathlib.Path(__file__).with_name("words.txt")
+
+
+@functools.cache
+def _rules():
+    """What words.txt says: phrases as patterns, and names in snake_case, with what to say instead."""
+    phrases, names = [], {}
+    for number, line in enumerate(WORDS.read_text(encoding="utf-8").splitlines(), 1):
+        if not line or line.startswith("#"):
+            continue
+        kind, words, instead = (part.strip() for part in line.split(" | "))
+        if kind == "phrase":
+            pattern = words.replace(" ", r"\s+")
+            phrases.append((re.compile(rf"\b(?:{pattern})\b", re.IGNORECASE), instead))
+        elif kind == "name":
+            names[words] = instead
+        else:
+            raise ValueError(f"words.txt:{number}: {kind} is neither phrase nor name")
+    return phrases, names
+
+
+def snake_case(identifier):
+    words = re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", identifier)
+    return re.sub(r"([A-Z]+)([A-Z][a-z])", r"\1_\2", words).lower().strip("_")
+
+
+def prose(page):
+    """A Markdown page without its code, links and tables of contents."""
+    page = re.sub(r"^```.*?^```|^    .*?$|`[^`\n]*`", lambda m: re.sub(r"[^\n]", " ", m[0]), page,
+                  flags=re.DOTALL | re.MULTILINE)
+    return re.sub(r"\]\([^()\s]*\)", "]", page)
+
+
+def joined(text):
+    """Comments whose lines are one text, so that a phrase may go on in the next line; positions stay."""
+    return re.sub(r"\n[ \t]*(//+)?", lambda m: " " * len(m[0]), re.sub(r"//", "  ", text))
+
+
+def phrases_in(text, original):
+    for pattern, instead in _rules()[0]:
+        for match in pattern.finditer(text):
+            yield line_of(original, match.start()), re.sub(r"\s+", " ", match[0]), instead
+
+
+@functools.cache
+def better_name(identifier):
+    """What to say instead of a name or of a part of it, or None."""
+    snake = f"_{snake_case(identifier)}_"
+    return next((instead for name, instead in _rules()[1].items() if f"_{name}_" in snake), None)
+
+
+def names_in(text):
+    """The first use of each such name in code. What a package has named is let alone."""
+    seen = set()
+    for match in re.finditer(r"\b(?:(?:std|tbb|hn|hwy|grpc|google)::)?([A-Za-z_]\w*)", text):
+        name = match[1]
+        if "::" not in match[0] and name not in seen and better_name(name):
+            seen.add(name)
+            yield line_of(text, match.start()), name, better_name(name)
+
+
+def check(root):
+    findings = []
+
+    def report(file, found):
+        findings.extend(f'{file}:{line}: "{words}": say {instead}' for line, words, instead in sorted(found))
+
+    for file in cpp_files(root, (*PRODUCT, "tests")):
+        text = read(root, file)
+        stem = pathlib.PurePosixPath(file).stem
+        report(file, phrases_in(joined(comments(text)), text))
+        report(file, names_in(code(text)))
+        if better_name(stem):
+            report(file, [(1, stem, better_name(stem))])
+    for page in pages(root):
+        text = read(root, page)
+        report(page, phrases_in(prose(text).replace("\n", " "), text))
+    return findings
