@@ -25,7 +25,7 @@ class Growth {
 
   /// `first`: what the first pass over the list would find, or null.
   kdtree::Slot grow(std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
-                    const kdtree::CellPath& path, const split::FirstScan* first, BoxStack& lists,
+                    const kdtree::CellPath& path, const kdtree::FirstScan* first, BoxStack& lists,
                     kdtree::BuildCounters& counters) {
     if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
         context_.cancelled->load(std::memory_order_relaxed)) {
@@ -118,7 +118,7 @@ class Growth {
 
   std::optional<kdtree::Cut> choose(std::span<const kdtree::BoxRef> refs,
                                     const geometry::Aabb& cell, const kdtree::CellPath& path,
-                                    const split::FirstScan* first,
+                                    const kdtree::FirstScan* first,
                                     kdtree::BuildCounters& counters) const {
     kdtree::CellRefs list{refs, cell, path};
     list.first = first;

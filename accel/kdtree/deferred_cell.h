@@ -8,8 +8,8 @@
 
 #include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/epoch.h"
+#include "accel/kdtree/first_scan.h"
 #include "accel/kdtree/reference_list.h"
-#include "accel/split/child_scan.h"
 
 namespace sightline::accel::kdtree {
 
@@ -55,7 +55,7 @@ struct alignas(8) DeferredCell : Retirable {
   CellList list;
   std::size_t size = 0;      ///< References in the cell, listed or not.
   std::uint64_t weight = 0;  ///< Of them all.
-  split::FirstScan first;    ///< Of the list, if it was made when the list was written.
+  FirstScan first;           ///< Of the list, if it was made when the list was written.
   /// Expanding failed for want of memory: the cell stays as it is and is searched.
   std::atomic<bool> given_up{false};
   /// Of a large cell that somebody has begun to expand.

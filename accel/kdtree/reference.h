@@ -11,7 +11,6 @@
 
 namespace sightline::accel::split {
 struct PassResult;  // scan_pass.h
-struct FirstScan;   // child_scan.h
 }  // namespace sightline::accel::split
 
 namespace sightline::accel::kdtree {
@@ -92,6 +91,8 @@ struct CellPath {
   bool operator==(const CellPath&) const = default;
 };
 
+struct FirstScan;  // first_scan.h
+
 /// A cell as a builder is asked about it.
 struct CellRefs {
   std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
@@ -104,7 +105,7 @@ struct CellRefs {
   const std::function<split::PassResult(
       const std::function<split::PassResult(std::span<const BoxRef>)>&)>* run = nullptr;
   /// What the first pass over the list would find, where that is known (first_scan.h).
-  const split::FirstScan* first = nullptr;
+  const FirstScan* first = nullptr;
 };
 
 }  // namespace sightline::accel::kdtree

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "accel/kdtree/kd_tree.h"
-#include "accel/split/cost_model.h"
 
 namespace sightline::accel::kdtree {
 

@@ -25,7 +25,7 @@ struct DivideContext {
 /// The list of one of the cells that come of a division.
 struct Part {
   kdtree::CellList list;
-  split::FirstScan first;
+  kdtree::FirstScan first;
   bool openable = false;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 /// The pieces of one side of a stage, kept as long as they are.
 Part gather(const Stage& stage, std::shared_ptr<const kdtree::BoxList> SliceResult::*side,
-            split::FirstScan SliceResult::*scan) {
+            kdtree::FirstScan SliceResult::*scan) {
   std::vector<kdtree::SlicedList::Piece> pieces;
   Part part;
   for (std::size_t i = 0; i < stage.slices(); ++i) {

@@ -20,12 +20,12 @@ namespace sightline::accel::lazy {
 struct SliceResult {
   split::PassResult sums;  ///< Scanning.
   std::shared_ptr<const kdtree::BoxList> left,
-      right;                               ///< Sifting; opening and listing fill `left`.
-  split::FirstScan left_scan, right_scan;  ///< Of the children's lists.
-  Straddling straddling;                   ///< Of the division.
-  bool openable = false;                   ///< There may be openable ones in the lists.
-  std::optional<kdtree::Cut> cut;          ///< Choosing, where a builder takes no slices.
-  std::shared_ptr<const CutTree> cuts;     ///< Choosing by a sample.
+      right;                                ///< Sifting; opening and listing fill `left`.
+  kdtree::FirstScan left_scan, right_scan;  ///< Of the children's lists.
+  Straddling straddling;                    ///< Of the division.
+  bool openable = false;                    ///< There may be openable ones in the lists.
+  std::optional<kdtree::Cut> cut;           ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const CutTree> cuts;      ///< Choosing by a sample.
   std::vector<std::shared_ptr<const kdtree::BoxList>> parts;  ///< Sifting by these cuts.
 };
 

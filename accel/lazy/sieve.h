@@ -31,7 +31,7 @@ struct Straddling {
 
 struct Sides {
   kdtree::BoxList left, right;
-  split::FirstScan left_scan, right_scan;
+  kdtree::FirstScan left_scan, right_scan;
   Straddling straddling;  ///< Before clipping.
 };
 

@@ -30,7 +30,7 @@ struct alignas(64) Sides {
 constexpr Sides sides() {
   Sides s{};
   for (std::size_t i = 0; i < kScanWidth; ++i) {
-    const bool of_left = i < kFirstPlanes;
+    const bool of_left = i < kdtree::kFirstPlanes;
     s.row[1][i] = of_left ? ~0u : 0u;
     s.row[2][i] = of_left ? 0u : ~0u;
     s.row[3][i] = ~0u;
@@ -47,8 +47,8 @@ struct Axis {
 
 HWY_INLINE void load(const FirstScans& scans, std::size_t a, Axis& axis) {
   alignas(64) float at[kScanWidth];
-  std::copy_n(scans.left_planes.at[a].begin(), kFirstPlanes, at);
-  std::copy_n(scans.right_planes.at[a].begin(), kFirstPlanes, at + kFirstPlanes);
+  std::copy_n(scans.left_planes.at[a].begin(), kdtree::kFirstPlanes, at);
+  std::copy_n(scans.right_planes.at[a].begin(), kdtree::kFirstPlanes, at + kdtree::kFirstPlanes);
   for (std::size_t p = 0; p < kParts; ++p) {
     axis.at[p] = hn::Load(Floats(), at + p * kLanes);
     axis.left[p] = axis.right[p] = hn::Zero(Counts());
@@ -65,13 +65,14 @@ HWY_INLINE void count(float lo, float hi, const hn::Vec<Counts>* weight, Axis& a
   }
 }
 
-HWY_INLINE void add(const hn::Vec<Counts>* counts, std::array<std::uint32_t, kFirstPlanes>& low,
-                    std::array<std::uint32_t, kFirstPlanes>& high) {
+HWY_INLINE void add(const hn::Vec<Counts>* counts,
+                    std::array<std::uint32_t, kdtree::kFirstPlanes>& low,
+                    std::array<std::uint32_t, kdtree::kFirstPlanes>& high) {
   alignas(64) std::uint32_t all[kScanWidth];
   for (std::size_t p = 0; p < kParts; ++p) hn::Store(counts[p], Counts(), all + p * kLanes);
-  for (std::size_t i = 0; i < kFirstPlanes; ++i) {
+  for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
     low[i] += all[i];
-    high[i] += all[kFirstPlanes + i];
+    high[i] += all[kdtree::kFirstPlanes + i];
   }
 }
 
@@ -133,11 +134,11 @@ HWY_EXPORT(sift);
 namespace {
 
 /// Where the i-th of n planes stands between the faces: row n, place i.
-using Shares = std::array<std::array<double, kFirstPlanes>, kFirstPlanes + 1>;
+using Shares = std::array<std::array<double, kdtree::kFirstPlanes>, kdtree::kFirstPlanes + 1>;
 constexpr Shares shares() {
   Shares all{};
-  for (std::size_t n = 2; n <= kFirstPlanes; ++n) {
-    for (std::size_t i = 0; i < kFirstPlanes; ++i)
+  for (std::size_t n = 2; n <= kdtree::kFirstPlanes; ++n) {
+    for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i)
       all[n][i] = static_cast<double>(std::min(i, n - 1)) / static_cast<double>(n - 1);
   }
   return all;
@@ -150,7 +151,7 @@ FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n) {
   FirstPlanes planes;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto lo = static_cast<double>(cell.lo[a]), hi = static_cast<double>(cell.hi[a]);
-    for (std::size_t i = 0; i < kFirstPlanes; ++i) {
+    for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
       const double share = kShares[n][i];
       planes.at[a][i] = static_cast<float>(lo * (1 - share) + hi * share);
     }

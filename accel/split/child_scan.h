@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "accel/kdtree/first_scan.h"
 #include "accel/kdtree/reference.h"
 #include "accel/kdtree/sift.h"
 #include "accel/split/scan_kernel.h"
@@ -16,33 +17,16 @@ namespace sightline::accel::split {
 /// The planes of a cell's first pass, on all three axes: n of them evenly from face to face, both
 /// included; the last is repeated in unused places.
 struct FirstPlanes {
-  std::array<std::array<float, kFirstPlanes>, 3> at;
+  std::array<std::array<float, kdtree::kFirstPlanes>, 3> at;
 };
 
-/// n in 2 to kFirstPlanes. A pure function of the cell.
+/// n in 2 to kdtree::kFirstPlanes. A pure function of the cell.
 FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n);
-
-/// What the first pass found in some of a cell's list. Adds up over disjoint pieces of it.
-struct FirstScan {
-  std::size_t references = 0;  ///< How many boxes were counted.
-  std::array<PlaneCounts<kFirstPlanes>, 3> axes;
-
-  /// Whether it stands for the whole of a list of that many boxes. Who changes a list after it was
-  /// counted (boxes opened, clipped, left out) has to forget the counts.
-  bool covers(std::size_t size) const { return size > 0 && references == size; }
-
-  FirstScan& operator+=(const FirstScan& o) {
-    references += o.references;
-    for (std::size_t a = 0; a < 3; ++a) axes[a] += o.axes[a];
-    return *this;
-  }
-  bool operator==(const FirstScan&) const = default;
-};
 
 /// A cell's two halves: where the first pass over each of them counts, and what it counted.
 struct FirstScans {
   FirstPlanes left_planes, right_planes;
-  FirstScan left, right;
+  kdtree::FirstScan left, right;
 };
 
 /// As sift by {plane}, and adds to the scans what the first pass over what was written would find.

@@ -12,7 +12,7 @@ namespace sightline::accel::split {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostSegments = kFirstPlanes - 1;
+constexpr std::size_t kMostSegments = kdtree::kFirstPlanes - 1;
 
 /// What cuts along one axis of a cell cost, in weight: tests to expect in the children.
 struct AxisCost {
@@ -57,8 +57,9 @@ double share(double a, double b, double t) { return a + (b - a) * t; }
 /// From the least a segment can cost to what it costs if counts rise evenly; measured.
 constexpr double kHope = 0.75;
 
-Outlook look_at(const AxisCost& cost, const FirstAxis& planes, const PlaneCounts<kFirstPlanes>& n,
-                std::size_t samples, std::size_t axis, Best& best) {
+Outlook look_at(const AxisCost& cost, const FirstAxis& planes,
+                const kdtree::PlaneCounts<kdtree::kFirstPlanes>& n, std::size_t samples,
+                std::size_t axis, Best& best) {
   Outlook outlook;
   for (std::size_t i = 0; i + 1 < samples; ++i) {
     const auto begin = static_cast<double>(planes[i]), end = static_cast<double>(planes[i + 1]);
@@ -103,7 +104,8 @@ bool place_where_it_pays(const Outlook& outlook, const FirstAxis& planes, std::s
 
 /// Every plane moves as far as its counts hold, toward the side with more on it.
 void offer_moved(const AxisCost& cost, std::size_t axis, const WideAxis& planes,
-                 const PlaneCounts<kScanWidth>& n, const PlaneNeighbours& near, Best& best) {
+                 const kdtree::PlaneCounts<kScanWidth>& n, const PlaneNeighbours& near,
+                 Best& best) {
   for (std::size_t i = 0; i < kScanWidth; ++i) {
     const float beside = n.left[i] > n.right[i] ? near.below[i] : near.above[i];
     const float x = cost.inside(beside) ? beside : planes[i];
@@ -128,9 +130,8 @@ PassResult look_closely(std::span<const kdtree::BoxRef> refs, const std::array<b
   return found;
 }
 
-std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const kdtree::CellRefs& list,
-                                                    const FirstPlanes& planes,
-                                                    kdtree::BuildCounters& counters) {
+std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> first_pass(
+    const kdtree::CellRefs& list, const FirstPlanes& planes, kdtree::BuildCounters& counters) {
   if (list.first != nullptr && list.first->covers(list.size)) return list.first->axes;
   counters.touches += list.size;
   return run_pass(list,
@@ -147,7 +148,8 @@ std::array<PlaneCounts<kFirstPlanes>, 3> first_pass(const kdtree::CellRefs& list
 std::optional<kdtree::Cut> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
                                          kdtree::BuildCounters& counters) {
   const FirstPlanes planes = first_planes(list.box, rule.uniform_samples);
-  const std::array<PlaneCounts<kFirstPlanes>, 3> counts = first_pass(list, planes, counters);
+  const std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> counts =
+      first_pass(list, planes, counters);
   const std::size_t samples = rule.uniform_samples;
   const double per_whole = per_area(list.box);
   const auto along = [&](std::size_t a) {

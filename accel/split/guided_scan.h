@@ -13,7 +13,7 @@ namespace sightline::accel::split {
 /// How a list is cut when counts guide where it is looked at.
 struct GuidedRule {
   SahConstants cost;
-  /// Planes an axis in the first pass, the cell's faces included. Range 2 to kFirstPlanes.
+  /// Planes an axis in the first pass, the cell's faces included. Range 2 to kdtree::kFirstPlanes.
   std::uint32_t uniform_samples = 8;
   bool refine_all_axes = false;  ///< In the second pass; else the most promising.
   bool once = false;             ///< No second pass.

@@ -21,7 +21,7 @@ class Planes {
   using Counts = hn::RebindToUnsigned<Floats>;
 
   HWY_INLINE void load(const std::array<float, kPlanes>& planes,
-                       const PlaneCounts<kPlanes>& counts) {
+                       const kdtree::PlaneCounts<kPlanes>& counts) {
     for (std::size_t p = 0; p < kParts; ++p) {
       at_[p] = hn::LoadU(Floats(), planes.data() + p * kLanes);
       left_[p] = hn::LoadU(Counts(), counts.left.data() + p * kLanes);
@@ -58,7 +58,7 @@ class Planes {
     }
   }
 
-  HWY_INLINE void store(PlaneCounts<kPlanes>& counts) const {
+  HWY_INLINE void store(kdtree::PlaneCounts<kPlanes>& counts) const {
     for (std::size_t p = 0; p < kParts; ++p) {
       hn::StoreU(left_[p], Counts(), counts.left.data() + p * kLanes);
       hn::StoreU(right_[p], Counts(), counts.right.data() + p * kLanes);
@@ -79,8 +79,9 @@ class Planes {
 };
 
 void three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
-  Planes<kFirstPlanes> along_x, along_y, along_z;  // by name: they have to stay in registers
+                std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts) {
+  Planes<kdtree::kFirstPlanes> along_x, along_y,
+      along_z;  // by name: they have to stay in registers
   along_x.load(planes[0], counts[0]);
   along_y.load(planes[1], counts[1]);
   along_z.load(planes[2], counts[2]);
@@ -95,15 +96,15 @@ void three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis
 }
 
 void one_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const FirstAxis& planes,
-              PlaneCounts<kFirstPlanes>& counts) {
-  Planes<kFirstPlanes> along;
+              kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts) {
+  Planes<kdtree::kFirstPlanes> along;
   along.load(planes, counts);
   for (const kdtree::BoxRef& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
   along.store(counts);
 }
 
 void wide_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const WideAxis& planes,
-               PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
+               kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   Planes<kScanWidth> along;
   along.load(planes, counts);
   along.load(near);
@@ -127,15 +128,15 @@ HWY_EXPORT(one_axis);
 HWY_EXPORT(wide_axis);
 
 void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                     std::array<PlaneCounts<kFirstPlanes>, 3>& counts) {
+                     std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts) {
   HWY_DYNAMIC_DISPATCH(three_axes)(refs, planes, counts);
 }
 void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
-                   PlaneCounts<kFirstPlanes>& counts) {
+                   kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts) {
   HWY_DYNAMIC_DISPATCH(one_axis)(refs, static_cast<std::size_t>(axis), planes, counts);
 }
 void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
-                    PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
+                    kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   HWY_DYNAMIC_DISPATCH(wide_axis)(refs, static_cast<std::size_t>(axis), planes, counts, near);
 }
 std::string_view simd_target() {

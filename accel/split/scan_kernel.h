@@ -9,31 +9,13 @@
 #include <span>
 #include <string_view>
 
+#include "accel/kdtree/first_scan.h"
 #include "accel/kdtree/reference.h"
 
 namespace sightline::accel::split {
 
 /// Most planes of one axis that a pass looks at.
-inline constexpr std::size_t kScanWidth = 16;
-
-/// Most planes an axis of a cell's first, uniform pass, and of any pass over three axes.
-inline constexpr std::size_t kFirstPlanes = kScanWidth / 2;
-
-/// What a pass counted at the planes of one axis.
-template <std::size_t kPlanes>
-struct PlaneCounts {
-  std::array<std::uint32_t, kPlanes> left{};   ///< Weight with lo < plane.
-  std::array<std::uint32_t, kPlanes> right{};  ///< Weight with hi > plane.
-
-  PlaneCounts& operator+=(const PlaneCounts& o) {
-    for (std::size_t i = 0; i < kPlanes; ++i) {
-      left[i] += o.left[i];
-      right[i] += o.right[i];
-    }
-    return *this;
-  }
-  bool operator==(const PlaneCounts&) const = default;
-};
+inline constexpr std::size_t kScanWidth = 2 * kdtree::kFirstPlanes;
 
 /// How far the planes of one axis can move while what was counted there holds: down to the next
 /// bound nothing more lies above a plane, up to the next nothing more lies below it. Infinite where
@@ -63,20 +45,20 @@ struct AxisRange {
 };
 
 /// Planes in any order; unused places repeat a used one.
-using FirstAxis = std::array<float, kFirstPlanes>;
+using FirstAxis = std::array<float, kdtree::kFirstPlanes>;
 using WideAxis = std::array<float, kScanWidth>;
 
 /// Adds what one pass over three axes counts.
 void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                     std::array<PlaneCounts<kFirstPlanes>, 3>& counts);
+                     std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts);
 
 /// Adds what one pass over one axis counts.
 void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
-                   PlaneCounts<kFirstPlanes>& counts);
+                   kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts);
 
 /// Adds what one pass over one axis counts and which bounds it finds next to the planes.
 void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
-                    PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near);
+                    kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near);
 
 /// What the kernels run on here, e.g. "AVX3".
 std::string_view simd_target();

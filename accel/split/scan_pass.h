@@ -18,9 +18,9 @@ namespace sightline::accel::split {
 /// What a pass found in some of a list's boxes. Adds up over disjoint pieces of the list, in any
 /// order, to what a pass over the whole finds.
 struct PassResult {
-  std::array<PlaneCounts<kFirstPlanes>, 3> few;  ///< At few planes, axis by axis.
-  std::array<PlaneCounts<kScanWidth>, 3> many;   ///< At many.
-  std::array<PlaneNeighbours, 3> near;           ///< Beside the many.
+  std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> few;  ///< At few planes, axis by axis.
+  std::array<kdtree::PlaneCounts<kScanWidth>, 3> many;           ///< At many.
+  std::array<PlaneNeighbours, 3> near;                           ///< Beside the many.
 
   PassResult& operator+=(const PassResult& o) {
     for (std::size_t a = 0; a < 3; ++a) {

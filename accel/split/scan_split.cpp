@@ -49,7 +49,7 @@ class ScanSearch final : public SplitSearch {
 }  // namespace
 
 std::optional<std::string> ScanSplit::check() const {
-  const auto most = static_cast<std::uint32_t>(kFirstPlanes);
+  const auto most = static_cast<std::uint32_t>(kdtree::kFirstPlanes);
   if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, std::uint32_t{kMaxBoundScan})) return e;
   if (budget != 0) {

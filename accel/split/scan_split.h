@@ -14,7 +14,8 @@ namespace sightline::accel::split {
 
 /// A builder is a value: parameters, `check()`, and one decision.
 struct ScanSplit {
-  /// Sample planes an axis in the first pass, the cell's faces included. Range 2 to kFirstPlanes.
+  /// Sample planes an axis in the first pass, the cell's faces included. Range 2 to
+  /// kdtree::kFirstPlanes.
   std::uint32_t uniform_samples = 8;
   /// Lists up to this length are cut at the best of their bounds. Longer ones cost fewer touches
   /// and no more time by two passes. Range 0 to kMaxBoundScan.

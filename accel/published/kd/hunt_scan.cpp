@@ -76,7 +76,7 @@ void snap_to_bound(const kdtree::CellRefs& list, const split::SahConstants& cons
     if (x > list.box.lo[a] && x < list.box.hi[a]) planes[used++] = x;
   }
   if (used == 0) return;
-  const split::PlaneCounts<split::kScanWidth> counts = pass(planes).many[0];
+  const kdtree::PlaneCounts<split::kScanWidth> counts = pass(planes).many[0];
   const split::CutAreas areas(list.box, axis);
   best = {};
   for (std::size_t i = 0; i < used; ++i) {

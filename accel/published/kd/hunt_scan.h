@@ -66,7 +66,7 @@ struct HuntScan {
   /// (CellRefs::first). Not for short ones, most of whose children are cut by their bounds, and not
   /// with clipping, which changes what was counted.
   bool scans_children(std::size_t references) const {
-    return !clip && uniform_samples <= split::kFirstPlanes &&
+    return !clip && uniform_samples <= kdtree::kFirstPlanes &&
            references >= 2 * std::size_t{exact_below};
   }
 

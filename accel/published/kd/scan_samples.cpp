@@ -7,7 +7,7 @@ namespace sightline::accel::published::kd {
 namespace {
 
 using AxisPlanes = std::array<split::FirstAxis, 3>;
-using AxisCounts = std::array<split::PlaneCounts<split::kFirstPlanes>, 3>;
+using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>;
 
 /// Planes of one stage, on three axes; unused places repeat the last.
 struct StagePlanes {
@@ -15,13 +15,14 @@ struct StagePlanes {
   std::array<std::size_t, 3> used{};
 
   std::size_t passes() const {
-    return (std::max({used[0], used[1], used[2]}) + split::kFirstPlanes - 1) / split::kFirstPlanes;
+    return (std::max({used[0], used[1], used[2]}) + kdtree::kFirstPlanes - 1) /
+           kdtree::kFirstPlanes;
   }
   AxisPlanes of_pass(std::size_t pass) const {
     AxisPlanes planes;
     for (std::size_t a = 0; a < 3; ++a)
-      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * split::kFirstPlanes),
-                  split::kFirstPlanes, planes[a].begin());
+      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kdtree::kFirstPlanes),
+                  kdtree::kFirstPlanes, planes[a].begin());
     return planes;
   }
 };
@@ -50,9 +51,9 @@ AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
                            split::PassResult found;
                            const auto axis = static_cast<std::size_t>(range.begin);
                            if (range.all()) {
-                             scan_three_axes(refs, planes, found.few);
+                             split::scan_three_axes(refs, planes, found.few);
                            } else {
-                             scan_one_axis(refs, range.begin, planes[axis], found.few[axis]);
+                             split::scan_one_axis(refs, range.begin, planes[axis], found.few[axis]);
                            }
                            return found;
                          })
@@ -70,7 +71,7 @@ std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRan
                                   : count_planes(list, range, planes.of_pass(pass), counters);
     for (std::size_t a = 0; a < 3; ++a) {
       Samples& s = samples[a];
-      for (std::size_t i = 0; i < split::kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
+      for (std::size_t i = 0; i < kdtree::kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
         s.at[s.size] = {static_cast<double>(planes.at[a][s.size]),
                         static_cast<double>(counts[a].left[i]),
                         static_cast<double>(counts[a].right[i])};
@@ -121,7 +122,7 @@ std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRang
                                    std::uint32_t uniform, std::uint32_t adaptive,
                                    kdtree::BuildCounters& counters) {
   const bool known =
-      list.first != nullptr && uniform <= split::kFirstPlanes && list.first->covers(list.size);
+      list.first != nullptr && uniform <= kdtree::kFirstPlanes && list.first->covers(list.size);
   std::array<Samples, 3> samples =
       sample_stage(list, range, uniform_planes(list.box, range, uniform),
                    known ? &list.first->axes : nullptr, counters);

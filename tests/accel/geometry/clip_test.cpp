@@ -121,7 +121,8 @@ struct OneFace {
 TEST(ClipToHalf, LeavesOutWhatOnlyTouches) {
   const OneFace up{{{0, 0, 1}, {1, 0, 1}, {0, 1, 2}}};
   EXPECT_TRUE(grow::clip_to_half(up.view(), 0, {{0, 0, 1}, {1, 1, 2}}));
-  EXPECT_FALSE(grow::clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // an edge in the upper face
+  EXPECT_FALSE(
+      grow::clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // an edge in the upper face
 }
 
 TEST(ClipToHalf, KeepsWhatLiesFlatInAFace) {

@@ -51,9 +51,9 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
   d.scans.left.references = n.left;
   d.scans.right.references = n.right;
   const auto count = [](const std::vector<kdtree::BoxRef>& list, const FirstPlanes& planes,
-                        FirstScan& scan) {
+                        kdtree::FirstScan& scan) {
     for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t i = 0; i < kFirstPlanes; ++i) {
+      for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
         for (const kdtree::BoxRef& r : list) {
           scan.axes[a].left[i] += r.lo[a] < planes.at[a][i] ? r.weight : 0;
           scan.axes[a].right[i] += r.hi[a] > planes.at[a][i] ? r.weight : 0;
@@ -68,7 +68,7 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
 
 /// Over itself, as growth does, then piece by piece into one pair of lists.
 void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-                 const kdtree::Plane& plane, std::uint32_t samples = kFirstPlanes) {
+                 const kdtree::Plane& plane, std::uint32_t samples = kdtree::kFirstPlanes) {
   const Divided expected = apart(refs, cell, plane, samples);
   const auto expect_lists = [&](std::span<const kdtree::BoxRef> left,
                                 std::span<const kdtree::BoxRef> right, const FirstScans& scans) {
@@ -130,7 +130,7 @@ TEST_P(FirstScanning, CountsLongLists) {
 }
 
 TEST(FirstScan, CoversAListOfItsSizeThatIsNotEmpty) {
-  FirstScan scan;
+  kdtree::FirstScan scan;
   EXPECT_FALSE(scan.covers(0));
   EXPECT_FALSE(scan.covers(3));
   scan.references = 3;

@@ -36,9 +36,9 @@ std::array<float, kPlanes> planes(std::uint64_t seed) {
 }
 
 template <std::size_t kPlanes>
-PlaneCounts<kPlanes> counted(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
-                             const std::array<float, kPlanes>& planes) {
-  PlaneCounts<kPlanes> counts;
+kdtree::PlaneCounts<kPlanes> counted(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
+                                     const std::array<float, kPlanes>& planes) {
+  kdtree::PlaneCounts<kPlanes> counts;
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (const kdtree::BoxRef& r : refs) {
       counts.left[i] += r.lo[axis] < planes[i] ? r.weight : 0;
@@ -71,13 +71,14 @@ class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
 TEST_P(ScanKernel, CountsWeights) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
     const std::vector<kdtree::BoxRef> refs = boxes(n, n);
-    const std::array<FirstAxis, 3> at{planes<kFirstPlanes>(1), planes<kFirstPlanes>(2),
-                                      planes<kFirstPlanes>(3)};
-    std::array<PlaneCounts<kFirstPlanes>, 3> counts;
+    const std::array<FirstAxis, 3> at{planes<kdtree::kFirstPlanes>(1),
+                                      planes<kdtree::kFirstPlanes>(2),
+                                      planes<kdtree::kFirstPlanes>(3)};
+    std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> counts;
     scan_three_axes(refs, at, counts);
     for (std::size_t a = 0; a < 3; ++a) {
       EXPECT_EQ(counts[a], counted(refs, a, at[a])) << n << " on " << a;
-      PlaneCounts<kFirstPlanes> one;
+      kdtree::PlaneCounts<kdtree::kFirstPlanes> one;
       scan_one_axis(refs, static_cast<int>(a), at[a], one);
       EXPECT_EQ(one, counts[a]) << n << " on " << a;
     }
@@ -89,7 +90,7 @@ TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
     const std::vector<kdtree::BoxRef> refs = boxes(n, n);
     for (std::size_t a = 0; a < 3; ++a) {
       const WideAxis at = planes<kScanWidth>(a);
-      PlaneCounts<kScanWidth> counts;
+      kdtree::PlaneCounts<kScanWidth> counts;
       PlaneNeighbours near;
       scan_wide_axis(refs, static_cast<int>(a), at, counts, near);
       EXPECT_EQ(counts, counted(refs, a, at)) << n << " on " << a;
@@ -103,7 +104,7 @@ TEST_P(ScanKernel, AddsUp) {
   const std::vector<kdtree::BoxRef> refs = boxes(100, 3);
   const std::span<const kdtree::BoxRef> all(refs);
   const WideAxis at = planes<kScanWidth>(5);
-  PlaneCounts<kScanWidth> whole, pieces;
+  kdtree::PlaneCounts<kScanWidth> whole, pieces;
   PlaneNeighbours whole_near, pieces_near;
   scan_wide_axis(all, 1, at, whole, whole_near);
   for (const auto& [begin, size] : {std::pair{0u, 1u}, {1u, 0u}, {1u, 60u}, {61u, 39u}})

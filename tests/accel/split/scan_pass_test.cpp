@@ -32,8 +32,8 @@ struct Pieces {
   }
 };
 
-FirstScan first_scan(const SplitSearch& rule, std::vector<kdtree::BoxRef> refs,
-                     const geometry::Aabb& cell) {
+kdtree::FirstScan first_scan(const SplitSearch& rule, std::vector<kdtree::BoxRef> refs,
+                             const geometry::Aabb& cell) {
   // Cut at its lower face, the whole list is the right cell's.
   std::vector<kdtree::BoxRef> right(refs.size());
   FirstScans scans{{}, rule.first_planes(cell), {}, {}};
@@ -66,7 +66,7 @@ void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry
     EXPECT_EQ(pieces.passes * refs.size(), at_hand.touches);
 
     kdtree::BuildCounters counted_before;
-    const FirstScan first = first_scan(*rule, refs, cell);
+    const kdtree::FirstScan first = first_scan(*rule, refs, cell);
     list.first = &first;
     EXPECT_EQ(choose(list, counted_before), cut);
     EXPECT_LE(counted_before.touches, at_hand.touches - refs.size());
@@ -83,7 +83,7 @@ TEST(ListPass, ChoosesAsFromTheListAtHand) {
 
 TEST(ListPass, ForgetsCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
-  FirstScan wrong;
+  kdtree::FirstScan wrong;
   wrong.references = 999;
   kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};
   kdtree::BuildCounters counters, expected;

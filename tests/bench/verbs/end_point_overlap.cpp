@@ -39,7 +39,8 @@ class Names {
 /// What one triangle adds.
 class Descent {
  public:
-  Descent(const accel::published::bvh::Bvh& bvh, const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b, const accel::geometry::Vec3f& c,
+  Descent(const accel::published::bvh::Bvh& bvh, const accel::geometry::Vec3f& a,
+          const accel::geometry::Vec3f& b, const accel::geometry::Vec3f& c,
           std::span<const std::size_t> names)
       : bvh_(bvh), a_(a), b_(b), c_(c), names_(names) {
     for (const accel::geometry::Vec3f& v : {a, b, c}) box_.grow(v);
@@ -57,7 +58,8 @@ class Descent {
     const accel::published::bvh::BvhNode& node = bvh_.nodes[at.first];
     const accel::published::bvh::BvhChild left = node.child(0), right = node.child(1);
     const std::size_t middle = first_id(right);
-    return accel::kdtree::kMeasuredTraverse * area + sum(left, begin, middle) + sum(right, middle, end);
+    return accel::kdtree::kMeasuredTraverse * area + sum(left, begin, middle) +
+           sum(right, middle, end);
   }
 
  private:
@@ -78,7 +80,8 @@ class Descent {
 
 }  // namespace
 
-double end_point_overlap(const accel::published::bvh::Bvh& bvh, const accel::geometry::MeshView& mesh) {
+double end_point_overlap(const accel::published::bvh::Bvh& bvh,
+                         const accel::geometry::MeshView& mesh) {
   struct Sum {
     double outside = 0, area = 0;
   };
@@ -86,8 +89,9 @@ double end_point_overlap(const accel::published::bvh::Bvh& bvh, const accel::geo
   const auto add = [&](const tbb::blocked_range<std::size_t>& faces, Sum sum) {
     for (std::size_t i = faces.begin(); i != faces.end(); ++i) {
       if (names.of(i).empty()) continue;
-      const accel::geometry::Vec3f &a = mesh.vertices[mesh.faces[i][0]], &b = mesh.vertices[mesh.faces[i][1]],
-                  &c = mesh.vertices[mesh.faces[i][2]];
+      const accel::geometry::Vec3f &a = mesh.vertices[mesh.faces[i][0]],
+                                   &b = mesh.vertices[mesh.faces[i][1]],
+                                   &c = mesh.vertices[mesh.faces[i][2]];
       sum.outside += Descent(bvh, a, b, c, names.of(i)).sum(bvh.root, 0, bvh.ids.size());
       sum.area += accel::geometry::clipped_area(a, b, c, bvh.root.box);
     }

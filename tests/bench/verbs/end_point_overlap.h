@@ -11,6 +11,7 @@ namespace sightline::bench {
 /// the leaves below it names, over the area of all, times what a visit costs (kMeasuredTraverse, or
 /// kMeasuredIntersect a reference). Rays that end on such a triangle visit the node in vain.
 /// Parallel in the caller's arena; sums in a fixed order.
-double end_point_overlap(const accel::published::bvh::Bvh& bvh, const accel::geometry::MeshView& mesh);
+double end_point_overlap(const accel::published::bvh::Bvh& bvh,
+                         const accel::geometry::MeshView& mesh);
 
 }  // namespace sightline::bench

@@ -13,7 +13,9 @@
 namespace sightline::bench {
 namespace {
 
-accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) { return {box.lo, id, box.hi, 1}; }
+accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) {
+  return {box.lo, id, box.hi, 1};
+}
 
 TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
   // Three squares' halves in planes of constant x; the box of the first leaf holds the third too.
@@ -26,7 +28,8 @@ TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
   accel::published::bvh::BvhGrowth growth(3);
   const accel::geometry::Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
   const std::vector<accel::kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
-  const accel::published::bvh::Bvh bvh = growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
+  const accel::published::bvh::Bvh bvh =
+      growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
   // A third of all area in a leaf of two references.
   EXPECT_DOUBLE_EQ(end_point_overlap(bvh, mesh.view()), 2 * accel::kdtree::kMeasuredIntersect / 3);
 }
@@ -34,7 +37,8 @@ TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
 TEST(EndPointOverlap, IsNoneWhereBoxesAreApart) {
   tests::TestMesh mesh = tests::flat_walls(64);
   accel::kdtree::BuildCounters counters;
-  const accel::published::bvh::Bvh bvh = accel::published::bvh::BvhBuilder{.leaf = {.leaf_size = 2}}.build(mesh.view(), counters);
+  const accel::published::bvh::Bvh bvh =
+      accel::published::bvh::BvhBuilder{.leaf = {.leaf_size = 2}}.build(mesh.view(), counters);
   EXPECT_EQ(measure(bvh).overlap, 0);
   EXPECT_EQ(end_point_overlap(bvh, mesh.view()), 0);
 }

@@ -14,10 +14,10 @@ namespace sightline::bench {
 namespace {
 
 using accel::kdtree::BoxRef;
+using accel::kdtree::kFirstPlanes;
+using accel::kdtree::PlaneCounts;
 using accel::split::FirstAxis;
-using accel::split::kFirstPlanes;
 using accel::split::kScanWidth;
-using accel::split::PlaneCounts;
 using tests::Random;
 
 constexpr double kSecondsPerRun = 0.05;
