@@ -22,6 +22,7 @@ using accel::geometry::Culling;
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using tests::ask_all_kinds;
 using tests::contradiction;
 using tests::KindAnswers;
