@@ -14,7 +14,7 @@
 
 namespace sightline::scenegraph::model {
 
-/// Face slots of one mesh; keeps every place in its tree below the limits of a slot.
+/// Face slots of one mesh; keeps every index in its tree below the limits of a slot.
 inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
 
 class Mesh {
@@ -29,8 +29,8 @@ class Mesh {
       const accel::published::AnyBuilder& builder = accel::published::default_builder(),
       accel::mesh::References references = accel::mesh::References::kRuns);
 
-  /// The same faces about other vertices, as many: only the tree begins anew, by the builder of the
-  /// mesh if that is not the default, else by accel::frame_builder(), as it may last for one
+  /// The same faces with as many other vertices. Only the tree starts again, with the builder of
+  /// the mesh if that is not the default, else by accel::frame_builder(), as it may last for one
   /// revision. Errors: kInvalidArgument, a count that differs.
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices) const;
 
