@@ -104,7 +104,7 @@ TEST(LazyHierarchy, SelectionsOfGroupsThatAreNotOpened) {
       if (!in || out) filter.hidden.push_back(id);
     }
     const auto cold = tests::snapshot_of(updates);
-    const auto selection = Selection::make(cold, root, excluded);
+    const auto selection = query::Selection::make(cold, root, excluded);
     ASSERT_TRUE(selection);
     TraceOptions options;
     options.selection = &*selection;
