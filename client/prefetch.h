@@ -26,8 +26,7 @@ struct PrefetchReport {
   std::uint64_t revision = 0;      ///< Of the scene whose trees are built.
   std::uint64_t meshes_done = 0;   ///< Whose trees are complete; without rays, as the next three.
   std::uint64_t meshes_total = 0;  ///< Distinct.
-  /// Of those meshes, and about as many as are built of others that are under way.
-  std::uint64_t triangles_done = 0;
+  std::uint64_t triangles_done = 0;  ///< Of the meshes that are done.
   std::uint64_t triangles_total = 0;
   std::uint64_t rays_done = 0;
   std::uint64_t cells_expanded = 0;  ///< By this call.

@@ -12,19 +12,19 @@ namespace sightline::scenegraph {
 
 namespace {
 
-/// Less what is restless, and grown where rays have been. Null where they have not been, or where
-/// there is no memory for it.
-std::shared_ptr<const instances::SceneHalf> settled_half(
-    const revision::Snapshot& base, const std::vector<model::NodeId>& restless) {
-  const instances::Instances* still = base.halves().still->instances_so_far();
-  if (still == nullptr) return nullptr;
+/// A static tree without recently changed nodes, built where rays have been. Null if no ray has
+/// opened the old one, or without memory for it.
+std::shared_ptr<const instances::SceneTree> rebuild_static_tree(
+    const revision::Snapshot& base, const std::vector<model::NodeId>& recently_changed) {
+  const instances::Instances* old = base.shared_trees().static_tree->instances_so_far();
+  if (old == nullptr) return nullptr;
   try {
     hierarchy::Hierarchy hierarchy = base.hierarchy();
-    hierarchy.movers = revision::topmost_of(hierarchy, restless);
-    auto settled = std::make_shared<const instances::SceneHalf>(instances::Half::kStatic,
-                                                                std::move(hierarchy));
-    grow_alike(*still, settled->instances());
-    return settled;
+    hierarchy.dynamic_roots = revision::topmost_of(hierarchy, recently_changed);
+    auto new_static = std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic,
+                                                                   std::move(hierarchy));
+    prebuild_like(*old, new_static->instances());
+    return new_static;
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
@@ -41,7 +41,7 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                              std::optional<std::uint64_t> expected_revision) {
-  std::shared_ptr<const revision::Snapshot> base;  // given up outside the lock
+  std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
   if (expected_revision && *expected_revision != base->revision()) {
@@ -64,33 +64,34 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
   next_id_ = draft.next_id();
   std::vector<model::NodeId> changed = draft.changed();
   std::shared_ptr<const revision::Snapshot> next = std::move(draft).publish(applied.revision);
-  applied.settle = rest_.add(*next, std::move(changed));
+  applied.rebuild_static = settle_policy_.add(*next, std::move(changed));
   publish(std::move(next));
   return applied;
 }
 
 void Scene::publish(std::shared_ptr<const revision::Snapshot> next) {
-  // The one before is given up outside the lock: it may be the last to hold much.
+  // The old snapshot is released outside the lock: freeing it may take long.
   const std::lock_guard lock(current_mutex_);
   current_.swap(next);
 }
 
-void Scene::settle() {
-  const std::unique_lock settling(settling_, std::try_to_lock);
-  if (!settling.owns_lock()) return;
+void Scene::rebuild_static() {
+  const std::unique_lock rebuild(rebuilding_, std::try_to_lock);
+  if (!rebuild.owns_lock()) return;
   std::shared_ptr<const revision::Snapshot> base;
-  std::vector<model::NodeId> restless;
+  std::vector<model::NodeId> recently_changed;
   {
     const std::lock_guard writer(writer_);
     base = snapshot();
-    restless = rest_.begin(base->revision());
+    recently_changed = settle_policy_.begin(base->revision());
   }
-  const std::shared_ptr<const instances::SceneHalf> settled = settled_half(*base, restless);
+  const std::shared_ptr<const instances::SceneTree> new_static =
+      rebuild_static_tree(*base, recently_changed);
   const std::lock_guard writer(writer_);
-  const std::vector<model::NodeId> changed = rest_.end(base->revision());
-  if (settled == nullptr) return;
+  const std::vector<model::NodeId> changed = settle_policy_.end(base->revision());
+  if (new_static == nullptr) return;
   const std::shared_ptr<const revision::Snapshot> now = snapshot();
-  publish(resettled(*now, settled, restless, changed));
+  publish(with_new_static(*now, new_static, recently_changed, changed));
 }
 
 }  // namespace sightline::scenegraph

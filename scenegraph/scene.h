@@ -1,8 +1,9 @@
 // A scene: its current snapshot, and the one writer that makes the next.
 //
-// What moves is in the dynamic tree, which is made anew for each revision; what rests is in the
-// static one, which lives on. Mobility is where a node begins. Once rays have looked, a node that
-// changes joins the dynamic tree, and settle() brings back those that rest.
+// The dynamic tree holds moving nodes and is made again for each revision; the static tree holds
+// the others and is kept. A node begins in the tree that its mobility says. After rays have opened
+// the static tree, a changed node moves to the dynamic tree, and rebuild_static() brings back nodes
+// that stopped changing.
 #pragma once
 
 #include <atomic>
@@ -19,11 +20,11 @@
 
 namespace sightline::scenegraph {
 
-/// What a batch of updates came to.
+/// The result of a batch of updates.
 struct Applied {
   std::uint64_t revision = 0;
   std::vector<model::NodeId> nodes;  ///< The id of every PutNode's node, in the order of the batch.
-  bool settle = false;               ///< Enough rests in the dynamic tree for Scene::settle().
+  bool rebuild_static = false;       ///< Scene::rebuild_static() is worth its cost now.
 };
 
 class Scene {
@@ -33,26 +34,26 @@ class Scene {
   /// The newest revision. Never waits for a writer. Threads: any.
   std::shared_ptr<const revision::Snapshot> snapshot() const;
 
-  /// Applies the batch whole, or leaves the scene as it was. Threads: any; writers take turns.
+  /// Applies the whole batch, or leaves the scene as it was. Threads: any; one writer at a time.
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
-  /// Errors name the update's place in the batch: kNotFound (unknown node or parent),
+  /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
   /// counts that disagree), kFailedPrecondition (delete of a node with children).
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt);
 
-  /// Takes what has rested for Rest::kRevisions out of the dynamic tree and into a static tree made
-  /// anew, in the background: writers and readers go on meanwhile. Then publishes the current
-  /// revision once more, by the same number, for it says the same. Does nothing while another
-  /// thread is at it, and where rays have not looked yet. Threads: any.
-  void settle();
+  /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
+  /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the
+  /// current revision again, under the same number, since its content is the same. Does nothing if
+  /// another thread does the same, or if no ray has opened the static tree. Threads: any.
+  void rebuild_static();
 
  private:
   void publish(std::shared_ptr<const revision::Snapshot> next);
 
   std::mutex writer_;
-  revision::Rest rest_;  // the writer's
-  std::mutex settling_;
+  revision::SettlePolicy settle_policy_;  // guarded by writer_
+  std::mutex rebuilding_;
   mutable std::mutex current_mutex_;  // held for one pointer copy
   std::shared_ptr<const revision::Snapshot> current_;
   model::NodeId next_id_ = 1;

@@ -1,4 +1,12 @@
-// The way of a ray batch. Start reading here.
+// Answers a batch of rays at one revision. Start reading here.
+//
+// answer_in_blocks pins the snapshot's static and dynamic tree and, for each block of rays, an
+// epoch. For each ray RayCaster then
+//   1. orders the two trees by where the ray enters them  (trees_by_entry),
+//   2. walks the instances of each, near to far           (walk_instances),
+//   3. enters an instance's frame and asks its mesh       (enter_instance),
+//   4. returns the hit, the count or the list             (cast, count, list).
+// Steps 2 and 3 expand unbuilt cells on the way, as TraceOptions::growth allows.
 #include "scenegraph/trace.h"
 
 #include <algorithm>
@@ -57,7 +65,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
       kHitsPerListBlock / std::max(options.max_hits, 1u), 1, kRaysPerListBlock);
   std::vector<std::vector<accel::geometry::Hit>> of_blocks((rays.size() + rays_per_block - 1) /
                                                            rays_per_block);
-  // Blocks are taken in order, so that those answered are always the first.
+  // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};
   auto traced = query::answer_in_blocks(
       snapshot, rays.size(), rays_per_block, options,

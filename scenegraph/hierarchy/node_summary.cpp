@@ -1,4 +1,4 @@
-// Sums and bounds over subtrees.
+// Sums and bounds over summaries.
 #include "scenegraph/hierarchy/node_summary.h"
 
 #include <algorithm>
@@ -7,17 +7,17 @@
 #include <functional>
 #include <utility>
 
-#include "scenegraph/instances/sibling_clusters.h"
+#include "scenegraph/hierarchy/cluster_count.h"
 
 namespace sightline::scenegraph::hierarchy {
 namespace {
 
-constexpr std::uint32_t kEnterPrice = 4;
-/// Stands for a logarithm that is not to be had.
+constexpr std::uint32_t kEntryCost = 4;
+/// Stands for the logarithm of a value that is not positive and finite.
 constexpr std::int32_t kHuge = 4096;
 
-/// Upper bound of the largest singular value: of A^T A, the eigenvalues are at most a row's sum. No
-/// more than that for a turned cube.
+/// Upper bound of the largest singular value: the eigenvalues of A^T A are at most its largest row
+/// sum. Exact for rotations with uniform scaling.
 double spectral_bound(const model::Affine& a) {
   const auto& m = a.m;
   const accel::geometry::Vec3d c[] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
@@ -29,7 +29,7 @@ double spectral_bound(const model::Affine& a) {
   return std::sqrt(largest);
 }
 
-/// The least power of two that is at least x, all but kRoundUp.
+/// The exponent of the least power of two that is at least kRoundUp * x.
 std::int32_t log_ceiling(double x) {
   if (!(x > 0) || !std::isfinite(x)) return kHuge;
   int exponent = 0;
@@ -37,99 +37,100 @@ std::int32_t log_ceiling(double x) {
   return fraction == 0.5 ? exponent - 1 : exponent;
 }
 
-/// The greatest or least of many, one of which was `before` and is `after` (null: there is none).
-/// False: it is known to the others only.
+/// Replaces `before` by `after` (null: none) in a maximum or minimum that `count` parts reach.
+/// False: only the other parts know the new extreme.
 template <class T, class Beyond>
-bool replace_extreme(T& sum, std::uint32_t& outermost, const T* before, const T* after,
+bool replace_extreme(T& extreme, std::uint32_t& count, const T* before, const T* after,
                      const Beyond& beyond) {
-  const bool alone = before != nullptr && *before == sum && --outermost == 0;
-  if (after != nullptr && (*after == sum || beyond(*after, sum))) {
-    outermost = *after == sum ? outermost + 1 : 1;
-    sum = *after;
+  const bool alone = before != nullptr && *before == extreme && --count == 0;
+  if (after != nullptr && (*after == extreme || beyond(*after, extreme))) {
+    count = *after == extreme ? count + 1 : 1;
+    extreme = *after;
     return true;
   }
   return !alone;
 }
 
-void replace_counts(Subtree& sum, const Subtree& before, const Subtree& after) {
+void replace_counts(NodeSummary& sum, const NodeSummary& before, const NodeSummary& after) {
   sum.mesh_nodes += after.mesh_nodes - before.mesh_nodes;
   sum.triangles += after.triangles - before.triangles;
   sum.instances += after.instances - before.instances;
-  sum.price += after.price - before.price;
+  sum.entry_cost += after.entry_cost - before.entry_cost;
   sum.groups += after.groups - before.groups;
-  sum.runs += after.runs - before.runs;
+  sum.clusters += after.clusters - before.clusters;
 }
 
 }  // namespace
 
-std::uint32_t price(const model::Mesh& mesh) {
-  return kEnterPrice + static_cast<std::uint32_t>(std::bit_width(mesh.triangles()));
+std::uint32_t entry_cost(const model::Mesh& mesh) {
+  return kEntryCost + static_cast<std::uint32_t>(std::bit_width(mesh.triangles()));
 }
 
-accel::geometry::Vec3d mapped_reach(const model::Affine& a, const accel::geometry::Vec3d& reach) {
+accel::geometry::Vec3d mapped_magnitude(const model::Affine& a,
+                                        const accel::geometry::Vec3d& magnitude) {
   accel::geometry::Vec3d r;
   for (std::size_t row = 0; row < 3; ++row) {
     const double* m = &a.m[4 * row];
-    r[row] = std::fabs(m[0]) * reach.x + std::fabs(m[1]) * reach.y + std::fabs(m[2]) * reach.z +
-             std::fabs(m[3]);
+    r[row] = std::fabs(m[0]) * magnitude.x + std::fabs(m[1]) * magnitude.y +
+             std::fabs(m[2]) * magnitude.z + std::fabs(m[3]);
   }
   return r;
 }
 
-std::int32_t log_stretch(const model::Affine& a) { return log_ceiling(spectral_bound(a)); }
+std::int32_t log2_norm_bound(const model::Affine& a) { return log_ceiling(spectral_bound(a)); }
 
-Subtree own_part(const model::Node& node) {
-  Subtree own;
+NodeSummary own_summary(const model::Node& node) {
+  NodeSummary own;
   if (node.mesh == nullptr) return own;
   own.mesh_nodes = 1;
   own.triangles = node.mesh->triangles();
   if (!is_instance(node)) return own;
   own.box = model::DoubleBox(node.mesh->bounds());
   for (std::size_t a = 0; a < 3; ++a)
-    own.reach[a] = std::max(std::fabs(own.box.lo[a]), std::fabs(own.box.hi[a]));
-  own.stretch = own.squeeze = own.condition = 0;
+    own.magnitude[a] = std::max(std::fabs(own.box.lo[a]), std::fabs(own.box.hi[a]));
+  own.log2_norm = own.log2_inverse_norm = own.log2_condition = 0;
   own.instances = 1;
-  own.price = price(*node.mesh);
+  own.entry_cost = entry_cost(*node.mesh);
   return own;
 }
 
-Subtree part_in_parent(const model::Node& node, const Subtree& child) {
-  Subtree part = child;
-  part.outermost = {};
+NodeSummary summary_in_parent(const model::Node& node, const NodeSummary& child) {
+  NodeSummary part = child;
+  part.extreme_counts = {};
   if (is_group(node, child)) {
     part.groups += 1;
-    part.runs += instances::max_runs(node.children.size() + 1);
+    part.clusters += max_clusters(node.children.size() + 1);
   }
-  return carried(node.parent_from_local, part);
+  return transformed(node.parent_from_local, part);
 }
 
-Subtree carried(const model::Affine& a, const Subtree& below) {
-  Subtree part = below;
+NodeSummary transformed(const model::Affine& a, const NodeSummary& below) {
+  NodeSummary part = below;
   if (part.instances == 0) return part;
-  part.reach = hierarchy::mapped_reach(a, below.reach);
+  part.magnitude = hierarchy::mapped_magnitude(a, below.magnitude);
   part.box = mapped(a, below.box);
-  // Four roundings of terms within reach, twice over.
+  // Four roundings of terms within magnitude, twice over.
   for (std::size_t row = 0; row < 3; ++row) {
-    part.box.lo[row] -= part.reach[row] * 0x1p-50;
-    part.box.hi[row] += part.reach[row] * 0x1p-50;
+    part.box.lo[row] -= part.magnitude[row] * 0x1p-50;
+    part.box.hi[row] += part.magnitude[row] * 0x1p-50;
   }
-  const double stretch = spectral_bound(a);
+  const double norm = spectral_bound(a);
   const std::optional<model::Affine> back = inverse(a);
-  const double squeeze = back ? spectral_bound(*back) : accel::geometry::kInfinity;
-  part.stretch += log_ceiling(stretch);
-  part.squeeze += log_ceiling(squeeze);
-  part.condition += log_ceiling(stretch * squeeze);
+  const double inverse_norm = back ? spectral_bound(*back) : accel::geometry::kInfinity;
+  part.log2_norm += log_ceiling(norm);
+  part.log2_inverse_norm += log_ceiling(inverse_norm);
+  part.log2_condition += log_ceiling(norm * inverse_norm);
   return part;
 }
 
-void include(Subtree& sum, const Subtree& part) { replace(sum, Subtree{}, part); }
+void add(NodeSummary& sum, const NodeSummary& part) { try_replace(sum, NodeSummary{}, part); }
 
-bool replace(Subtree& sum, const Subtree& before, const Subtree& after) {
+bool try_replace(NodeSummary& sum, const NodeSummary& before, const NodeSummary& after) {
   replace_counts(sum, before, after);
   const bool was = before.instances > 0, is = after.instances > 0;
   std::size_t extreme = 0;
   const auto swap = [&](auto& of_sum, const auto& old, const auto& fresh, const auto& beyond) {
-    return replace_extreme(of_sum, sum.outermost[extreme++], was ? &old : nullptr,
+    return replace_extreme(of_sum, sum.extreme_counts[extreme++], was ? &old : nullptr,
                            is ? &fresh : nullptr, beyond);
   };
   const std::less<> less;
@@ -137,26 +138,27 @@ bool replace(Subtree& sum, const Subtree& before, const Subtree& after) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (!swap(sum.box.lo[a], before.box.lo[a], after.box.lo[a], less) ||
         !swap(sum.box.hi[a], before.box.hi[a], after.box.hi[a], more) ||
-        !swap(sum.reach[a], before.reach[a], after.reach[a], more)) {
+        !swap(sum.magnitude[a], before.magnitude[a], after.magnitude[a], more)) {
       return false;
     }
   }
-  return swap(sum.stretch, before.stretch, after.stretch, more) &&
-         swap(sum.squeeze, before.squeeze, after.squeeze, more) &&
-         swap(sum.condition, before.condition, after.condition, more);
+  return swap(sum.log2_norm, before.log2_norm, after.log2_norm, more) &&
+         swap(sum.log2_inverse_norm, before.log2_inverse_norm, after.log2_inverse_norm, more) &&
+         swap(sum.log2_condition, before.log2_condition, after.log2_condition, more);
 }
 
-bool surely_invertible(const model::Affine& world_from_local, const Subtree& subtree) {
-  if (subtree.instances == 0) return true;
+bool surely_invertible(const model::Affine& world_from_local, const NodeSummary& summary) {
+  if (summary.instances == 0) return true;
   const std::optional<model::Affine> back = inverse(world_from_local);
   if (!back) return false;
-  // Far from where a determinant overflows or cancels: see inverse().
+  // Within these limits the determinant neither overflows nor cancels: see inverse().
   constexpr std::int32_t kScale = 100, kCondition = 20;
-  const std::int32_t stretch = log_stretch(world_from_local), squeeze = log_stretch(*back);
-  const accel::geometry::Vec3d reach = mapped_reach(world_from_local, subtree.reach);
-  return stretch + subtree.stretch < kScale && squeeze + subtree.squeeze < kScale &&
-         stretch + squeeze + subtree.condition < kCondition &&
-         std::max({reach.x, reach.y, reach.z}) < 0x1p+500;
+  const std::int32_t norm = log2_norm_bound(world_from_local);
+  const std::int32_t inverse_norm = log2_norm_bound(*back);
+  const accel::geometry::Vec3d magnitude = mapped_magnitude(world_from_local, summary.magnitude);
+  return norm + summary.log2_norm < kScale && inverse_norm + summary.log2_inverse_norm < kScale &&
+         norm + inverse_norm + summary.log2_condition < kCondition &&
+         std::max({magnitude.x, magnitude.y, magnitude.z}) < 0x1p+500;
 }
 
 }  // namespace sightline::scenegraph::hierarchy

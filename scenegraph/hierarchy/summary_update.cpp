@@ -1,19 +1,19 @@
-// From the leaves up: what changed below a group changes the group.
+// Sums up groups from the deepest to the root.
 #include "scenegraph/hierarchy/summary_update.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "scenegraph/hierarchy/wide_sum.h"
+#include "scenegraph/hierarchy/summary_tree.h"
 
 namespace sightline::scenegraph::hierarchy {
 namespace {
 
-/// A group of which more than one child in so many has changed is summed up again.
+/// A group is summed up again if more than one in this many children has changed.
 constexpr std::size_t kAdjustBelow = 4;
 
-Subtree own_part(const Hierarchy& in, model::NodeId group) {
-  return group == 0 ? Subtree{} : hierarchy::own_part(*in.find(group));
+NodeSummary own_summary(const Hierarchy& in, model::NodeId group) {
+  return group == 0 ? NodeSummary{} : hierarchy::own_summary(*in.find(group));
 }
 
 }  // namespace
@@ -27,52 +27,52 @@ const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId
   return group == 0 ? *in.roots : in.find(group)->children;
 }
 
-Subtree part_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child) {
+NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child) {
   const model::Node* node = in.find(child);
   if (node == nullptr || node->parent != group) return {};
-  return part_in_parent(*node, in.subtree(*node));
+  return summary_in_parent(*node, in.summary(*node));
 }
 
-Subtree Hierarchy::subtree(model::NodeId id) const {
-  if (id != 0) return subtree(*find(id));
-  const std::shared_ptr<const Subtree>* known = subtrees.find(0);
-  return known == nullptr ? Subtree{} : **known;
+NodeSummary Hierarchy::summary(model::NodeId id) const {
+  if (id != 0) return summary(*find(id));
+  const std::shared_ptr<const NodeSummary>* known = summaries.find(0);
+  return known == nullptr ? NodeSummary{} : **known;
 }
 
-Subtree Hierarchy::subtree(const model::Node& node) const {
-  if (node.children.empty()) return own_part(node);
+NodeSummary Hierarchy::summary(const model::Node& node) const {
+  if (node.children.empty()) return own_summary(node);
   return group(node.id);
 }
 
-SubtreeUpdate::SubtreeUpdate(const Hierarchy& before, Hierarchy& after)
+SummaryUpdate::SummaryUpdate(const Hierarchy& before, Hierarchy& after)
     : before_(before), after_(after) {
   for (int depth = 0; depth <= model::kMaxDepth; ++depth) changes_.emplace_back(&memory_);
 }
 
-void SubtreeUpdate::edited(model::NodeId id) {
+void SummaryUpdate::edited(model::NodeId id) {
   const model::Node* node = after_.find(id);
   const model::Node* old = before_.find(id);
   const bool left = old != nullptr && (node == nullptr || node->parent != old->parent);
   if (left && is_parent(old->parent)) changes_at(old->parent)[old->parent].push_back(id);
   if (node != nullptr && !node->children.empty()) {
-    changes_at(id).try_emplace(id);  // brought to its parent when it is summed up itself
+    changes_at(id).try_emplace(id);  // added to its parent after its own sum
     return;
   }
   if (old != nullptr && !old->children.empty()) {
-    subtrees_.set(id, nullptr);
-    if (before_.wide.find(id) != nullptr) wide_.set(id, nullptr);
+    summaries_.set(id, nullptr);
+    if (before_.summary_trees.find(id) != nullptr) summary_trees_.set(id, nullptr);
   }
   if (node != nullptr) changes_at(node->parent)[node->parent].push_back(id);
 }
 
 /// Whether the node is there and has children. One that has lost its last was edited too.
-bool SubtreeUpdate::is_parent(model::NodeId id) const {
+bool SummaryUpdate::is_parent(model::NodeId id) const {
   if (id == 0) return true;
   const model::Node* node = after_.find(id);
   return node != nullptr && !node->children.empty();
 }
 
-void SubtreeUpdate::finish() {
+void SummaryUpdate::finish() {
   for (std::size_t d = changes_.size(); d-- > 0;) {
     for (const auto& [group, children] : changes_[d]) {
       update(group, children);
@@ -83,8 +83,8 @@ void SubtreeUpdate::finish() {
   }
 }
 
-/// Nodes of a hierarchy that is being loaded come parent by parent.
-std::size_t SubtreeUpdate::depth(model::NodeId id) {
+/// Remembers the last answer: a hierarchy that is loaded has many edits under one parent.
+std::size_t SummaryUpdate::depth(model::NodeId id) {
   if (id == last_) return last_depth_;
   std::size_t depth = 0;
   for (model::NodeId at = id; at != 0; at = after_.find(at)->parent) ++depth;
@@ -93,23 +93,23 @@ std::size_t SubtreeUpdate::depth(model::NodeId id) {
   return depth;
 }
 
-void SubtreeUpdate::update(model::NodeId group, const Children& changed) {
-  Subtree sum;
+void SummaryUpdate::update(model::NodeId group, const Children& changed) {
+  NodeSummary sum;
   const std::vector<model::NodeId>& children = children_of(after_, group);
-  if (children.size() > WideSum::kWide) {
-    sum = wide_sum_of(group, changed);
+  if (children.size() > SummaryTree::kWide) {
+    sum = tree_sum(group, changed);
   } else {
-    if (before_.wide.find(group) != nullptr) wide_.set(group, nullptr);
-    if (children.empty()) return subtrees_.set(group, nullptr);  // no roots are left
+    if (before_.summary_trees.find(group) != nullptr) summary_trees_.set(group, nullptr);
+    if (children.empty()) return summaries_.set(group, nullptr);  // no roots are left
     if (!adjust(group, changed, sum)) sum = sum_of(group, children);
   }
-  subtrees_.set(group, std::make_shared<const Subtree>(sum));
+  summaries_.set(group, std::make_shared<const NodeSummary>(sum));
 }
 
-Subtree SubtreeUpdate::wide_sum_of(model::NodeId group, const Children& changed) {
-  const std::shared_ptr<const WideSum>* known = before_.wide.find(group);
+NodeSummary SummaryUpdate::tree_sum(model::NodeId group, const Children& changed) {
+  const std::shared_ptr<const SummaryTree>* known = before_.summary_trees.find(group);
   auto children =
-      known == nullptr ? std::make_shared<WideSum>() : std::make_shared<WideSum>(**known);
+      known == nullptr ? std::make_shared<SummaryTree>() : std::make_shared<SummaryTree>(**known);
   std::vector<model::NodeId> ids;
   if (known == nullptr) {
     ids = children_of(after_, group);
@@ -119,34 +119,36 @@ Subtree SubtreeUpdate::wide_sum_of(model::NodeId group, const Children& changed)
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   children->update(ids, {[&](model::NodeId id) {
-                           return known == nullptr ? Subtree{} : part_of_child(before_, group, id);
+                           return known == nullptr ? NodeSummary{}
+                                                   : summary_of_child(before_, group, id);
                          },
-                         [&](model::NodeId id) { return part_of_child(after_, group, id); }});
-  Subtree sum = own_part(after_, group);
-  include(sum, children->total());
-  wide_.set(group, std::move(children));
+                         [&](model::NodeId id) { return summary_of_child(after_, group, id); }});
+  NodeSummary sum = own_summary(after_, group);
+  add(sum, children->total());
+  summary_trees_.set(group, std::move(children));
   return sum;
 }
 
-/// False where all children must be looked at.
-bool SubtreeUpdate::adjust(model::NodeId group, const Children& changed, Subtree& sum) const {
-  const std::shared_ptr<const Subtree>* known = before_.subtrees.find(group);
+/// False if all children are needed.
+bool SummaryUpdate::adjust(model::NodeId group, const Children& changed, NodeSummary& sum) const {
+  const std::shared_ptr<const NodeSummary>* known = before_.summaries.find(group);
   if (known == nullptr || changed.size() * kAdjustBelow > children_of(after_, group).size())
     return false;
   sum = **known;
-  if (!replace(sum, own_part(before_, group), own_part(after_, group))) return false;
+  if (!try_replace(sum, own_summary(before_, group), own_summary(after_, group))) return false;
   for (const model::NodeId child : changed) {
-    if (!replace(sum, part_of_child(before_, group, child), part_of_child(after_, group, child)))
+    if (!try_replace(sum, summary_of_child(before_, group, child),
+                     summary_of_child(after_, group, child)))
       return false;
   }
   return true;
 }
 
-Subtree SubtreeUpdate::sum_of(model::NodeId group,
-                              const std::vector<model::NodeId>& children) const {
-  Subtree sum;
-  include(sum, own_part(after_, group));
-  for (const model::NodeId child : children) include(sum, part_of_child(after_, group, child));
+NodeSummary SummaryUpdate::sum_of(model::NodeId group,
+                                  const std::vector<model::NodeId>& children) const {
+  NodeSummary sum;
+  add(sum, own_summary(after_, group));
+  for (const model::NodeId child : children) add(sum, summary_of_child(after_, group, child));
   return sum;
 }
 

@@ -1,5 +1,4 @@
-// Keeping what is known of subtrees up to date: only edited nodes and those above them are looked
-// at.
+// Updates summaries: visits edited nodes and the nodes above them only.
 #pragma once
 
 #include <memory_resource>
@@ -12,19 +11,19 @@ namespace sightline::scenegraph::hierarchy {
 
 using NodeMap = model::PersistentMap<std::shared_ptr<const model::Node>>;
 
-class WideSum;
+class SummaryTree;
 
-/// A hierarchy and what is known of it.
+/// A hierarchy and its summaries.
 struct Hierarchy {
   NodeMap nodes;
   /// Shared among revisions, as nodes are. Never null.
   std::shared_ptr<const std::vector<model::NodeId>> roots =
       std::make_shared<const std::vector<model::NodeId>>();
-  SubtreeMap subtrees;
-  /// Of the groups of very many children, and of the scene if it has so many roots.
-  model::PersistentMap<std::shared_ptr<const WideSum>> wide;
-  /// The nodes that are in the dynamic tree with all that is below them; see movers.h.
-  model::PersistentMap<bool> movers;
+  SummaryMap summaries;
+  /// For groups with more than SummaryTree::kWide children (0: the scene's roots).
+  model::PersistentMap<std::shared_ptr<const SummaryTree>> summary_trees;
+  /// The nodes that are in the dynamic tree with all that is below them; see revision/mobility.h.
+  model::PersistentMap<bool> dynamic_roots;
 
   /// Null if there is no such node.
   const model::Node* find(model::NodeId id) const {
@@ -32,10 +31,10 @@ struct Hierarchy {
     return node == nullptr ? nullptr : node->get();
   }
   /// 0: the whole scene.
-  Subtree subtree(model::NodeId id) const;
-  Subtree subtree(const model::Node& node) const;
+  NodeSummary summary(model::NodeId id) const;
+  NodeSummary summary(const model::Node& node) const;
   /// Of a node that has children.
-  const Subtree& group(model::NodeId id) const { return **subtrees.find(id); }
+  const NodeSummary& group(model::NodeId id) const { return **summaries.find(id); }
 };
 
 /// World transform of a node: its ancestors' transforms applied from the root down, in double.
@@ -44,20 +43,20 @@ model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& no
 /// 0: the roots.
 const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId group);
 
-/// What the child brings to the group; nothing where it is not one of its children.
-Subtree part_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
+/// What the child adds to the group's summary; empty if it is not one of its children.
+NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
 
-/// For one revision. Cost: each group above an edited node once, by its edited children; or, where
-/// those were its outermost, by all of its children, as far as those are not many (see WideSum).
-class SubtreeUpdate {
+/// For one revision. Cost: each group above an edited node once, by its edited children. If those
+/// alone reached an extreme, by all its children, unless a SummaryTree holds their sum.
+class SummaryUpdate {
  public:
-  /// `after.subtrees` is still that of `before`.
-  SubtreeUpdate(const Hierarchy& before, Hierarchy& after);
+  /// `after.summaries` is still that of `before`.
+  SummaryUpdate(const Hierarchy& before, Hierarchy& after);
 
   /// To be called for each node that was made, changed or deleted, once.
   void edited(model::NodeId id);
 
-  /// After the last: brings after.subtrees up to date.
+  /// After the last: brings after.summaries up to date.
   void finish();
 
  private:
@@ -69,14 +68,15 @@ class SubtreeUpdate {
   std::size_t depth(model::NodeId id);
   Changes& changes_at(model::NodeId group) { return changes_[depth(group)]; }
   void update(model::NodeId group, const Children& changed);
-  Subtree wide_sum_of(model::NodeId group, const Children& changed);
-  bool adjust(model::NodeId group, const Children& changed, Subtree& sum) const;
-  Subtree sum_of(model::NodeId group, const std::vector<model::NodeId>& children) const;
+  NodeSummary tree_sum(model::NodeId group, const Children& changed);
+  bool adjust(model::NodeId group, const Children& changed, NodeSummary& sum) const;
+  NodeSummary sum_of(model::NodeId group, const std::vector<model::NodeId>& children) const;
 
   const Hierarchy& before_;
   Hierarchy& after_;
-  SubtreeMap::Edit subtrees_{after_.subtrees};
-  model::PersistentMap<std::shared_ptr<const WideSum>>::Edit wide_{after_.wide};
+  SummaryMap::Edit summaries_{after_.summaries};
+  model::PersistentMap<std::shared_ptr<const SummaryTree>>::Edit summary_trees_{
+      after_.summary_trees};
   std::pmr::monotonic_buffer_resource memory_;
   std::vector<Changes> changes_;  // by depth: the scene's is 0, a root's is 1
   model::NodeId last_ = 0;        // whose depth was asked for last

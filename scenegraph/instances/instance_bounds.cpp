@@ -1,4 +1,4 @@
-// From boxes in a node's frame to boxes in the scene's tree.
+// Maps boxes from a node's frame to the scene's tree, padded for rounding.
 #include "scenegraph/instances/instance_bounds.h"
 
 #include <algorithm>
@@ -34,11 +34,12 @@ accel::geometry::Aabb relative(const model::DoubleBox& world,
 /// No instance below has a larger condition: it is at most the product of those on the way, but for
 /// a factor of 3 between the norms and what kRoundUp took off; and none beyond kMaxCondition is an
 /// instance.
-double worst_condition(const model::Affine& world_from_local, const hierarchy::Subtree& subtree) {
+double worst_condition(const model::Affine& world_from_local,
+                       const hierarchy::NodeSummary& summary) {
   const std::optional<model::Affine> back = inverse(world_from_local);
   if (!back) return model::kMaxCondition;
-  const int log =
-      hierarchy::log_stretch(world_from_local) + hierarchy::log_stretch(*back) + subtree.condition;
+  const int log = hierarchy::log2_norm_bound(world_from_local) + hierarchy::log2_norm_bound(*back) +
+                  summary.log2_condition;
   return std::min(std::ldexp(3.5, std::min(log, 64)), model::kMaxCondition);
 }
 
@@ -55,13 +56,14 @@ accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
 }
 
 accel::geometry::Aabb group_box(const model::Affine& world_from_local,
-                                const hierarchy::Subtree& subtree,
+                                const hierarchy::NodeSummary& summary,
                                 const accel::geometry::Vec3d& center) {
-  const accel::geometry::Vec3d reach = hierarchy::mapped_reach(world_from_local, subtree.reach);
+  const accel::geometry::Vec3d magnitude =
+      hierarchy::mapped_magnitude(world_from_local, summary.magnitude);
   const double off =
-      std::max({reach.x, reach.y, reach.z}) *
-      (worst_condition(world_from_local, subtree) * kPadPerCondition + kComposedError);
-  accel::geometry::Aabb box = relative(padded(mapped(world_from_local, subtree.box), off), center);
+      std::max({magnitude.x, magnitude.y, magnitude.z}) *
+      (worst_condition(world_from_local, summary) * kPadPerCondition + kComposedError);
+  accel::geometry::Aabb box = relative(padded(mapped(world_from_local, summary.box), off), center);
   for (std::size_t a = 0; a < 3; ++a)
     box.hi[a] = accel::geometry::least_above(accel::geometry::least_above(box.hi[a]));
   return accel::geometry::widen_flat(box);

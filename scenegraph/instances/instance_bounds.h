@@ -1,11 +1,11 @@
 // The boxes of instances and groups in the scene's tree.
 //
-// Why a group's box holds those of all instances below it, bit for bit: in exact arithmetic its
-// box in its own frame holds them (Subtree::box). An instance's box is off that by the rounding of
-// its world transform, at most 65 products of four terms each within reach, and by its own pad,
-// which goes with the condition of its transform; a group's box is padded by more than both. What
-// follows (taking off the center, the narrowing to float) is monotonic but for widen_flat, whose
-// two floats a group gets beforehand.
+// A group's box holds the boxes of all instances below it, bit for bit. Why: in exact arithmetic
+// the box in the group's own frame holds them (NodeSummary::box). An instance's box differs from
+// that by the rounding of its world transform (at most 65 products of four terms, each up to the
+// magnitude) and by its own padding, which grows with the condition of its transform. A group's box
+// is padded by more than both. The later steps (subtraction of the center, narrowing to float) are
+// monotonic except for widen_flat, so a group's box gets its two floats beforehand.
 #pragma once
 
 #include "accel/geometry/aabb.h"
@@ -13,20 +13,20 @@
 
 namespace sightline::scenegraph::instances {
 
-/// Of a mesh's box, padded for the rounding of the transform and of its inverse. Relative to the
-/// center, rounded outward.
+/// The box of a mesh's box in the world, padded for the rounding of the transform and of its
+/// inverse. Relative to the center, rounded outward.
 accel::geometry::Aabb instance_box(const model::Affine& world_from_local,
                                    const model::Affine& local_from_world,
                                    const accel::geometry::Aabb& mesh,
                                    const accel::geometry::Vec3d& center);
 
-/// Of a subtree with instances: holds the box of each.
+/// The box of a group with instances: holds the box of each.
 accel::geometry::Aabb group_box(const model::Affine& world_from_local,
-                                const hierarchy::Subtree& subtree,
+                                const hierarchy::NodeSummary& summary,
                                 const accel::geometry::Vec3d& center);
 
-/// The part of `box` that lies in `outer`: all of it, unless rounding went beyond what was
-/// foreseen. Never empty, never beyond `outer`.
+/// The part of `box` that lies in `outer`: all of it, unless rounding exceeded the padding. Never
+/// empty, never beyond `outer`.
 accel::geometry::Aabb confined(const accel::geometry::Aabb& box,
                                const accel::geometry::Aabb& outer);
 

@@ -1,4 +1,4 @@
-// Opening a group: its own mesh and its children, placed in the world.
+// Opens a group: bounds and numbers of its own mesh and its children.
 #include "scenegraph/instances/instance_group.h"
 
 #include <algorithm>
@@ -13,60 +13,60 @@ namespace {
 
 using accel::kdtree::BoxRef;
 
-/// A group that takes up more of its parent's surface does not tell where its instances are.
+/// A group whose box covers more than this share of its parent's surface is opened immediately: its
+/// box does not help culling.
 constexpr double kNearlyAll = 0.75;
 
-std::uint32_t weight(std::uint64_t price, unsigned shift) {
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(price >> shift, 1));
+std::uint32_t weight(std::uint64_t entry_cost, unsigned shift) {
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(entry_cost >> shift, 1));
 }
 
-/// So many are placed by one thread at a time.
+/// Children that one thread opens at a time.
 constexpr std::size_t kChildrenPerSlice = 1024;
 
 /// A child with instances at or below it.
 struct Member {
   const model::Node* node = nullptr;
-  const hierarchy::Subtree* group = nullptr;  // null: an instance and nothing else
+  const hierarchy::NodeSummary* group = nullptr;  // null: an instance and nothing else
 };
 
-/// So many children are looked up together.
+/// Children looked up together.
 constexpr std::size_t kTogether = 32;
 
-/// Begins to bring it into the cache.
+/// Requests the object's cache lines.
 template <class T>
-void call_for(const T* object) {
+void prefetch(const T* object) {
   constexpr std::size_t kCacheLine = 64;
   for (std::size_t at = 0; at < sizeof(T); at += kCacheLine)
     __builtin_prefetch(reinterpret_cast<const char*>(object) + at);
 }
 
-/// Nodes of a large scene are far apart in memory, and what is needed of each is in many places.
-/// All children are taken one step before any is taken the next, so that they are waited for
-/// together.
-void add_members(const HalfView& view, std::span<const model::NodeId> children,
+/// Nodes of a large scene are far apart in memory. Each step is done for all children before the
+/// next step, so that their cache misses overlap.
+void add_members(const MobilityView& view, std::span<const model::NodeId> children,
                  std::vector<Member>& members) {
   const hierarchy::Hierarchy& hierarchy = view.hierarchy();
   std::array<const std::shared_ptr<const model::Node>*, kTogether> nodes;
-  std::array<const std::shared_ptr<const hierarchy::Subtree>*, kTogether> subtrees;
+  std::array<const std::shared_ptr<const hierarchy::NodeSummary>*, kTogether> summaries;
   const std::size_t count = children.size();
   hierarchy.nodes.find_all(children, std::span(nodes).first(count));
-  for (std::size_t i = 0; i < count; ++i) call_for(nodes[i]->get());
-  hierarchy.subtrees.find_all(children, std::span(subtrees).first(count));
+  for (std::size_t i = 0; i < count; ++i) prefetch(nodes[i]->get());
+  hierarchy.summaries.find_all(children, std::span(summaries).first(count));
   for (std::size_t i = 0; i < count; ++i) {
-    if (subtrees[i] != nullptr) call_for(subtrees[i]->get());
-    if (const model::Mesh* mesh = (*nodes[i])->mesh.get()) call_for(mesh);
+    if (summaries[i] != nullptr) prefetch(summaries[i]->get());
+    if (const model::Mesh* mesh = (*nodes[i])->mesh.get()) prefetch(mesh);
   }
   for (std::size_t i = 0; i < count; ++i) {
     const model::Node& node = **nodes[i];
     if (!view.holds(node)) continue;
-    const hierarchy::Subtree* below =
-        subtrees[i] == nullptr ? nullptr : &view.group(children[i], **subtrees[i]);
+    const hierarchy::NodeSummary* below =
+        summaries[i] == nullptr ? nullptr : &view.group(children[i], **summaries[i]);
     const bool opens = below != nullptr && is_group(node, *below);
     if (opens || hierarchy::is_instance(node)) members.push_back({&node, opens ? below : nullptr});
   }
 }
 
-std::vector<Member> members_of(const HalfView& view, std::span<const model::NodeId> children) {
+std::vector<Member> members_of(const MobilityView& view, std::span<const model::NodeId> children) {
   std::vector<Member> members;
   members.reserve(children.size());
   for (std::size_t first = 0; first < children.size(); first += kTogether) {
@@ -76,64 +76,64 @@ std::vector<Member> members_of(const HalfView& view, std::span<const model::Node
   return members;
 }
 
-/// What the member takes of the numbers that are left.
-void take(const Member& member, Opened::Numbers& next) {
+/// Reserves the numbers of the member and of all below it.
+void reserve_numbers(const Member& member, Opened::Numbers& next) {
   if (member.group == nullptr) {
     ++next.instances;
     return;
   }
   next.instances += member.group->instances;
   next.groups += 1 + member.group->groups;
-  next.runs += member.group->runs + max_runs(member.node->children.size() + 1);
+  next.clusters += member.group->clusters + max_clusters(member.node->children.size() + 1);
 }
 
-/// Places some of a group's children and numbers what it meets.
-class Placing {
+/// Opens some of a group's children: gives them bounds and numbers.
+class SliceBuilder {
  public:
-  Placing(const HalfView& view, const Group& group, const accel::geometry::Vec3d& center,
-          unsigned shift, const Opened::Numbers& first)
+  SliceBuilder(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
+               unsigned shift, const Opened::Numbers& first)
       : view_(view), group_(group), center_(center), shift_(shift), next_(first) {}
 
-  std::unique_ptr<const OpenedSlice> place(const std::vector<Member>& members, bool own) {
+  std::unique_ptr<const OpenedSlice> build(const std::vector<Member>& members, bool own) {
     const auto groups = static_cast<std::size_t>(std::count_if(
         members.begin(), members.end(), [](const Member& m) { return m.group != nullptr; }));
-    placed_->first_group = static_cast<std::uint32_t>(next_.groups);
-    placed_->first_run = static_cast<std::uint32_t>(next_.runs);
-    placed_->groups = std::vector<Group>(groups);
-    placed_->instances.reserve(members.size() - groups + (own ? 1 : 0));
-    placed_->refs.reserve(members.size() + (own ? 1 : 0));
+    slice_->first_group = static_cast<std::uint32_t>(next_.groups);
+    slice_->first_cluster = static_cast<std::uint32_t>(next_.clusters);
+    slice_->groups = std::vector<Group>(groups);
+    slice_->instances.reserve(members.size() - groups + (own ? 1 : 0));
+    slice_->refs.reserve(members.size() + (own ? 1 : 0));
     if (own) {
-      place_instance(*group_.node, group_.world_from_local);
+      add_instance(*group_.node, group_.world_from_local);
       ++next_.instances;
     }
     for (const Member& member : members) {
-      place(member);
-      take(member, next_);
+      add_member(member);
+      reserve_numbers(member, next_);
     }
-    return std::move(placed_);
+    return std::move(slice_);
   }
 
  private:
-  void place(const Member& member) {
+  void add_member(const Member& member) {
     const model::Node& node = *member.node;
     const model::Affine world = group_.node == nullptr
                                     ? world_from_local(view_.hierarchy(), node)
                                     : compose(group_.world_from_local, node.parent_from_local);
     if (member.group == nullptr) {
-      place_instance(node, world);
+      add_instance(node, world);
     } else {
-      place_group(node, world, *member.group);
+      add_group(node, world, *member.group);
     }
   }
 
-  void place_instance(const model::Node& node, const model::Affine& world) {
-    Instance& instance = placed_->instances.emplace_back();
+  void add_instance(const model::Node& node, const model::Affine& world) {
+    Instance& instance = slice_->instances.emplace_back();
     instance.index = static_cast<std::uint32_t>(next_.instances);
     instance.node = node.id;
     instance.mesh = node.mesh.get();
     instance.entered = node.entered.get();
     const std::optional<model::Affine> local_from_world = inverse(world);
-    if (!local_from_world) {  // refused when the node was put: see Scene::apply
+    if (!local_from_world) {  // refused by Scene::apply
       instance.mask = 0;
       instance.box = group_.box;
       return;
@@ -143,32 +143,32 @@ class Placing {
     instance.mask = node.mask;
     instance.box =
         confined(instance_box(world, *local_from_world, node.mesh->bounds(), center_), group_.box);
-    placed_->refs.push_back({instance.box.lo, instance.index, instance.box.hi,
-                             weight(hierarchy::price(*node.mesh), shift_)});
+    slice_->refs.push_back({instance.box.lo, instance.index, instance.box.hi,
+                            weight(hierarchy::entry_cost(*node.mesh), shift_)});
   }
 
-  void place_group(const model::Node& node, const model::Affine& world,
-                   const hierarchy::Subtree& subtree) {
-    Group& group = placed_->groups[groups_++];
+  void add_group(const model::Node& node, const model::Affine& world,
+                 const hierarchy::NodeSummary& summary) {
+    Group& group = slice_->groups[groups_++];
     group.node = &node;
     group.world_from_local = world;
-    group.box = confined(group_box(world, subtree, center_), group_.box);
+    group.box = confined(group_box(world, summary, center_), group_.box);
     group.number = static_cast<std::uint32_t>(next_.groups);
     group.first_group = group.number + 1;
     group.first_instance = static_cast<std::uint32_t>(next_.instances);
-    group.first_run = static_cast<std::uint32_t>(next_.runs);
-    group.at_once = half_area(group.box) > kNearlyAll * half_area(group_.box);
-    placed_->refs.push_back({group.box.lo, accel::kdtree::kOpenable | group.number, group.box.hi,
-                             weight(subtree.price, shift_)});
+    group.first_cluster = static_cast<std::uint32_t>(next_.clusters);
+    group.opens_at_once = half_area(group.box) > kNearlyAll * half_area(group_.box);
+    slice_->refs.push_back({group.box.lo, accel::kdtree::kOpenable | group.number, group.box.hi,
+                            weight(summary.entry_cost, shift_)});
   }
 
-  const HalfView& view_;
+  const MobilityView& view_;
   const Group& group_;
   const accel::geometry::Vec3d center_;
   const unsigned shift_;
   Opened::Numbers next_;
   std::size_t groups_ = 0;
-  std::unique_ptr<OpenedSlice> placed_ = std::make_unique<OpenedSlice>();
+  std::unique_ptr<OpenedSlice> slice_ = std::make_unique<OpenedSlice>();
 };
 
 std::span<const model::NodeId> slice_of(const std::vector<model::NodeId>& children,
@@ -177,7 +177,7 @@ std::span<const model::NodeId> slice_of(const std::vector<model::NodeId>& childr
   return std::span(children).subspan(begin, std::min(kChildrenPerSlice, children.size() - begin));
 }
 
-std::unique_ptr<const Opened::Siblings> take_together(const Group& group, const Opened& opened) {
+std::unique_ptr<const Opened::Siblings> collect_siblings(const Group& group, const Opened& opened) {
   std::vector<BoxRef> refs;
   refs.reserve(opened.slices.size() == 1 ? opened.slices[0].refs.size()
                                          : opened.slices.size() * kChildrenPerSlice);
@@ -188,23 +188,23 @@ std::unique_ptr<const Opened::Siblings> take_together(const Group& group, const 
   auto siblings = std::make_unique<Opened::Siblings>();
   for (std::size_t slice = 0; slice < opened.slices.size(); ++slice) {
     const std::vector<Group>& groups = opened.slices[slice].groups;
-    siblings->some_at_once =
-        siblings->some_at_once ||
-        std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.at_once; });
+    siblings->some_open_at_once =
+        siblings->some_open_at_once ||
+        std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.opens_at_once; });
   }
-  siblings->levels = make_runs(std::move(refs), group.box, group.first_run);
-  siblings->runs = siblings->levels.members();
+  siblings->levels = make_clusters(std::move(refs), group.box, group.first_cluster);
+  siblings->clusters = siblings->levels.members();
   return siblings;
 }
 
-/// The last of those in order that begins at `number` or before it; the first does.
+/// Binary search: the last element whose first number is at most `number`.
 template <class Ordered, class First>
 const auto& last_up_to(const Ordered& ordered, std::uint32_t number, const First& first) {
   std::size_t at = 0;
   for (std::size_t left = ordered.size(); left > 1;) {
-    const std::size_t half = left / 2;
-    if (std::invoke(first, ordered[at + half]) <= number) at += half;
-    left -= half;
+    const std::size_t middle = left / 2;
+    if (std::invoke(first, ordered[at + middle]) <= number) at += middle;
+    left -= middle;
   }
   return ordered[at];
 }
@@ -216,22 +216,22 @@ const Group& child_towards_group(const Opened& opened, std::uint32_t number) {
   return last_up_to(slice.groups, number, &Group::number);
 }
 
-const Group& child_towards_run(const Opened& opened, std::uint32_t number) {
-  const OpenedSlice& slice = last_up_to(opened.slices, number, &OpenedSlice::first_run);
-  return last_up_to(slice.groups, number, &Group::first_run);
+const Group& child_towards_cluster(const Opened& opened, std::uint32_t number) {
+  const OpenedSlice& slice = last_up_to(opened.slices, number, &OpenedSlice::first_cluster);
+  return last_up_to(slice.groups, number, &Group::first_cluster);
 }
 
 Group::~Group() { delete opened.load(std::memory_order_relaxed); }
 
-std::unique_ptr<Group> whole_half(const HalfView& view, const accel::geometry::Vec3d& center) {
-  auto half = std::make_unique<Group>();
-  if (view.all().instances > 0) half->box = group_box(half->world_from_local, view.all(), center);
-  return half;
+std::unique_ptr<Group> root_group(const MobilityView& view, const accel::geometry::Vec3d& center) {
+  auto root = std::make_unique<Group>();
+  if (view.all().instances > 0) root->box = group_box(root->world_from_local, view.all(), center);
+  return root;
 }
 
-unsigned weight_shift(std::uint64_t total_price) {
-  // A half for prices, and a half for those that are rounded up to one.
-  const auto bits = static_cast<unsigned>(std::bit_width(total_price));
+unsigned weight_shift(std::uint64_t total_cost) {
+  // Costs sum to at most 2^31; weights rounded up to one add at most as much.
+  const auto bits = static_cast<unsigned>(std::bit_width(total_cost));
   return bits > 31 ? bits - 31 : 0;
 }
 
@@ -239,33 +239,34 @@ Opened::Opened(std::size_t children)
     : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
       slices(numbers.size() + 1) {}
 
-const std::vector<model::NodeId>& children_of(const HalfView& view, const Group& group) {
-  return group.node == nullptr ? view.tops() : group.node->children;
+const std::vector<model::NodeId>& children_of(const MobilityView& view, const Group& group) {
+  return group.node == nullptr ? view.roots() : group.node->children;
 }
 
-void open_group(const HalfView& view, const Group& group, const accel::geometry::Vec3d& center,
+void open_group(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
                 unsigned shift, Opened& opened) {
   const std::vector<model::NodeId>& children = children_of(view, group);
   const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
-  // A few children are placed sooner than waited for.
+  // Opening a few children takes less time than waiting.
   const bool wait = opened.slices.size() > 1;
   opened.numbers.complete(wait, [&](std::size_t slice) {
     auto taken = std::make_unique<Opened::Numbers>();
-    for (const Member& member : members_of(view, slice_of(children, slice))) take(member, *taken);
+    for (const Member& member : members_of(view, slice_of(children, slice)))
+      reserve_numbers(member, *taken);
     return taken;
   });
   opened.slices.complete(wait, [&](std::size_t slice) {
     Opened::Numbers first{group.first_instance + (own && slice > 0 ? 1u : 0u), group.first_group,
-                          group.first_run + max_runs(children.size() + 1)};
+                          group.first_cluster + max_clusters(children.size() + 1)};
     for (std::size_t before = 0; before < slice; ++before) {
       first.instances += opened.numbers[before].instances;
       first.groups += opened.numbers[before].groups;
-      first.runs += opened.numbers[before].runs;
+      first.clusters += opened.numbers[before].clusters;
     }
-    return Placing(view, group, center, shift, first)
-        .place(members_of(view, slice_of(children, slice)), own && slice == 0);
+    return SliceBuilder(view, group, center, shift, first)
+        .build(members_of(view, slice_of(children, slice)), own && slice == 0);
   });
-  opened.siblings.complete(wait, [&](std::size_t) { return take_together(group, opened); });
+  opened.siblings.complete(wait, [&](std::size_t) { return collect_siblings(group, opened); });
 }
 
 }  // namespace sightline::scenegraph::instances

@@ -1,4 +1,4 @@
-// Instances by number, opened as they are asked for.
+// Finds instances by number and opens groups on demand.
 #include "scenegraph/instances/instance_list.h"
 
 #include <algorithm>
@@ -8,10 +8,10 @@ namespace {
 
 using accel::kdtree::BoxRef;
 
-/// Groups of no use are opened at once until there are so many references.
-constexpr std::size_t kEnoughAtOnce = kFewSiblings;
+/// Groups that do not help culling are opened immediately until there are this many references.
+constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
 
-/// Of nothing, or of what reaches beyond all numbers: the origin.
+/// The origin for an empty or infinite box.
 accel::geometry::Vec3d middle(const model::DoubleBox& box) {
   const accel::geometry::Vec3d m = (box.lo + box.hi) * 0.5;
   return accel::geometry::is_finite(m) ? m : accel::geometry::Vec3d{};
@@ -19,19 +19,19 @@ accel::geometry::Vec3d middle(const model::DoubleBox& box) {
 
 }  // namespace
 
-Instances::Instances(Half half, const hierarchy::Hierarchy& hierarchy)
-    : view_(half, hierarchy),
+Instances::Instances(MobilitySide side, const hierarchy::Hierarchy& hierarchy)
+    : view_(side, hierarchy),
       center_(middle(view_.all().box)),
-      weight_shift_(weight_shift(view_.all().price)),
+      weight_shift_(weight_shift(view_.all().entry_cost)),
       instances_(view_.all().instances),
-      whole_(whole_half(view_, center_)) {}
+      root_group_(root_group(view_, center_)) {}
 
-Instances::~Instances() { delete beginning_.load(std::memory_order_acquire); }
+Instances::~Instances() { delete roots_.load(std::memory_order_acquire); }
 
 void Instances::begin() const {
   if (begun()) return;
-  auto made = std::make_unique<Beginning>();
-  append(opened(*whole_), 0, made->coarsest);
+  auto made = std::make_unique<Roots>();
+  append(opened(*root_group_), 0, made->coarsest);
   accel::geometry::Aabb bounds;
   for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::lazy::ReferenceSource source = accel::lazy::source_of(made->coarsest);
@@ -40,24 +40,24 @@ void Instances::begin() const {
   };
   made->tree = std::make_unique<accel::lazy::LazyTree>(bounds, size(), accel::split::default_rule(),
                                                        std::move(source));
-  const Beginning* none = nullptr;
-  if (beginning_.compare_exchange_strong(none, made.get(), std::memory_order_acq_rel))
+  const Roots* none = nullptr;
+  if (roots_.compare_exchange_strong(none, made.get(), std::memory_order_acq_rel))
     (void)made.release();
 }
 
 void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
   const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
-  if ((number & kRun) != 0) {
-    const Run& members = run(number & ~kRun);
+  if ((number & kCluster) != 0) {
+    const Cluster& members = cluster(number & ~kCluster);
     out.insert(out.end(), members.begin(), members.end());
   } else {
     append(opened(group(number)), out.size(), out);
   }
 }
 
-/// Numbers say where things are: what is above a group that somebody refers to has been opened.
+/// Finds a group by its number. All groups above a referenced group have been opened.
 const Group& Instances::group(std::uint32_t number) const {
-  for (const Group* above = whole_.get();;) {
+  for (const Group* above = root_group_.get();;) {
     const Opened& opened = *above->opened.load(std::memory_order_acquire);
     const Group& below = child_towards_group(opened, number);
     if (below.number == number) return below;
@@ -65,16 +65,17 @@ const Group& Instances::group(std::uint32_t number) const {
   }
 }
 
-const Instances::Run& Instances::run(std::uint32_t number) const {
-  for (const Group* above = whole_.get();;) {
+const Instances::Cluster& Instances::cluster(std::uint32_t number) const {
+  for (const Group* above = root_group_.get();;) {
     const Opened& opened = *above->opened.load(std::memory_order_acquire);
-    const std::vector<Run>& runs = opened.siblings[0].runs;
-    if (number - above->first_run < runs.size()) return runs[number - above->first_run];
-    above = &child_towards_run(opened, number);
+    const std::vector<Cluster>& clusters = opened.siblings[0].clusters;
+    if (number - above->first_cluster < clusters.size())
+      return clusters[number - above->first_cluster];
+    above = &child_towards_cluster(opened, number);
   }
 }
 
-/// Whoever finds a group closed opens it, and helps with it if others are at it.
+/// Opens the group, or helps other threads that are opening it.
 const Opened& Instances::opened(const Group& group) const {
   Opened* now = group.opened.load(std::memory_order_acquire);
   if (now == nullptr) {
@@ -87,14 +88,14 @@ const Opened& Instances::opened(const Group& group) const {
   enlist(*now);
   if (!now->listed.exchange(true, std::memory_order_acq_rel)) {
     for (std::size_t i = 0; i < now->slices.size(); ++i) {
-      placed_.fetch_add(now->slices[i].instances.size() + now->slices[i].groups.size(),
-                        std::memory_order_relaxed);
+      opened_members_.fetch_add(now->slices[i].instances.size() + now->slices[i].groups.size(),
+                                std::memory_order_relaxed);
     }
   }
   return *now;
 }
 
-/// Done by everyone who comes before it is known to be done: the first may have been stopped.
+/// Every thread does this until one has completed it, because the first may have been stopped.
 void Instances::enlist(const Opened& opened) const {
   for (std::size_t i = 0; i < opened.slices.size(); ++i) {
     if (opened.listed.load(std::memory_order_acquire)) return;
@@ -103,19 +104,19 @@ void Instances::enlist(const Opened& opened) const {
   }
 }
 
-/// References that are appended for one that is opened begin at `first`.
+/// Appended references begin at `first`.
 void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxRef>& out) const {
   const Opened::Siblings& siblings = opened.siblings[0];
   const std::vector<BoxRef>& refs = siblings.levels.coarsest();
-  if (!siblings.some_at_once) {
+  if (!siblings.some_open_at_once) {
     out.insert(out.end(), refs.begin(), refs.end());
     return;
   }
   for (const BoxRef& ref : refs) {
     const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
-    if (ref.openable() && (number & kRun) == 0 && out.size() - first < kEnoughAtOnce) {
+    if (ref.openable() && (number & kCluster) == 0 && out.size() - first < kMaxImmediateRefs) {
       const Group& group = child_towards_group(opened, number);
-      if (group.at_once) {
+      if (group.opens_at_once) {
         append(this->opened(group), first, out);
         continue;
       }
@@ -126,7 +127,7 @@ void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxR
 
 void Instances::open_all() const {
   if (all_open_.load(std::memory_order_acquire)) return;
-  std::vector<const Group*> waiting{whole_.get()};
+  std::vector<const Group*> waiting{root_group_.get()};
   while (!waiting.empty()) {
     const Group& group = *waiting.back();
     waiting.pop_back();

@@ -1,5 +1,5 @@
-// The meshes of one half of a revision where they stand in the world, found as rays open the
-// hierarchy, and the kd-tree over their boxes.
+// The instances of the static or the dynamic tree, opened as rays need them, and the kd-tree over
+// their boxes.
 #pragma once
 
 #include <atomic>
@@ -16,23 +16,23 @@ namespace sightline::scenegraph::instances {
 
 class InstanceList;
 
-/// Of one half. What is opened stays; nothing else changes, but for the tree, which grows like any
-/// other. Threads: all members, any; nobody waits for anybody.
+/// The instances of one tree. Opened groups stay open and the kd-tree grows; nothing else changes.
+/// Threads: all members, any; no thread waits for a stopped one.
 class Instances {
  public:
   /// The hierarchy must outlive this.
-  Instances(Half half, const hierarchy::Hierarchy& hierarchy);
+  Instances(MobilitySide side, const hierarchy::Hierarchy& hierarchy);
   ~Instances();
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;
 
-  /// To be called before any other member, by every thread. Opens the roots, if that is not done.
+  /// Every thread calls this before any other member. Opens the roots at the first call.
   void begin() const;
-  bool begun() const { return beginning_.load(std::memory_order_acquire) != nullptr; }
+  bool begun() const { return roots_.load(std::memory_order_acquire) != nullptr; }
 
   /// How many there are, opened or not.
   std::size_t size() const { return instances_.size(); }
-  /// A reference that some list or leaf of the tree holds, or all after open_all().
+  /// `index`: from a list or leaf of the tree; any, after open_all().
   const Instance& operator[](std::size_t index) const {
     return *instances_[index].load(std::memory_order_acquire);
   }
@@ -40,45 +40,45 @@ class Instances {
   /// Scene coordinates are taken relative to this point, so that the tree's floats are as fine as
   /// its extent allows.
   const accel::geometry::Vec3d& center() const { return center_; }
-  /// Its leaves hold places of instances. Growing it is not a change of the snapshot.
-  accel::lazy::LazyTree& tree() const { return *beginning().tree; }
+  /// Its leaves hold indices of instances. Growing it does not change the snapshot.
+  accel::lazy::LazyTree& tree() const { return *opened_roots().tree; }
 
   /// References that stand for all instances: the coarsest, openable or not.
-  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return beginning().coarsest; }
-  /// Appends what an openable reference stands for; the same every time, whoever asked before.
+  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return opened_roots().coarsest; }
+  /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::BoxRef& ref, std::vector<accel::kdtree::BoxRef>& out) const;
   /// Opens everything. In the order of a walk down from the roots, nodes before their children.
   InstanceList list() const;
 
-  /// Groups and instances that have been placed so far.
-  std::uint64_t placed() const { return placed_.load(std::memory_order_relaxed); }
+  /// Groups and instances opened so far.
+  std::uint64_t opened_members() const { return opened_members_.load(std::memory_order_relaxed); }
 
  private:
-  using Run = std::span<const accel::kdtree::BoxRef>;
+  using Cluster = std::span<const accel::kdtree::BoxRef>;
 
-  /// What is known once the roots are opened.
-  struct Beginning {
+  /// Made when the roots are opened.
+  struct Roots {
     std::vector<accel::kdtree::BoxRef> coarsest;
     std::unique_ptr<accel::lazy::LazyTree> tree;
   };
 
-  const Beginning& beginning() const { return *beginning_.load(std::memory_order_acquire); }
+  const Roots& opened_roots() const { return *roots_.load(std::memory_order_acquire); }
   const Group& group(std::uint32_t number) const;
-  const Run& run(std::uint32_t number) const;
+  const Cluster& cluster(std::uint32_t number) const;
   const Opened& opened(const Group& group) const;
   void enlist(const Opened& opened) const;
   void append(const Opened& opened, std::size_t first,
               std::vector<accel::kdtree::BoxRef>& out) const;
   void open_all() const;
 
-  HalfView view_;
+  MobilityView view_;
   accel::geometry::Vec3d center_;
   unsigned weight_shift_;
-  Zeroed<std::atomic<const Instance*>> instances_;
-  std::unique_ptr<Group> whole_;
-  mutable std::atomic<const Beginning*> beginning_{nullptr};
-  mutable std::atomic<std::uint64_t> placed_{0};
+  LazyArray<std::atomic<const Instance*>> instances_;
+  std::unique_ptr<Group> root_group_;
+  mutable std::atomic<const Roots*> roots_{nullptr};
+  mutable std::atomic<std::uint64_t> opened_members_{0};
   mutable std::atomic<bool> all_open_{false};
 };
 

@@ -1,4 +1,4 @@
-// An array of zeros that costs memory, and time, only where it has been touched.
+// An array of zeros that allocates blocks when they are first used.
 #pragma once
 
 #include <algorithm>
@@ -11,26 +11,26 @@
 
 namespace sightline::scenegraph::instances {
 
-/// `size` objects of a type whose initial value is zero, in blocks that are made when first asked
-/// for. Making the array costs a pointer a block. Threads: all members, any, but for moves.
+/// `size` objects of a type whose initial value is zero, in blocks allocated at first access. An
+/// array costs one pointer per block at first. Threads: all members, any, except moves.
 template <class T>
-class Zeroed {
+class LazyArray {
  public:
-  explicit Zeroed(std::size_t size) : blocks_((size + kPerBlock - 1) / kPerBlock), size_(size) {
+  explicit LazyArray(std::size_t size) : blocks_((size + kPerBlock - 1) / kPerBlock), size_(size) {
     static_assert(std::is_trivially_destructible_v<T>);
   }
-  Zeroed(Zeroed&& other) noexcept
+  LazyArray(LazyArray&& other) noexcept
       : blocks_(std::exchange(other.blocks_, {})), size_(std::exchange(other.size_, 0)) {}
-  Zeroed& operator=(Zeroed&& other) noexcept {
+  LazyArray& operator=(LazyArray&& other) noexcept {
     std::swap(blocks_, other.blocks_);
     std::swap(size_, other.size_);
     return *this;
   }
-  ~Zeroed() {
+  ~LazyArray() {
     for (const std::atomic<T*>& block : blocks_) delete[] block.load(std::memory_order_relaxed);
   }
 
-  /// Throws std::bad_alloc where none was asked for before.
+  /// Throws std::bad_alloc at the first access to a block.
   T& operator[](std::size_t i) const {
     T* block = blocks_[i / kPerBlock].load(std::memory_order_acquire);
     if (block == nullptr) block = make(blocks_[i / kPerBlock]);

@@ -1,5 +1,5 @@
-// What each of a revision's two trees holds: the static one what rests, the dynamic one what moves,
-// with all that hangs under it (Shevtsov et al.: a tree that lives on, and one made anew).
+// Which nodes the static and the dynamic tree hold. The dynamic tree holds moving nodes with all
+// nodes below them (Shevtsov et al. 2007: one tree is kept, the other rebuilt).
 #pragma once
 
 #include <cstdint>
@@ -10,47 +10,50 @@
 
 namespace sightline::scenegraph::instances {
 
-enum class Half : std::uint8_t { kStatic, kDynamic };
+enum class MobilitySide : std::uint8_t { kStatic, kDynamic };
 
-/// A hierarchy as one half of it. The static half is the hierarchy less its movers; making its view
-/// costs the groups above movers. The dynamic half is the movers, side by side.
-class HalfView {
+/// The part of a hierarchy that one tree holds. The static side is the hierarchy without its
+/// dynamic roots; making its view costs the groups above those. The dynamic side is the dynamic
+/// roots.
+class MobilityView {
  public:
   /// The hierarchy must outlive this.
-  HalfView(Half half, const hierarchy::Hierarchy& hierarchy);
+  MobilityView(MobilitySide side, const hierarchy::Hierarchy& hierarchy);
 
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
-  /// What the half begins with: roots, or the topmost movers.
-  const std::vector<model::NodeId>& tops() const {
-    return half_ == Half::kStatic ? *hierarchy_.roots : movers_;
+  /// Where the side begins: the scene's roots, or the topmost dynamic roots.
+  const std::vector<model::NodeId>& roots() const {
+    return side_ == MobilitySide::kStatic ? *hierarchy_.roots : dynamic_roots_;
   }
-  /// Sum over the half, in world space.
-  const hierarchy::Subtree& all() const { return all_; }
-  /// Whether a child of a node of this half belongs to it too.
+  /// Sum over the side, in world space.
+  const hierarchy::NodeSummary& all() const { return all_; }
+  /// Whether a child of a node of this side belongs to it too.
   bool holds(const model::Node& node) const {
-    return half_ == Half::kDynamic || movers_.empty() || hierarchy_.movers.find(node.id) == nullptr;
+    return side_ == MobilitySide::kDynamic || dynamic_roots_.empty() ||
+           hierarchy_.dynamic_roots.find(node.id) == nullptr;
   }
-  /// Of what hangs under a node of this half that has children; `known` is that of the hierarchy.
-  const hierarchy::Subtree& group(model::NodeId id, const hierarchy::Subtree& known) const;
-  /// Whether any group differs from what the hierarchy knows.
-  bool is_thinned() const { return !thinned_.empty(); }
+  /// The summary of a node of this side that has children; `known` is the hierarchy's summary.
+  const hierarchy::NodeSummary& group(model::NodeId id, const hierarchy::NodeSummary& known) const;
+  /// Whether any summary differs from that of the hierarchy.
+  bool lacks_dynamic() const { return !without_dynamic_.empty(); }
 
  private:
-  void thin_out();
-  hierarchy::Subtree thinned(model::NodeId group, const std::vector<model::NodeId>& changed) const;
+  void leave_out_dynamic();
+  hierarchy::NodeSummary without_dynamic(model::NodeId group,
+                                         const std::vector<model::NodeId>& changed) const;
 
   const hierarchy::Hierarchy& hierarchy_;
-  Half half_;
-  std::vector<model::NodeId> movers_;  // the topmost, ascending
-  std::unordered_map<model::NodeId, hierarchy::Subtree>
-      thinned_;  // of the static half: groups above movers
-  hierarchy::Subtree all_;
+  MobilitySide side_;
+  std::vector<model::NodeId> dynamic_roots_;  // the topmost, ascending
+  std::unordered_map<model::NodeId, hierarchy::NodeSummary>
+      without_dynamic_;  // of the static side: groups above dynamic roots
+  hierarchy::NodeSummary all_;
 };
 
-/// The movers that have none above them, ascending.
-std::vector<model::NodeId> topmost_movers(const hierarchy::Hierarchy& hierarchy);
+/// The dynamic roots that have none above them, ascending.
+std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hierarchy);
 
-/// Whether the node, or one above it, moves.
-bool is_moving(const hierarchy::Hierarchy& hierarchy, model::NodeId id);
+/// Whether the node or one above it is a dynamic root.
+bool is_dynamic(const hierarchy::Hierarchy& hierarchy, model::NodeId id);
 
 }  // namespace sightline::scenegraph::instances

@@ -1,4 +1,4 @@
-// From each leaf of the one down the other.
+// Walks down one tree at the leaf centres of the other.
 #include "scenegraph/instances/prebuild.h"
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace {
 using accel::geometry::Aabb;
 using accel::kdtree::Slot;
 
-/// So many leaves are gone through between two epochs.
+/// Leaves visited under one epoch pin.
 constexpr std::size_t kLeavesPerPin = 256;
 
 struct Cell {
@@ -19,11 +19,11 @@ struct Cell {
   Aabb box;
 };
 
-/// The middles of the leaves that hold something, in scene coordinates.
-std::vector<accel::geometry::Vec3d> built_places(const Instances& grown) {
+/// The middles of the non-empty leaves, in scene coordinates.
+std::vector<accel::geometry::Vec3d> built_points(const Instances& grown) {
   const accel::kdtree::EpochPin pin;
   const accel::kdtree::KdTree& tree = grown.tree().tree();
-  std::vector<accel::geometry::Vec3d> places;
+  std::vector<accel::geometry::Vec3d> points;
   std::vector<Cell> waiting{{accel::kdtree::load(tree.root()), tree.bounds()}};
   while (!waiting.empty()) {
     const auto [slot, box] = waiting.back();
@@ -34,14 +34,14 @@ std::vector<accel::geometry::Vec3d> built_places(const Instances& grown) {
       waiting.push_back({accel::kdtree::load(tree.children(slot)[0]), halves.left});
       waiting.push_back({accel::kdtree::load(tree.children(slot)[1]), halves.right});
     } else if (!slot.is_unbuilt() && slot.leaf_count() > 0) {
-      places.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
+      points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
                        grown.center());
     }
   }
-  return places;
+  return points;
 }
 
-void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& place) {
+void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
   accel::kdtree::BuildCounters built;
   for (accel::kdtree::AtomicSlot* at = &tree.root();;) {
     const Slot slot = accel::kdtree::load(*at);
@@ -51,19 +51,19 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& place) {
       return;
     }
     if (!slot.is_binary()) return;
-    const bool right = place[slot.axis()] >= static_cast<double>(slot.position());
+    const bool right = point[slot.axis()] >= static_cast<double>(slot.position());
     at = &tree.tree().children(slot)[right ? 1 : 0];
   }
 }
 
 }  // namespace
 
-void grow_alike(const Instances& grown, const Instances& fresh) {
-  const std::vector<accel::geometry::Vec3d> places = built_places(grown);
-  for (std::size_t first = 0; first < places.size(); first += kLeavesPerPin) {
+void prebuild_like(const Instances& grown, const Instances& fresh) {
+  const std::vector<accel::geometry::Vec3d> points = built_points(grown);
+  for (std::size_t first = 0; first < points.size(); first += kLeavesPerPin) {
     const accel::kdtree::EpochPin pin;
-    for (std::size_t i = first; i < std::min(first + kLeavesPerPin, places.size()); ++i)
-      grow_at(fresh.tree(), places[i] - fresh.center());
+    for (std::size_t i = first; i < std::min(first + kLeavesPerPin, points.size()); ++i)
+      grow_at(fresh.tree(), points[i] - fresh.center());
   }
 }
 

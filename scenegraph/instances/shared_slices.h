@@ -1,4 +1,4 @@
-// Work in slices that any number of threads do together, and none depends on another.
+// Work in slices, shared by any number of threads. No thread depends on another.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace sightline::scenegraph::instances {
 
-/// What is made of each slice, once. Threads: all members, any.
+/// One result for each slice. Threads: all members, any.
 template <class Result>
 class SharedSlices {
  public:
@@ -22,14 +22,15 @@ class SharedSlices {
   SharedSlices& operator=(const SharedSlices&) = delete;
 
   std::size_t size() const { return results_.size(); }
-  /// Of a slice that is done.
+  /// Of a completed slice.
   const Result& operator[](std::size_t slice) const {
     return *results_[slice].load(std::memory_order_acquire);
   }
 
-  /// Returns when all are done. make(slice) returns a unique_ptr<const Result>, always an equal
-  /// one: if two threads do a slice, the first result is kept. What others have begun is waited for
-  /// as long as they get on, if `wait`; then it is done here. Throws what `make` throws.
+  /// Returns when all slices are complete. make(slice) returns a unique_ptr<const Result> and must
+  /// give equal results at each call: if two threads complete a slice, the first result is kept.
+  /// With `wait`, waits for slices of other threads while these make progress, and then completes
+  /// them itself. Throws what `make` throws.
   template <class Make>
   void complete(bool wait, const Make& make) {
     if (done() == size()) return;
@@ -45,7 +46,7 @@ class SharedSlices {
   }
 
  private:
-  // A slice may take several times as long as it takes to think that others have stopped.
+  // One slice may take several times longer than the stall timeout.
   static constexpr int kStalls = 5;
 
   std::size_t done() const { return done_.load(std::memory_order_acquire); }

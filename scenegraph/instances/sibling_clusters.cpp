@@ -1,4 +1,4 @@
-// Runs over siblings, and runs over runs.
+// Clusters of siblings, and clusters of clusters.
 #include "scenegraph/instances/sibling_clusters.h"
 
 #include <algorithm>
@@ -11,10 +11,11 @@ namespace {
 using accel::geometry::Aabb;
 using accel::kdtree::BoxRef;
 
-/// Runs whose boxes have on average more than this share of the parent's surface divide nothing.
+/// Clusters whose boxes have on average more than this share of the parent's surface do not help
+/// culling.
 constexpr double kLargestShare = 0.25;
 
-BoxRef run_over(std::span<const BoxRef> members, std::uint32_t number) {
+BoxRef cluster_over(std::span<const BoxRef> members, std::uint32_t number) {
   Aabb box;
   std::uint64_t weight = 0;
   for (const BoxRef& ref : members) {
@@ -22,24 +23,26 @@ BoxRef run_over(std::span<const BoxRef> members, std::uint32_t number) {
     weight += ref.weight;
   }
   constexpr std::uint64_t kLargest = std::numeric_limits<std::uint32_t>::max();
-  return {box.lo, accel::kdtree::kOpenable | kRun | number, box.hi,
+  return {box.lo, accel::kdtree::kOpenable | kCluster | number, box.hi,
           static_cast<std::uint32_t>(std::min(weight, kLargest))};
 }
 
-/// Empty where the runs would be too large.
+/// Empty if the clusters would be too large.
 std::vector<BoxRef> level_over(std::span<const BoxRef> refs, const Aabb& box, std::uint32_t first) {
-  std::vector<BoxRef> runs;
-  runs.reserve((refs.size() + kRunLength - 1) / kRunLength);
+  std::vector<BoxRef> clusters;
+  clusters.reserve((refs.size() + kClusterSize - 1) / kClusterSize);
   double areas = 0;
-  for (std::size_t i = 0; i < refs.size(); i += kRunLength) {
-    runs.push_back(run_over(refs.subspan(i, std::min(kRunLength, refs.size() - i)), first++));
-    areas += half_area(runs.back().bounds());
+  for (std::size_t i = 0; i < refs.size(); i += kClusterSize) {
+    clusters.push_back(
+        cluster_over(refs.subspan(i, std::min(kClusterSize, refs.size() - i)), first++));
+    areas += half_area(clusters.back().bounds());
   }
-  if (areas > static_cast<double>(runs.size()) * kLargestShare * half_area(box)) runs.clear();
-  return runs;
+  if (areas > static_cast<double>(clusters.size()) * kLargestShare * half_area(box))
+    clusters.clear();
+  return clusters;
 }
 
-/// Every third bit of ten.
+/// Spreads ten bits to every third bit.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ffu;
   x = (x | x << 8) & 0x0300f00fu;
@@ -47,8 +50,8 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249u;
 }
 
-/// Along a curve on which what is near is mostly near in space (Morton 1966).
-void sort_by_place(std::vector<BoxRef>& refs, const Aabb& box) {
+/// By Morton code: neighbours on the curve are mostly near in space (Morton 1966).
+void sort_along_curve(std::vector<BoxRef>& refs, const Aabb& box) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i) {
     std::uint32_t code = 0;
@@ -70,37 +73,28 @@ void sort_by_place(std::vector<BoxRef>& refs, const Aabb& box) {
 
 }  // namespace
 
-std::size_t max_runs(std::size_t siblings) {
-  std::size_t runs = 0;
-  while (siblings > kFewSiblings) {
-    siblings = (siblings + kRunLength - 1) / kRunLength;
-    runs += siblings;
-  }
-  return runs;
-}
-
-std::vector<std::span<const BoxRef>> SiblingRuns::members() const {
-  std::vector<std::span<const BoxRef>> runs;
+std::vector<std::span<const BoxRef>> SiblingClusters::members() const {
+  std::vector<std::span<const BoxRef>> clusters;
   for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
     const std::span<const BoxRef> refs = levels[level];
-    for (std::size_t i = 0; i < refs.size(); i += kRunLength)
-      runs.push_back(refs.subspan(i, std::min(kRunLength, refs.size() - i)));
+    for (std::size_t i = 0; i < refs.size(); i += kClusterSize)
+      clusters.push_back(refs.subspan(i, std::min(kClusterSize, refs.size() - i)));
   }
-  return runs;
+  return clusters;
 }
 
-SiblingRuns make_runs(std::vector<BoxRef> siblings, const Aabb& box, std::uint32_t first) {
-  SiblingRuns made;
+SiblingClusters make_clusters(std::vector<BoxRef> siblings, const Aabb& box, std::uint32_t first) {
+  SiblingClusters made;
   made.levels.push_back(std::move(siblings));
-  while (made.coarsest().size() > kFewSiblings) {
-    std::vector<BoxRef> runs = level_over(made.coarsest(), box, first);
-    if (runs.empty() && made.levels.size() == 1) {
-      sort_by_place(made.levels[0], box);
-      runs = level_over(made.coarsest(), box, first);
+  while (made.coarsest().size() > kMaxUnclustered) {
+    std::vector<BoxRef> clusters = level_over(made.coarsest(), box, first);
+    if (clusters.empty() && made.levels.size() == 1) {
+      sort_along_curve(made.levels[0], box);
+      clusters = level_over(made.coarsest(), box, first);
     }
-    if (runs.empty()) break;
-    first += static_cast<std::uint32_t>(runs.size());
-    made.levels.push_back(std::move(runs));
+    if (clusters.empty()) break;
+    first += static_cast<std::uint32_t>(clusters.size());
+    made.levels.push_back(std::move(clusters));
   }
   return made;
 }

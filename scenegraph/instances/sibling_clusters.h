@@ -1,4 +1,4 @@
-// Many siblings, taken together in runs: what is above them need not hold each.
+// Clusters of many siblings, so that a list of references need not hold each sibling.
 #pragma once
 
 #include <cstddef>
@@ -7,33 +7,30 @@
 #include <vector>
 
 #include "accel/kdtree/reference.h"
+#include "scenegraph/hierarchy/cluster_count.h"
 
 namespace sightline::scenegraph::instances {
 
-/// In the id of a reference, beside accel::kdtree::kOpenable: a run of siblings, not a group.
-inline constexpr std::uint32_t kRun = std::uint32_t{1} << 30;
+/// In the id of a reference, beside accel::kdtree::kOpenable: a cluster of siblings, not a group.
+inline constexpr std::uint32_t kCluster = std::uint32_t{1} << 30;
 
-/// As many of one level make a run of the next.
-inline constexpr std::size_t kRunLength = 16;
-/// So many references are not worth a level above them.
-inline constexpr std::size_t kFewSiblings = 64;
+using hierarchy::kClusterSize;
+using hierarchy::kMaxUnclustered;
+using hierarchy::max_clusters;
 
-/// No more runs than this are made over so many siblings.
-std::size_t max_runs(std::size_t siblings);
-
-/// Levels of references, each in the order of the runs above it, the siblings first.
-struct SiblingRuns {
+/// Levels of references, each in the order of the clusters above it, the siblings first.
+struct SiblingClusters {
   std::vector<std::vector<accel::kdtree::BoxRef>> levels;
 
   const std::vector<accel::kdtree::BoxRef>& coarsest() const { return levels.back(); }
-  /// What the runs stand for, in the order of their ids.
+  /// The members of each cluster, in the order of the cluster ids.
   std::vector<std::span<const accel::kdtree::BoxRef>> members() const;
 };
 
-/// `box` holds all siblings; `first` is the number of the first run. Consecutive siblings make a
-/// run; if those do not lie together, siblings near each other do; if these do not either, there
-/// are no runs. A pure function of its arguments.
-SiblingRuns make_runs(std::vector<accel::kdtree::BoxRef> siblings, const accel::geometry::Aabb& box,
-                      std::uint32_t first);
+/// `box` holds all siblings; `first` is the number of the first cluster. Consecutive siblings make
+/// a cluster. If those are not near each other, siblings are sorted along a space-filling curve
+/// first. If that does not help either, there are no clusters. A pure function of its arguments.
+SiblingClusters make_clusters(std::vector<accel::kdtree::BoxRef> siblings,
+                              const accel::geometry::Aabb& box, std::uint32_t first);
 
 }  // namespace sightline::scenegraph::instances

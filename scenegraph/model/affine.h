@@ -25,7 +25,7 @@ struct Affine {
     return {m[0] * d.x + m[1] * d.y + m[2] * d.z, m[4] * d.x + m[5] * d.y + m[6] * d.z,
             m[8] * d.x + m[9] * d.y + m[10] * d.z};
   }
-  /// The transpose of the linear part applied to n: of the inverse, it carries normals outward.
+  /// The transposed linear part times n. The inverse's maps normals.
   Vec3d transposed(const Vec3d& n) const {
     return {m[0] * n.x + m[4] * n.y + m[8] * n.z, m[1] * n.x + m[5] * n.y + m[9] * n.z,
             m[2] * n.x + m[6] * n.y + m[10] * n.z};

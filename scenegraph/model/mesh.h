@@ -14,7 +14,7 @@
 
 namespace sightline::scenegraph::model {
 
-/// Face slots of one mesh; keeps every place in its tree below the limits of a slot.
+/// Face slots of one mesh; keeps every index in its tree below the limits of a slot.
 inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
 
 class Mesh {
@@ -29,7 +29,7 @@ class Mesh {
       const accel::mesh::TreeBuilder& builder = {},
       accel::mesh::References references = accel::mesh::References::kRuns);
 
-  /// The same faces about other vertices, as many: only the tree begins anew. Errors:
+  /// The same faces with as many other vertices. Only the tree starts again. Errors:
   /// kInvalidArgument, a count that differs.
   Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices) const;
 

@@ -16,8 +16,8 @@ namespace sightline::scenegraph::model {
 /// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
 using NodeId = std::uint64_t;
 
-/// How a node is expected to change, with all that is below it. Says in which of the two trees it
-/// begins; where it stands later follows from what happens to it (see Scene).
+/// How a node is expected to change, with all nodes below it. Chooses the tree that the node begins
+/// in; later changes may move it to the other tree (see Scene).
 enum class Mobility : std::uint8_t { kStatic = 0, kRigid = 1, kDeforming = 2 };
 
 inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.

@@ -43,8 +43,8 @@ class PersistentMap {
     return value == T{} ? nullptr : &value;
   }
 
-  /// find() for each key, in order. In a map that is larger than the caches this takes much less
-  /// time than one after the other: their ways down are gone together, so that waits overlap.
+  /// find() for each key, in order. In a map larger than the caches this is much faster than single
+  /// calls: keys descend together, so that cache misses overlap.
   void find_all(std::span<const std::uint64_t> keys, std::span<const T*> values) const {
     for (std::size_t first = 0; first < keys.size(); first += kTogether) {
       const std::size_t count = std::min(kTogether, keys.size() - first);

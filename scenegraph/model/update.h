@@ -1,4 +1,4 @@
-// What can be done to a scene. A batch of updates is applied whole or not at all and makes one
+// Updates of a scene. A batch of updates is applied completely or not at all, and makes one
 // revision.
 #pragma once
 
@@ -16,9 +16,8 @@ namespace sightline::scenegraph::model {
 /// by the negative alias that PutNode gave it. 0 means "no node" where that is allowed.
 using NodeRef = std::int64_t;
 
-/// Creates a node (`node` is a fresh negative alias) or replaces all that is said of an existing
-/// one (`node` is its id, or an alias of the same batch), its place in the hierarchy included. Its
-/// children stay.
+/// Creates a node (`node` is a fresh negative alias) or replaces all fields of an existing one
+/// (`node` is its id, or an alias of the same batch), its parent included. Its children stay.
 struct PutNode {
   NodeRef node = 0;
   NodeRef parent = 0;  ///< 0: a root.
@@ -42,7 +41,7 @@ struct DeleteNode {
   bool subtree = false;
 };
 
-/// New places for `positions.size()` vertices from `first` on. The nodes must carry one and the
+/// New positions for `positions.size()` vertices from `first` on. The nodes must carry one and the
 /// same mesh, and share the new one; its faces are those of the old. Others that carry it keep it.
 struct PatchVertices {
   std::vector<NodeRef> nodes;

@@ -1,4 +1,4 @@
-// Which instances a ray has been to: an instance lies in several cells of the scene's tree.
+// Which instances a ray has entered: an instance lies in several cells of the scene's tree.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace sightline::scenegraph::query {
 
-/// The last few. Forgetting one costs time only, where a hit may be found twice.
+/// The last few. A forgotten one costs only time: a hit is then found twice.
 class RecentlyEntered {
  public:
   bool contains_or_add(std::uint32_t id) {
@@ -25,51 +25,51 @@ class RecentlyEntered {
   std::size_t next_ = 0;
 };
 
-/// All of them, where hits are counted. A hash table whose memory the next ray uses again.
+/// All of them, for counting hits. A hash table that keeps its memory for the next ray.
 class EnteredOnce {
  public:
-  /// Forgets all, in no time.
+  /// Forgets all, in constant time.
   void clear() {
     count_ = 0;
     if (++ray_ == 0) {
-      std::fill(places_.begin(), places_.end(), Place{});
+      std::fill(slots_.begin(), slots_.end(), Slot{});
       ray_ = 1;
     }
   }
 
   /// False if it was there before.
   bool add(std::uint32_t id) {
-    if (2 * (count_ + 1) > places_.size()) grow();
-    Place& place = find(id);
-    if (place.ray == ray_) return false;
-    place = {ray_, id};
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    Slot& slot = find(id);
+    if (slot.ray == ray_) return false;
+    slot = {ray_, id};
     ++count_;
     return true;
   }
 
  private:
-  struct Place {
-    std::uint32_t ray = 0;  // taken, if by the ray of now
+  struct Slot {
+    std::uint32_t ray = 0;  // taken if equal to the current ray
     std::uint32_t id = 0;
   };
 
-  // The id's place, or the free one where it belongs.
-  Place& find(std::uint32_t id) {
-    const std::size_t mask = places_.size() - 1;
+  // The id's slot, or the free slot for it.
+  Slot& find(std::uint32_t id) {
+    const std::size_t mask = slots_.size() - 1;
     std::size_t at = (id * std::size_t{0x9e3779b97f4a7c15u} >> 32) & mask;
-    while (places_[at].ray == ray_ && places_[at].id != id) at = (at + 1) & mask;
-    return places_[at];
+    while (slots_[at].ray == ray_ && slots_[at].id != id) at = (at + 1) & mask;
+    return slots_[at];
   }
 
   void grow() {
-    std::vector<Place> before(std::max<std::size_t>(64, 2 * places_.size()));
-    before.swap(places_);
-    for (const Place& place : before) {
-      if (place.ray == ray_) find(place.id) = place;
+    std::vector<Slot> before(std::max<std::size_t>(64, 2 * slots_.size()));
+    before.swap(slots_);
+    for (const Slot& slot : before) {
+      if (slot.ray == ray_) find(slot.id) = slot;
     }
   }
 
-  std::vector<Place> places_;
+  std::vector<Slot> slots_;
   std::size_t count_ = 0;
   std::uint32_t ray_ = 1;
 };

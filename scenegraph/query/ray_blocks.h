@@ -11,8 +11,8 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/stall_detector.h"
+#include "scenegraph/query/build.h"
 #include "scenegraph/query/ray_caster.h"
-#include "scenegraph/trace.h"
 
 namespace sightline::scenegraph::query {
 
@@ -25,28 +25,29 @@ struct RayBlock {
   std::size_t first = 0, end = 0;
 };
 
-/// Answers the rays of a block: answer(ray, AtBusy) returns false if the ray is to be put aside.
-/// Those come again when all others are answered; then they wait, without spinning, for the threads
-/// whose work they need, and do it themselves in the end.
+/// Answers the rays of a block: answer(ray, AtBusy) returns false if the ray is suspended because
+/// other threads build a cell that it needs. Suspended rays are postponed until all others are
+/// answered. Then they wait, without spinning, for those threads, and in the end build the cell
+/// themselves.
 template <class Answer>
 void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
-  std::deque<std::size_t> aside;
+  std::deque<std::size_t> postponed;
   for (std::size_t ray = block.first; ray < block.end; ++ray) {
-    if (!answer(ray, accel::lazy::AtBusy::kLeave)) aside.push_back(ray);
+    if (!answer(ray, accel::lazy::AtBusy::kLeave)) postponed.push_back(ray);
   }
   accel::lazy::AtBusy at_busy = accel::lazy::AtBusy::kLeave;
   accel::lazy::Patience patience;
-  for (std::size_t in_vain = 0; !aside.empty();) {
-    const std::size_t ray = aside.front();
-    aside.pop_front();
+  for (std::size_t in_vain = 0; !postponed.empty();) {
+    const std::size_t ray = postponed.front();
+    postponed.pop_front();
     if (answer(ray, at_busy)) {
       in_vain = 0;
       patience = {};
       continue;
     }
-    aside.push_back(ray);
+    postponed.push_back(ray);
     constexpr std::size_t kTries = 8;
-    if (++in_vain < std::min(kTries, aside.size())) continue;
+    if (++in_vain < std::min(kTries, postponed.size())) continue;
     in_vain = 0;
     if (!patience.wait(caster.progress())) at_busy = accel::lazy::AtBusy::kWait;
   }
@@ -64,7 +65,7 @@ Result<TraceStats> answer_in_blocks(const revision::Snapshot& snapshot, std::siz
     if (!built) return built.error();
     total += *built;
   }
-  const instances::TwoTrees trees = snapshot.trees();
+  const instances::OpenTrees trees = snapshot.trees();
   total += tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, (rays + rays_per_block - 1) / rays_per_block, 1),
       TraceStats{},

@@ -1,4 +1,4 @@
-// The scene level of a ray's way.
+// Walks the scene's trees and asks the meshes of the instances that a ray enters.
 #include "scenegraph/query/ray_caster.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "accel/kdtree/walk.h"
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
 
 namespace sightline::scenegraph::query {
@@ -35,7 +35,7 @@ AtUnbuilt at_unbuilt(Growth growth) {
 
 }  // namespace
 
-/// What a walk of one of the scene's trees asks at its leaves and unbuilt cells.
+/// What a walk of the static or dynamic tree does at leaves and unbuilt cells.
 struct RayCaster::Visit {
   RayCaster& caster;
   const Ray& ray;
@@ -81,53 +81,53 @@ struct RayCaster::Visit {
     });
   }
 
-  /// Through what the ray may meet of the hierarchy.
+  /// Opens groups whose boxes the ray may meet.
   bool search_below(const BoxRef& ref) {
-    std::vector<BoxRef>& waiting = caster.waiting_;
-    waiting.assign(1, ref);
-    while (!waiting.empty()) {
-      const BoxRef next = waiting.back();
-      waiting.pop_back();
+    std::vector<BoxRef>& pending = caster.pending_;
+    pending.assign(1, ref);
+    while (!pending.empty()) {
+      const BoxRef next = pending.back();
+      pending.pop_back();
       if (!next.openable()) {
         if (enter(next.id)) return true;
       } else if (accel::kdtree::may_meet(entry.ray, next.bounds(), limit())) {
-        entry.instances->open(next, waiting);
+        entry.instances->open(next, pending);
       }
     }
     return false;
   }
 
-  /// Whether an instance is entered depends on the ray and its box alone, not on the cell that led
-  /// here.
+  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
+  /// that holds it.
   bool enter(std::uint32_t id) {
     const instances::Instance& instance = (*entry.instances)[id];
-    const std::uint32_t place = entry.first + id;
+    const std::uint32_t index = entry.first + id;
     if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
-    if (!is_seen(id, place)) return false;
+    if (!is_seen(id, index)) return false;
     if (!accel::kdtree::may_meet(entry.ray, instance.box, limit())) return false;
-    if (query.collects() && !caster.entered_.add(place)) return false;
-    caster.enter_instance(ray, instance, place, *entry.built, query);
+    if (query.collects() && !caster.entered_.add(index)) return false;
+    caster.enter_instance(ray, instance, index, *entry.built, query);
     return query.put_aside || (query.any && query.found);
   }
 
-  bool is_seen(std::uint32_t id, std::uint32_t place) const {
-    if (entry.departed != nullptr && entry.departed->has(id)) return false;
-    const instances::Selection* selection = caster.options_.selection;
-    return selection == nullptr || selection->selects(place);
+  bool is_seen(std::uint32_t id, std::uint32_t index) const {
+    if (entry.removed != nullptr && entry.removed->has(id)) return false;
+    const Selection* selection = caster.options_.selection;
+    return selection == nullptr || selection->selects(index);
   }
 };
 
-RayCaster::RayCaster(const instances::TwoTrees& trees, const TraceOptions& options)
+RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
     : trees_(trees),
       options_(options),
       at_unbuilt_(at_unbuilt(options.growth)),
       list_(std::size_t{options.max_hits} + 1) {
-  still_.instances = &trees_.still;
-  still_.departed = trees_.departed;
-  still_.built = &built_;
-  moving_.instances = &trees_.moving;
-  moving_.built = &built_moving_;
-  moving_.first = static_cast<std::uint32_t>(trees_.still.size());
+  static_entry_.instances = &trees_.static_tree;
+  static_entry_.removed = trees_.removed;
+  static_entry_.built = &built_;
+  dynamic_entry_.instances = &trees_.dynamic_tree;
+  dynamic_entry_.built = &built_dynamic_;
+  dynamic_entry_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
 }
 
 bool RayCaster::cast(const Ray& ray, accel::lazy::AtBusy at_busy, Hit& hit) {
@@ -135,7 +135,7 @@ bool RayCaster::cast(const Ray& ray, accel::lazy::AtBusy at_busy, Hit& hit) {
   query.at_busy = at_busy;
   query.any = options_.kind == QueryKind::kAny;
   const Search searched = search(ray, query);
-  if (searched == Search::kPutAside) return false;
+  if (searched == Search::kSuspended) return false;
   hit = Hit();
   if (searched == Search::kInvalid) {
     hit.t = std::numeric_limits<double>::quiet_NaN();
@@ -156,7 +156,7 @@ std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::AtBusy at_
   query.primitives = &primitives_;
   counted_ = 0;
   const Search searched = search(ray, query);
-  if (searched == Search::kPutAside) return std::nullopt;
+  if (searched == Search::kSuspended) return std::nullopt;
   if (searched == Search::kInvalid)
     return RayTally{.count = kInvalidCount, .state = HitState::kInvalid};
   stats_.hits_found += counted_;
@@ -165,8 +165,8 @@ std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::AtBusy at_
                   .state = query.found ? HitState::kHit : HitState::kMiss};
 }
 
-/// One more than may be kept is looked for: whether there is one is then known exactly, and does
-/// not depend on where the walk has stopped.
+/// Searches for one hit more than is kept: whether hits are cut off is then exact, and does not
+/// depend on where the walk stops.
 RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
   MeshQuery query;
   query.list = &list_;
@@ -193,8 +193,8 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   entered_.clear();
   frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
-  if (!accel::geometry::set_local_ray(ray.origin - trees_.still.center(), ray.direction,
-                                      still_.centered) ||
+  if (!accel::geometry::set_local_ray(ray.origin - trees_.static_tree.center(), ray.direction,
+                                      static_entry_.centered) ||
       std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     ++stats_.invalid;
     return Search::kInvalid;
@@ -204,34 +204,39 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   query.at_unbuilt = at_unbuilt_;
   walk_trees(ray, query);
   if (query.put_aside) {
-    --stats_.rays;  // it comes again
+    --stats_.rays;  // it is asked again
     progress_ = query.progress;
-    return Search::kPutAside;
+    return Search::kSuspended;
   }
   if (query.found) ++stats_.hits;
   return Search::kDone;
 }
 
-/// First the tree that the ray comes to first: what is hit there bounds the walk of the other.
+/// The tree that the ray enters first is walked first: its hits bound the walk of the other.
 void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
-  const bool still = trees_.still.size() > 0 && enter_tree(ray, still_);
-  bool moving = false;
-  if (trees_.moving.size() > 0) {
-    moving_.centered.direction = still_.centered.direction;
-    moving_.centered.unit = still_.centered.unit;
-    moving =
-        accel::geometry::set_local_origin(ray.origin - trees_.moving.center(), moving_.centered) &&
-        enter_tree(ray, moving_);
-  }
-  const bool moving_first =
-      still && moving &&
-      moving_.ray.t_in * moving_.centered.unit < still_.ray.t_in * still_.centered.unit;
-  const Entry* order[] = {still ? &still_ : nullptr, moving ? &moving_ : nullptr};
-  if (moving_first) std::swap(order[0], order[1]);
-  for (const Entry* entry : order) {
+  for (const Entry* entry : trees_by_entry(ray)) {
     if (entry != nullptr && !query.put_aside && !(query.any && query.found))
-      walk_tree(ray, *entry, query);
+      walk_instances(ray, *entry, query);
   }
+}
+
+std::array<const RayCaster::Entry*, 2> RayCaster::trees_by_entry(const Ray& ray) {
+  const bool in_static = trees_.static_tree.size() > 0 && enter_tree(ray, static_entry_);
+  bool in_dynamic = false;
+  if (trees_.dynamic_tree.size() > 0) {
+    dynamic_entry_.centered.direction = static_entry_.centered.direction;
+    dynamic_entry_.centered.unit = static_entry_.centered.unit;
+    in_dynamic = accel::geometry::set_local_origin(ray.origin - trees_.dynamic_tree.center(),
+                                                   dynamic_entry_.centered) &&
+                 enter_tree(ray, dynamic_entry_);
+  }
+  const Entry* in_order[] = {in_static ? &static_entry_ : nullptr,
+                             in_dynamic ? &dynamic_entry_ : nullptr};
+  const bool dynamic_first = in_static && in_dynamic &&
+                             dynamic_entry_.ray.t_in * dynamic_entry_.centered.unit <
+                                 static_entry_.ray.t_in * static_entry_.centered.unit;
+  if (dynamic_first) std::swap(in_order[0], in_order[1]);
+  return {in_order[0], in_order[1]};
 }
 
 bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
@@ -240,7 +245,7 @@ bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
                               entry.ray);
 }
 
-void RayCaster::walk_tree(const Ray& ray, const Entry& entry, MeshQuery& query) {
+void RayCaster::walk_instances(const Ray& ray, const Entry& entry, MeshQuery& query) {
   accel::lazy::LazyTree& tree = entry.instances->tree();
   Visit visit{*this, ray, entry, query, {}};
   accel::kdtree::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
@@ -254,7 +259,7 @@ std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
 }
 
 void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instance,
-                               std::uint32_t place, accel::kdtree::BuildCounters& built,
+                               std::uint32_t index, accel::kdtree::BuildCounters& built,
                                MeshQuery& query) {
   // Most instances of a scene share a few frames.
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
@@ -268,7 +273,7 @@ void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instan
     instance.entered->store(true, std::memory_order_relaxed);
   }
   query.node = instance.node;
-  query.instance = place;
+  query.instance = index;
   query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   if (query.primitives != nullptr) query.primitives->clear();
   instance.mesh->tree().query(query, walked_, built);
@@ -279,11 +284,11 @@ TraceStats RayCaster::stats() const {
   TraceStats stats = stats_;
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = built_.cells_expanded + built_moving_.cells_expanded;
-  stats.touches = built_.touches + built_moving_.touches;
-  stats.touches_prepare = built_.touches_prepare + built_moving_.touches_prepare;
-  stats.dynamic_touches = built_moving_.touches + built_moving_.touches_prepare;
-  stats.build_seconds = built_.seconds + built_moving_.seconds;
+  stats.cells_expanded = built_.cells_expanded + built_dynamic_.cells_expanded;
+  stats.touches = built_.touches + built_dynamic_.touches;
+  stats.touches_prepare = built_.touches_prepare + built_dynamic_.touches_prepare;
+  stats.dynamic_touches = built_dynamic_.touches + built_dynamic_.touches_prepare;
+  stats.build_seconds = built_.seconds + built_dynamic_.seconds;
   return stats;
 }
 

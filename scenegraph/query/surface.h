@@ -1,4 +1,4 @@
-// What a hit says of the surface that it lies on.
+// The surface data of a hit.
 #pragma once
 
 #include "accel/geometry/ray.h"
@@ -6,8 +6,8 @@
 
 namespace sightline::scenegraph::query {
 
-/// Fills in the hit, a fresh one, of this ray at t on a triangle of the instance: a pure function
-/// of these. Barycentrics and the normal are left out unless `surface`.
+/// Fills in a fresh hit of this ray at t on a triangle of the instance. A pure function of its
+/// arguments. Barycentrics and the normal are computed only if `surface`.
 void set_hit(const instances::Instance& instance, const accel::geometry::Ray& ray, double t,
              std::uint32_t primitive, bool surface, accel::geometry::Hit& hit);
 

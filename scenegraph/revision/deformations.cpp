@@ -1,4 +1,4 @@
-// Vertices in their new places.
+// Applies patches to private copies of vertices.
 #include "scenegraph/revision/deformations.h"
 
 #include <algorithm>

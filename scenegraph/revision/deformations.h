@@ -1,5 +1,4 @@
-// Meshes whose vertices change in a batch of updates: one new mesh each, however many patches there
-// are.
+// Meshes whose vertices change in a batch of updates. All patches of a mesh make one new mesh.
 #pragma once
 
 #include <memory>
@@ -14,23 +13,23 @@
 
 namespace sightline::scenegraph::revision {
 
-/// One writer.
+/// For one writer.
 class Deformations {
  public:
-  /// The nodes, which have just been looked up, are to share a mesh in which vertices from `first`
-  /// on stand at `positions`. Errors: kInvalidArgument (no node, a node without a mesh, meshes that
-  /// differ, vertices beyond the mesh's).
+  /// The nodes will share a mesh whose vertices from `first` on are at `positions`. Errors:
+  /// kInvalidArgument (no node, a node without a mesh, meshes that differ, vertices beyond the
+  /// mesh's).
   Status patch(std::span<const model::Node* const> nodes, std::uint32_t first,
                std::span<const accel::geometry::Vec3f> positions);
 
-  /// The node is deleted, or carries another mesh.
+  /// To be called when a node is deleted or gets another mesh.
   void forget(model::NodeId id);
 
   /// The mesh of each node that was patched.
   Result<std::vector<std::pair<model::NodeId, std::shared_ptr<const model::Mesh>>>> make();
 
  private:
-  /// Of these nodes and no others.
+  /// Shared by exactly these nodes.
   struct Deformation {
     std::set<model::NodeId> nodes;
     std::shared_ptr<const model::Mesh> mesh;  // as it was

@@ -48,14 +48,14 @@ Status Draft::put(const model::PutNode& put) {
     fresh->id = id;
     fresh->parent = parent;
     edited_[id] = std::move(fresh);
-    if (Status s = check_place(id, parent); !s) return s;
+    if (Status s = check_parent(id, parent); !s) return s;
     join(id, parent);
   } else {
     const Result<model::NodeId> found = resolve(put.node);
     if (!found) return found.error();
     id = *found;
     if (find(id)->parent != parent) {
-      if (Status s = check_place(id, parent); !s) return s;
+      if (Status s = check_parent(id, parent); !s) return s;
       leave(id, find(id)->parent);
       join(id, parent);
     }
@@ -180,7 +180,7 @@ void Draft::join(model::NodeId id, model::NodeId parent) {
 
 void Draft::leave(model::NodeId id, model::NodeId parent) { left_[parent].insert(id); }
 
-/// Less those that have left.
+/// Without those that have left.
 std::vector<model::NodeId> Draft::children_now(const model::Node& node) const {
   std::vector<model::NodeId> children = node.children;
   if (const auto left = left_.find(node.id); left != left_.end())
@@ -188,7 +188,7 @@ std::vector<model::NodeId> Draft::children_now(const model::Node& node) const {
   return children;
 }
 
-/// Lists may be long: each is gone through once, however many have left.
+/// Lists may be long: each is scanned once for all that have left.
 void Draft::drop_left() {
   for (const auto& [parent, left] : left_) {
     if (!left.empty())
@@ -197,8 +197,8 @@ void Draft::drop_left() {
   left_.clear();
 }
 
-/// The node may hang under this parent: no cycle, and nothing below it deeper than kMaxDepth.
-Status Draft::check_place(model::NodeId node, model::NodeId parent) const {
+/// The node may be a child of this parent: no cycle, and no node below deeper than kMaxDepth.
+Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
   int depth = 0;
   for (model::NodeId p = parent; p != 0; p = find(p)->parent) {
     if (p == node) {
@@ -230,14 +230,14 @@ model::Affine Draft::world_from_local(const model::Node& node) const {
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
   drop_left();
-  marked_ = mark_movers(base_, edited_);
-  hierarchy_.movers = marked_.movers;
+  change_ = classify_changes(base_, edited_);
+  hierarchy_.dynamic_roots = change_.dynamic_roots;
   {
     hierarchy::NodeMap::Edit nodes(hierarchy_.nodes);
     for (const auto& [id, node] : edited_) nodes.set(id, node);
   }
   if (roots_ != nullptr) hierarchy_.roots = roots_;
-  hierarchy::SubtreeUpdate update(base_.hierarchy(), hierarchy_);
+  hierarchy::SummaryUpdate update(base_.hierarchy(), hierarchy_);
   for (const auto& [id, node] : edited_) update.edited(id);
   update.finish();
   return check_transforms();
@@ -265,24 +265,28 @@ Status Draft::check_below(const model::Node& node, const model::Affine& world) c
   return {};
 }
 
-/// Those of the base, as far as they still say what is.
-Halves Draft::halves() const {
-  Halves halves = base_.halves();
-  const std::size_t departed = halves.departed == nullptr ? 0 : halves.departed->nodes().size();
-  if (marked_.still_changed)
-    halves.still =
-        std::make_shared<const instances::SceneHalf>(instances::Half::kStatic, hierarchy_);
-  if (marked_.moving_changed)
-    halves.moving =
-        std::make_shared<const instances::SceneHalf>(instances::Half::kDynamic, hierarchy_);
-  if (marked_.departed.size() != departed)
-    halves.departed = std::make_shared<const instances::Departed>(halves.still, marked_.departed);
-  return halves;
+/// The trees of the base, replaced as far as the revision differs.
+instances::SceneTrees Draft::trees() const {
+  instances::SceneTrees trees = base_.shared_trees();
+  const std::size_t removed = trees.removed == nullptr ? 0 : trees.removed->nodes().size();
+  if (change_.static_changed) {
+    trees.static_tree =
+        std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic, hierarchy_);
+  }
+  if (change_.dynamic_changed) {
+    trees.dynamic_tree =
+        std::make_shared<const instances::SceneTree>(instances::MobilitySide::kDynamic, hierarchy_);
+  }
+  if (change_.removed.size() != removed) {
+    trees.removed =
+        std::make_shared<const instances::RemovedFilter>(trees.static_tree, change_.removed);
+  }
+  return trees;
 }
 
 std::shared_ptr<const Snapshot> Draft::publish(std::uint64_t revision) && {
-  Halves trees = halves();
-  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_), std::move(trees));
+  instances::SceneTrees shared = trees();
+  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_), std::move(shared));
 }
 
 }  // namespace sightline::scenegraph::revision

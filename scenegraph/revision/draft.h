@@ -1,4 +1,4 @@
-// A revision in the making: edits on top of a snapshot, seen by nobody until published.
+// Edits on top of a snapshot, private to the writer until published.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace sightline::scenegraph::revision {
 
-/// One writer. After an error the draft is to be thrown away.
+/// For one writer. After an error the draft must be discarded.
 class Draft {
  public:
   Draft(const Snapshot& base, model::NodeId next_id)
@@ -30,8 +30,8 @@ class Draft {
   const std::vector<model::NodeId>& put_nodes() const { return put_nodes_; }
   model::NodeId next_id() const { return next_id_; }
 
-  /// Nodes whose place, mesh or mask is other than before. After finish().
-  const std::vector<model::NodeId>& changed() const { return marked_.changed; }
+  /// Nodes whose transform, parent, mesh or mask changed. After finish().
+  const std::vector<model::NodeId>& changed() const { return change_.changed; }
 
   /// After finish().
   std::shared_ptr<const Snapshot> publish(std::uint64_t revision) &&;
@@ -52,14 +52,14 @@ class Draft {
   std::vector<model::NodeId> children_now(const model::Node& node) const;
   void drop_left();
   Status deform();
-  Status check_place(model::NodeId node, model::NodeId parent) const;
+  Status check_parent(model::NodeId node, model::NodeId parent) const;
   int height(model::NodeId node) const;
   model::Affine world_from_local(const model::Node& node) const;
-  Halves halves() const;
+  instances::SceneTrees trees() const;
   Status check_transforms() const;
   Status check_below(const model::Node& node, const model::Affine& world) const;
 
-  // Of the maps below: given back as a whole, not in a million pieces.
+  // For the maps below: freed as a whole, not in a million pieces.
   std::pmr::monotonic_buffer_resource memory_;
   const Snapshot& base_;
   hierarchy::Hierarchy hierarchy_;                     // of the base, until finish()
@@ -69,7 +69,7 @@ class Draft {
   EditedNodes edited_{&memory_};
   /// By parent: children that are to be dropped from its list by finish().
   std::pmr::unordered_map<model::NodeId, std::unordered_set<model::NodeId>> left_{&memory_};
-  Marked marked_;
+  MobilityChange change_;
   std::pmr::unordered_set<model::NodeId> moved_{&memory_};
   Deformations deformations_;
   std::vector<model::NodeId> put_nodes_;

@@ -1,4 +1,4 @@
-// Marking nodes as moving.
+// ChangeClassifier nodes as moving.
 #include "scenegraph/revision/mobility.h"
 
 #include <algorithm>
@@ -12,49 +12,52 @@ bool differs(const model::Node* old, const model::Node* node) {
          old->mask != node->mask || old->mobility != node->mobility;
 }
 
-class Marking {
+class ChangeClassifier {
  public:
-  Marking(const Snapshot& base, const EditedNodes& edited)
+  ChangeClassifier(const Snapshot& base, const EditedNodes& edited)
       : base_(base.hierarchy()),
         edited_(edited),
-        begun_(base.halves().still->instances_so_far() != nullptr) {
-    marked_.movers = base_.movers;
-    if (base.halves().departed != nullptr) marked_.departed = base.halves().departed->nodes();
+        opened_(base.shared_trees().static_tree->instances_so_far() != nullptr) {
+    change_.dynamic_roots = base_.dynamic_roots;
+    if (base.shared_trees().removed != nullptr)
+      change_.removed = base.shared_trees().removed->nodes();
   }
 
-  Marked mark() {
+  MobilityChange classify() {
     for (const auto& [id, node] : edited_) {
-      if (differs(base_.find(id), node.get())) marked_.changed.push_back(id);
+      if (differs(base_.find(id), node.get())) change_.changed.push_back(id);
     }
-    std::sort(marked_.changed.begin(), marked_.changed.end());
-    instances::NodeSet::Edit movers(marked_.movers);
-    instances::NodeSet::Edit departed(marked_.departed);
-    for (const model::NodeId id : marked_.changed) {
-      leave(id, departed);
-      arrive(id, movers);
+    std::sort(change_.changed.begin(), change_.changed.end());
+    instances::NodeSet::Edit dynamic_roots(change_.dynamic_roots);
+    instances::NodeSet::Edit removed(change_.removed);
+    for (const model::NodeId id : change_.changed) {
+      leave(id, removed);
+      arrive(id, dynamic_roots);
     }
-    return std::move(marked_);
+    return std::move(change_);
   }
 
  private:
-  void leave(model::NodeId id, instances::NodeSet::Edit& departed) {
+  /// The node as the base has it.
+  void leave(model::NodeId id, instances::NodeSet::Edit& removed) {
     if (base_.find(id) == nullptr) return;
-    if (scenegraph::instances::is_moving(base_, id)) {
-      marked_.moving_changed = true;
-    } else if (begun_) {
-      departed.set(id, true);
+    if (scenegraph::instances::is_dynamic(base_, id)) {
+      change_.dynamic_changed = true;
+    } else if (opened_) {
+      removed.set(id, true);
     } else {
-      marked_.still_changed = true;
+      change_.static_changed = true;
     }
   }
 
-  void arrive(model::NodeId id, instances::NodeSet::Edit& movers) {
+  /// The node as the new revision has it.
+  void arrive(model::NodeId id, instances::NodeSet::Edit& dynamic_roots) {
     const model::Node* node = edited_.find(id)->second.get();
-    const bool moves = node != nullptr && is_moving(id);
-    if (moves) marked_.moving_changed = true;
-    if (node != nullptr && !moves) marked_.still_changed = true;
-    const bool topmost = moves && !is_moving(node->parent);
-    if (topmost != (base_.movers.find(id) != nullptr)) movers.set(id, topmost);
+    const bool moves = node != nullptr && is_dynamic(id);
+    if (moves) change_.dynamic_changed = true;
+    if (node != nullptr && !moves) change_.static_changed = true;
+    const bool topmost = moves && !is_dynamic(node->parent);
+    if (topmost != (base_.dynamic_roots.find(id) != nullptr)) dynamic_roots.set(id, topmost);
   }
 
   const model::Node* find(model::NodeId id) const {
@@ -62,37 +65,36 @@ class Marking {
     return found != edited_.end() ? found->second.get() : base_.find(id);
   }
 
-  /// From now on: the node, or one above it.
-  bool is_moving(model::NodeId id) {
+  /// In the new revision: whether the node or one above it is a dynamic root.
+  bool is_dynamic(model::NodeId id) {
     if (id == 0) return false;
     const auto known = known_.find(id);
     if (known != known_.end()) return known->second;
-    const bool moves = begins_to_move(id) || is_moving(find(id)->parent);
+    const bool moves = becomes_dynamic(id) || is_dynamic(find(id)->parent);
     known_[id] = moves;
     return moves;
   }
 
-  bool begins_to_move(model::NodeId id) const {
+  bool becomes_dynamic(model::NodeId id) const {
     const model::Node* old = base_.find(id);
-    const bool moved_before = base_.movers.find(id) != nullptr;
-    if (!std::binary_search(marked_.changed.begin(), marked_.changed.end(), id))
-      return moved_before;
+    const bool was_dynamic = base_.dynamic_roots.find(id) != nullptr;
+    if (!std::binary_search(change_.changed.begin(), change_.changed.end(), id)) return was_dynamic;
     const model::Node& node = *find(id);
-    return begun_ || node.mobility != model::Mobility::kStatic ||
-           (moved_before && old->mobility == node.mobility);
+    return opened_ || node.mobility != model::Mobility::kStatic ||
+           (was_dynamic && old->mobility == node.mobility);
   }
 
   const hierarchy::Hierarchy& base_;
   const EditedNodes& edited_;
-  const bool begun_;
+  const bool opened_;
   std::unordered_map<model::NodeId, bool> known_;
-  Marked marked_;
+  MobilityChange change_;
 };
 
 }  // namespace
 
-Marked mark_movers(const Snapshot& base, const EditedNodes& edited) {
-  return Marking(base, edited).mark();
+MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited) {
+  return ChangeClassifier(base, edited).classify();
 }
 
 instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,

@@ -1,4 +1,4 @@
-// Which nodes go into the dynamic tree, and what leaves the static one, when a revision is made.
+// Which nodes go into the dynamic tree, and which are removed from the static one, by a revision.
 #pragma once
 
 #include <memory>
@@ -14,21 +14,21 @@ namespace sightline::scenegraph::revision {
 /// Nodes made or copied for a revision; null: deleted.
 using EditedNodes = std::pmr::unordered_map<model::NodeId, std::shared_ptr<model::Node>>;
 
-/// What a batch of updates means for the two halves.
-struct Marked {
-  instances::NodeSet movers;
-  instances::NodeSet departed;  ///< From the static half, if that has been begun.
-  bool still_changed = false;   ///< What rests; in a half that nobody has looked at.
-  bool moving_changed = false;
-  std::vector<model::NodeId> changed;  ///< Nodes whose place, mesh or mask is other than before.
+/// What a batch of updates means for the two trees.
+struct MobilityChange {
+  instances::NodeSet dynamic_roots;
+  instances::NodeSet removed;   ///< From the static tree, if rays have opened it.
+  bool static_changed = false;  ///< A static node changed before rays opened the static tree.
+  bool dynamic_changed = false;
+  std::vector<model::NodeId> changed;  ///< Nodes whose transform, parent, mesh or mask changed.
 };
 
-/// Before rays have looked at the static half a node is where its mobility says. From then on, a
-/// node that is new or changed goes into the dynamic half, with all that is below it; its old place
-/// has departed. Cost: the edited nodes and those above them.
-Marked mark_movers(const Snapshot& base, const EditedNodes& edited);
+/// Before rays open the static tree, a node is in the tree that its mobility says. From then on, a
+/// new or changed node goes into the dynamic tree with all nodes below it, and what the static tree
+/// holds of it is removed. Cost: the edited nodes and those above them.
+MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited);
 
-/// Those of the nodes that are there and have none of the others above them.
+/// The nodes that exist and have none of the others above them.
 instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,
                               std::span<const model::NodeId> nodes);
 

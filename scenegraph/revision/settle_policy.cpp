@@ -1,4 +1,4 @@
-// The account of what rests.
+// Sums up the cost of nodes in the wrong tree.
 #include "scenegraph/revision/settle_policy.h"
 
 #include <algorithm>
@@ -9,44 +9,46 @@
 namespace sightline::scenegraph::revision {
 namespace {
 
-/// By estimate, not measured.
-constexpr std::uint64_t kListingOverPassing = 64;
+/// An estimate, not measured.
+constexpr std::uint64_t kListingOverSkipping = 64;
 
-/// What stands under the topmost of these nodes.
+/// Instances at or below these nodes.
 std::uint64_t instances_under(const hierarchy::Hierarchy& hierarchy,
                               const instances::NodeSet& topmost) {
   std::uint64_t instances = 0;
-  topmost.for_each([&](model::NodeId id, bool) { instances += hierarchy.subtree(id).instances; });
+  topmost.for_each([&](model::NodeId id, bool) { instances += hierarchy.summary(id).instances; });
   return instances;
 }
 
 }  // namespace
 
-bool Rest::add(const Snapshot& snapshot, std::vector<model::NodeId> changed) {
+bool SettlePolicy::add(const Snapshot& snapshot, std::vector<model::NodeId> changed) {
   const std::uint64_t revision = snapshot.revision();
-  if (snapshot.halves().still->instances_so_far() == nullptr) return false;
+  if (snapshot.shared_trees().static_tree->instances_so_far() == nullptr) return false;
   recent_.push_back({revision, std::move(changed)});
-  const std::uint64_t keep = settling_.value_or(revision);
+  const std::uint64_t keep = rebuilding_.value_or(revision);
   while (recent_.front().revision + kRevisions <= keep) recent_.pop_front();
-  if (settling_ || revision % kRevisions != 0) return false;
-  spent_ += at_rest(snapshot) * kRevisions;
+  if (rebuilding_ || revision % kRevisions != 0) return false;
+  spent_ += misplaced_cost(snapshot) * kRevisions;
   const hierarchy::Hierarchy& hierarchy = snapshot.hierarchy();
-  return spent_ > 0 && spent_ >= hierarchy.subtree(0).instances;
+  return spent_ > 0 && spent_ >= hierarchy.summary(0).instances;
 }
 
-/// In the wrong tree: at each revision they are listed, or passed by. To pass by costs a look where
-/// a ray comes, little beside listing: it counts so much less.
-std::uint64_t Rest::at_rest(const Snapshot& snapshot) const {
+/// Cost of nodes in the wrong tree. A static node in the dynamic tree is listed again at each
+/// revision. A removed node in the static tree costs a flag test where a ray meets it, so it counts
+/// 1 / kListingOverSkipping.
+std::uint64_t SettlePolicy::misplaced_cost(const Snapshot& snapshot) const {
   const hierarchy::Hierarchy& hierarchy = snapshot.hierarchy();
-  const std::uint64_t moving =
-      instances_under(hierarchy, topmost_of(hierarchy, instances::topmost_movers(hierarchy)));
-  const std::uint64_t restless = instances_under(hierarchy, topmost_of(hierarchy, since(0)));
-  const instances::Departed* departed = snapshot.halves().departed.get();
-  return (moving - std::min(moving, restless)) +
-         (departed == nullptr ? 0 : departed->nodes().size() / kListingOverPassing);
+  const std::uint64_t dynamic = instances_under(
+      hierarchy, topmost_of(hierarchy, instances::topmost_dynamic_roots(hierarchy)));
+  const std::uint64_t recently_changed =
+      instances_under(hierarchy, topmost_of(hierarchy, changed_since(0)));
+  const instances::RemovedFilter* removed = snapshot.shared_trees().removed.get();
+  return (dynamic - std::min(dynamic, recently_changed)) +
+         (removed == nullptr ? 0 : removed->nodes().size() / kListingOverSkipping);
 }
 
-std::vector<model::NodeId> Rest::since(std::uint64_t revision) const {
+std::vector<model::NodeId> SettlePolicy::changed_since(std::uint64_t revision) const {
   std::vector<model::NodeId> nodes;
   for (const Changes& changes : recent_) {
     if (changes.revision > revision)
@@ -57,33 +59,36 @@ std::vector<model::NodeId> Rest::since(std::uint64_t revision) const {
   return nodes;
 }
 
-std::vector<model::NodeId> Rest::begin(std::uint64_t revision) {
-  settling_ = revision;
-  return since(0);
+std::vector<model::NodeId> SettlePolicy::begin(std::uint64_t revision) {
+  rebuilding_ = revision;
+  return changed_since(0);
 }
 
-std::vector<model::NodeId> Rest::end(std::uint64_t revision) {
-  settling_.reset();
+std::vector<model::NodeId> SettlePolicy::end(std::uint64_t revision) {
+  rebuilding_.reset();
   spent_ = 0;
-  return since(revision);
+  return changed_since(revision);
 }
 
-std::shared_ptr<const Snapshot> resettled(
-    const Snapshot& now, const std::shared_ptr<const instances::SceneHalf>& settled,
-    const std::vector<model::NodeId>& restless, const std::vector<model::NodeId>& changed) {
-  std::vector<model::NodeId> moving = restless;
-  moving.insert(moving.end(), changed.begin(), changed.end());
+std::shared_ptr<const Snapshot> with_new_static(
+    const Snapshot& now, const std::shared_ptr<const instances::SceneTree>& new_static,
+    const std::vector<model::NodeId>& recently_changed, const std::vector<model::NodeId>& changed) {
+  std::vector<model::NodeId> dynamic = recently_changed;
+  dynamic.insert(dynamic.end(), changed.begin(), changed.end());
   hierarchy::Hierarchy hierarchy = now.hierarchy();
-  hierarchy.movers = topmost_of(hierarchy, moving);
-  instances::NodeSet gone;
+  hierarchy.dynamic_roots = topmost_of(hierarchy, dynamic);
+  instances::NodeSet removed;
   for (const model::NodeId id : changed) {
-    if (settled->hierarchy().find(id) != nullptr && !instances::is_moving(settled->hierarchy(), id))
-      gone.set(id, true);
+    if (new_static->hierarchy().find(id) != nullptr &&
+        !instances::is_dynamic(new_static->hierarchy(), id))
+      removed.set(id, true);
   }
-  Halves halves{
-      settled, std::make_shared<const instances::SceneHalf>(instances::Half::kDynamic, hierarchy),
-      gone.size() == 0 ? nullptr : std::make_shared<const instances::Departed>(settled, gone)};
-  return std::make_shared<const Snapshot>(now.revision(), std::move(hierarchy), std::move(halves));
+  instances::SceneTrees trees{
+      new_static,
+      std::make_shared<const instances::SceneTree>(instances::MobilitySide::kDynamic, hierarchy),
+      removed.size() == 0 ? nullptr
+                          : std::make_shared<const instances::RemovedFilter>(new_static, removed)};
+  return std::make_shared<const Snapshot>(now.revision(), std::move(hierarchy), std::move(trees));
 }
 
 }  // namespace sightline::scenegraph::revision

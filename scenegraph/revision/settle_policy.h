@@ -1,4 +1,4 @@
-// What has changed of late, and whether enough of the dynamic tree rests for it to settle.
+// Records recent changes and tells when a new static tree is worth its cost.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,22 @@
 
 namespace sightline::scenegraph::revision {
 
-/// Counts, never clocks: what rests in the dynamic tree, and what has departed from the static one,
-/// costs something at each revision; a static tree made anew costs as much as it has instances.
-/// Once the one comes to the other, it is worth its while. Threads: one at a time.
-class Rest {
+/// Nodes that stopped changing cost something at each revision while the dynamic tree holds them,
+/// and so do removed nodes in the static tree. A new static tree costs as much as it has instances.
+/// Rebuild when the accumulated cost exceeds that. Counts only; uses no clock. Threads: one at a
+/// time.
+class SettlePolicy {
  public:
-  /// What has not changed for so many revisions rests.
+  /// A node is static again after this many revisions without a change.
   static constexpr std::uint64_t kRevisions = 64;
 
-  /// To be told of every revision: the nodes changed by it. Returns whether it is time to settle.
+  /// To be called for every revision with the nodes that it changed. Returns whether to rebuild.
   bool add(const Snapshot& snapshot, std::vector<model::NodeId> changed);
 
-  /// Settling begins, from this revision: what does not rest. Until end(), changes are kept.
+  /// A rebuild begins from this revision. Returns the recently changed nodes. Changes are kept
+  /// until end().
   std::vector<model::NodeId> begin(std::uint64_t revision);
-  /// It has ended: what has changed meanwhile.
+  /// The rebuild has ended. Returns the nodes changed after `revision`.
   std::vector<model::NodeId> end(std::uint64_t revision);
 
  private:
@@ -32,18 +34,18 @@ class Rest {
     std::vector<model::NodeId> nodes;
   };
 
-  std::vector<model::NodeId> since(std::uint64_t revision) const;
-  std::uint64_t at_rest(const Snapshot& snapshot) const;
+  std::vector<model::NodeId> changed_since(std::uint64_t revision) const;
+  std::uint64_t misplaced_cost(const Snapshot& snapshot) const;
 
   std::deque<Changes> recent_;
-  std::optional<std::uint64_t> settling_;  // since this revision
+  std::optional<std::uint64_t> rebuilding_;  // from this revision
   std::uint64_t spent_ = 0;
 };
 
-/// The revision once more, with `settled` for its static half. That was made at an earlier
-/// revision, without `restless`; `changed` are the nodes that have changed since.
-std::shared_ptr<const Snapshot> resettled(
-    const Snapshot& now, const std::shared_ptr<const instances::SceneHalf>& settled,
-    const std::vector<model::NodeId>& restless, const std::vector<model::NodeId>& changed);
+/// The same revision with `new_static` for its static tree. That tree was made at an earlier
+/// revision, without `recently_changed`; `changed` are the nodes changed since then.
+std::shared_ptr<const Snapshot> with_new_static(
+    const Snapshot& now, const std::shared_ptr<const instances::SceneTree>& new_static,
+    const std::vector<model::NodeId>& recently_changed, const std::vector<model::NodeId>& changed);
 
 }  // namespace sightline::scenegraph::revision

@@ -1,4 +1,4 @@
-// Looking things up in a revision, and summing it up.
+// Meshes, bounds and summaries of a revision.
 #include "scenegraph/revision/snapshot.h"
 
 #include <limits>
@@ -33,12 +33,14 @@ void grow_by_box(WorldBounds& bounds, const model::Mesh& mesh, const model::Affi
 
 Snapshot::Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy)
     : Snapshot(revision, hierarchy,
-               {std::make_shared<const instances::SceneHalf>(instances::Half::kStatic, hierarchy),
-                std::make_shared<const instances::SceneHalf>(instances::Half::kDynamic, hierarchy),
+               {std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic,
+                                                             hierarchy),
+                std::make_shared<const instances::SceneTree>(instances::MobilitySide::kDynamic,
+                                                             hierarchy),
                 nullptr}) {}
 
-instances::TwoTrees Snapshot::trees() const {
-  return {halves_.still->instances(), halves_.moving->instances(), halves_.departed.get()};
+instances::OpenTrees Snapshot::trees() const {
+  return {trees_.static_tree->instances(), trees_.dynamic_tree->instances(), trees_.removed.get()};
 }
 
 std::vector<const model::Mesh*> Snapshot::meshes() const {
@@ -53,7 +55,7 @@ std::vector<const model::Mesh*> Snapshot::meshes() const {
 
 const WorldBounds& Snapshot::bounds() const {
   std::call_once(bounds_once_, [this] {
-    const std::uint64_t triangles = hierarchy_.subtree(0).triangles;
+    const std::uint64_t triangles = hierarchy_.summary(0).triangles;
     nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
       if (node->mesh == nullptr) return;
       const model::Affine world = world_from_local(hierarchy_, *node);
@@ -71,7 +73,7 @@ SceneSummary summarize(const Snapshot& snapshot) {
   SceneSummary s;
   s.revision = snapshot.revision();
   s.nodes = snapshot.node_count();
-  const hierarchy::Subtree all = snapshot.hierarchy().subtree(0);
+  const hierarchy::NodeSummary all = snapshot.hierarchy().summary(0);
   s.instances = all.mesh_nodes;
   s.triangles_instanced = all.triangles;
   std::unordered_set<const model::Mesh*> seen;
@@ -91,10 +93,10 @@ SceneSummary summarize(const Snapshot& snapshot) {
 
 BuildSummary summarize_build(const Snapshot& snapshot) {
   BuildSummary s;
-  const hierarchy::Subtree all = snapshot.hierarchy().subtree(0);
+  const hierarchy::NodeSummary all = snapshot.hierarchy().summary(0);
   s.instances_total = all.mesh_nodes;
-  for (const model::NodeId id : instances::topmost_movers(snapshot.hierarchy()))
-    s.dynamic_instances += snapshot.hierarchy().subtree(id).mesh_nodes;
+  for (const model::NodeId id : instances::topmost_dynamic_roots(snapshot.hierarchy()))
+    s.dynamic_instances += snapshot.hierarchy().summary(id).mesh_nodes;
   s.static_instances = all.mesh_nodes - s.dynamic_instances;
   std::unordered_set<const model::Mesh*> seen;
   snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
@@ -113,10 +115,12 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.bytes_trees += mesh->tree().bytes();
   });
   const accel::kdtree::EpochPin pin;
-  if (const instances::Instances* still = snapshot.halves().still->instances_so_far())
-    s.bytes_static_tree = still->tree().tree().bytes();
-  if (const instances::Instances* moving = snapshot.halves().moving->instances_so_far())
-    s.bytes_dynamic_tree = moving->tree().tree().bytes();
+  if (const instances::Instances* static_tree =
+          snapshot.shared_trees().static_tree->instances_so_far())
+    s.bytes_static_tree = static_tree->tree().tree().bytes();
+  if (const instances::Instances* dynamic_tree =
+          snapshot.shared_trees().dynamic_tree->instances_so_far())
+    s.bytes_dynamic_tree = dynamic_tree->tree().tree().bytes();
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;
 }

@@ -1,4 +1,4 @@
-// One revision of a scene: immutable, shares all that did not change with the revision before it.
+// One revision of a scene: immutable; shares unchanged parts with the revision before it.
 #pragma once
 
 #include <array>
@@ -15,17 +15,11 @@ namespace sightline::scenegraph::revision {
 /// In world space.
 using WorldBounds = model::DoubleBox;
 
-/// The trees of a revision, as far as they are shared with others.
-struct Halves {
-  std::shared_ptr<const instances::SceneHalf> still, moving;
-  std::shared_ptr<const instances::Departed> departed;  ///< From `still`; null: none.
-};
-
 class Snapshot {
  public:
-  Snapshot(std::uint64_t revision, hierarchy::Hierarchy hierarchy, Halves halves)
-      : revision_(revision), hierarchy_(std::move(hierarchy)), halves_(std::move(halves)) {}
-  /// With trees of its own.
+  Snapshot(std::uint64_t revision, hierarchy::Hierarchy hierarchy, instances::SceneTrees trees)
+      : revision_(revision), hierarchy_(std::move(hierarchy)), trees_(std::move(trees)) {}
+  /// With new trees.
   Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy);
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
@@ -38,26 +32,26 @@ class Snapshot {
   const std::vector<model::NodeId>& roots() const { return *hierarchy_.roots; }
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
 
-  /// The nodes that carry a mesh, in world space, and the kd-trees over them. Opened by whoever
-  /// asks first; nobody waits for that.
-  instances::TwoTrees trees() const;
-  const Halves& halves() const { return halves_; }
+  /// The instances in world space and the kd-trees over them. The first call opens them; no thread
+  /// waits for another.
+  instances::OpenTrees trees() const;
+  const instances::SceneTrees& shared_trees() const { return trees_; }
   /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
   std::vector<const model::Mesh*> meshes() const;
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
-  /// scenes. Made by whoever asks first.
+  /// scenes. Computed at the first call.
   const WorldBounds& bounds() const;
 
  private:
   std::uint64_t revision_ = 0;
   hierarchy::Hierarchy hierarchy_;
-  Halves halves_;
+  instances::SceneTrees trees_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
 };
 
-/// What `scene show` and `stats` tell of a revision.
+/// What `scene show` and `stats` report.
 struct SceneSummary {
   std::uint64_t revision = 0;
   std::uint64_t nodes = 0;
@@ -84,10 +78,9 @@ struct BuildSummary {
   std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
-  std::uint64_t static_instances = 0;  ///< In the static tree.
-  std::uint64_t dynamic_instances =
-      0;  ///< In the dynamic tree: what moves, and what hangs under it.
-  std::uint64_t bytes_static_tree = 0;  ///< Of bytes_trees, apart from those of meshes.
+  std::uint64_t static_instances = 0;   ///< In the static tree.
+  std::uint64_t dynamic_instances = 0;  ///< In the dynamic tree: moving nodes and all below them.
+  std::uint64_t bytes_static_tree = 0;  ///< Part of bytes_trees, which also has the meshes' trees.
   std::uint64_t bytes_dynamic_tree = 0;
 };
 BuildSummary summarize_build(const Snapshot& snapshot);

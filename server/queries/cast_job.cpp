@@ -105,7 +105,7 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
 /// On a worker, as it may be the first to need the revision's instances.
 Status CastJob::select() {
   if (!query_.selects() || selection_) return {};
-  auto selection = scenegraph::instances::Selection::make(snapshot_, query_.root, query_.excluded);
+  auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
   if (!selection) return selection.error();
   selection_.emplace(std::move(*selection));
   return {};

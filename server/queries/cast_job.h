@@ -9,7 +9,7 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
 #include "server/exec/compute.h"
@@ -77,7 +77,7 @@ class CastJob {
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
   std::vector<accel::geometry::Ray> rays_;
-  std::optional<scenegraph::instances::Selection> selection_;
+  std::optional<scenegraph::query::Selection> selection_;
   std::vector<accel::geometry::Hit> hits_;
   std::vector<scenegraph::RayTally> tallies_;
   HitLister lister_;

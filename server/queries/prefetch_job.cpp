@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "scenegraph/instances/scene_half.h"
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/selection.h"
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
 
@@ -24,8 +24,8 @@ v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   return query;
 }
 
-std::uint64_t bytes_of_tree(const scenegraph::instances::SceneHalf& half) {
-  const scenegraph::instances::Instances* instances = half.instances_so_far();
+std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
+  const scenegraph::instances::Instances* instances = tree.instances_so_far();
   return instances != nullptr && instances->begun() ? instances->tree().tree().bytes() : 0;
 }
 
@@ -74,9 +74,9 @@ Status PrefetchJob::build() {
 }
 
 Status PrefetchJob::grow() {
-  std::optional<scenegraph::instances::Selection> selection;
+  std::optional<scenegraph::query::Selection> selection;
   if (query_.selects()) {
-    auto made = scenegraph::instances::Selection::make(snapshot_, query_.root, query_.excluded);
+    auto made = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
     if (!made) return made.error();
     selection.emplace(std::move(*made));
   }
@@ -89,10 +89,10 @@ Status PrefetchJob::grow() {
 
 void PrefetchJob::report(v1::PrefetchResponse& response) {
   encode_revision(revision_, *response.mutable_served());
-  response.set_meshes_done(progress_.trees.meshes_done);
-  response.set_meshes_total(progress_.trees.meshes_total);
-  response.set_triangles_done(progress_.triangles_reached());
-  response.set_triangles_total(progress_.trees.triangles_total);
+  response.set_meshes_done(progress_.meshes_done);
+  response.set_meshes_total(progress_.meshes_total);
+  response.set_triangles_done(progress_.triangles_done);
+  response.set_triangles_total(progress_.triangles_total);
   response.set_rays_done(progress_.rays_done);
   response.set_rays_total(rays_.size());
   response.set_cells_expanded(progress_.cells_expanded);
@@ -102,8 +102,8 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
   if (!known_.load(std::memory_order_acquire)) return;
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
-    const scenegraph::revision::Halves& halves = snapshot_->halves();
-    bytes = bytes_of_tree(*halves.still) + bytes_of_tree(*halves.moving);
+    const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
+    bytes = bytes_of_tree(*trees.static_tree) + bytes_of_tree(*trees.dynamic_tree);
   }
   for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
   response.set_bytes_trees(bytes);

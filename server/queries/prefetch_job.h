@@ -9,7 +9,7 @@
 
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
-#include "scenegraph/query/prefetch.h"
+#include "scenegraph/query/build.h"
 #include "server/queries/cast_job.h"
 #include "sightline/v1/query.pb.h"
 
@@ -57,7 +57,7 @@ class PrefetchJob {
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
   std::vector<const scenegraph::model::Mesh*> meshes_;  // whose trees are asked for
-  scenegraph::query::PrefetchProgress progress_;
+  scenegraph::query::BuildProgress progress_;
   std::atomic<bool> known_{false};  // meshes_ is written
   std::atomic<bool> cancelled_{false};
 };

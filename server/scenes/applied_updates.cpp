@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "scenegraph/instances/scene_half.h"
+#include "scenegraph/instances/scene_trees.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -153,13 +153,13 @@ std::uint64_t bytes_replaced(const Snapshot& before,
                              const std::vector<scenegraph::model::Update>& updates) {
   ReplacedBytes replaced(before);
   for (const scenegraph::model::Update& update : updates) std::visit(replaced, update);
-  return replaced.bytes() + bytes_of(*before.halves().moving);
+  return replaced.bytes() + bytes_of(*before.shared_trees().dynamic_tree);
 }
 
-std::uint64_t bytes_of(const scenegraph::instances::SceneHalf& half) {
-  const scenegraph::instances::Instances* instances = half.instances_so_far();
+std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree) {
+  const scenegraph::instances::Instances* instances = tree.instances_so_far();
   if (instances == nullptr || !instances->begun()) return 0;
-  return instances->placed() * kBytesPerPlaced + instances->tree().tree().bytes();
+  return instances->opened_members() * kBytesPerPlaced + instances->tree().tree().bytes();
 }
 
 }  // namespace sightline::server::scenes

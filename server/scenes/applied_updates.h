@@ -31,6 +31,6 @@ std::uint64_t bytes_replaced(const scenegraph::revision::Snapshot& before,
                              const std::vector<scenegraph::model::Update>& updates);
 
 /// About what the instances that rays have placed take, and the tree over them.
-std::uint64_t bytes_of(const scenegraph::instances::SceneHalf& half);
+std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree);
 
 }  // namespace sightline::server::scenes

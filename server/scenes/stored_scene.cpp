@@ -47,8 +47,9 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   if (applied) {
     resolve(updates, applied->nodes);
     std::uint64_t replaced = bytes_replaced(*before, updates);
-    if (unsettled != nullptr && unsettled->halves().still != before->halves().still)
-      replaced += bytes_of(*unsettled->halves().still);
+    if (unsettled != nullptr &&
+        unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
+      replaced += bytes_of(*unsettled->shared_trees().static_tree);
     dropped = recent_.charge(replaced);
     log_.add(std::move(updates));
     events_.notify();
@@ -56,10 +57,10 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   dropped.push_back(std::move(unsettled));
   dropped.push_back(std::move(before));
   // After an update: what neither its writer nor a reader is to wait for.
-  compute.enqueue_apart([self = shared_from_this(), settle = applied && applied->settle,
+  compute.enqueue_apart([self = shared_from_this(), settle = applied && applied->rebuild_static,
                          dropped = std::move(dropped)]() mutable {
     dropped.clear();
-    if (settle) self->scene_.settle();
+    if (settle) self->scene_.rebuild_static();
   });
   return applied;
 }

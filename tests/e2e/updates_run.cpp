@@ -212,7 +212,7 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
     const auto applied = scene.apply(updates);
     publishing.add(ms_since(begin), static_cast<double>(step) / options.rate);
     if (!applied.ok()) return applied.error();
-    if (applied->settle) settling = std::jthread([&] { scene.settle(); });
+    if (applied->rebuild_static) settling = std::jthread([&] { scene.rebuild_static(); });
   }
   return publishing;
 }

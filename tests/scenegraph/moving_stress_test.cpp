@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
 #include "tests/support/plain_history.h"
@@ -38,7 +38,7 @@ struct Stress {
   PlainHistory history;
   const std::vector<MeshChoice> meshes = small_meshes();
   const std::uint64_t wanted;
-  std::atomic<std::uint64_t> applied{0}, refused{0}, settled{0}, outrun{0}, casts{0}, hits{0},
+  std::atomic<std::uint64_t> applied{0}, refused{0}, rebuilt{0}, outrun{0}, casts{0}, hits{0},
       edges{0};
 
   bool done() const { return applied >= wanted || testing::Test::HasFailure(); }
@@ -79,9 +79,9 @@ class Actor {
     ASSERT_EQ(applied->nodes, edit.put_nodes);
     stress_.history.tell(std::move(edit.after));
     ++stress_.applied;
-    if (applied->settle || random_.below(50) == 0) {
-      stress_.scene.settle();
-      ++stress_.settled;
+    if (applied->rebuild_static || random_.below(50) == 0) {
+      stress_.scene.rebuild_static();
+      ++stress_.rebuilt;
     }
   }
 
@@ -113,12 +113,11 @@ class Actor {
     constexpr Growth kGrowths[] = {Growth::kFirstTouch, Growth::kFirstTouch, Growth::kFirstTouch,
                                    Growth::kNone, Growth::kFull};
     options.growth = kGrowths[random_.below(std::size(kGrowths))];
-    std::unique_ptr<scenegraph::instances::Selection> selection;
+    std::unique_ptr<scenegraph::query::Selection> selection;
     if (question.root != 0 || !question.excluded.empty()) {
-      auto made =
-          scenegraph::instances::Selection::make(snapshot, question.root, question.excluded);
+      auto made = scenegraph::query::Selection::make(snapshot, question.root, question.excluded);
       ASSERT_TRUE(made) << made.error().message;
-      selection = std::make_unique<scenegraph::instances::Selection>(std::move(*made));
+      selection = std::make_unique<scenegraph::query::Selection>(std::move(*made));
       options.selection = selection.get();
     }
     const KindAnswers answers = ask_all_kinds(*snapshot, question.rays, options);
@@ -155,7 +154,7 @@ TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
   for (const auto& [name, count] : {std::pair{"casts", &stress.casts},
                                     {"refused", &stress.refused},
                                     {"outrun", &stress.outrun},
-                                    {"settled", &stress.settled},
+                                    {"rebuilt", &stress.rebuilt},
                                     {"hits", &stress.hits}})
     RecordProperty(name, std::to_string(*count));
 }
@@ -239,7 +238,7 @@ TEST(HeldSnapshot, StaysWhatItWasWhileAWriterGoesOnAndLetsTheOthersDie) {
   for (std::uint64_t n = 0; n < 1000 || std::chrono::steady_clock::now() < until; ++n) {
     const auto applied = scene.apply(step(n));
     ASSERT_TRUE(applied) << applied.error().message;
-    if (applied->settle) scene.settle();
+    if (applied->rebuild_static) scene.rebuild_static();
     if (n % 10 == 0) answers(*scene.snapshot());
     superseded.push_back(scene.snapshot());
   }

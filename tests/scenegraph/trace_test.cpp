@@ -22,6 +22,7 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
   return *model::Mesh::make(m.vertices, m.faces);

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/scene_geometry.h"
 #include "tests/bench/verbs/stopwatch.h"
@@ -82,8 +82,8 @@ Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
   if (!applied) return applied.error();
   now_ = scene_.snapshot();
   const double seconds = clock.seconds();
-  if (applied->settle) {  // a server does this in the background
-    scene_.settle();
+  if (applied->rebuild_static) {  // a server does this in the background
+    scene_.rebuild_static();
     now_ = scene_.snapshot();
   }
   return seconds;
@@ -93,7 +93,7 @@ Status LiveStage::look_behind(const Motion& motion,
                               std::span<const accel::geometry::Ray> rays) const {
   std::vector<scenegraph::model::NodeId> moving(motion.nodes());
   std::iota(moving.begin(), moving.end(), first_moving_);
-  const auto still = scenegraph::instances::Selection::make(now_, 0, moving);
+  const auto still = scenegraph::query::Selection::make(now_, 0, moving);
   if (!still) return still.error();
   std::vector<accel::geometry::Hit> hits(rays.size());
   const auto traced =

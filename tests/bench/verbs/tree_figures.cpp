@@ -147,7 +147,7 @@ void set_metrics(Row& row, const accel::kdtree::TreeMetrics& metrics) {
 void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
                         std::span<const accel::geometry::Hit> hits) {
   const accel::kdtree::EpochPin pin;
-  for (const scenegraph::instances::Instance& instance : snapshot_.trees().still.list()) {
+  for (const scenegraph::instances::Instance& instance : snapshot_.trees().static_tree.list()) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     const auto mark_all = [&](auto&& marker) {

@@ -1,4 +1,4 @@
-// What is known of subtrees, after any updates, is what adding up from nothing gives.
+// After any updates, the summaries equal those summed up from nothing.
 #include "scenegraph/hierarchy/summary_update.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ using tests::Random;
 /// As if all nodes had just been put.
 Hierarchy added_up(const Hierarchy& hierarchy) {
   Hierarchy again = hierarchy;
-  again.subtrees = {};
-  again.wide = {};
+  again.summaries = {};
+  again.summary_trees = {};
   const Hierarchy nothing;
-  SubtreeUpdate update(nothing, again);
+  SummaryUpdate update(nothing, again);
   again.nodes.for_each(
       [&](model::NodeId id, const std::shared_ptr<const model::Node>&) { update.edited(id); });
   update.finish();
@@ -28,12 +28,13 @@ Hierarchy added_up(const Hierarchy& hierarchy) {
 
 void expect_up_to_date(const Hierarchy& hierarchy) {
   const Hierarchy expected = added_up(hierarchy);
-  ASSERT_EQ(hierarchy.subtrees.size(), expected.subtrees.size());
-  expected.subtrees.for_each([&](model::NodeId id, const std::shared_ptr<const Subtree>& subtree) {
-    const std::shared_ptr<const Subtree>* kept = hierarchy.subtrees.find(id);
-    ASSERT_NE(kept, nullptr) << id;
-    ASSERT_EQ(**kept, *subtree) << id;
-  });
+  ASSERT_EQ(hierarchy.summaries.size(), expected.summaries.size());
+  expected.summaries.for_each(
+      [&](model::NodeId id, const std::shared_ptr<const NodeSummary>& summary) {
+        const std::shared_ptr<const NodeSummary>* kept = hierarchy.summaries.find(id);
+        ASSERT_NE(kept, nullptr) << id;
+        ASSERT_EQ(**kept, *summary) << id;
+      });
 }
 
 std::vector<model::NodeId> ids_of(const revision::Snapshot& snapshot) {
@@ -113,7 +114,7 @@ TEST(Subtrees, OneOfManyChildrenAtATime) {
   }
   ASSERT_TRUE(scene.apply(updates));
   for (int round = 0; round < 300; ++round) {
-    // Inward and outward, by one that is outermost or not.
+    // Inward and outward, by a part that alone reaches an extreme or not.
     const auto id = static_cast<model::NodeRef>(2 + random.below(299));
     ASSERT_TRUE(scene.apply({model::SetTransforms{
         {id}, {random_frame(random, Frames::kRigid, round % 3 == 0 ? 40 : 3)}}}));
@@ -137,7 +138,7 @@ TEST(Subtrees, ManyOnLevelGround) {
     updates.emplace_back(put);
   }
   ASSERT_TRUE(scene.apply(updates));
-  EXPECT_EQ(scene.snapshot()->hierarchy().group(1).outermost[6], 99u) << "down";
+  EXPECT_EQ(scene.snapshot()->hierarchy().group(1).extreme_counts[6], 99u) << "down";
   for (model::NodeRef id = 2; id <= 100; ++id) {
     model::Affine up;
     up.m[11] = static_cast<double>(id % 3);
@@ -146,7 +147,7 @@ TEST(Subtrees, ManyOnLevelGround) {
   }
 }
 
-/// Groups grow past WideSum::kWide and shrink below it again.
+/// Groups grow past SummaryTree::kWide and shrink below it again.
 TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
   Random random(21);
   Scene scene;
@@ -185,20 +186,20 @@ TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
 
 TEST(Subtrees, CountWhatIsThere) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(500, Frames::kRigid, 9));
-  Subtree expected;
+  NodeSummary expected;
   snapshot->nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (node->mesh == nullptr) return;
     ++expected.mesh_nodes;
     expected.triangles += node->mesh->triangles();
     if (node->mesh->triangles() == node->mesh->nonfinite()) return;
     ++expected.instances;
-    expected.price += price(*node->mesh);
+    expected.entry_cost += entry_cost(*node->mesh);
   });
-  const Subtree all = snapshot->hierarchy().subtree(0);
+  const NodeSummary all = snapshot->hierarchy().summary(0);
   EXPECT_EQ(all.mesh_nodes, expected.mesh_nodes);
   EXPECT_EQ(all.triangles, expected.triangles);
   EXPECT_EQ(all.instances, expected.instances);
-  EXPECT_EQ(all.price, expected.price);
+  EXPECT_EQ(all.entry_cost, expected.entry_cost);
   EXPECT_GT(all.mesh_nodes, all.instances);
 }
 
@@ -213,10 +214,10 @@ TEST(Subtrees, HoldEveryVertexInTheirFrame) {
             long double p[] = {static_cast<long double>(v.x), static_cast<long double>(v.y),
                                static_cast<long double>(v.z)};
             for (const model::Node* at = node.get();;) {
-              const Subtree subtree = snapshot->hierarchy().subtree(*at);
+              const NodeSummary summary = snapshot->hierarchy().summary(*at);
               for (std::size_t a = 0; a < 3; ++a) {
-                ASSERT_GE(p[a], static_cast<long double>(subtree.box.lo[a])) << id;
-                ASSERT_LE(p[a], static_cast<long double>(subtree.box.hi[a])) << id;
+                ASSERT_GE(p[a], static_cast<long double>(summary.box.lo[a])) << id;
+                ASSERT_LE(p[a], static_cast<long double>(summary.box.hi[a])) << id;
               }
               if (at->parent == 0) break;
               const auto& m = at->parent_from_local.m;
@@ -241,7 +242,7 @@ TEST(Subtrees, OfASceneThatIsEmptiedAreGone) {
     ASSERT_TRUE(scene.apply({model::DeleteNode{root, true}}));
     expect_up_to_date(scene.snapshot()->hierarchy());
   }
-  EXPECT_EQ(scene.snapshot()->hierarchy().subtree(0), Subtree{});
+  EXPECT_EQ(scene.snapshot()->hierarchy().summary(0), NodeSummary{});
 }
 
 }  // namespace

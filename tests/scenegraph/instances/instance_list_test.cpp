@@ -16,7 +16,7 @@ namespace sightline::scenegraph::instances {
 namespace {
 
 /// All of it in the static tree.
-std::vector<model::Update> at_rest(int nodes, tests::Frames frames, std::uint64_t seed) {
+std::vector<model::Update> static_nodes(int nodes, tests::Frames frames, std::uint64_t seed) {
   std::vector<model::Update> updates = tests::random_hierarchy(nodes, frames, seed);
   for (model::Update& update : updates)
     std::get<model::PutNode>(update).mobility = model::Mobility::kStatic;
@@ -60,11 +60,11 @@ std::map<std::uint32_t, BoxRef> open_down(const Instances& instances) {
 TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
   for (const Frames frames : kAllFrames) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      const auto snapshot = tests::snapshot_of(at_rest(300, frames, seed));
-      const Instances& instances = snapshot->trees().still;
+      const auto snapshot = tests::snapshot_of(static_nodes(300, frames, seed));
+      const Instances& instances = snapshot->trees().static_tree;
       const auto found = open_down(instances);
       ASSERT_EQ(found.size(), instances.size());
-      ASSERT_EQ(found.size(), snapshot->hierarchy().subtree(0).instances);
+      ASSERT_EQ(found.size(), snapshot->hierarchy().summary(0).instances);
       for (const auto& [id, ref] : found) {
         const Instance& instance = instances[id];
         EXPECT_EQ(instance.index, id);
@@ -77,10 +77,10 @@ TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
 
 TEST(Instances, StandWhereTheHierarchyPutsThem) {
   for (const Frames frames : kAllFrames) {
-    const auto snapshot = tests::snapshot_of(at_rest(400, frames, 3));
+    const auto snapshot = tests::snapshot_of(static_nodes(400, frames, 3));
     model::NodeId before = 0;
     std::size_t count = 0;
-    for (const Instance& instance : snapshot->trees().still.list()) {
+    for (const Instance& instance : snapshot->trees().static_tree.list()) {
       const model::Node& node = *snapshot->find(instance.node);
       const model::Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
@@ -90,12 +90,12 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
       EXPECT_EQ(instance.entered, node.entered.get());
       // The boxes of the groups above it take nothing away.
       EXPECT_EQ(instance.box, instance_box(world, instance.local_from_world, node.mesh->bounds(),
-                                           snapshot->trees().still.center()));
+                                           snapshot->trees().static_tree.center()));
       EXPECT_NE(instance.node, before);
       before = instance.node;
       ++count;
     }
-    EXPECT_EQ(count, snapshot->trees().still.list().size());
+    EXPECT_EQ(count, snapshot->trees().static_tree.list().size());
   }
 }
 
@@ -116,20 +116,20 @@ TEST(Instances, BoxesHoldWhateverTheConditions) {
       updates.emplace_back(put);
     }
     const auto snapshot = tests::snapshot_of(updates);
-    EXPECT_EQ(open_down(snapshot->trees().still).size(), 40u);
+    EXPECT_EQ(open_down(snapshot->trees().static_tree).size(), 40u);
   }
 }
 
 TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
-  const auto updates = at_rest(3000, Frames::kSheared, 6);
+  const auto updates = static_nodes(3000, Frames::kSheared, 6);
   const auto expected_of = tests::snapshot_of(updates);
-  const auto expected = open_down(expected_of->trees().still);
+  const auto expected = open_down(expected_of->trees().static_tree);
   for (int round = 0; round < 10; ++round) {
     const auto snapshot = tests::snapshot_of(updates);
     std::vector<std::map<std::uint32_t, BoxRef>> found(8);
     std::vector<std::thread> threads;
     for (auto& mine : found) {
-      threads.emplace_back([&] { mine = open_down(snapshot->trees().still); });
+      threads.emplace_back([&] { mine = open_down(snapshot->trees().static_tree); });
     }
     for (std::thread& thread : threads) thread.join();
     for (const auto& mine : found) {
@@ -137,10 +137,12 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
       for (const auto& [id, ref] : expected) {
         ASSERT_EQ(mine.at(id).bounds(), ref.bounds());
         ASSERT_EQ(mine.at(id).weight, ref.weight);
-        ASSERT_EQ(snapshot->trees().still[id].node, expected_of->trees().still[id].node);
+        ASSERT_EQ(snapshot->trees().static_tree[id].node,
+                  expected_of->trees().static_tree[id].node);
       }
     }
-    EXPECT_EQ(snapshot->trees().still.placed(), expected_of->trees().still.placed());
+    EXPECT_EQ(snapshot->trees().static_tree.opened_members(),
+              expected_of->trees().static_tree.opened_members());
   }
 }
 
@@ -175,11 +177,11 @@ std::vector<model::Update> many_groups(int count) {
 TEST(Instances, AreFoundByNumberAmongManyGroups) {
   const auto updates = many_groups(2500);
   const auto first = tests::snapshot_of(updates);
-  const auto expected = open_down(first->trees().still);
-  ASSERT_EQ(expected.size(), first->trees().still.size());
+  const auto expected = open_down(first->trees().static_tree);
+  ASSERT_EQ(expected.size(), first->trees().static_tree.size());
   // In another order: whatever is at hand is opened next.
   const auto snapshot = tests::snapshot_of(updates);
-  const Instances& instances = snapshot->trees().still;
+  const Instances& instances = snapshot->trees().static_tree;
   tests::Random random(10);
   std::map<std::uint32_t, BoxRef> found;
   std::vector<BoxRef> closed = instances.coarsest();
@@ -196,19 +198,19 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   ASSERT_EQ(found.size(), expected.size());
   for (const auto& [id, ref] : expected) {
     ASSERT_EQ(found.at(id).bounds(), ref.bounds());
-    ASSERT_EQ(instances[id].node, first->trees().still[id].node);
+    ASSERT_EQ(instances[id].node, first->trees().static_tree[id].node);
   }
 }
 
 TEST(Instances, WeighWhatIsBelow) {
-  const auto snapshot = tests::snapshot_of(at_rest(2000, Frames::kRigid, 7));
-  const Instances& instances = snapshot->trees().still;
+  const auto snapshot = tests::snapshot_of(static_nodes(2000, Frames::kRigid, 7));
+  const Instances& instances = snapshot->trees().static_tree;
   const auto sum = [](const std::vector<BoxRef>& refs) {
     std::uint64_t weights = 0;
     for (const BoxRef& ref : refs) weights += ref.weight;
     return weights;
   };
-  EXPECT_EQ(sum(instances.coarsest()), snapshot->hierarchy().subtree(0).price);
+  EXPECT_EQ(sum(instances.coarsest()), snapshot->hierarchy().summary(0).entry_cost);
   for (const BoxRef& ref : instances.coarsest()) {
     if (!ref.openable()) continue;
     std::vector<BoxRef> finer;
@@ -243,11 +245,11 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
   add(5, 4, {}, tests::some_mesh(0));
   hierarchy.roots = std::make_shared<const std::vector<model::NodeId>>(1, 1);
   const hierarchy::Hierarchy nothing;
-  hierarchy::SubtreeUpdate update(nothing, hierarchy);
+  hierarchy::SummaryUpdate update(nothing, hierarchy);
   for (model::NodeId id = 1; id <= 5; ++id) update.edited(id);
   update.finish();
   const revision::Snapshot snapshot(1, hierarchy);
-  const Instances& instances = snapshot.trees().still;
+  const Instances& instances = snapshot.trees().static_tree;
   EXPECT_EQ(instances.size(), 3u);
   const accel::geometry::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;
@@ -260,8 +262,8 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
 
 TEST(Instances, OfNothing) {
   const Scene empty;
-  EXPECT_EQ(empty.snapshot()->trees().still.size(), 0u);
-  EXPECT_TRUE(empty.snapshot()->trees().still.list().empty());
+  EXPECT_EQ(empty.snapshot()->trees().static_tree.size(), 0u);
+  EXPECT_TRUE(empty.snapshot()->trees().static_tree.list().empty());
   std::vector<model::Update> groups;
   for (int i = 1; i <= 10; ++i) {
     model::PutNode put;
@@ -271,9 +273,9 @@ TEST(Instances, OfNothing) {
     groups.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(groups);
-  EXPECT_EQ(snapshot->trees().still.size(), 0u);
-  EXPECT_TRUE(snapshot->trees().still.coarsest().empty());
-  EXPECT_EQ(snapshot->trees().still.placed(), 0u);
+  EXPECT_EQ(snapshot->trees().static_tree.size(), 0u);
+  EXPECT_TRUE(snapshot->trees().static_tree.coarsest().empty());
+  EXPECT_EQ(snapshot->trees().static_tree.opened_members(), 0u);
 }
 
 /// Nodes in a chain above the only instance are opened at once.
@@ -288,8 +290,8 @@ TEST(Instances, FarDownAChainAndFarAway) {
     updates.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(updates);
-  ASSERT_EQ(snapshot->trees().still.coarsest().size(), 1u);
-  EXPECT_FALSE(snapshot->trees().still.coarsest()[0].openable());
+  ASSERT_EQ(snapshot->trees().static_tree.coarsest().size(), 1u);
+  EXPECT_FALSE(snapshot->trees().static_tree.coarsest()[0].openable());
   const accel::geometry::Ray ray{{1e5 * model::kMaxDepth, 0.01, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;
   ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));

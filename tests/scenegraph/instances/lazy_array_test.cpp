@@ -12,9 +12,9 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-using Counters = Zeroed<std::atomic<std::uint32_t>>;
+using Counters = LazyArray<std::atomic<std::uint32_t>>;
 
-TEST(Zeroed, IsZeroUntilWritten) {
+TEST(LazyArray, IsZeroUntilWritten) {
   for (const std::size_t size : {1u, 2u, 1023u, 1024u, 1025u, 100'000u}) {
     const Counters counters(size);
     EXPECT_EQ(counters.size(), size);
@@ -24,20 +24,20 @@ TEST(Zeroed, IsZeroUntilWritten) {
   EXPECT_EQ(Counters(0).size(), 0u);
 }
 
-TEST(Zeroed, HoldsPointersAndBytes) {
+TEST(LazyArray, HoldsPointersAndBytes) {
   const int one = 1;
-  const Zeroed<std::atomic<const int*>> pointers(5000);
+  const LazyArray<std::atomic<const int*>> pointers(5000);
   pointers[4999] = &one;
   EXPECT_EQ(pointers[0].load(), nullptr);
   EXPECT_EQ(pointers[4999].load(), &one);
   enum class State : std::uint8_t { kUnknown, kIn };
-  const Zeroed<std::atomic<State>> states(5000);
+  const LazyArray<std::atomic<State>> states(5000);
   states[4096] = State::kIn;
   EXPECT_EQ(states[4095].load(), State::kUnknown);
   EXPECT_EQ(states[4096].load(), State::kIn);
 }
 
-TEST(Zeroed, CanBeMoved) {
+TEST(LazyArray, CanBeMoved) {
   Counters a(3000);
   a[2999] = 5;
   Counters b(std::move(a));
@@ -50,7 +50,7 @@ TEST(Zeroed, CanBeMoved) {
   EXPECT_EQ(c[0], 0u);
 }
 
-TEST(Zeroed, IsOneArrayForAllThreads) {
+TEST(LazyArray, IsOneArrayForAllThreads) {
   constexpr std::size_t kSize = 50'000, kThreads = 8;
   const Counters counters(kSize);
   std::vector<std::thread> threads;

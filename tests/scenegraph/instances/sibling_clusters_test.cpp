@@ -44,8 +44,8 @@ std::size_t check(const BoxRef& ref, const std::vector<std::span<const BoxRef>>&
     ++met[ref.id];
     return 1;
   }
-  EXPECT_NE(ref.id & kRun, 0u);
-  const std::uint32_t number = (ref.id & ~accel::kdtree::kOpenable & ~kRun) - first;
+  EXPECT_NE(ref.id & kCluster, 0u);
+  const std::uint32_t number = (ref.id & ~accel::kdtree::kOpenable & ~kCluster) - first;
   std::size_t count = 0;
   std::uint64_t weight = 0;
   EXPECT_LT(number, members.size());
@@ -66,9 +66,9 @@ std::size_t coarsest_of(std::vector<BoxRef> refs) {
   const Aabb box = box_of(refs);
   const std::size_t count = refs.size();
   std::vector<int> met(count);
-  const SiblingRuns runs = make_runs(std::move(refs), box, kFirst);
+  const SiblingClusters runs = make_clusters(std::move(refs), box, kFirst);
   const auto members = runs.members();
-  EXPECT_LE(members.size(), max_runs(count));
+  EXPECT_LE(members.size(), max_clusters(count));
   std::size_t total = 0;
   for (const BoxRef& ref : runs.coarsest()) total += check(ref, members, kFirst, met);
   EXPECT_EQ(total, count);
@@ -76,26 +76,26 @@ std::size_t coarsest_of(std::vector<BoxRef> refs) {
   return runs.coarsest().size();
 }
 
-TEST(SiblingRuns, TakeFewAsTheyAre) {
+TEST(SiblingClusters, TakeFewAsTheyAre) {
   EXPECT_EQ(coarsest_of({}), 0u);
   EXPECT_EQ(coarsest_of(tiles(1)), 1u);
   EXPECT_EQ(coarsest_of(tiles(8)), 64u);
-  EXPECT_EQ(max_runs(64), 0u);
+  EXPECT_EQ(max_clusters(64), 0u);
 }
 
-TEST(SiblingRuns, TakeNeighboursTogether) {
+TEST(SiblingClusters, TakeNeighboursTogether) {
   EXPECT_EQ(coarsest_of(tiles(32)), 64u);
   EXPECT_EQ(coarsest_of(tiles(100)), 40u);
-  EXPECT_EQ(max_runs(10000), 625u + 40u);
+  EXPECT_EQ(max_clusters(10000), 625u + 40u);
 }
 
-TEST(SiblingRuns, FindNeighboursThatAreNotInOrder) {
+TEST(SiblingClusters, FindNeighboursThatAreNotInOrder) {
   std::vector<BoxRef> refs = tiles(100);
   shuffle(refs);
   EXPECT_EQ(coarsest_of(refs), 40u);
 }
 
-TEST(SiblingRuns, AreNotMadeOfWhatIsEverywhere) {
+TEST(SiblingClusters, AreNotMadeOfWhatIsEverywhere) {
   tests::Random random(4);
   std::vector<BoxRef> refs;
   for (std::uint32_t i = 0; i < 5000; ++i) {
@@ -105,7 +105,7 @@ TEST(SiblingRuns, AreNotMadeOfWhatIsEverywhere) {
   EXPECT_EQ(coarsest_of(refs), 5000u);
 }
 
-TEST(SiblingRuns, EndureBoxesWithoutExtent) {
+TEST(SiblingClusters, EndureBoxesWithoutExtent) {
   std::vector<BoxRef> same(1000);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const Aabb box = accel::geometry::widen_flat({{2, 2, 2}, {2, 2, 2}});

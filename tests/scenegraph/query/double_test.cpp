@@ -16,9 +16,12 @@
 namespace sightline::scenegraph::query {
 namespace {
 
+using accel::geometry::dot;
 using accel::geometry::Hit;
 using accel::geometry::HitState;
+using accel::geometry::length;
 using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 
 constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "accel/published/any_builder.h"
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
 #include "tests/support/kinds.h"
@@ -22,6 +22,7 @@ using accel::geometry::Culling;
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
+using accel::geometry::Vec3d;
 using tests::ask_all_kinds;
 using tests::contradiction;
 using tests::KindAnswers;
@@ -154,7 +155,7 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     for (const Selected& selected : selections) {
       const auto snapshot = crowd(kNodes);
-      const auto selection = instances::Selection::make(snapshot, selected.root, selected.excluded);
+      const auto selection = query::Selection::make(snapshot, selected.root, selected.excluded);
       ASSERT_TRUE(selection);
       const std::vector<Ray> rays = rays_through(*snapshot, 300, seed++);
       TraceOptions options;

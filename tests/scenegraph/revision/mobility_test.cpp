@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"
 #include "tests/support/brute_force.h"
@@ -63,9 +63,9 @@ TEST(Movers, BeginWhereTheirMobilitySays) {
                            mesh_node(-4, 30, model::Mobility::kStatic, -2),
                            mesh_node(-5, 40, model::Mobility::kRigid, -2)}));
   const auto snapshot = scene.snapshot();
-  EXPECT_EQ(snapshot->trees().still.size(), 1u);
-  EXPECT_EQ(snapshot->trees().moving.size(), 4u);
-  EXPECT_EQ(snapshot->hierarchy().movers.size(), 2u);  // node 5 goes with node 2
+  EXPECT_EQ(snapshot->trees().static_tree.size(), 1u);
+  EXPECT_EQ(snapshot->trees().dynamic_tree.size(), 4u);
+  EXPECT_EQ(snapshot->hierarchy().dynamic_roots.size(), 2u);  // node 5 goes with node 2
   EXPECT_EQ(summarize_build(*snapshot).dynamic_instances, 4u);
   EXPECT_EQ(summarize_build(*snapshot).static_instances, 1u);
   expect_as_oracle(snapshot, 1);
@@ -75,17 +75,17 @@ TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
   Scene scene;
   add_row(scene, 100);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{3}, {at(35)}}}));
-  EXPECT_EQ(scene.snapshot()->hierarchy().movers.size(), 0u);
+  EXPECT_EQ(scene.snapshot()->hierarchy().dynamic_roots.size(), 0u);
   expect_as_oracle(scene.snapshot(), 2);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{3, 4}, {at(36), at(46)}}, mesh_node(-1, 5)}));
   const auto snapshot = scene.snapshot();
-  EXPECT_EQ(snapshot->hierarchy().movers.size(), 3u);
-  EXPECT_EQ(snapshot->halves().departed->nodes().size(), 2u);
-  EXPECT_EQ(snapshot->trees().moving.size(), 3u);
+  EXPECT_EQ(snapshot->hierarchy().dynamic_roots.size(), 3u);
+  EXPECT_EQ(snapshot->shared_trees().removed->nodes().size(), 2u);
+  EXPECT_EQ(snapshot->trees().dynamic_tree.size(), 3u);
   expect_as_oracle(snapshot, 3);
   ASSERT_TRUE(scene.apply({model::DeleteNode{5}}));
-  EXPECT_EQ(scene.snapshot()->halves().departed->nodes().size(), 3u);
-  EXPECT_EQ(scene.snapshot()->halves().moving, snapshot->halves().moving);
+  EXPECT_EQ(scene.snapshot()->shared_trees().removed->nodes().size(), 3u);
+  EXPECT_EQ(scene.snapshot()->shared_trees().dynamic_tree, snapshot->shared_trees().dynamic_tree);
   expect_as_oracle(scene.snapshot(), 4);
 }
 
@@ -99,11 +99,11 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   TraceStats stats;
   cast(*scene.snapshot(), rays, &stats);
   EXPECT_GT(stats.touches, stats.dynamic_touches);
-  const auto still = scene.snapshot()->halves().still;
+  const auto still = scene.snapshot()->shared_trees().static_tree;
   for (int frame = 1; frame < 20; ++frame) {
     ASSERT_TRUE(scene.apply({model::SetTransforms{{id}, {at(3.0 * frame)}}}));
     cast(*scene.snapshot(), rays, &stats);
-    EXPECT_EQ(scene.snapshot()->halves().still, still);
+    EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, still);
     EXPECT_EQ(stats.touches + stats.touches_prepare, stats.dynamic_touches);
     cast(*scene.snapshot(), rays, &stats);
     EXPECT_EQ(stats.touches, 0u);
@@ -121,16 +121,16 @@ TEST(Movers, OfAGroupTakeAllBelowAlong) {
   ASSERT_TRUE(scene.apply(updates));
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
   ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {at(3, 4)}}}));
-  EXPECT_EQ(scene.snapshot()->trees().moving.size(), 49u);
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 49u);
   expect_as_oracle(scene.snapshot(), 6);
   // One that is taken out of the group goes on moving by itself.
   model::PutNode out = mesh_node(2, -5);
   ASSERT_TRUE(scene.apply({out}));
-  EXPECT_EQ(scene.snapshot()->hierarchy().movers.size(), 2u);
-  EXPECT_EQ(scene.snapshot()->trees().moving.size(), 49u);
+  EXPECT_EQ(scene.snapshot()->hierarchy().dynamic_roots.size(), 2u);
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 49u);
   expect_as_oracle(scene.snapshot(), 7);
   ASSERT_TRUE(scene.apply({model::DeleteNode{1, true}}));
-  EXPECT_EQ(scene.snapshot()->trees().moving.size(), 1u);
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 1u);
   EXPECT_EQ(summarize(*scene.snapshot()).instances, 1u);
   expect_as_oracle(scene.snapshot(), 8);
 }
@@ -139,13 +139,13 @@ TEST(Movers, ChangesOfNameAloneMoveNothing) {
   Scene scene;
   add_row(scene, 10);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
-  const Halves before = scene.snapshot()->halves();
+  const instances::SceneTrees before = scene.snapshot()->shared_trees();
   model::PutNode renamed = mesh_node(4, 40);
   renamed.name = "renamed";
   ASSERT_TRUE(scene.apply({renamed}));
   EXPECT_EQ(scene.snapshot()->find(4)->name, "renamed");
-  EXPECT_EQ(scene.snapshot()->halves().still, before.still);
-  EXPECT_EQ(scene.snapshot()->halves().moving, before.moving);
+  EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, before.static_tree);
+  EXPECT_EQ(scene.snapshot()->shared_trees().dynamic_tree, before.dynamic_tree);
 }
 
 TEST(Settle, BringsBackWhatRests) {
@@ -154,24 +154,24 @@ TEST(Settle, BringsBackWhatRests) {
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
   ASSERT_TRUE(scene.apply({model::SetTransforms{{7, 8, 9}, {at(75), at(85), at(95)}}}));
   bool due = false;
-  for (std::uint64_t round = 0; round < 4 * Rest::kRevisions && !due; ++round) {
+  for (std::uint64_t round = 0; round < 4 * SettlePolicy::kRevisions && !due; ++round) {
     const auto applied =
         scene.apply({model::SetTransforms{{10}, {at(100 + static_cast<double>(round))}}});
     ASSERT_TRUE(applied);
-    due = applied->settle;
+    due = applied->rebuild_static;
   }
   ASSERT_TRUE(due);
-  EXPECT_EQ(scene.snapshot()->trees().moving.size(), 4u);
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 4u);
   const auto before = scene.snapshot();
   expect_as_oracle(before, 9);
-  scene.settle();
+  scene.rebuild_static();
   const auto after = scene.snapshot();
   EXPECT_EQ(after->revision(), before->revision());
-  EXPECT_EQ(after->trees().moving.size(), 1u);
-  EXPECT_EQ(after->halves().departed, nullptr);
+  EXPECT_EQ(after->trees().dynamic_tree.size(), 1u);
+  EXPECT_EQ(after->shared_trees().removed, nullptr);
   expect_as_oracle(after, 9);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{8}, {at(1)}}}));
-  EXPECT_EQ(scene.snapshot()->trees().moving.size(), 2u);
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 2u);
   expect_as_oracle(scene.snapshot(), 10);
 }
 
@@ -180,20 +180,20 @@ TEST(Settle, FindsTheNewTreeBuiltWhereTheOldWas) {
   add_row(scene, 3000);
   std::vector<Ray> rays;
   for (int i = 0; i <= 3000; ++i) rays.push_back({{10.0 * i + 0.1, 0.2, 9}, {0, 0, -1}});
-  TraceStats cold, settled;
+  TraceStats cold, rebuilt;
   cast(*scene.snapshot(), rays, &cold);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{7}, {at(75)}}}));
-  scene.settle();
-  cast(*scene.snapshot(), rays, &settled);
+  scene.rebuild_static();
+  cast(*scene.snapshot(), rays, &rebuilt);
   // Not all: planes fall elsewhere, and a cell may lie between the places that are looked at.
-  EXPECT_LT(10 * (settled.touches - settled.dynamic_touches), cold.touches);
+  EXPECT_LT(10 * (rebuilt.touches - rebuilt.dynamic_touches), cold.touches);
 }
 
 TEST(Settle, OfNothingSeenDoesNothing) {
   Scene scene;
   add_row(scene, 10);
   const auto before = scene.snapshot();
-  scene.settle();
+  scene.rebuild_static();
   EXPECT_EQ(scene.snapshot(), before);
 }
 
@@ -220,11 +220,12 @@ TEST(Settle, AmongAnyUpdatesHitsAreTheOracles) {
       updates.emplace_back(model::SetTransforms{{any()}, {tests::random_frame(random, frames)}});
       if (ids.size() > 100) updates.emplace_back(model::DeleteNode{any(), random.below(3) == 0});
       (void)scene.apply(updates);
-      if (random.below(3) == 0) scene.settle();
+      if (random.below(3) == 0) scene.rebuild_static();
       const auto snapshot = scene.snapshot();
-      const std::size_t gone =
-          snapshot->halves().departed == nullptr ? 0 : snapshot->halves().departed->nodes().size();
-      const hierarchy::Subtree all = snapshot->hierarchy().subtree(0);
+      const std::size_t gone = snapshot->shared_trees().removed == nullptr
+                                   ? 0
+                                   : snapshot->shared_trees().removed->nodes().size();
+      const hierarchy::NodeSummary all = snapshot->hierarchy().summary(0);
       ASSERT_GE(snapshot->trees().size(), all.instances);
       if (gone == 0) {
         ASSERT_EQ(snapshot->trees().size(), all.instances);

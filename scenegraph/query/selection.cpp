@@ -1,11 +1,11 @@
-// The part of a scene that a query sees.
-#include "scenegraph/instances/selection.h"
+// Looks up the hierarchy for the root and the excluded nodes.
+#include "scenegraph/query/selection.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
-namespace sightline::scenegraph::instances {
+namespace sightline::scenegraph::query {
 namespace {
 
 Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const char* role) {
@@ -36,22 +36,16 @@ Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
-      states_(snapshot_->trees().size()) {}
+      selected_(snapshot_->trees().size()) {}
 
 bool Selection::decide(std::size_t index) const {
-  const bool selected = contains(snapshot_->trees()[index].node);
-  states_[index].store(selected ? State::kIn : State::kOut, std::memory_order_relaxed);
-  return selected;
-}
-
-bool Selection::contains(model::NodeId id) const {
   bool under_root = root_ == 0;
-  while (id != 0) {
+  for (model::NodeId id = snapshot_->trees()[index].node; id != 0;
+       id = snapshot_->find(id)->parent) {
     if (std::binary_search(excluded_.begin(), excluded_.end(), id)) return false;
     under_root = under_root || id == root_;
-    id = snapshot_->find(id)->parent;
   }
   return under_root;
 }
 
-}  // namespace sightline::scenegraph::instances
+}  // namespace sightline::scenegraph::query

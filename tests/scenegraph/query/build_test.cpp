@@ -1,10 +1,9 @@
 // Building before rays come: which nodes, and how far it has come.
-#include "scenegraph/query/prefetch.h"
+#include "scenegraph/query/build.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "scenegraph/scene.h"
 #include "tests/scenegraph/put_node.h"
@@ -40,7 +39,7 @@ Ids ids_under(const Ids& roots, const Ids& excluded) {
   return ids;
 }
 
-TEST(Prefetch, SelectsEachNodeOnce) {
+TEST(Build, SelectsEachNodeOnce) {
   EXPECT_EQ(ids_under({}, {}), (Ids{2, 4, 5}));
   EXPECT_EQ(ids_under({1}, {}), (Ids{2, 4}));
   EXPECT_EQ(ids_under({3, 1, 3, 4}, {}), (Ids{2, 4})) << "roots under roots";
@@ -51,7 +50,7 @@ TEST(Prefetch, SelectsEachNodeOnce) {
   EXPECT_EQ(ids_under({6}, {}), Ids{});
 }
 
-TEST(Prefetch, NamesTheNodeThatIsNotThere) {
+TEST(Build, NamesTheNodeThatIsNotThere) {
   const auto snapshot = family();
   const auto root = mesh_nodes_under(*snapshot, Ids{1, 77}, {});
   ASSERT_FALSE(root);
@@ -61,70 +60,65 @@ TEST(Prefetch, NamesTheNodeThatIsNotThere) {
             "excluded node 78 is not in revision 1");
 }
 
-TEST(Prefetch, BuildsWhatWasSelectedAndNoMore) {
+TEST(Build, BuildsWhatWasSelectedAndNoMore) {
   const auto snapshot = family();
-  PrefetchProgress progress;
+  BuildProgress progress;
   const auto nodes = mesh_nodes_under(*snapshot, Ids{1}, {});
   EXPECT_EQ(meshes_of(*nodes).size(), 1u);
   ASSERT_TRUE(build_mesh_trees(*nodes, progress, nullptr));
-  EXPECT_EQ(progress.trees.meshes_done, 1u);
-  EXPECT_EQ(progress.trees.meshes_total, 1u);
-  EXPECT_EQ(progress.trees.triangles_done, 12u);
-  EXPECT_EQ(progress.triangles_reached(), 12u);
+  EXPECT_EQ(progress.meshes_done, 1u);
+  EXPECT_EQ(progress.meshes_total, 1u);
+  EXPECT_EQ(progress.triangles_done, 12u);
   const revision::BuildSummary built = summarize_build(*snapshot);
   EXPECT_EQ(built.triangles_built, 12u);
   EXPECT_EQ(built.instances_entered, 2u);
 }
 
-TEST(Prefetch, TellsOfATreeThatIsUnderWay) {
-  const tests::TestMesh sheet = tests::planar_sheet(700);  // cut one by one, down to 65,536
+TEST(Build, CountsMeshesAndCells) {
+  const tests::TestMesh sheet = tests::planar_sheet(100);
   Scene scene;
   ASSERT_TRUE(scene.apply({put_node(-1, 0, mesh_of(sheet))}));
   const auto snapshot = scene.snapshot();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
-  PrefetchProgress progress;
-  std::atomic<bool> done{false};
-  std::thread watcher([&] {
-    std::uint64_t before = 0;
-    while (!done) {
-      const std::uint64_t now = progress.triangles_reached();
-      EXPECT_GE(now, before);
-      EXPECT_LE(now, sheet.faces.size());
-      before = now;
-    }
-  });
+  BuildProgress progress;
   EXPECT_TRUE(build_mesh_trees(*nodes, progress, nullptr));
+  EXPECT_EQ(progress.triangles_done, sheet.faces.size());
+  EXPECT_EQ(progress.share(), 1);
+  const std::uint64_t mesh_cells = progress.cells_expanded;
+  EXPECT_GT(mesh_cells, 0u);
   EXPECT_TRUE(build_scene_tree(*snapshot, progress, nullptr));
-  done = true;
-  watcher.join();
-  EXPECT_EQ(progress.triangles_reached(), sheet.faces.size());
-  EXPECT_GT(progress.cells_expanded, 0u);
+  EXPECT_EQ(progress.meshes_done, 1u);
+  BuildProgress all;
+  const auto again = build_all(*snapshot, nullptr, &all);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cells_expanded, 0u) << "everything was built before";
+  EXPECT_EQ(all.share(), 1);
 }
 
-TEST(Prefetch, ACancelledOneBuildsNothingMore) {
+TEST(Build, ACancelledOneBuildsNothingMore) {
   const auto snapshot = family();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
-  PrefetchProgress progress;
+  BuildProgress progress;
   const std::atomic<bool> cancelled{true};
   EXPECT_EQ(build_mesh_trees(*nodes, progress, &cancelled).error().code, Code::kCancelled);
   EXPECT_EQ(build_scene_tree(*snapshot, progress, &cancelled).error().code, Code::kCancelled);
   const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10, 1);
   EXPECT_EQ(grow_for_rays(*snapshot, rays, {.cancelled = &cancelled}, progress).error().code,
             Code::kCancelled);
-  EXPECT_EQ(progress.trees.meshes_done, 0u);
+  EXPECT_EQ(progress.meshes_done, 0u);
   EXPECT_EQ(progress.rays_done, 0u);
   EXPECT_EQ(summarize_build(*snapshot).triangles_built, 0u);
 }
 
-TEST(Prefetch, GrowsForRaysWhatACastOfThemWould) {
+TEST(Build, GrowsForRaysWhatACastOfThemWould) {
   const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
   for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny, QueryKind::kCount}) {
     const auto snapshot = family();
-    PrefetchProgress progress;
+    BuildProgress progress;
     ASSERT_TRUE(grow_for_rays(*snapshot, rays, {.kind = kind}, progress));
     EXPECT_EQ(progress.rays_done, rays.size());
     EXPECT_GT(progress.cells_expanded, 0u);
-    PrefetchProgress again;
+    BuildProgress again;
     ASSERT_TRUE(grow_for_rays(*snapshot, rays, {.kind = kind}, again));
     EXPECT_EQ(again.cells_expanded, 0u);
   }

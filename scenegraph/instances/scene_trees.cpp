@@ -1,15 +1,15 @@
-// Opening a half.
-#include "scenegraph/instances/scene_half.h"
+// Makes a tree's instances at the first ray.
+#include "scenegraph/instances/scene_trees.h"
 
 namespace sightline::scenegraph::instances {
 
-SceneHalf::~SceneHalf() { delete instances_.load(std::memory_order_acquire); }
+SceneTree::~SceneTree() { delete instances_.load(std::memory_order_acquire); }
 
-/// Nothing is waited for that a single thread does.
-const Instances& SceneHalf::instances() const {
+/// Never blocks on another thread: the first result is kept.
+const Instances& SceneTree::instances() const {
   const Instances* now = instances_.load(std::memory_order_acquire);
   if (now == nullptr) {
-    auto made = std::make_unique<const Instances>(half_, hierarchy_);
+    auto made = std::make_unique<const Instances>(side_, hierarchy_);
     if (instances_.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
       now = made.release();
   }
@@ -17,7 +17,7 @@ const Instances& SceneHalf::instances() const {
   return *now;
 }
 
-const Instances* SceneHalf::instances_so_far() const {
+const Instances* SceneTree::instances_so_far() const {
   const Instances* now = instances_.load(std::memory_order_acquire);
   return now != nullptr && now->begun() ? now : nullptr;
 }

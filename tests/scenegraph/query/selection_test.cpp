@@ -1,5 +1,5 @@
 // Roots and exclusions.
-#include "scenegraph/instances/selection.h"
+#include "scenegraph/query/selection.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::scenegraph::instances {
+namespace sightline::scenegraph::query {
 namespace {
 
 using tests::mesh_of;
@@ -29,7 +29,7 @@ std::vector<model::NodeId> selected(model::NodeId root,
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
   std::vector<model::NodeId> nodes;
-  const InstanceList list = snapshot->trees().still.list();
+  const instances::InstanceList list = snapshot->trees().static_tree.list();
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
     EXPECT_EQ(selection->selects(i), first) << "remembered";
@@ -62,4 +62,4 @@ TEST(Selection, NamesTheNodeThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sightline::scenegraph::instances
+}  // namespace sightline::scenegraph::query

@@ -1,47 +1,47 @@
 // From the changed children up, step by step.
-#include "scenegraph/hierarchy/wide_sum.h"
+#include "scenegraph/hierarchy/summary_tree.h"
 
 namespace sightline::scenegraph::hierarchy {
 namespace {
 
-using Steps = model::PersistentMap<std::shared_ptr<const Subtree>>;
+using Steps = model::PersistentMap<std::shared_ptr<const NodeSummary>>;
 
-Subtree value(const Steps& steps, std::uint64_t key) {
-  const std::shared_ptr<const Subtree>* step = steps.find(key);
-  return step == nullptr ? Subtree{} : **step;
+NodeSummary value(const Steps& steps, std::uint64_t key) {
+  const std::shared_ptr<const NodeSummary>* step = steps.find(key);
+  return step == nullptr ? NodeSummary{} : **step;
 }
 
-bool is_nothing(const Subtree& sum) { return sum.mesh_nodes == 0 && sum.groups == 0; }
+bool is_nothing(const NodeSummary& sum) { return sum.mesh_nodes == 0 && sum.groups == 0; }
 
 /// The step over `changed`, which are all its own; `known` is what it was.
-Subtree step(const Subtree* known, std::uint64_t key, std::span<const std::uint64_t> changed,
-             const WideSum::Parts& parts) {
+NodeSummary step(const NodeSummary* known, std::uint64_t key,
+                 std::span<const std::uint64_t> changed, const SummaryTree::Parts& parts) {
   if (known != nullptr) {
-    Subtree sum = *known;
+    NodeSummary sum = *known;
     bool exact = true;
     for (const std::uint64_t id : changed)
-      exact = exact && replace(sum, parts.before(id), parts.after(id));
+      exact = exact && try_replace(sum, parts.before(id), parts.after(id));
     if (exact) return sum;
   }
-  Subtree sum;
-  for (std::uint64_t id = key * WideSum::kFan; id < (key + 1) * WideSum::kFan; ++id)
-    include(sum, parts.after(id));
+  NodeSummary sum;
+  for (std::uint64_t id = key * SummaryTree::kFan; id < (key + 1) * SummaryTree::kFan; ++id)
+    add(sum, parts.after(id));
   return sum;
 }
 
 /// Brings one level up to date; returns the steps that are other than before.
 std::vector<std::uint64_t> update_level(Steps& steps, std::span<const std::uint64_t> changed,
-                                        const WideSum::Parts& parts) {
+                                        const SummaryTree::Parts& parts) {
   std::vector<std::uint64_t> keys;
   Steps::Edit edit(steps);
   while (!changed.empty()) {
-    const std::uint64_t key = changed.front() / WideSum::kFan;
+    const std::uint64_t key = changed.front() / SummaryTree::kFan;
     std::size_t count = 0;
-    while (count < changed.size() && changed[count] / WideSum::kFan == key) ++count;
-    const std::shared_ptr<const Subtree>* known = steps.find(key);
-    const Subtree sum =
+    while (count < changed.size() && changed[count] / SummaryTree::kFan == key) ++count;
+    const std::shared_ptr<const NodeSummary>* known = steps.find(key);
+    const NodeSummary sum =
         step(known == nullptr ? nullptr : known->get(), key, changed.first(count), parts);
-    edit.set(key, is_nothing(sum) ? nullptr : std::make_shared<const Subtree>(sum));
+    edit.set(key, is_nothing(sum) ? nullptr : std::make_shared<const NodeSummary>(sum));
     keys.push_back(key);
     changed = changed.subspan(count);
   }
@@ -50,7 +50,7 @@ std::vector<std::uint64_t> update_level(Steps& steps, std::span<const std::uint6
 
 }  // namespace
 
-void WideSum::update(std::span<const model::NodeId> changed, const Parts& parts) {
+void SummaryTree::update(std::span<const model::NodeId> changed, const Parts& parts) {
   std::vector<std::uint64_t> keys(changed.begin(), changed.end());
   Parts of_level = parts;
   for (std::size_t level = 0; !keys.empty(); ++level) {
@@ -68,10 +68,13 @@ void WideSum::update(std::span<const model::NodeId> changed, const Parts& parts)
   }
 }
 
-Subtree WideSum::total() const { return levels_.empty() ? Subtree{} : value(levels_.back(), 0); }
+NodeSummary SummaryTree::total() const {
+  return levels_.empty() ? NodeSummary{} : value(levels_.back(), 0);
+}
 
-Subtree WideSum::total_with(std::span<const model::NodeId> changed, const Parts& parts) const {
-  WideSum other = *this;
+NodeSummary SummaryTree::total_with(std::span<const model::NodeId> changed,
+                                    const Parts& parts) const {
+  SummaryTree other = *this;
   other.update(changed, parts);
   return other.total();
 }

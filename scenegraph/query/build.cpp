@@ -1,0 +1,190 @@
+// Builds the trees of meshes and of the scene.
+#include "scenegraph/query/build.h"
+
+#include <algorithm>
+#include <string>
+#include <unordered_set>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "scenegraph/query/ray_blocks.h"
+
+namespace sightline::scenegraph::query {
+namespace {
+
+using accel::kdtree::BuildCounters;
+
+/// Rays grown between two reports of progress.
+constexpr std::size_t kRaysPerReport = 4096;
+
+Error cancelled_error() { return {Code::kCancelled, "cancelled while building", "CANCELLED"}; }
+
+/// Ascending, each once. Errors: kNotFound.
+Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
+                                             std::span<const model::NodeId> ids, const char* role) {
+  std::vector<model::NodeId> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  for (const model::NodeId id : sorted) {
+    if (snapshot.find(id) != nullptr) continue;
+    return Error{Code::kNotFound,
+                 std::string(role) + " node " + std::to_string(id) + " is not in revision " +
+                     std::to_string(snapshot.revision()),
+                 "NODE_NOT_FOUND"};
+  }
+  return sorted;
+}
+
+bool holds(std::span<const model::NodeId> sorted, model::NodeId id) {
+  return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
+/// Whether one of those above the node is among `sorted`.
+bool is_below(const revision::Snapshot& snapshot, model::NodeId id,
+              std::span<const model::NodeId> sorted) {
+  for (id = snapshot.find(id)->parent; id != 0; id = snapshot.find(id)->parent) {
+    if (holds(sorted, id)) return true;
+  }
+  return false;
+}
+
+void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progress) {
+  for (const model::Mesh* mesh : meshes) progress.triangles_total += mesh->triangles();
+  progress.meshes_total += meshes.size();
+}
+
+void add_built(std::uint64_t cells, double seconds, BuildProgress& progress) {
+  progress.cells_expanded += cells;
+  progress.build_us += static_cast<std::uint64_t>(seconds * 1e6);
+}
+
+void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
+                BuildProgress& progress, BuildCounters& total) {
+  BuildCounters built;
+  mesh.tree().expand_all(built, cancelled);
+  add_built(built.cells_expanded, built.seconds, progress);
+  total += built;
+  if (is_cancelled(cancelled)) return;
+  progress.triangles_done += mesh.triangles();
+  ++progress.meshes_done;
+}
+
+BuildCounters build_meshes(std::span<const model::Mesh* const> meshes,
+                           const std::atomic<bool>* cancelled, BuildProgress& progress) {
+  add_totals(meshes, progress);
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, meshes.size(), 1), BuildCounters{},
+      [&](const tbb::blocked_range<std::size_t>& range, BuildCounters total) {
+        for (std::size_t i = range.begin(); i != range.end() && !is_cancelled(cancelled); ++i)
+          build_mesh(*meshes[i], cancelled, progress, total);
+        return total;
+      },
+      [](BuildCounters a, const BuildCounters& b) { return a += b; });
+}
+
+BuildCounters build_tree(const instances::Instances& tree, const std::atomic<bool>* cancelled,
+                         BuildProgress& progress) {
+  BuildCounters built;
+  if (is_cancelled(cancelled)) return built;
+  tree.tree().expand_all(built, cancelled);
+  add_built(built.cells_expanded, built.seconds, progress);
+  return built;
+}
+
+}  // namespace
+
+Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atomic<bool>* cancelled,
+                             BuildProgress* progress) {
+  BuildProgress unreported;
+  BuildProgress& reported = progress == nullptr ? unreported : *progress;
+  BuildCounters built = build_meshes(snapshot.meshes(), cancelled, reported);
+  const instances::OpenTrees trees = snapshot.trees();
+  built += build_tree(trees.static_tree, cancelled, reported);
+  const BuildCounters dynamic = build_tree(trees.dynamic_tree, cancelled, reported);
+  built += dynamic;
+  if (is_cancelled(cancelled)) return cancelled_error();
+  snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
+    if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
+  });
+  TraceStats stats;
+  stats.cells_expanded = built.cells_expanded;
+  stats.touches = built.touches;
+  stats.dynamic_touches = dynamic.touches + dynamic.touches_prepare;
+  stats.touches_prepare = built.touches_prepare;
+  stats.build_seconds = built.seconds;
+  return stats;
+}
+
+Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,
+                                                         std::span<const model::NodeId> roots,
+                                                         std::span<const model::NodeId> excluded) {
+  const auto from = known_ids(snapshot, roots.empty() ? snapshot.roots() : roots, "root");
+  if (!from) return from.error();
+  const auto without = known_ids(snapshot, excluded, "excluded");
+  if (!without) return without.error();
+  std::vector<model::NodeId> stack;
+  for (const model::NodeId root : *from) {
+    if (!is_below(snapshot, root, *from) && !is_below(snapshot, root, *without))
+      stack.push_back(root);
+  }
+  std::vector<const model::Node*> nodes;
+  while (!stack.empty()) {
+    const model::NodeId id = stack.back();
+    stack.pop_back();
+    if (holds(*without, id)) continue;
+    const model::Node& node = *snapshot.find(id);
+    stack.insert(stack.end(), node.children.begin(), node.children.end());
+    if (node.mesh != nullptr && !node.mesh->bounds().empty()) nodes.push_back(&node);
+  }
+  return nodes;
+}
+
+std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes) {
+  std::vector<const model::Mesh*> meshes;
+  std::unordered_set<const model::Mesh*> seen;
+  for (const model::Node* node : nodes) {
+    if (seen.insert(node->mesh.get()).second) meshes.push_back(node->mesh.get());
+  }
+  return meshes;
+}
+
+Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
+                        const std::atomic<bool>* cancelled) {
+  build_meshes(meshes_of(nodes), cancelled, progress);
+  if (is_cancelled(cancelled)) return cancelled_error();
+  for (const model::Node* node : nodes) node->entered->store(true, std::memory_order_relaxed);
+  return {};
+}
+
+Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
+                        const std::atomic<bool>* cancelled) {
+  const instances::OpenTrees trees = snapshot.trees();
+  build_tree(trees.static_tree, cancelled, progress);
+  build_tree(trees.dynamic_tree, cancelled, progress);
+  return is_cancelled(cancelled) ? Status(cancelled_error()) : Status();
+}
+
+Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
+                     TraceOptions options, BuildProgress& progress) {
+  options.surface = false;
+  const bool counts = options.kind == QueryKind::kCount || options.kind == QueryKind::kAll;
+  while (!rays.empty()) {
+    const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
+    rays = rays.subspan(part.size());
+    const auto answer = [&](RayCaster& caster, const RayBlock& block) {
+      answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
+        accel::geometry::Hit hit;
+        return counts ? caster.count(part[i], at_busy).has_value()
+                      : caster.cast(part[i], at_busy, hit);
+      });
+    };
+    const auto cast = answer_in_blocks(snapshot, part.size(), kRaysPerBlock, options, answer);
+    if (!cast) return cast.error();
+    add_built(cast->cells_expanded, cast->build_seconds, progress);
+    progress.rays_done += part.size();
+  }
+  return {};
+}
+
+}  // namespace sightline::scenegraph::query

@@ -1,0 +1,41 @@
+// The part of a scene that a query sees: the nodes under one root, without those under others.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/instances/instance_filter.h"
+#include "scenegraph/revision/snapshot.h"
+
+namespace sightline::scenegraph::query {
+
+/// Each instance is decided when a ray first meets its box, by looking up the hierarchy. Making a
+/// selection takes no time in proportion to the scene. Threads: any.
+class Selection {
+ public:
+  /// Selects `root` and all nodes under it (0: the whole scene), without each node of `excluded`
+  /// and all under it. Keeps the snapshot, which must be the one that is traced.
+  /// Errors: kNotFound, naming the id that is no node of this revision.
+  static Result<Selection> make(std::shared_ptr<const revision::Snapshot> snapshot,
+                                model::NodeId root, std::span<const model::NodeId> excluded);
+
+  /// `index`: of an opened instance, as of Snapshot::trees().
+  bool selects(std::size_t index) const {
+    return selected_.passes(index, [&] { return decide(index); });
+  }
+
+ private:
+  Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::NodeId root,
+            std::vector<model::NodeId> excluded);
+  bool decide(std::size_t index) const;
+
+  std::shared_ptr<const revision::Snapshot> snapshot_;
+  model::NodeId root_;
+  std::vector<model::NodeId> excluded_;  // ascending
+  instances::InstanceFilter selected_;
+};
+
+}  // namespace sightline::scenegraph::query
