@@ -124,7 +124,8 @@ struct Server::Parts {
   explicit Parts(const ServerConfig& c)
       : config(c),
         admission(c.admission),
-        listing({c.admission.rays / exec::kListingShare, c.admission.bytes / exec::kListingShare}),
+        all_hits_admission(
+            {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
         waits(scenes::kMaxWaitingReads, "reads that wait for a revision", "TOO_MANY_WAITING"),
         streams(updates::kMaxUpdateStreams, "streams of updates", "TOO_MANY_STREAMS"),
         watches(updates::kMaxWatches, "watches of scenes", "TOO_MANY_WATCHES"),
@@ -132,14 +133,15 @@ struct Server::Parts {
         compute(c.threads) {}
 
   const ServerConfig config;
-  exec::Admission admission, listing;
-  exec::OpenCalls waits, streams, watches;
+  exec::Admission admission, all_hits_admission;
+  exec::CallRegistry waits, streams, watches;
   scenes::MemorySceneStore scenes;
   blobs::BlobStore blobs;
   exec::Compute compute;
   const scenes::WaitServices waiting{compute, admission, waits};
-  queries::RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy, waiting},
-                                 static_cast<std::size_t>(config.max_prefetches)};
+  queries::RayQueryRpc query_rpc{
+      {scenes, compute, admission, all_hits_admission, config.policy, waiting},
+      static_cast<std::size_t>(config.max_prefetches)};
   updates::SceneRpc scene_rpc{{scenes, blobs, compute, admission, streams, watches, waiting}};
   blobs::BlobRpc blob_rpc{scenes, blobs, compute, admission};
 

@@ -76,8 +76,8 @@ class BlobStore {
   using Freed = std::vector<std::shared_ptr<const void>>;
 
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
-  Result<std::shared_ptr<Upload>> take_up(const BlobDigest& digest, std::uint64_t offset);
-  void forget(const Upload* upload);
+  Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
+  void erase(const Upload* upload);
   Status make_room(std::uint64_t bytes, Freed& freed);
   bool drop_upload(bool standing_still, Freed& freed);
   bool drop_unused_mesh(Freed& freed);

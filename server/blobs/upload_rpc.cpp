@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/exec/guarded.h"
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
@@ -35,8 +35,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     // later.
     if (!ok) return end({});
     compute_.enqueue([this] {
-      const Status taken = exec::guarded([this] { return take(); });
-      if (!taken || done_) return end(taken);
+      const Status accepted = exec::to_status([this] { return accept(); });
+      if (!accepted || done_) return end(accepted);
       StartRead(&chunk_);
     });
   }
@@ -44,7 +44,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   void OnDone() override { delete this; }
 
  private:
-  Status take() {
+  Status accept() {
     if (chunk_.data().size() > kMaxBlobChunk) {
       return Error{
           Code::kResourceExhausted,
@@ -55,8 +55,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       if (Status begun = begin(); !begun || done_) return begun;
     } else if (!chunk_.digest().empty() && chunk_.digest() != digest_text_) {
       return Error{Code::kInvalidArgument,
-                   fmt::format("a chunk of {} in the upload of {}",
-                               exec::in_quotes(chunk_.digest()), digest_text_),
+                   fmt::format("a chunk of {} in the upload of {}", exec::quote(chunk_.digest()),
+                               digest_text_),
                    "DIGEST_CHANGED"};
     }
     if (Status added = upload_->append(chunk_.offset(), std::as_bytes(std::span(chunk_.data())));
@@ -75,7 +75,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     }
     auto upload = blobs_.begin(*digest, chunk_.offset());
     if (!upload && upload.error().reason == "MEMORY_BUDGET") {
-      scenes_.forget_old_revisions();  // they may be all that holds some mesh
+      scenes_.drop_old_revisions();  // they may be all that holds some mesh
       upload = blobs_.begin(*digest, chunk_.offset());
     }
     if (!upload) return upload.error();

@@ -15,7 +15,7 @@ struct AdmissionLimits {
 };
 
 /// Batches that ask for all hits get one part in so many of it.
-inline constexpr std::uint64_t kListingShare = 2;
+inline constexpr std::uint64_t kAllHitsShare = 2;
 
 class Admission {
  public:

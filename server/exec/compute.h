@@ -30,8 +30,8 @@ class Compute {
   /// The same, on the workers that are apart: for work that takes long and that no answer waits
   /// for. It takes no worker from enqueue(), only a share of the processors while both are busy.
   template <class Work>
-  void enqueue_apart(Work work) {
-    enqueue_in(apart_, std::move(work));
+  void enqueue_background(Work work) {
+    enqueue_in(background_, std::move(work));
   }
 
   /// The same, on the workers for updates: for work that is short and does not wait behind queries.
@@ -60,7 +60,7 @@ class Compute {
   const int threads_;
   // oneTBB keeps one of its threads for the main program, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_, updates_, apart_;
+  oneapi::tbb::task_arena arena_, updates_, background_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;

@@ -11,7 +11,7 @@ namespace sightline::server::exec {
 /// The Status that work() returns, or kResourceExhausted for std::bad_alloc, or kInternal for
 /// anything else.
 template <class Work>
-Status guarded(Work&& work) {
+Status to_status(Work&& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {

@@ -9,10 +9,10 @@ namespace sightline::server::exec {
 
 Error stopping() { return {Code::kUnavailable, "the server is stopping", "STOPPING"}; }
 
-OpenCalls::OpenCalls(std::size_t limit, std::string what, std::string reason)
+CallRegistry::CallRegistry(std::size_t limit, std::string what, std::string reason)
     : limit_(limit), what_(std::move(what)), reason_(std::move(reason)) {}
 
-Status OpenCalls::enter(const void* call, std::function<void()> stop) {
+Status CallRegistry::enter(const void* call, std::function<void()> stop) {
   const std::lock_guard lock(mutex_);
   if (stopped_) return stopping();
   if (open_.size() >= limit_) {
@@ -25,12 +25,12 @@ Status OpenCalls::enter(const void* call, std::function<void()> stop) {
   return {};
 }
 
-void OpenCalls::leave(const void* call) {
+void CallRegistry::leave(const void* call) {
   const std::lock_guard lock(mutex_);
   open_.erase(call);
 }
 
-void OpenCalls::stop() {
+void CallRegistry::stop() {
   const std::lock_guard lock(mutex_);
   if (std::exchange(stopped_, true)) return;
   for (const auto& [call, stop] : open_) stop();

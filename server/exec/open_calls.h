@@ -15,10 +15,10 @@ namespace sightline::server::exec {
 Error stopping();
 
 /// Threads: any, for every member.
-class OpenCalls {
+class CallRegistry {
  public:
   /// `what` names them in messages ("watches"), `reason` is that of the error beyond the limit.
-  OpenCalls(std::size_t limit, std::string what, std::string reason);
+  CallRegistry(std::size_t limit, std::string what, std::string reason);
 
   /// `stop` is called by stop(), if that comes before leave(); it must be short and neither enter
   /// nor leave. Errors: kResourceExhausted, at once, naming the limit; kUnavailable after stop().

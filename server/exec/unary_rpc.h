@@ -30,7 +30,7 @@ grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
   }
   compute.enqueue([=, begun = LogClock::now(), ticket = std::move(*admitted),
                    work = std::move(work)]() mutable {
-    const grpc::Status status = to_grpc(guarded(work));
+    const grpc::Status status = to_grpc(to_status(work));
     ticket = {};
     log_rpc(method, status, begun);
     reactor->Finish(status);

@@ -28,7 +28,7 @@ struct CastServices {
   exec::Admission& admission;
   /// A part of it, for batches that ask for all hits: those keep their places while a client reads,
   /// and however slow some are, room for other batches is left.
-  exec::Admission& listing;
+  exec::Admission& all_hits_admission;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
   scenes::WaitServices waiting;
 };
@@ -51,7 +51,7 @@ class CastJob {
 
   /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
   /// kInvalidArgument, where one reply could not hold all hits.
-  Status take(const v1::Rays& rays);
+  Status accept(const v1::Rays& rays);
 
   /// Traces what was taken, in the calling thread's arena, and gives the place back; unless the
   /// reply says that there is more: then it is to be called again, for the next reply.
@@ -80,10 +80,10 @@ class CastJob {
   std::optional<scenegraph::instances::Selection> selection_;
   std::vector<accel::geometry::Hit> hits_;
   std::vector<scenegraph::RayTally> tallies_;
-  HitLister lister_;
+  HitPager pager_;
   scenegraph::TraceStats stats_;
-  exec::Admission::Ticket ticket_, listing_ticket_;
-  Clock::time_point taken_;
+  exec::Admission::Ticket ticket_, all_hits_ticket_;
+  Clock::time_point accepted_;
   Clock::duration queued_{}, traced_{};  // of the batch
   bool begun_ = false;                   // a reply to the batch has been made
   std::atomic<bool> cancelled_{false};

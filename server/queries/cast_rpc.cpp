@@ -23,7 +23,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
-    if (const Status opened = exec::guarded([&] { return job_.open(request); }); !opened)
+    if (const Status opened = exec::to_status([&] { return job_.open(request); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
                 [this, &request](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
@@ -41,10 +41,11 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void cast(const v1::CastRaysRequest& request) {
-    if (const Status taken = exec::guarded([&] { return job_.take(request.rays()); }); !taken)
-      return end(taken);
+    if (const Status accepted = exec::to_status([&] { return job_.accept(request.rays()); });
+        !accepted)
+      return end(accepted);
     compute_.enqueue([this] {
-      const Status done = exec::guarded([this] { return job_.run(reply_); });
+      const Status done = exec::to_status([this] { return job_.run(reply_); });
       job_.close();
       end(done);
     });

@@ -17,9 +17,9 @@ inline constexpr std::size_t kHitsListed = 65536;
 
 /// Bytes that a batch of so many rays holds at most, whatever it hits: what is listed, before and
 /// after it is put in order. `threads` list hits.
-std::size_t bytes_of_lister(std::size_t rays, std::size_t max_hits, int threads);
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads);
 
-class HitLister {
+class HitPager {
  public:
   /// `rays` stay as they are until all parts are made.
   void begin(std::span<const accel::geometry::Ray> rays);

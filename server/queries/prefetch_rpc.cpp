@@ -18,25 +18,25 @@ constexpr std::chrono::milliseconds kBeforeFirstReport{20};
 constexpr std::chrono::milliseconds kBetweenReports{250};
 
 /// Three things go on at a time: the building, a clock that ticks, and the writing of a report.
-/// Each calls go_on() when it rests; the last one to rest ends the call.
+/// Each calls advance() when it rests; the last one to rest ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
   PrefetchCall(const CastServices& services, exec::PrefetchCalls& calls)
       : compute_(services.compute), calls_(calls), job_(services) {}
 
   void start(const v1::PrefetchRequest& request) {
-    const Status ready = exec::guarded([&] {
+    const Status ready = exec::to_status([&] {
       if (Status opened = job_.open(request); !opened) return opened;
       return calls_.enter(job_);
     });
     if (!ready) return end(ready);
     const std::lock_guard lock(mutex_);
     set_clock(kBeforeFirstReport);
-    compute_.enqueue_apart([this] { build(); });
+    compute_.enqueue_background([this] { build(); });
   }
 
   void OnWriteDone(bool) override {
-    go_on([this] { writing_ = false; });
+    advance([this] { writing_ = false; });
   }
 
   void OnCancel() override { job_.cancel(); }
@@ -47,7 +47,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
  private:
   void build() {
-    Status built = exec::guarded([this] { return job_.run(); });
+    Status built = exec::to_status([this] { return job_.run(); });
     // Before the last report is read: whoever has read it may ask for the next prefetch.
     if (Status stopped = calls_.leave(job_); !stopped && !built) built = stopped;
     {
@@ -59,11 +59,11 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
     }
     job_.close();
     clock_.Cancel();
-    go_on([this] { building_ = false; });
+    advance([this] { building_ = false; });
   }
 
   Status report_to(v1::PrefetchResponse& response) {
-    return exec::guarded([&] {
+    return exec::to_status([&] {
       job_.report(response);
       return Status();
     });
@@ -75,7 +75,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void tick() {
-    go_on([this] {
+    advance([this] {
       ticking_ = false;
       if (!reporting_) return;
       set_clock(kBetweenReports);
@@ -88,7 +88,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
   /// Ends the call if nothing is under way any more; it may be gone when this returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     {
       const std::lock_guard lock(mutex_);
       change();

@@ -42,7 +42,7 @@ class CastStream final
     if (!ok) return end({});  // the client has closed its side, or is gone
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
-    if (const Status opened = exec::guarded([&] { return job_.open(first); }); !opened)
+    if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
                 [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
@@ -71,14 +71,15 @@ class CastStream final
 
  private:
   void cast() {
-    if (const Status taken = exec::guarded([this] { return job_.take(request_.request().rays()); });
-        !taken)
-      return end(taken);
+    if (const Status accepted =
+            exec::to_status([this] { return job_.accept(request_.request().rays()); });
+        !accepted)
+      return end(accepted);
     compute_.enqueue([this] { answer(); });
   }
 
   void answer() {
-    const Status done = exec::guarded([this] { return job_.run(*reply_.mutable_response()); });
+    const Status done = exec::to_status([this] { return job_.run(*reply_.mutable_response()); });
     if (!done) return end(done);
     reply_.set_chunk(request_.chunk());
     StartWrite(&reply_);

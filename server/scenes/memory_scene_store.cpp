@@ -61,13 +61,13 @@ Status MemorySceneStore::remove(const std::string& name) {
   return {};  // its trees, which may be large, go with it
 }
 
-void MemorySceneStore::forget_old_revisions() {
+void MemorySceneStore::drop_old_revisions() {
   std::vector<std::shared_ptr<StoredScene>> scenes;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, scene] : scenes_) scenes.push_back(scene);
   }
-  for (const auto& scene : scenes) scene->forget_old_revisions();
+  for (const auto& scene : scenes) scene->drop_old_revisions();
 }
 
 }  // namespace sightline::server::scenes

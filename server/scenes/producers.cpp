@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 
@@ -39,8 +39,8 @@ Status check_producer_name(std::string_view name) {
   if (!name.empty() && name.size() <= kMaxProducerName && std::ranges::all_of(name, allowed))
     return {};
   return Error{Code::kInvalidArgument,
-               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}",
-                           exec::in_quotes(name), kMaxProducerName),
+               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}", exec::quote(name),
+                           kMaxProducerName),
                "BAD_PRODUCER"};
 }
 

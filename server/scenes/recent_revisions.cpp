@@ -5,7 +5,7 @@
 
 namespace sightline::server::scenes {
 
-RecentRevisions::SnapshotPointer RecentRevisions::keep(SnapshotPointer snapshot) {
+RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapshot) {
   const std::lock_guard lock(mutex_);
   if (!kept_.empty() && kept_.back().snapshot->revision() == snapshot->revision()) {
     kept_.back().snapshot.swap(snapshot);
@@ -15,7 +15,7 @@ RecentRevisions::SnapshotPointer RecentRevisions::keep(SnapshotPointer snapshot)
   return nullptr;
 }
 
-std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::charge(std::uint64_t bytes) {
+std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::account(std::uint64_t bytes) {
   std::vector<SnapshotPointer> dropped;
   const std::lock_guard lock(mutex_);
   if (kept_.empty()) return dropped;  // forgotten meanwhile
@@ -42,7 +42,7 @@ std::uint64_t RecentRevisions::oldest_or(std::uint64_t head) const {
   return kept_.empty() ? head : kept_.front().snapshot->revision();
 }
 
-std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::forget() {
+std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::drop_all() {
   std::vector<SnapshotPointer> dropped;
   const std::lock_guard lock(mutex_);
   for (Kept& kept : kept_) dropped.push_back(std::move(kept.snapshot));

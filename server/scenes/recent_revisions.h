@@ -27,19 +27,19 @@ class RecentRevisions {
 
   /// Keeps a revision: that after the last, or the last one anew. To be called before the next is
   /// published, so that a reader who knows of that finds this. Returns what it takes the place of.
-  [[nodiscard]] SnapshotPointer keep(SnapshotPointer snapshot);
+  [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
 
   /// The revision after the last is published and has replaced so many bytes of it. Returns what is
   /// no longer kept: to be freed where nobody waits for it.
-  [[nodiscard]] std::vector<SnapshotPointer> charge(std::uint64_t bytes);
+  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes);
 
   /// Null if it is not kept.
   SnapshotPointer find(std::uint64_t revision) const;
   /// The oldest that is kept; `head` if none is.
   std::uint64_t oldest_or(std::uint64_t head) const;
 
-  /// Forgets all; they are returned as by charge(). Threads: any.
-  [[nodiscard]] std::vector<SnapshotPointer> forget();
+  /// Forgets all; they are returned as by account(). Threads: any.
+  [[nodiscard]] std::vector<SnapshotPointer> drop_all();
 
  private:
   struct Kept {

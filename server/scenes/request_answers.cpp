@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 
@@ -16,12 +16,12 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
   if (found->second.content == content) return &found->second.answer;
   return Error{Code::kInvalidArgument,
                fmt::format("request id {} was used for another request, which made revision {}",
-                           exec::in_quotes(id), found->second.answer.revision),
+                           exec::quote(id), found->second.answer.revision),
                "REQUEST_ID_REUSED"};
 }
 
-void RequestAnswers::keep(const std::string& id, std::uint64_t content,
-                          scenegraph::Applied answer) {
+void RequestAnswers::retain(const std::string& id, std::uint64_t content,
+                            scenegraph::Applied answer) {
   nodes_ += answer.nodes.size();
   answers_.emplace(id, Kept{content, std::move(answer)});
   oldest_first_.push_back(id);

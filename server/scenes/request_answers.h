@@ -29,7 +29,7 @@ class RequestAnswers {
   /// Errors: kInvalidArgument where the id stood for something else.
   Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
   /// An id that find() does not know.
-  void keep(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
+  void retain(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
 
  private:
   struct Kept {

@@ -44,7 +44,7 @@ void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t b
     if (waiting_.exchange(false)) std::exchange(done_, nullptr)(entered.error());
     return;
   }
-  listener_ = scene_->events().subscribe([this] { look(); });
+  listener_ = scene_->events().subscribe([this] { on_scene_event(); });
   const auto latest = std::chrono::system_clock::now() + kMaxReadWait;
   // The clock keeps what it calls for as long as it lives, and this owns the clock.
   clock_.emplace().Set(std::min(deadline, latest), [self = shared_from_this()](bool) mutable {
@@ -54,7 +54,7 @@ void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t b
                     "REVISION_NOT_THERE"});
   });
   if (cancelled_.load()) end(cancelled());
-  look();
+  on_scene_event();
 }
 
 Status RevisionWait::enter(std::size_t bytes) {
@@ -64,9 +64,9 @@ Status RevisionWait::enter(std::size_t bytes) {
   return services_.waits.enter(this, [this] { end(exec::stopping()); });
 }
 
-void RevisionWait::look() {
+void RevisionWait::on_scene_event() {
   if (scene_->snapshot()->revision() >= revision_) return end(std::nullopt);
-  if (scene_->removed()) end(scene_->gone());
+  if (scene_->removed()) end(scene_->removed_error());
 }
 
 void RevisionWait::cancel() {

@@ -27,7 +27,7 @@ inline constexpr std::chrono::milliseconds kMaxReadWait{2000};
 struct WaitServices {
   exec::Compute& compute;
   exec::Admission& admission;  ///< The requests that wait count among the bytes in work.
-  exec::OpenCalls& waits;
+  exec::CallRegistry& waits;
 };
 
 /// One for a call. No thread waits: whoever publishes the revision wakes the call. Made by
@@ -54,7 +54,7 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
  private:
   void wait(std::uint64_t revision, Deadline deadline, std::size_t bytes);
   Status enter(std::size_t bytes);
-  void look();
+  void on_scene_event();
   void end(std::optional<Error> error);
   void finish(const std::optional<Error>& error);
 

@@ -34,7 +34,7 @@ class SceneStore {
   virtual Status remove(const std::string& name) = 0;
 
   /// Lets go of all revisions but the newest, for the meshes that they alone hold. Takes time.
-  virtual void forget_old_revisions() = 0;
+  virtual void drop_old_revisions() = 0;
 };
 
 }  // namespace sightline::server::scenes

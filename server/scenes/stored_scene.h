@@ -34,7 +34,7 @@ struct SceneInfo {
 };
 
 /// Made by std::make_shared. Writers take turns: apply(), answers() and producers() are for tasks
-/// of turns() alone. Threads: any, for every other member.
+/// of write_queue() alone. Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
   explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}
@@ -51,7 +51,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// Of the current revision. Walks the scene once per revision.
   scenegraph::revision::SceneSummary summary();
 
-  exec::SerialQueue& turns() { return turns_; }
+  exec::Strand& write_queue() { return write_queue_; }
   /// As Scene::apply; and kNotFound after remove(), kResourceExhausted as check_deformed(). The
   /// next revision is in the log, and listeners know, when it returns. What is left to do is done
   /// apart from queries.
@@ -68,10 +68,10 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void remove();
   bool removed() const { return removed_.load(std::memory_order_acquire); }
   /// What is answered after remove().
-  Error gone() const;
+  Error removed_error() const;
 
   /// Lets go of all revisions but the newest, for the meshes that they alone hold.
-  void forget_old_revisions();
+  void drop_old_revisions();
 
  private:
   const SceneInfo info_;
@@ -81,7 +81,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   UpdateLog log_;
   SceneEvents events_;
   std::atomic<bool> removed_{false};
-  exec::SerialQueue turns_;
+  exec::Strand write_queue_;
   RequestAnswers answers_;
   Producers producers_;
   std::mutex summary_mutex_;

@@ -38,10 +38,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     services_.compute.enqueue_update([this] {
-      if (const Status ready = exec::guarded([this] { return prepare(); }); !ready)
+      if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
         return end(ready);
-      scene_->turns().post(services_.compute,
-                           [this] { end(exec::guarded([this] { return apply(); })); });
+      scene_->write_queue().post(services_.compute,
+                                 [this] { end(exec::to_status([this] { return apply(); })); });
     });
   }
 
@@ -80,7 +80,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!applied) return applied.error();
     answer(*applied);
     log(applied->revision, count);
-    if (!id.empty()) scene_->answers().keep(id, content_, std::move(*applied));
+    if (!id.empty()) scene_->answers().retain(id, content_, std::move(*applied));
     return {};
   }
 

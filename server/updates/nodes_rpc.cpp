@@ -25,12 +25,12 @@ class NodesCall final : public grpc::ServerUnaryReactor {
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context) {
-    if (const Status good = exec::guarded([this] { return open(); }); !good) return end(good);
+    if (const Status good = exec::to_status([this] { return open(); }); !good) return end(good);
     wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
                 [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   services_.compute.enqueue([this, snapshot = std::move(*pinned)] {
-                    end(exec::guarded([&] { return answer(*snapshot); }));
+                    end(exec::to_status([&] { return answer(*snapshot); }));
                   });
                 });
   }

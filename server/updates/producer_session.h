@@ -23,11 +23,11 @@ struct BatchOutcome {
 };
 
 /// To be used in the scene's turn alone.
-class ProducerTurn {
+class ProducerSession {
  public:
   /// `producer` is of `scene`. Both, and `call`, outlive this.
-  ProducerTurn(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
-               exec::Compute& compute, bool latest_wins)
+  ProducerSession(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
+                  exec::Compute& compute, bool latest_wins)
       : scene_(scene),
         producer_(producer),
         call_(call),

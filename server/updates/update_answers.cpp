@@ -54,7 +54,7 @@ void UpdateAnswers::reject(std::uint64_t sequence, const Error& error) {
   reject.set_message(status.error_message());
 }
 
-std::size_t UpdateAnswers::take(v1::StreamUpdatesResponse& out) {
+std::size_t UpdateAnswers::pop(v1::StreamUpdatesResponse& out) {
   out = std::move(answers_.front().message);
   const std::size_t batches = answers_.front().batches;
   answers_.pop_front();

@@ -28,7 +28,7 @@ class UpdateAnswers {
   bool empty() const { return answers_.empty(); }
   void clear() { answers_.clear(); }
   /// The next. Returns how many batches it answers.
-  std::size_t take(v1::StreamUpdatesResponse& out);
+  std::size_t pop(v1::StreamUpdatesResponse& out);
 
  private:
   struct Answer {

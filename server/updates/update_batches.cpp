@@ -10,7 +10,7 @@
 
 namespace sightline::server::updates {
 
-Result<UpdateBatches::Came> UpdateBatches::take(const v1::UpdateBatch& message) {
+Result<UpdateBatches::Received> UpdateBatches::accept(const v1::UpdateBatch& message) {
   if (const Status good = check_sequence(message.sequence()); !good) return good.error();
   const bool repeat = message.sequence() <= last_;
   if (!repeat) {
@@ -22,10 +22,10 @@ Result<UpdateBatches::Came> UpdateBatches::take(const v1::UpdateBatch& message) 
   }
   open_ = message.more();
   open_sequence_ = message.sequence();
-  if (open_) return Came::kPart;
-  if (repeat) return Came::kRepeat;
+  if (open_) return Received::kPart;
+  if (repeat) return Received::kRepeat;
   last_ = message.sequence();
-  return Came::kBatch;
+  return Received::kBatch;
 }
 
 UpdateBatch UpdateBatches::batch() { return std::exchange(batch_, {}); }

@@ -33,11 +33,11 @@ class UpdateBatches {
   /// Batches are expected from the one after this sequence on.
   void begin(std::uint64_t last_committed) { last_ = last_committed; }
 
-  enum class Came : std::uint8_t { kPart, kBatch, kRepeat };
+  enum class Received : std::uint8_t { kPart, kBatch, kRepeat };
   /// A message. After kBatch, batch() is whole. Errors, which end the call: kInvalidArgument (a gap
   /// in the sequence, or a batch that is not finished), kResourceExhausted (as Admission::admit).
   /// What is wrong with a batch itself is in its `bad`.
-  Result<Came> take(const v1::UpdateBatch& message);
+  Result<Received> accept(const v1::UpdateBatch& message);
   UpdateBatch batch();
 
   /// Of the batch that is not whole yet.

@@ -20,8 +20,8 @@ struct UpdateServices {
   blobs::BlobStore& blobs;
   exec::Compute& compute;
   exec::Admission& admission;
-  exec::OpenCalls& streams;  ///< Of updates.
-  exec::OpenCalls& watches;
+  exec::CallRegistry& streams;  ///< Of updates.
+  exec::CallRegistry& watches;
   scenes::WaitServices waiting;
 
   /// Errors: kInvalidArgument (the name), kNotFound.

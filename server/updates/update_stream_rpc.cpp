@@ -23,8 +23,8 @@ Error invalid(std::string message, std::string reason) {
 Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELLED"}; }
 
 /// Three things go on at a time: reading, applying what has come, and writing what came of it. Each
-/// calls go_on() when it has got somewhere, which sets going whatever can go. The window bounds all
-/// that is kept: a batch counts until its answer is written.
+/// calls advance() when it has got somewhere, which sets going whatever can go. The window bounds
+/// all that is kept: a batch counts until its answer is written.
 class UpdateStream final
     : public grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse> {
  public:
@@ -33,8 +33,8 @@ class UpdateStream final
 
   void start() {
     const Status entered = services_.streams.enter(
-        this, [this] { go_on([this] { end_after_answers(exec::stopping()); }); });
-    go_on([&] {
+        this, [this] { advance([this] { end_after_answers(exec::stopping()); }); });
+    advance([&] {
       starting_ = false;
       if (!entered) end_now(entered.error());
     });
@@ -43,8 +43,8 @@ class UpdateStream final
   void OnReadDone(bool ok) override {
     // Only this thread reads: what has come is looked at outside of the lock.
     Status taken;
-    if (ok) taken = exec::guarded([this] { return take(); });
-    go_on([&] {
+    if (ok) taken = exec::to_status([this] { return take(); });
+    advance([&] {
       reading_ = false;
       if (!ok) return end_after_answers({});  // the client has closed its side, or is gone
       if (!taken) return end_after_answers(taken);
@@ -60,7 +60,7 @@ class UpdateStream final
   }
 
   void OnWriteDone(bool ok) override {
-    go_on([&] {
+    advance([&] {
       writing_ = false;
       window_ -= std::exchange(being_written_, 0);
       if (!ok) end_now(Error{Code::kCancelled, "the answer could not be written", "CANCELLED"});
@@ -68,7 +68,7 @@ class UpdateStream final
   }
 
   void OnCancel() override {
-    go_on([this] { end_now(cancelled()); });
+    advance([this] { end_now(cancelled()); });
   }
 
   void OnDone() override {
@@ -77,8 +77,8 @@ class UpdateStream final
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
       // In turn, after all that this call has left there.
-      scene_->turns().post(services_.compute, [this] {
-        if (turn_) turn_->leave();
+      scene_->write_queue().post(services_.compute, [this] {
+        if (session_) session_->leave();
         delete this;
       });
     });
@@ -90,10 +90,10 @@ class UpdateStream final
     if (request_.has_open()) return scene_ == nullptr ? open(request_.open()) : opened_twice();
     if (!request_.has_batch()) return invalid("a message says nothing", "EMPTY_MESSAGE");
     if (scene_ == nullptr) return invalid("the first message must open a producer", "NOT_OPENED");
-    const auto came = batches_.take(request_.batch());
+    const auto came = batches_.accept(request_.batch());
     if (!came) return came.error();
-    if (*came == UpdateBatches::Came::kBatch) came_ = batches_.batch();
-    repeated_ = *came == UpdateBatches::Came::kRepeat;
+    if (*came == UpdateBatches::Received::kBatch) came_ = batches_.batch();
+    repeated_ = *came == UpdateBatches::Received::kRepeat;
     return {};
   }
 
@@ -110,10 +110,10 @@ class UpdateStream final
       scene_ = std::move(*scene);
       working_ = true;
     }
-    scene_->turns().post(
+    scene_->write_queue().post(
         services_.compute, [this, name = open.producer(), latest_wins = open.latest_wins()] {
-          const Status opened = exec::guarded([&] { return enter_scene(name, latest_wins); });
-          go_on([&] {
+          const Status opened = exec::to_status([&] { return enter_scene(name, latest_wins); });
+          advance([&] {
             working_ = false;
             if (!opened) return end_now(opened);
             if (abandoned_) return;
@@ -126,24 +126,24 @@ class UpdateStream final
 
   /// In turn.
   Status enter_scene(const std::string& name, bool latest_wins) {
-    if (scene_->removed()) return scene_->gone();
+    if (scene_->removed()) return scene_->removed_error();
     const auto producer = scene_->producers().open(name);
     if (!producer) return producer.error();
     producer_ = *producer;
-    turn_.emplace(*scene_, *producer_, this, services_.compute, latest_wins);
-    turn_->take_over();
+    session_.emplace(*scene_, *producer_, this, services_.compute, latest_wins);
+    session_->take_over();
     batches_.begin(producer_->last_committed);
     answered_ = producer_->last_committed;
     revision_ = scene_->snapshot()->revision();
-    listener_ = scene_->events().subscribe([this] { look(); });
-    look();  // at what has happened before
+    listener_ = scene_->events().subscribe([this] { on_scene_event(); });
+    on_scene_event();  // at what has happened before
     return {};
   }
 
   /// Something has happened to the scene.
-  void look() {
-    if (scene_->removed()) return go_on([this] { end_now(scene_->gone()); });
-    if (producer_->call.load() != this) go_on([this] { end_now(taken_over()); });
+  void on_scene_event() {
+    if (scene_->removed()) return advance([this] { end_now(scene_->removed_error()); });
+    if (producer_->call.load() != this) advance([this] { end_now(taken_over()); });
   }
 
   /// In turn: applies what waits.
@@ -155,14 +155,14 @@ class UpdateStream final
     }
     for (bool go = true; go;) {
       std::vector<BatchOutcome> outcomes;
-      const Status applied = exec::guarded([&]() -> Status {
+      const Status applied = exec::to_status([&]() -> Status {
         if (batches.empty()) return {};  // forgotten meanwhile
-        auto some = turn_->apply_some(batches);
+        auto some = session_->apply_some(batches);
         if (!some) return some.error();
         outcomes = std::move(*some);
         return {};
       });
-      go_on([&] {
+      advance([&] {
         answer(outcomes);
         if (!applied) end_now(applied);
         go = !abandoned_ && !batches.empty();
@@ -174,7 +174,7 @@ class UpdateStream final
   // Those below hold the mutex.
 
   void answer(const std::vector<BatchOutcome>& outcomes) {
-    coalesced_ = turn_->coalesced();
+    coalesced_ = session_->coalesced();
     for (const BatchOutcome& outcome : outcomes) {
       window_bytes_ -= outcome.bytes;
       answered_ = outcome.sequence;
@@ -215,7 +215,7 @@ class UpdateStream final
 
   /// Sets going what can go after the change. This may be gone when it returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     grpc::Status status;
     {
       const std::lock_guard lock(mutex_);
@@ -227,11 +227,11 @@ class UpdateStream final
       }
       if (!waiting_.empty() && !working_) {
         working_ = true;
-        scene_->turns().post(services_.compute, [this] { work(); });
+        scene_->write_queue().post(services_.compute, [this] { work(); });
       }
       if (!answers_.empty() && !writing_) {
         writing_ = true;
-        being_written_ = answers_.take(reply_);
+        being_written_ = answers_.pop(reply_);
         StartWrite(&reply_);
       }
       if (!may_end()) return;
@@ -253,7 +253,7 @@ class UpdateStream final
   std::shared_ptr<scenes::StoredScene> scene_;
   scenes::Producer* producer_ = nullptr;
   std::uint64_t listener_ = 0;
-  std::optional<ProducerTurn> turn_;  // in turn
+  std::optional<ProducerSession> session_;  // in turn
 
   std::mutex mutex_;  // of all below
   bool starting_ = true, opened_ = false;

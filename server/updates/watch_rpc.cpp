@@ -24,8 +24,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   explicit Watch(const UpdateServices& services) : services_(services) {}
 
   void start(const v1::WatchSceneRequest& request) {
-    const Status ready = exec::guarded([&] { return open(request); });
-    go_on([&] {
+    const Status ready = exec::to_status([&] { return open(request); });
+    advance([&] {
       starting_ = false;
       if (!ready) return end(ready);
       set_clock();
@@ -33,14 +33,14 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   void OnWriteDone(bool ok) override {
-    go_on([&] {
+    advance([&] {
       writing_ = false;
       if (!ok) end(Error{Code::kCancelled, "the message could not be written", "CANCELLED"});
     });
   }
 
   void OnCancel() override {
-    go_on([this] { end(Error{Code::kCancelled, "the call was cancelled", "CANCELLED"}); });
+    advance([this] { end(Error{Code::kCancelled, "the call was cancelled", "CANCELLED"}); });
   }
 
   void OnDone() override {
@@ -65,32 +65,32 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     }
     cursor_.emplace(*scene_, from);
     if (Status entered =
-            services_.watches.enter(this, [this] { go_on([this] { end(exec::stopping()); }); });
+            services_.watches.enter(this, [this] { advance([this] { end(exec::stopping()); }); });
         !entered)
       return entered;
-    listener_ = scene_->events().subscribe([this] { look(); });
-    if (scene_->removed()) return scene_->gone();
+    listener_ = scene_->events().subscribe([this] { on_scene_event(); });
+    if (scene_->removed()) return scene_->removed_error();
     return {};
   }
 
-  void look() {
-    go_on([this] {
-      if (scene_->removed()) end(scene_->gone());
+  void on_scene_event() {
+    advance([this] {
+      if (scene_->removed()) end(scene_->removed_error());
     });
   }
 
   /// On a worker.
   void encode() {
-    const Status encoded = exec::guarded([this]() -> Status {
-      if (std::exchange(begun_telling_, true) && cursor_->behind()) return cursor_->next(message_);
+    const Status encoded = exec::to_status([this]() -> Status {
+      if (std::exchange(first_sent_, true) && cursor_->behind()) return cursor_->next(message_);
       cursor_->progress(message_);
       return {};
     });
-    go_on([&] {
+    advance([&] {
       working_ = false;
       if (!encoded) end(encoded);
       if (ending_) return;
-      told_ = true;
+      reported_ = true;
       progress_due_ = false;
       writing_ = true;
       StartWrite(&message_);
@@ -108,10 +108,10 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   void set_clock() {
     ticking_ = true;
     clock_.Set(std::chrono::system_clock::now() + kWatchProgress / 2, [this](bool rang) {
-      go_on([&] {
+      advance([&] {
         ticking_ = false;
         if (!rang || ending_) return;
-        progress_due_ = !std::exchange(told_, false);
+        progress_due_ = !std::exchange(reported_, false);
         set_clock();
       });
     });
@@ -119,7 +119,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 
   /// Sets going what can go after the change. This may be gone when it returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     grpc::Status status;
     {
       const std::lock_guard lock(mutex_);
@@ -144,13 +144,13 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
   std::optional<WatchCursor> cursor_;  // while encoding, as the next two
-  bool begun_telling_ = false;
+  bool first_sent_ = false;
   v1::WatchSceneResponse message_;
 
   std::mutex mutex_;  // of all below
   bool starting_ = true;
   bool working_ = false, writing_ = false, ticking_ = false;  // under way
-  bool told_ = false;         // a message has gone since the clock ticked
+  bool reported_ = false;     // a message has gone since the clock ticked
   bool progress_due_ = true;  // where it begins
   std::optional<Status> ending_;
   bool ended_ = false;

@@ -33,7 +33,7 @@ TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
   std::atomic<bool> others_done{false};
   Compute compute(1);
   for (int i = 0; i < 3; ++i) {
-    compute.enqueue_apart([&] {
+    compute.enqueue_background([&] {
       while (!others_done) std::this_thread::yield();
     });
   }
@@ -48,7 +48,7 @@ TEST(Compute, UpdatesDoNotWaitForOthers) {
       while (!updated) std::this_thread::yield();
     };
     compute.enqueue(wait);
-    compute.enqueue_apart(wait);
+    compute.enqueue_background(wait);
   }
   compute.enqueue_update([&] { updated = true; });
 }

@@ -6,8 +6,8 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(OpenCalls, LetsInSoManyAtATime) {
-  OpenCalls calls(2, "things", "TOO_MANY_THINGS");
+TEST(CallRegistry, LetsInSoManyAtATime) {
+  CallRegistry calls(2, "things", "TOO_MANY_THINGS");
   int a = 0, b = 0, c = 0;
   EXPECT_TRUE(calls.enter(&a, [] {}));
   EXPECT_TRUE(calls.enter(&b, [] {}));
@@ -21,8 +21,8 @@ TEST(OpenCalls, LetsInSoManyAtATime) {
   EXPECT_TRUE(calls.enter(&c, [] {}));
 }
 
-TEST(OpenCalls, TellsThoseThatAreOpenAndLetsNoOtherIn) {
-  OpenCalls calls(3, "things", "TOO_MANY_THINGS");
+TEST(CallRegistry, TellsThoseThatAreOpenAndLetsNoOtherIn) {
+  CallRegistry calls(3, "things", "TOO_MANY_THINGS");
   int a = 0, b = 0;
   EXPECT_TRUE(calls.enter(&a, [&] { ++a; }));
   EXPECT_TRUE(calls.enter(&b, [&] { ++b; }));

@@ -13,11 +13,11 @@ class PrefetchCallsTest : public testing::Test {
   scenes::MemorySceneStore scenes_;
   Admission admission_{{}};
   Compute compute_{1};
-  OpenCalls waits_{1, "reads", "TOO_MANY_WAITING"};
+  CallRegistry waits_{1, "reads", "TOO_MANY_WAITING"};
   queries::CastServices services_{.scenes = scenes_,
                                   .compute = compute_,
                                   .admission = admission_,
-                                  .listing = admission_,
+                                  .all_hits_admission = admission_,
                                   .waiting = {compute_, admission_, waits_}};
 };
 

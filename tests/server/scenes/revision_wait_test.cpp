@@ -27,7 +27,7 @@ class RevisionWaitTest : public testing::Test {
 
   static constexpr std::chrono::hours kLong{1};
   exec::Admission admission_{{.rays = 10, .bytes = 1000}};
-  exec::OpenCalls waits_{2, "reads", "TOO_MANY_WAITING"};
+  exec::CallRegistry waits_{2, "reads", "TOO_MANY_WAITING"};
   const std::shared_ptr<StoredScene> scene_ =
       std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
   exec::Compute compute_{1};

@@ -10,6 +10,6 @@ inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a value that are sh
 
 /// The text in double quotes: printable ASCII only (anything else is shown as '?', a quote or
 /// backslash is escaped), cut after kMaxQuoted bytes with the full length told.
-std::string in_quotes(std::string_view text);
+std::string quote(std::string_view text);
 
 }  // namespace sightline::server::exec
