@@ -1,4 +1,4 @@
-// Who streams updates into a scene.
+// The producers that stream updates into a scene.
 #include "server/scenes/producers.h"
 
 #include <fmt/format.h>
@@ -10,14 +10,9 @@
 namespace sightline::server::scenes {
 
 void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes) {
-  if (!nodes.empty()) put.push_back({sequence, nodes});
+  put.append({sequence, nodes}, nodes.size());
+  put.trim();
   last_committed = sequence;
-  std::size_t ids = 0;
-  for (const Put& kept : put) ids += kept.nodes.size();
-  while (!put.empty() && (put.front().sequence + kPutsKept <= sequence || ids > kPutIdsKept)) {
-    ids -= put.front().nodes.size();
-    put.pop_front();
-  }
 }
 
 Result<Producer*> Producers::open(const std::string& name) {

@@ -1,4 +1,4 @@
-// The last answers to requests that were given an id.
+// The last answers to requests with a request id.
 #include "server/scenes/request_answers.h"
 
 #include <fmt/format.h>
@@ -22,16 +22,9 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
 
 void RequestAnswers::retain(const std::string& id, std::uint64_t content,
                             scenegraph::Applied answer) {
-  nodes_ += answer.nodes.size();
+  ids_.append(id, answer.nodes.size());
   answers_.emplace(id, Kept{content, std::move(answer)});
-  oldest_first_.push_back(id);
-  while (oldest_first_.size() > limits_.answers ||
-         (oldest_first_.size() > 1 && nodes_ > limits_.nodes)) {
-    const auto oldest = answers_.find(oldest_first_.front());
-    nodes_ -= oldest->second.answer.nodes.size();
-    answers_.erase(oldest);
-    oldest_first_.pop_front();
-  }
+  for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
 }
 
 Status check_request_id(std::string_view id) {

@@ -25,8 +25,10 @@ void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t windo
   opened.set_last_committed(producer.last_committed);
   opened.set_window(window);
   encode_revision(revision, *opened.mutable_revision());
-  for (const scenes::Producer::Put& put : producer.put)
-    encode_put(put.sequence, put.nodes, *opened.add_put());
+  for (std::size_t i = 0; i < producer.put.size(); ++i) {
+    const scenes::Producer::Put& put = producer.put[i];
+    if (!put.nodes.empty()) encode_put(put.sequence, put.nodes, *opened.add_put());
+  }
 }
 
 void UpdateAnswers::ack(std::uint64_t sequence, const scenes::RevisionToken& revision,
