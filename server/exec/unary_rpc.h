@@ -9,7 +9,6 @@
 
 #include "server/exec/admission.h"
 #include "server/exec/compute.h"
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 

@@ -16,22 +16,10 @@
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_pager.h"
 #include "server/scenes/revision_wait.h"
-#include "server/scenes/scene_store.h"
+#include "server/scenes/services.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
-
-/// What casting needs of the server; all outlive every call.
-struct CastServices {
-  scenes::SceneStore& scenes;
-  exec::Compute& compute;
-  exec::Admission& admission;
-  /// A part of it, for batches that ask for all hits: those keep their places while a client reads,
-  /// and however slow some are, room for other batches is left.
-  exec::Admission& all_hits_admission;
-  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
-  scenes::WaitServices waiting;
-};
 
 /// How many messages the answer to a batch may be.
 enum class Replies : std::uint8_t { kOne, kMany };
@@ -40,7 +28,8 @@ enum class Replies : std::uint8_t { kOne, kMany };
 /// more. Its memory is used again by the next batch.
 class CastJob {
  public:
-  CastJob(const CastServices& services, Replies replies) : services_(services), replies_(replies) {}
+  CastJob(const scenes::Services& services, Replies replies)
+      : services_(services), replies_(replies) {}
 
   /// Looks the scene up and reads what is asked. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
@@ -70,7 +59,7 @@ class CastJob {
   Status select();
   Status answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply);
 
-  const CastServices& services_;
+  const scenes::Services& services_;
   const Replies replies_;
   CastQuery query_;
   std::shared_ptr<scenes::StoredScene> scene_;  // until it is pinned

@@ -4,7 +4,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_rpc.h"
@@ -16,10 +15,11 @@ namespace {
 /// Lives until its task in the arena has called Finish, however early the client has gone.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
-  CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
+  CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
       : compute_(services.compute),
         job_(services, Replies::kOne),
-        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)),
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)),
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
@@ -66,8 +66,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-RayQueryRpc::RayQueryRpc(const CastServices& services, std::size_t max_prefetches)
-    : services_(services), prefetches_(max_prefetches) {
+RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services) {
   SetMessageAllocatorFor_CastRays(&messages_);
 }
 
@@ -81,12 +80,12 @@ grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* con
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
 RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
-  return start_cast_stream(services_, *context, open_streams_, kMaxCastStreams);
+  return start_cast_stream(services_, *context);
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
     grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
-  return start_prefetch(services_, prefetches_, *request);
+  return start_prefetch(services_, *request);
 }
 
 }  // namespace sightline::server::queries

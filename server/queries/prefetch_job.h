@@ -20,7 +20,7 @@ inline constexpr int kMaxPrefetchRoots = 4096;
 /// Used once: opened, run, asked, closed.
 class PrefetchJob {
  public:
-  explicit PrefetchJob(const CastServices& services) : services_(services) {}
+  explicit PrefetchJob(const scenes::Services& services) : services_(services) {}
 
   /// Checks the request, pins the scene's current revision, and takes a place in the queue for the
   /// rays. Errors: kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
@@ -47,7 +47,7 @@ class PrefetchJob {
   Status build();
   Status grow();
 
-  const CastServices& services_;
+  const scenes::Services& services_;
   const Clock::time_point begun_ = Clock::now();
   CastQuery query_;
   std::vector<scenegraph::model::NodeId> roots_;

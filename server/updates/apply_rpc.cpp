@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/update_codec.h"
@@ -29,7 +28,7 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
 /// first one's answer.
 class ApplyCall final : public grpc::ServerUnaryReactor {
  public:
-  ApplyCall(const UpdateServices& services, const v1::ApplyUpdatesRequest& request,
+  ApplyCall(const scenes::Services& services, const v1::ApplyUpdatesRequest& request,
             v1::ApplyUpdatesResponse& reply)
       : services_(services), request_(request), reply_(reply) {}
 
@@ -110,7 +109,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   const v1::ApplyUpdatesRequest& request_;
   v1::ApplyUpdatesResponse& reply_;
   exec::Admission::Ticket ticket_;
@@ -122,7 +121,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
+grpc::ServerUnaryReactor* start_apply(const scenes::Services& services,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply) {
   auto* call = new ApplyCall(services, request, reply);

@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_session.h"
@@ -28,12 +27,13 @@ Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELL
 class UpdateStream final
     : public grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse> {
  public:
-  explicit UpdateStream(const UpdateServices& services)
+  explicit UpdateStream(const scenes::Services& services)
       : services_(services), batches_(services.blobs, services.admission) {}
 
   void start() {
-    const Status entered = services_.streams.enter(
-        this, [this] { advance([this] { end_after_answers(exec::stopping()); }); });
+    const Status entered = services_.update_streams.enter(this, [this] {
+      advance([this] { end_after_answers(services_.update_streams.stopped_error()); });
+    });
     advance([&] {
       starting_ = false;
       if (!entered) end_now(entered.error());
@@ -73,7 +73,7 @@ class UpdateStream final
 
   void OnDone() override {
     services_.compute.enqueue([this] {
-      services_.streams.leave(this);
+      services_.update_streams.leave(this);
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
       // In turn, after all that this call has left there.
@@ -244,7 +244,7 @@ class UpdateStream final
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   v1::StreamUpdatesRequest request_;
   UpdateBatches batches_;  // while reading
   std::optional<UpdateBatch> came_;
@@ -272,7 +272,7 @@ class UpdateStream final
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* start_update_stream(
-    const UpdateServices& services) {
+    const scenes::Services& services) {
   auto* stream = new UpdateStream(services);
   stream->start();
   return stream;

@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/watch_cursor.h"
@@ -21,7 +20,7 @@ namespace {
 /// and a client that does not read falls behind in the log, not in memory.
 class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
  public:
-  explicit Watch(const UpdateServices& services) : services_(services) {}
+  explicit Watch(const scenes::Services& services) : services_(services) {}
 
   void start(const v1::WatchSceneRequest& request) {
     const Status ready = exec::to_status([&] { return open(request); });
@@ -64,8 +63,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
                    "REVISION_NOT_KEPT"};
     }
     cursor_.emplace(*scene_, from);
-    if (Status entered =
-            services_.watches.enter(this, [this] { advance([this] { end(exec::stopping()); }); });
+    if (Status entered = services_.watches.enter(
+            this, [this] { advance([this] { end(services_.watches.stopped_error()); }); });
         !entered)
       return entered;
     listener_ = scene_->events().subscribe([this] { on_scene_event(); });
@@ -140,7 +139,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
   std::optional<WatchCursor> cursor_;  // while encoding, as the next two
@@ -160,7 +159,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(
-    const UpdateServices& services, const v1::WatchSceneRequest& request) {
+    const scenes::Services& services, const v1::WatchSceneRequest& request) {
   auto* watch = new Watch(services);
   watch->start(request);
   return watch;
