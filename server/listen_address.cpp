@@ -11,10 +11,9 @@
 namespace sightline::server {
 
 Result<ListenAddress> ListenAddress::parse(std::string_view text) {
-  const Error bad{
-      Code::kInvalidArgument,
-      fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::quote(text)),
-      "BAD_ADDRESS"};
+  const Error bad{Code::kInvalidArgument,
+                  fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::quote(text)),
+                  "BAD_ADDRESS"};
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return bad;
   std::string_view host = text.substr(0, colon);

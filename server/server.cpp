@@ -94,12 +94,12 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   return info;
 }
 
-/// The measured settings; the library's defaults hold where none is named.
+/// Settings that differ from the library's defaults. They were measured.
 void configure(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
-                             0);  // or two servers would share a port unnoticed
+                             0);  // otherwise two servers could share a port
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);

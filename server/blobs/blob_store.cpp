@@ -1,4 +1,4 @@
-// Meshes by the digest of their bytes, and the uploads on their way to become meshes.
+// Meshes by the digest of their bytes, and uploads in progress.
 #include "server/blobs/blob_store.h"
 
 #include <fmt/format.h>
@@ -120,8 +120,7 @@ Status BlobStore::make_room(std::uint64_t bytes, Freed& freed) {
                              pending_.size(), limits_.uploads),
                  "TOO_MANY_UPLOADS"};
   }
-  // Written as two comparisons: usage may exceed the budget by the difference between a blob and
-  // its mesh.
+  // Two comparisons, because a mesh may be larger than its blob and the use may exceed the budget.
   while (bytes_used_ > limits_.memory_budget || bytes > limits_.memory_budget - bytes_used_) {
     if (drop_upload(false, freed) || drop_unused_mesh(freed) || drop_upload(true, freed)) continue;
     return Error{
@@ -148,7 +147,7 @@ bool BlobStore::drop_upload(bool standing_still, Freed& freed) {
 }
 
 bool BlobStore::drop_unused_mesh(Freed& freed) {
-  // Copies are only made under the lock, so a mesh that is held here alone stays so.
+  // Pointers are only copied under the lock, so a use count of 1 cannot grow meanwhile.
   auto oldest = meshes_.end();
   for (auto it = meshes_.begin(); it != meshes_.end(); ++it) {
     if (it->second.mesh.use_count() > 1) continue;

@@ -1,4 +1,4 @@
-// The threads that work: the server's own oneTBB arenas.
+// Worker threads: the server's oneTBB arenas.
 #include "server/exec/compute.h"
 
 namespace sightline::server::exec {

@@ -1,4 +1,4 @@
-// Text that a caller sent, made fit for an error message or a log line.
+// Quotes text of a client for an error message or a log line.
 #include "server/exec/quote.h"
 
 #include <fmt/format.h>

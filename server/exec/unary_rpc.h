@@ -1,4 +1,4 @@
-// Unary calls whose work is done in the arena: all that neither wait nor end early when cancelled.
+// Unary calls that run on a worker, do not wait, and ignore cancellation.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -14,8 +14,8 @@
 
 namespace sightline::server::exec {
 
-/// Answers a call with what work(), a Status, comes to on a worker. The request counts in the
-/// queue's bytes.
+/// Runs work() on a worker and ends the call with the Status it returns. The bytes of the request
+/// are admitted first.
 template <class Work>
 grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
                                           grpc::CallbackServerContext& context,

@@ -1,4 +1,4 @@
-// One batch of rays on its way through the server.
+// Serves batches of rays.
 #include "server/queries/cast_job.h"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// With every field asked for.
+/// With every field.
 constexpr std::size_t kReplyBytesPerRay = 48;
 
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {

@@ -1,4 +1,4 @@
-// One batch of rays on its way through the server: decoded and admitted, then traced and encoded.
+// Serves batches of rays: decode, admit, trace, encode.
 #pragma once
 
 #include <atomic>
@@ -21,36 +21,36 @@
 
 namespace sightline::server::queries {
 
-/// How many messages the answer to a batch may be.
+/// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
-/// Serves one call: open and pin once, then for each batch take once, and run until there is no
-/// more. Its memory is used again by the next batch.
+/// Serves one call: open() and pin() once; then for each batch accept() once, and run() until the
+/// reply says that there is no more. The next batch reuses the memory.
 class CastJob {
  public:
   CastJob(const scenes::Services& services, Replies replies)
       : services_(services), replies_(replies) {}
 
-  /// Looks the scene up and reads what is asked. Errors: kInvalidArgument, kNotFound.
+  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
 
-  /// After open(): pins the revision that answers every batch.
+  /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
-  /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
-  /// kInvalidArgument, where one reply could not hold all hits.
+  /// Decodes the rays and admits them. Errors: as decode_rays and Admission::admit;
+  /// kInvalidArgument if one reply cannot hold all hits.
   Status accept(const v1::Rays& rays);
 
-  /// Traces what was taken, in the calling thread's arena, and gives the place back; unless the
-  /// reply says that there is more: then it is to be called again, for the next reply.
-  /// Errors: kCancelled; kNotFound, naming a node that the query selects by and does not exist.
+  /// Traces the accepted batch in the calling thread's arena and releases its admission. If the
+  /// reply says that there is more, the batch stays admitted and run() must be called again for the
+  /// next reply. Errors: kCancelled; kNotFound, naming a node of the query that does not exist.
   Status run(v1::CastRaysResponse& reply);
 
   /// Makes run() end within a block of rays. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  /// Lets go of the revision; the last to do so frees its trees, which takes time.
+  /// Releases the revision. The last release frees its trees, which may take long.
   void close();
 
  private:
@@ -62,7 +62,7 @@ class CastJob {
   const scenes::Services& services_;
   const Replies replies_;
   CastQuery query_;
-  std::shared_ptr<scenes::StoredScene> scene_;  // until it is pinned
+  std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
   std::vector<accel::geometry::Ray> rays_;
@@ -74,7 +74,7 @@ class CastJob {
   exec::Admission::Ticket ticket_, all_hits_ticket_;
   Clock::time_point accepted_;
   Clock::duration queued_{}, traced_{};  // of the batch
-  bool begun_ = false;                   // a reply to the batch has been made
+  bool begun_ = false;                   // the batch has a reply
   std::atomic<bool> cancelled_{false};
 };
 

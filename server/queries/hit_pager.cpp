@@ -48,7 +48,7 @@ Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
   sent_hits_ += count;
   reply.set_first_ray(first);
   reply.set_more(sent_ < rays_.size());
-  if (!reply.more()) hits_ = {};  // an idle stream holds no megabytes
+  if (!reply.more()) hits_ = {};  // frees the memory while the stream is idle
   return {};
 }
 

@@ -1,4 +1,4 @@
-// Scenes in memory: gone when the process ends.
+// Keeps scenes in memory.
 #include "server/scenes/memory_scene_store.h"
 
 #include <fmt/format.h>
@@ -58,7 +58,7 @@ Status MemorySceneStore::remove(const std::string& name) {
     scenes_.erase(found);
   }
   removed->remove();
-  return {};  // its trees, which may be large, go with it
+  return {};  // `removed` may free large trees, outside the lock
 }
 
 void MemorySceneStore::drop_old_revisions() {

@@ -1,4 +1,4 @@
-// Scenes in memory: gone when the process ends.
+// Keeps scenes in memory. They are lost when the process ends.
 #pragma once
 
 #include <cstddef>

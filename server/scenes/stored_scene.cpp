@@ -1,4 +1,4 @@
-// A scene with what was said of it when it was created.
+// A scene with its recorded properties, history, write queue and events.
 #include "server/scenes/stored_scene.h"
 
 #include <fmt/format.h>
@@ -55,7 +55,7 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   }
   dropped.push_back(std::move(unsettled));
   dropped.push_back(std::move(before));
-  // After an update: what neither its writer nor a reader is to wait for.
+  // Freeing old revisions and settling may take long, and no reply waits for them.
   compute.enqueue_background([self = shared_from_this(), settle = applied && applied->settle,
                               dropped = std::move(dropped)]() mutable {
     dropped.clear();

@@ -1,4 +1,4 @@
-// SceneService.ApplyUpdates: one batch, applied in the scene's turn.
+// SceneService.ApplyUpdates: applies one batch on the scene's write queue.
 #include "server/updates/apply_rpc.h"
 
 #include <spdlog/spdlog.h>
@@ -17,15 +17,16 @@
 namespace sightline::server::updates {
 namespace {
 
-/// A change of what is in the scene, not merely of where it is: rare enough for the log.
+/// Whether the request adds or removes nodes. Such requests are rare, so they are logged at level
+/// info.
 bool changes_content(const v1::ApplyUpdatesRequest& request) {
   return std::any_of(
       request.updates().begin(), request.updates().end(),
       [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
 }
 
-/// Decoded on any worker, then applied in turn. Requests of one id meet there: the second finds the
-/// first one's answer.
+/// Decoded on any worker, then applied on the write queue. Of two requests with one id the second
+/// finds the answer of the first there.
 class ApplyCall final : public grpc::ServerUnaryReactor {
  public:
   ApplyCall(const scenes::Services& services, const v1::ApplyUpdatesRequest& request,
@@ -53,7 +54,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!scene) return scene.error();
     if (Status good = scenes::check_request_id(request_.request_id()); !good) return good;
     scene_ = std::move(*scene);
-    // Not an error yet: a request that was answered before is answered again.
+    // A decode error is reported later: a repeated request gets its first answer instead.
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
     if (!request_.request_id().empty())
       content_ = std::hash<std::string>()(request_.SerializeAsString());

@@ -1,4 +1,4 @@
-// SceneService.ApplyUpdates: one batch, applied in the scene's turn.
+// SceneService.ApplyUpdates: applies one batch on the scene's write queue.
 #pragma once
 
 #include <grpcpp/support/server_callback.h>

@@ -8,7 +8,7 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Of the server, not of the batch: it may succeed when it is sent again.
+/// Whether the server failed, not the batch. The batch may then succeed when it is sent again.
 bool is_our_fault(const Error& error) {
   return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY";
 }
@@ -39,7 +39,8 @@ Result<std::vector<BatchOutcome>> ProducerSession::apply_some(std::deque<UpdateB
   return outcomes;
 }
 
-/// False, and nothing is done, if there are not two, or if together they fail.
+/// Returns false and changes nothing if fewer than two batches can be merged, or if the merged
+/// batch fails.
 bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches,
                                      std::vector<BatchOutcome>& outcomes) {
   const std::size_t count = count_to_coalesce(batches);

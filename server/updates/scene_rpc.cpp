@@ -51,10 +51,10 @@ Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesRespon
   const std::string& token = request.page_token();
   if (!token.empty() &&
       (!scenes::check_scene_name(token) || scenes::project_of(token) != request.parent())) {
-    return Error{Code::kInvalidArgument,
-                 fmt::format("page_token {} is not from a list of {}", exec::quote(token),
-                             request.parent()),
-                 "BAD_PAGE_TOKEN"};
+    return Error{
+        Code::kInvalidArgument,
+        fmt::format("page_token {} is not from a list of {}", exec::quote(token), request.parent()),
+        "BAD_PAGE_TOKEN"};
   }
   const int size =
       request.page_size() == 0 ? kDefaultPage : std::min(request.page_size(), kMaxPage);

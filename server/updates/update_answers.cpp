@@ -1,4 +1,4 @@
-// What a producer is to be told, in order.
+// The queue of answers to a producer.
 #include "server/updates/update_answers.h"
 
 #include <utility>
@@ -8,7 +8,7 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Of up to 10 bytes each: the message stays below 1 MiB.
+/// An id takes up to 10 bytes, so the message stays below 1 MiB.
 constexpr std::size_t kMaxIdsPerAck = 65536;
 
 void encode_put(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& ids,

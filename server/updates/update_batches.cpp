@@ -1,4 +1,4 @@
-// The batches of one producer as they come in.
+// Assembles the batches of one producer from messages.
 #include "server/updates/update_batches.h"
 
 #include <fmt/format.h>
@@ -46,7 +46,7 @@ Status UpdateBatches::check_sequence(std::uint64_t sequence) const {
 
 Status UpdateBatches::append(const v1::UpdateBatch& message) {
   const std::size_t bytes = message.ByteSizeLong();
-  if (batch_.bad) return {};  // the rest of it is passed over
+  if (batch_.bad) return {};  // the rest of the batch is ignored
   if (batch_.bytes + bytes > kMaxBatchBytes) {
     refuse({Code::kResourceExhausted,
             fmt::format("the batch has more than the limit of {} bytes", kMaxBatchBytes),

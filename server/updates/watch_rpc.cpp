@@ -16,8 +16,8 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Encodes a message on a worker, writes it, and only then encodes the next: one message is kept,
-/// and a client that does not read falls behind in the log, not in memory.
+/// Encodes a message on a worker, writes it, and only then encodes the next. The call holds one
+/// message: a client that does not read falls behind in the log and costs no memory.
 class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
  public:
   explicit Watch(const scenes::Services& services) : services_(services) {}
@@ -96,7 +96,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     });
   }
 
-  // Those below hold the mutex.
+  // The members below are called with the mutex held.
 
   void end(const Status& status) {
     if (ending_) return;
@@ -116,7 +116,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     });
   }
 
-  /// Sets going what can go after the change. This may be gone when it returns.
+  /// Makes the change, then starts what may run, or ends the call. The call may be deleted before
+  /// this returns.
   template <class Change>
   void advance(const Change& change) {
     grpc::Status status;
@@ -149,8 +150,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   std::mutex mutex_;  // of all below
   bool starting_ = true;
   bool working_ = false, writing_ = false, ticking_ = false;  // under way
-  bool reported_ = false;     // a message has gone since the clock ticked
-  bool progress_due_ = true;  // where it begins
+  bool reported_ = false;     // a message was written since the last alarm
+  bool progress_due_ = true;  // the first message reports the start
   std::optional<Status> ending_;
   bool ended_ = false;
   grpc::Alarm clock_;
