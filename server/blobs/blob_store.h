@@ -59,7 +59,7 @@ class BlobStore {
   void abandon(const std::shared_ptr<Upload>& upload);
 
   UploadStatus status(const BlobDigest& digest) const;
-  std::uint64_t bytes_used() const;  ///< Of the memory budget.
+  std::uint64_t bytes_used() const;  ///< Part of the memory budget that is used.
 
  private:
   struct Pending {

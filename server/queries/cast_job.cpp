@@ -11,7 +11,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// With every field.
+/// Bytes of a reply with every field.
 constexpr std::size_t kReplyBytesPerRay = 48;
 
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {

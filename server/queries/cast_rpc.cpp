@@ -12,7 +12,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// Lives until its task in the arena has called Finish, however early the client has gone.
+/// Lives until its task has called Finish(), also if the client has cancelled the call.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
   CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
@@ -54,7 +54,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
     exec::log_rpc("CastRays", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();

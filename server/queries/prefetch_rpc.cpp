@@ -115,8 +115,8 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   exec::Compute& compute_;
   exec::CallRegistry& calls_;
   PrefetchJob job_;
-  std::mutex mutex_;                                          // of all below
-  bool building_ = true, ticking_ = false, writing_ = false;  // under way
+  std::mutex mutex_;                                          // protects all members below
+  bool building_ = true, ticking_ = false, writing_ = false;  // activities that run
   bool reporting_ = true, ended_ = false;
   Status built_;
   v1::PrefetchResponse report_, last_;

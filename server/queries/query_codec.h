@@ -28,8 +28,8 @@ Status decode_rays(const v1::Rays& columns, std::vector<accel::geometry::Ray>& r
 void encode_hits(std::span<const accel::geometry::Hit> hits, std::span<const v1::HitField> fields,
                  v1::CastRaysResponse& reply);
 
-/// The same for query kinds with a tally per ray. Fields of rays come from `tallies`, fields of
-/// hits from `hits`.
+/// As encode_hits(), for query kinds with a tally per ray. Fields of rays come from `tallies`,
+/// fields of hits from `hits`.
 void encode_tallies(std::span<const scenegraph::RayTally> tallies,
                     std::span<const accel::geometry::Hit> hits,
                     std::span<const v1::HitField> fields, v1::CastRaysResponse& reply);

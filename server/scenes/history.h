@@ -11,8 +11,8 @@ namespace sightline::server::scenes {
 
 struct HistoryLimits {
   std::size_t entries = 0;
-  std::uint64_t weight = 0;     ///< Of all entries together.
-  std::size_t min_entries = 0;  ///< So many of the newest stay, however heavy they are.
+  std::uint64_t weight = 0;     ///< Sum over all entries.
+  std::size_t min_entries = 0;  ///< The newest ones, kept whatever their weight.
 };
 
 /// Oldest first. A dropped entry is returned, so that its owner can destroy it outside a lock.

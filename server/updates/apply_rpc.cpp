@@ -106,7 +106,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     updates_.reset();
     scene_.reset();
     exec::log_rpc("ApplyUpdates", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();

@@ -8,7 +8,7 @@
 
 namespace sightline::server::updates {
 
-/// The reactor of a new call; it frees itself. All arguments outlive the call.
+/// The reactor of a new call; it deletes itself. All arguments outlive the call.
 grpc::ServerUnaryReactor* start_apply(const scenes::Services& services,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply);

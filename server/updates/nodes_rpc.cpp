@@ -69,7 +69,7 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     ticket_ = {};
     scene_.reset();
     exec::log_rpc("BatchGetNodes", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();

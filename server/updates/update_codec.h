@@ -1,4 +1,4 @@
-// Updates between the wire and the scene graph.
+// Decodes and encodes updates.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>

@@ -202,9 +202,9 @@ class UpdateStream final
 
   // The members below are called with the mutex held.
 
-  /// The only function that changes state_, except that advance() ends the call. A state that is
-  /// already reached or passed is ignored. `status` is what the call ends with: the first one of
-  /// kDraining or kAborting, except that an abort replaces the OK of a client that closed its side.
+  /// The only function that changes state_. A state that is already reached or passed is ignored.
+  /// `status` is what the call ends with: that of the first change to kDraining or kAborting,
+  /// except that an abort replaces the OK of a client that closed its side.
   void enter(State next, const Status& status) {
     if (next <= state_) return;
     if (state_ < State::kDraining || status_.ok()) status_ = status;
@@ -271,7 +271,7 @@ class UpdateStream final
         StartWrite(&reply_);
       }
       if (!may_end()) return;
-      state_ = State::kEnded;
+      enter(State::kEnded, status_);
       status = exec::to_grpc(status_);
       exec::log_rpc("StreamUpdates", status, begun_,
                     fmt::format("up_to={} coalesced={}", answered_, coalesced_));

@@ -143,13 +143,13 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   const scenes::Services& services_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
-  std::optional<WatchCursor> cursor_;  // while encoding, as the next two
+  std::optional<WatchCursor> cursor_;  // this and the next two: used while encoding
   bool first_sent_ = false;
   v1::WatchSceneResponse message_;
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // protects all members below
   bool starting_ = true;
-  bool working_ = false, writing_ = false, ticking_ = false;  // under way
+  bool working_ = false, writing_ = false, ticking_ = false;  // operations that run
   bool reported_ = false;     // a message was written since the last alarm
   bool progress_due_ = true;  // the first message reports the start
   std::optional<Status> ending_;

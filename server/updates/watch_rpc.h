@@ -14,7 +14,7 @@ inline constexpr std::size_t kMaxWatches = 256;
 /// Longest time between two messages of a watch.
 inline constexpr std::chrono::seconds kWatchProgress{5};
 
-/// The reactor of a new call; it frees itself. The arguments outlive the call.
+/// The reactor of a new call; it deletes itself. The arguments outlive the call.
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(const scenes::Services& services,
                                                               const v1::WatchSceneRequest& request);
 
