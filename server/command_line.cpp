@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 #include "server/listen_address.h"
 
 namespace sightline::server {
@@ -33,7 +33,7 @@ std::string check_count(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [parsed_to, error] = std::from_chars(text.data(), end, count);
   const bool good = error == std::errc{} && parsed_to == end && count > 0;
-  return good ? std::string() : exec::in_quotes(text) + " is not a whole number of at least 1";
+  return good ? std::string() : exec::quote(text) + " is not a whole number of at least 1";
 }
 
 /// CLI11's own transformer also takes the enumerators' numbers, and its errors list them.

@@ -16,8 +16,8 @@ struct CommandLine {
 
 inline constexpr int kUsageExit = 2;
 
-/// The flags, or the code to exit with at once: 0 after --help and --version, kUsageExit after a
-/// usage error. Either has then been printed.
+/// Returns the flags, or an exit code: 0 after --help and --version, kUsageExit after a usage
+/// error. The text is then already printed.
 std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv);
 
 }  // namespace sightline::server

@@ -1,4 +1,4 @@
-// What a server is started with.
+// The settings of a server.
 #include "server/config.h"
 
 #include <unistd.h>

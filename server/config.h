@@ -1,4 +1,4 @@
-// What a server is started with.
+// The settings of a server.
 #pragma once
 
 #include <chrono>
@@ -16,13 +16,14 @@ struct ServerConfig {
   bool insecure = false;                   ///< Allow an address that other machines can reach.
   std::filesystem::path port_file;  ///< Gets the bound port once the server is ready. Empty: none.
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
-  int threads = default_threads();  ///< Workers that answer, 1 to kMaxThreads; as many prefetch.
+  int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
+                                    ///< background work have as many each.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch or kFull.
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of mesh data.
   exec::AdmissionLimits admission;
-  int max_prefetches = 4;  ///< In work at a time, 0 to kMaxPrefetches.
+  int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
   std::chrono::milliseconds drain =
-      std::chrono::seconds(5);  ///< What open calls get to end by themselves.
+      std::chrono::seconds(5);  ///< How long drain() waits for open calls before it cancels them.
 
   static constexpr int kMaxThreads = 1024;
   static constexpr int kMaxPrefetches = 64;
@@ -31,7 +32,7 @@ struct ServerConfig {
   static std::uint64_t default_memory_budget();
 };
 
-/// What the policy is called on the command line.
+/// The name of the policy on the command line.
 std::string policy_name(scenegraph::Growth policy);
 
 }  // namespace sightline::server

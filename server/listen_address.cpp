@@ -6,15 +6,14 @@
 
 #include <charconv>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server {
 
 Result<ListenAddress> ListenAddress::parse(std::string_view text) {
-  const Error bad{
-      Code::kInvalidArgument,
-      fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::in_quotes(text)),
-      "BAD_ADDRESS"};
+  const Error bad{Code::kInvalidArgument,
+                  fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::quote(text)),
+                  "BAD_ADDRESS"};
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return bad;
   std::string_view host = text.substr(0, colon);

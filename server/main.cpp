@@ -19,9 +19,9 @@ namespace {
 
 using namespace sightline::server;
 
-/// Messages of up to a few MiB come and go with every request: their memory is kept instead of
-/// being given back to the system and faulted in again, which costs 10 to 50 % of throughput. What
-/// is larger goes back.
+/// Every request allocates messages of up to a few MiB. Freed blocks up to the thresholds stay in
+/// the process: returning them to the system and faulting them in again costs 10 to 50 % of
+/// throughput.
 void keep_memory_at_hand() {
   // NOLINTBEGIN(concurrency-mt-unsafe): no other thread runs yet
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
@@ -45,7 +45,7 @@ void start_logging(spdlog::level::level_enum level) {
   gpr_set_log_function(log_grpc);
 }
 
-/// Blocks the signals that end the server in this thread and in all that it will start.
+/// Blocks the ending signals in this thread and in all threads that it starts.
 sigset_t block_signals() {
   sigset_t ending;
   sigemptyset(&ending);
@@ -56,7 +56,7 @@ sigset_t block_signals() {
   return ending;
 }
 
-/// From start to drained. Returns the program's exit code.
+/// Runs the server until a signal arrives. Returns the program's exit code.
 int serve(const ServerConfig& config, const sigset_t& ending) {
   const auto server = Server::start(config);
   if (!server) {
@@ -82,7 +82,7 @@ int main(int argc, char** argv) try {
 
   tbb::task_scheduler_handle workers{tbb::attach{}};
   const int code = serve(line.config, ending);
-  // Joined, so that every thread has freed what is its own before the process ends.
+  // Joins the workers, so that every thread has freed its memory before the process ends.
   static_cast<void>(tbb::finalize(workers, std::nothrow));
   return code;
 } catch (const std::exception& thrown) {

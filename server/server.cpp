@@ -18,18 +18,21 @@
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
 #include "server/blobs/upload_rpc.h"
+#include "server/exec/call_registry.h"
 #include "server/exec/compute.h"
-#include "server/exec/open_calls.h"
 #include "server/listen_address.h"
 #include "server/queries/cast_rpc.h"
 #include "server/queries/query_codec.h"
 #include "server/scenes/memory_scene_store.h"
+#include "server/scenes/revision_wait.h"
+#include "server/scenes/services.h"
 #include "server/state_files.h"
 #include "server/updates/info_rpc.h"
 #include "server/updates/scene_rpc.h"
 #include "server/updates/update_batches.h"
 #include "server/updates/update_codec.h"
 #include "server/updates/update_stream_rpc.h"
+#include "server/updates/watch_rpc.h"
 
 namespace sightline::server {
 namespace {
@@ -91,12 +94,12 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   return info;
 }
 
-/// The measured settings; the library's defaults hold where none is named.
+/// Settings that differ from the library's defaults. They were measured.
 void configure(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
-                             0);  // or two servers would share a port unnoticed
+                             0);  // otherwise two servers could share a port
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
@@ -119,35 +122,59 @@ Result<ListenAddress> check_listen(const ServerConfig& config) {
 
 }  // namespace
 
-/// In order of construction: what comes later uses what comes before, and is destroyed first.
+/// In order of construction. A member uses only members before it and is destroyed before them.
 struct Server::Parts {
   explicit Parts(const ServerConfig& c)
       : config(c),
         admission(c.admission),
-        listing({c.admission.rays / exec::kListingShare, c.admission.bytes / exec::kListingShare}),
-        waits(scenes::kMaxWaitingReads, "reads that wait for a revision", "TOO_MANY_WAITING"),
-        streams(updates::kMaxUpdateStreams, "streams of updates", "TOO_MANY_STREAMS"),
-        watches(updates::kMaxWatches, "watches of scenes", "TOO_MANY_WATCHES"),
+        all_hits_admission(
+            {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
+        waiting_reads({.limit = scenes::kMaxWaitingReads,
+                       .when_full = "{} reads that wait for a revision are open on the server",
+                       .full_reason = "TOO_MANY_WAITING"}),
+        cast_streams({.limit = queries::kMaxCastStreams,
+                      .when_full = "{} streams of rays are open",
+                      .full_reason = "TOO_MANY_STREAMS"}),
+        prefetches({.limit = static_cast<std::size_t>(c.max_prefetches),
+                    .when_full = "the server is at work on {} prefetches",
+                    .full_reason = "TOO_MANY_PREFETCHES",
+                    .when_stopped = "the server is stopping; what is built was not finished"}),
+        update_streams({.limit = updates::kMaxUpdateStreams,
+                        .when_full = "{} streams of updates are open on the server",
+                        .full_reason = "TOO_MANY_STREAMS"}),
+        watches({.limit = updates::kMaxWatches,
+                 .when_full = "{} watches of scenes are open on the server",
+                 .full_reason = "TOO_MANY_WATCHES"}),
         blobs({.memory_budget = c.memory_budget}),
         compute(c.threads) {}
 
   const ServerConfig config;
-  exec::Admission admission, listing;
-  exec::OpenCalls waits, streams, watches;
+  exec::Admission admission, all_hits_admission;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
   scenes::MemorySceneStore scenes;
   blobs::BlobStore blobs;
   exec::Compute compute;
-  const scenes::WaitServices waiting{compute, admission, waits};
-  queries::RayQueryRpc query_rpc{{scenes, compute, admission, listing, config.policy, waiting},
-                                 static_cast<std::size_t>(config.max_prefetches)};
-  updates::SceneRpc scene_rpc{{scenes, blobs, compute, admission, streams, watches, waiting}};
-  blobs::BlobRpc blob_rpc{scenes, blobs, compute, admission};
+  const scenes::Services services{.scenes = scenes,
+                                  .blobs = blobs,
+                                  .compute = compute,
+                                  .admission = admission,
+                                  .all_hits_admission = all_hits_admission,
+                                  .waiting_reads = waiting_reads,
+                                  .cast_streams = cast_streams,
+                                  .prefetches = prefetches,
+                                  .update_streams = update_streams,
+                                  .watches = watches,
+                                  .policy = config.policy};
+  queries::RayQueryRpc query_rpc{services};
+  updates::SceneRpc scene_rpc{services};
+  blobs::BlobRpc blob_rpc{blobs, compute, admission, [this] { scenes.drop_old_revisions(); }};
 
-  /// Ends what would else wait for its client or for a writer, and refuses more of it.
+  /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
+  /// Streams of rays end by themselves when their clients close them.
   void stop_waiting() {
-    query_rpc.stop_prefetching();
-    waits.stop();
-    streams.stop();
+    prefetches.stop();
+    waiting_reads.stop();
+    update_streams.stop();
     watches.stop();
   }
 

@@ -1,4 +1,4 @@
-// A running server: its services, stores and workers, from start to drained.
+// A running server: its services, stores and workers.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,17 @@ namespace sightline::server {
 
 class Server {
  public:
-  /// Serving when it returns. Errors: kInvalidArgument (a listen address that is no address, or
+  /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, or one
   /// that other machines can reach without `insecure`), kUnavailable (the port cannot be bound),
   /// kFailedPrecondition (the data directory or the port file cannot be written).
   static Result<std::unique_ptr<Server>> start(const ServerConfig& config);
-  /// Drains.
+  /// Calls drain().
   ~Server();
 
-  int port() const;  ///< The bound one.
+  int port() const;  ///< The bound port.
 
-  /// Turns the health service to NOT_SERVING, takes no new calls, gives open ones config.drain to
-  /// end and then cancels them. Returns when all have ended. A second call does nothing.
+  /// Sets the health service to NOT_SERVING, refuses new calls, waits up to config.drain for open
+  /// calls and then cancels them. Returns when all calls have ended. A second call does nothing.
   void drain();
 
  private:

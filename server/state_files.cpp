@@ -1,4 +1,4 @@
-// The files a server keeps beside its memory.
+// Files that a server writes.
 #include "server/state_files.h"
 
 #include <fmt/format.h>

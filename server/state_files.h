@@ -1,4 +1,4 @@
-// The files a server keeps beside its memory.
+// Files that a server writes.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace sightline::server {
 
-/// Creates the directory and those above it. An empty path: nothing to do.
-/// Errors: kFailedPrecondition, if it cannot be made or written into.
+/// Creates the directory and its parents. An empty path: nothing to do.
+/// Errors: kFailedPrecondition, if it cannot be created or written to.
 Status make_data_dir(const std::filesystem::path& directory);
 
-/// Writes the port and a newline, whole or not at all. An empty path: nothing to do.
+/// Writes the port and a newline atomically. An empty path: nothing to do.
 /// Errors: kFailedPrecondition.
 Status write_port_file(const std::filesystem::path& file, int port);
 

@@ -5,7 +5,7 @@
 
 #include <charconv>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::blobs {
 namespace {
@@ -47,7 +47,7 @@ Result<BlobDigest> BlobDigest::parse(std::string_view text) {
   if (good) return digest;
   return Error{Code::kInvalidArgument,
                fmt::format("{} is not a digest of the form sha256:<64 hex digits>/<size>",
-                           exec::in_quotes(text)),
+                           exec::quote(text)),
                "BAD_DIGEST"};
 }
 

@@ -46,7 +46,7 @@ grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext*
 
 grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(grpc::CallbackServerContext*,
                                                                     v1::UploadBlobResponse* reply) {
-  return start_upload(scenes_, blobs_, compute_, *reply);
+  return start_upload(blobs_, compute_, release_meshes_, *reply);
 }
 
 grpc::ServerUnaryReactor* BlobRpc::GetUploadStatus(grpc::CallbackServerContext* context,

@@ -1,10 +1,12 @@
 // BlobService.
 #pragma once
 
+#include <functional>
+#include <utility>
+
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
 #include "server/exec/compute.h"
-#include "server/scenes/scene_store.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server::blobs {
@@ -13,10 +15,14 @@ inline constexpr int kMaxDigestsPerRequest = 8192;
 
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:
-  /// All outlive every call.
-  BlobRpc(scenes::SceneStore& scenes, BlobStore& blobs, exec::Compute& compute,
-          exec::Admission& admission)
-      : scenes_(scenes), blobs_(blobs), compute_(compute), admission_(admission) {}
+  /// release_meshes() drops the references to meshes that only old revisions use. It is called when
+  /// the memory budget is used up, on a worker. All arguments outlive every call.
+  BlobRpc(BlobStore& blobs, exec::Compute& compute, exec::Admission& admission,
+          std::function<void()> release_meshes)
+      : blobs_(blobs),
+        compute_(compute),
+        admission_(admission),
+        release_meshes_(std::move(release_meshes)) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -28,10 +34,10 @@ class BlobRpc final : public v1::BlobService::CallbackService {
                                             v1::GetUploadStatusResponse* reply) override;
 
  private:
-  scenes::SceneStore& scenes_;
   BlobStore& blobs_;
   exec::Compute& compute_;
   exec::Admission& admission_;
+  const std::function<void()> release_meshes_;
 };
 
 }  // namespace sightline::server::blobs

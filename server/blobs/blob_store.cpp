@@ -1,4 +1,4 @@
-// Meshes by the digest of their bytes, and the uploads on their way to become meshes.
+// Meshes by the digest of their bytes, and uploads in progress.
 #include "server/blobs/blob_store.h"
 
 #include <fmt/format.h>
@@ -23,10 +23,10 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
   }
   Freed freed;  // destroyed after the lock is released: a mesh and its tree may be large
   const std::lock_guard lock(mutex_);
-  if (offset != 0) return take_up(digest, offset);
+  if (offset != 0) return resume(digest, offset);
   if (const auto old = set_aside_of(digest); old != pending_.end()) {
     freed.push_back(old->upload);
-    forget(old->upload.get());
+    erase(old->upload.get());
   }
   if (const Status room = make_room(digest.size, freed); !room) return room.error();
   auto upload = std::make_shared<Upload>(digest);
@@ -35,7 +35,7 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
   return upload;
 }
 
-Result<std::shared_ptr<Upload>> BlobStore::take_up(const BlobDigest& digest, std::uint64_t offset) {
+Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std::uint64_t offset) {
   const auto found = set_aside_of(digest);
   const std::uint64_t committed = found == pending_.end() ? 0 : found->upload->committed();
   if (committed != offset) {
@@ -53,7 +53,7 @@ Result<std::shared_ptr<Upload>> BlobStore::take_up(const BlobDigest& digest, std
 Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>& upload) {
   Result<MeshPointer> made = upload->finish();
   const std::lock_guard lock(mutex_);
-  forget(upload.get());
+  erase(upload.get());
   if (!made) return made;
   const Stored stored{*made, (*made)->bytes(), next_order_++};
   const auto [kept, is_new] = meshes_.try_emplace(upload->digest(), stored);
@@ -68,7 +68,7 @@ void BlobStore::set_aside(const std::shared_ptr<Upload>& upload) {
   if (mine == pending_.end()) return;  // dropped to make room
   if (const auto other = set_aside_of(upload->digest()); other != pending_.end()) {
     const bool longer = upload->committed() > other->upload->committed();
-    forget(longer ? other->upload.get() : upload.get());
+    erase(longer ? other->upload.get() : upload.get());
     if (!longer) return;
   }
   mine->set_aside = true;
@@ -76,7 +76,7 @@ void BlobStore::set_aside(const std::shared_ptr<Upload>& upload) {
 
 void BlobStore::abandon(const std::shared_ptr<Upload>& upload) {
   const std::lock_guard lock(mutex_);
-  forget(upload.get());
+  erase(upload.get());
 }
 
 UploadStatus BlobStore::status(const BlobDigest& digest) const {
@@ -97,7 +97,7 @@ BlobStore::PendingList::const_iterator BlobStore::set_aside_of(const BlobDigest&
   });
 }
 
-void BlobStore::forget(const Upload* upload) {
+void BlobStore::erase(const Upload* upload) {
   const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
     return pending.upload.get() == upload;
   });
@@ -120,8 +120,7 @@ Status BlobStore::make_room(std::uint64_t bytes, Freed& freed) {
                              pending_.size(), limits_.uploads),
                  "TOO_MANY_UPLOADS"};
   }
-  // Written as two comparisons: usage may exceed the budget by the difference between a blob and
-  // its mesh.
+  // Two comparisons, because a mesh may be larger than its blob and the use may exceed the budget.
   while (bytes_used_ > limits_.memory_budget || bytes > limits_.memory_budget - bytes_used_) {
     if (drop_upload(false, freed) || drop_unused_mesh(freed) || drop_upload(true, freed)) continue;
     return Error{
@@ -143,12 +142,12 @@ bool BlobStore::drop_upload(bool standing_still, Freed& freed) {
   if (found == pending_.end()) return false;
   const auto upload = found->upload;
   freed.push_back(upload);
-  forget(upload.get());
+  erase(upload.get());
   return true;
 }
 
 bool BlobStore::drop_unused_mesh(Freed& freed) {
-  // Copies are only made under the lock, so a mesh that is held here alone stays so.
+  // Pointers are only copied under the lock, so a use count of 1 cannot grow meanwhile.
   auto oldest = meshes_.end();
   for (auto it = meshes_.begin(); it != meshes_.end(); ++it) {
     if (it->second.mesh.use_count() > 1) continue;

@@ -71,7 +71,7 @@ Status MeshBlobReader::read_header() {
   }
   const auto vertices = load<std::uint64_t>(&header_[8]);
   const auto faces = load<std::uint64_t>(&header_[16]);
-  // Compared one by one, as the sum of two counts that somebody made up may wrap around.
+  // Compared one by one, because the sum of two counts in a wrong header may wrap around.
   const std::uint64_t rows = (size_ - kMeshBlobHeader) / kRow;
   if (vertices > rows || faces != rows - vertices || (size_ - kMeshBlobHeader) % kRow != 0) {
     return bad_blob(fmt::format("{} vertices and {} faces do not make a blob of {} bytes", vertices,

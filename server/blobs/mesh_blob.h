@@ -19,18 +19,18 @@ inline constexpr std::size_t kMeshBlobHeader = 24;  ///< Bytes before the positi
 
 class MeshBlobReader {
  public:
-  /// Of a blob of `size` bytes in all.
+  /// `size`: bytes of the whole blob.
   explicit MeshBlobReader(std::uint64_t size) : size_(size) {}
 
-  /// Takes the next bytes. Resident memory grows with what has arrived, not with what the header
-  /// promises.
-  /// Errors: kInvalidArgument (not a mesh, or its counts disagree with its size, or bytes beyond
-  /// its end), kResourceExhausted (too many faces). After an error the reader is of no further use.
+  /// Adds the next bytes. Resident memory grows with the bytes that have arrived, not with the
+  /// header's counts. Errors: kInvalidArgument (not a mesh, or its counts disagree with its size,
+  /// or bytes beyond its end), kResourceExhausted (too many faces). After an error the reader must
+  /// not be used.
   Status append(std::span<const std::byte> bytes);
 
   std::uint64_t received() const { return received_; }
 
-  /// The mesh, once all has arrived; the arrays move into it.
+  /// Makes the mesh after all bytes have arrived. The arrays move into it.
   /// Errors: kInvalidArgument (bytes are missing, an index is out of range), as
   /// scenegraph::Mesh::make.
   Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();

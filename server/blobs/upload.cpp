@@ -1,4 +1,4 @@
-// One upload of a blob under way.
+// One upload of a blob in progress.
 #include "server/blobs/upload.h"
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
 Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
   const std::lock_guard lock(mutex_);
   if (!content_) return dropped(digest_);
-  // Bytes that are missing are told as such, before their checksum is found to differ.
+  // Missing bytes have their own error, so the checksum is compared only if all have arrived.
   if (content_->reader.received() == digest_.size && content_->sum.finish() != digest_.sum) {
     return Error{Code::kDataLoss,
                  fmt::format("the bytes that arrived are not those of {}", digest_.text()),

@@ -1,4 +1,4 @@
-// One upload of a blob under way: what has arrived, its running checksum, and the mesh it becomes.
+// One upload of a blob in progress: its bytes so far and their checksum.
 #pragma once
 
 #include <atomic>
@@ -29,16 +29,15 @@ class Upload {
   std::uint64_t committed() const { return committed_.load(); }  ///< Bytes taken so far.
   Clock::time_point last_active() const { return last_active_.load(); }
 
-  /// Takes the bytes at `offset`, which must be what is committed.
+  /// Adds the bytes at `offset`, which must equal committed().
   /// Errors: kOutOfRange (another offset), kAborted (dropped meanwhile), as MeshBlobReader::append.
   Status append(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  /// Errors: kDataLoss (the bytes are not what the digest says), kAborted, as
+  /// Errors: kDataLoss (the bytes do not match the digest), kAborted, as
   /// MeshBlobReader::finish.
   Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();
 
-  /// Frees what has arrived, unless a thread is at work on it just now. Returns whether it is
-  /// freed.
+  /// Frees the content, unless a thread uses it now. Returns whether it was freed.
   bool drop();
 
  private:
@@ -51,7 +50,7 @@ class Upload {
   const BlobDigest digest_;
   std::atomic<std::uint64_t> committed_{0};
   std::atomic<Clock::time_point> last_active_{Clock::now()};
-  std::mutex mutex_;                // held while content is worked on
+  std::mutex mutex_;                // held while content_ is used
   std::optional<Content> content_;  // empty once dropped
 };
 

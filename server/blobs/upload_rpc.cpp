@@ -8,15 +8,14 @@
 #include <span>
 #include <utility>
 
-#include "server/exec/guarded.h"
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::blobs {
 namespace {
 
-/// Whether a later call may go on where this one failed.
+/// Whether a later call may continue the upload after this error.
 bool leaves_upload_whole(Code code) {
   return code == Code::kOutOfRange || code == Code::kCancelled;
 }
@@ -24,19 +23,18 @@ bool leaves_upload_whole(Code code) {
 /// One chunk at a time: read, then checked and copied in the arena, then the next is read.
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
-  UploadReactor(scenes::SceneStore& scenes, BlobStore& blobs, exec::Compute& compute,
-                v1::UploadBlobResponse& reply)
-      : scenes_(scenes), blobs_(blobs), compute_(compute), reply_(reply) {}
+  UploadReactor(BlobStore& blobs, exec::Compute& compute,
+                const std::function<void()>& release_meshes, v1::UploadBlobResponse& reply)
+      : blobs_(blobs), compute_(compute), release_meshes_(release_meshes), reply_(reply) {}
 
   void start() { StartRead(&chunk_); }
 
   void OnReadDone(bool ok) override {
-    // Without `finish` the client has stopped half way, by choice or by accident: it may go on
-    // later.
+    // A client that ends without `finish` may continue the upload later.
     if (!ok) return end({});
     compute_.enqueue([this] {
-      const Status taken = exec::guarded([this] { return take(); });
-      if (!taken || done_) return end(taken);
+      const Status accepted = exec::to_status([this] { return accept(); });
+      if (!accepted || done_) return end(accepted);
       StartRead(&chunk_);
     });
   }
@@ -44,7 +42,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   void OnDone() override { delete this; }
 
  private:
-  Status take() {
+  Status accept() {
     if (chunk_.data().size() > kMaxBlobChunk) {
       return Error{
           Code::kResourceExhausted,
@@ -55,8 +53,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       if (Status begun = begin(); !begun || done_) return begun;
     } else if (!chunk_.digest().empty() && chunk_.digest() != digest_text_) {
       return Error{Code::kInvalidArgument,
-                   fmt::format("a chunk of {} in the upload of {}",
-                               exec::in_quotes(chunk_.digest()), digest_text_),
+                   fmt::format("a chunk of {} in the upload of {}", exec::quote(chunk_.digest()),
+                               digest_text_),
                    "DIGEST_CHANGED"};
     }
     if (Status added = upload_->append(chunk_.offset(), std::as_bytes(std::span(chunk_.data())));
@@ -75,7 +73,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     }
     auto upload = blobs_.begin(*digest, chunk_.offset());
     if (!upload && upload.error().reason == "MEMORY_BUDGET") {
-      scenes_.forget_old_revisions();  // they may be all that holds some mesh
+      release_meshes_();
       upload = blobs_.begin(*digest, chunk_.offset());
     }
     if (!upload) return upload.error();
@@ -115,9 +113,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  scenes::SceneStore& scenes_;
   BlobStore& blobs_;
   exec::Compute& compute_;
+  const std::function<void()>& release_meshes_;
   v1::UploadBlobResponse& reply_;
   v1::UploadBlobRequest chunk_;
   std::string digest_text_;
@@ -127,11 +125,10 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(scenes::SceneStore& scenes,
-                                                             BlobStore& blobs,
-                                                             exec::Compute& compute,
-                                                             v1::UploadBlobResponse& reply) {
-  auto* reactor = new UploadReactor(scenes, blobs, compute, reply);
+grpc::ServerReadReactor<v1::UploadBlobRequest>* start_upload(
+    BlobStore& blobs, exec::Compute& compute, const std::function<void()>& release_meshes,
+    v1::UploadBlobResponse& reply) {
+  auto* reactor = new UploadReactor(blobs, compute, release_meshes, reply);
   reactor->start();
   return reactor;
 }

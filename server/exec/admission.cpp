@@ -1,4 +1,4 @@
-// What the server agrees to work on at once: a bound on rays and on bytes in flight.
+// A limit on the rays and bytes in flight.
 #include "server/exec/admission.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ Error over(std::string_view what, std::uint64_t asked, std::uint64_t in_flight,
 
 Result<Admission::Ticket> Admission::admit(std::uint64_t rays, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  // Written so that no sum can wrap around: what is in flight never exceeds its limit.
+  // The amount in flight never exceeds its limit, so these differences do not wrap around.
   if (rays > limits_.rays - in_flight_.rays) {
     return over("rays", rays, in_flight_.rays, limits_.rays);
   }

@@ -1,4 +1,4 @@
-// What the server agrees to work on at once: a bound on rays and on bytes in flight.
+// A limit on the rays and bytes in flight.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@
 namespace sightline::server::exec {
 
 struct AdmissionLimits {
-  std::uint64_t rays = std::uint64_t{1} << 20;     ///< Rays decoded and not yet answered.
-  std::uint64_t bytes = std::uint64_t{256} << 20;  ///< Bytes that those and other requests hold.
+  std::uint64_t rays = std::uint64_t{1} << 20;     ///< Rays that are decoded and not yet answered.
+  std::uint64_t bytes = std::uint64_t{256} << 20;  ///< Bytes that these and other requests hold.
 };
 
-/// Batches that ask for all hits get one part in so many of it.
-inline constexpr std::uint64_t kListingShare = 2;
+/// Batches that ask for all hits get 1 / kAllHitsShare of the limits.
+inline constexpr std::uint64_t kAllHitsShare = 2;
 
 class Admission {
  public:
-  /// A place in the queue; leaving scope gives it back. Must not outlive the Admission.
+  /// The admitted rays and bytes of one request; the destructor releases them. Must not outlive the
+  /// Admission.
   class Ticket {
    public:
     Ticket() = default;
@@ -40,8 +41,8 @@ class Admission {
 
   explicit Admission(AdmissionLimits limits) : limits_(limits) {}
 
-  /// Errors: kResourceExhausted, naming the limit, what is in flight and what was asked. Never
-  /// waits. Threads: any.
+  /// Errors: kResourceExhausted, naming the limit, the amount in flight and the requested amount.
+  /// Never waits. Threads: any.
   Result<Ticket> admit(std::uint64_t rays, std::uint64_t bytes);
 
   const AdmissionLimits& limits() const { return limits_; }

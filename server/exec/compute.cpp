@@ -1,4 +1,4 @@
-// The threads that work: the server's own oneTBB arenas.
+// Worker threads: the server's oneTBB arenas.
 #include "server/exec/compute.h"
 
 namespace sightline::server::exec {
@@ -9,7 +9,7 @@ Compute::Compute(int threads)
                    3 * static_cast<std::size_t>(threads) + 1),
       arena_(threads, 0),
       updates_(threads, 0),
-      apart_(threads, 0) {}
+      background_(threads, 0) {}
 
 Compute::~Compute() {
   std::unique_lock lock(mutex_);

@@ -1,4 +1,4 @@
-// The threads that work: the server's own oneTBB arenas. RPC threads only hand tasks to them.
+// Worker threads: the server's oneTBB arenas. RPC threads only enqueue tasks.
 #pragma once
 
 #include <oneapi/tbb/global_control.h>
@@ -14,27 +14,27 @@ namespace sightline::server::exec {
 
 class Compute {
  public:
-  /// `threads` workers (>= 1), as many for updates, and as many apart. No slot is kept for callers,
-  /// so a thread that enqueues never works.
+  /// Three arenas of `threads` workers (>= 1): queries, updates, background. Arenas have no slot
+  /// for callers, so a thread that enqueues never runs tasks.
   explicit Compute(int threads);
-  /// Waits for every task.
+  /// Waits until every task has ended.
   ~Compute();
 
-  /// Runs work() on a worker, first come first served. It must not throw. Parallel loops inside it
-  /// stay in the arena. Threads: any.
+  /// Runs work() on a worker for queries, in order of arrival. It must not throw. Its parallel
+  /// loops stay in the arena. Threads: any.
   template <class Work>
   void enqueue(Work work) {
     enqueue_in(arena_, std::move(work));
   }
 
-  /// The same, on the workers that are apart: for work that takes long and that no answer waits
-  /// for. It takes no worker from enqueue(), only a share of the processors while both are busy.
+  /// The same on a background worker: for long work that no answer waits for. It occupies no worker
+  /// of enqueue(), but shares the processors with them.
   template <class Work>
-  void enqueue_apart(Work work) {
-    enqueue_in(apart_, std::move(work));
+  void enqueue_background(Work work) {
+    enqueue_in(background_, std::move(work));
   }
 
-  /// The same, on the workers for updates: for work that is short and does not wait behind queries.
+  /// The same on a worker for updates: for short work that must not queue behind queries.
   template <class Work>
   void enqueue_update(Work work) {
     enqueue_in(updates_, std::move(work));
@@ -49,7 +49,8 @@ class Compute {
     arena.enqueue([this, task = new Work(std::move(work))] {
       std::unique_ptr<Work> owned(task);
       (*owned)();
-      owned.reset();  // what the task holds may point into what is destroyed after this arena
+      owned.reset();  // end() may let ~Compute() return, and the task may refer to objects
+                      // destroyed after it
       end();
     });
   }
@@ -58,9 +59,9 @@ class Compute {
   void end();
 
   const int threads_;
-  // oneTBB keeps one of its threads for the main program, which here only waits for a signal.
+  // oneTBB counts the main thread too, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_, updates_, apart_;
+  oneapi::tbb::task_arena arena_, updates_, background_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;

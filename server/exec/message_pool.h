@@ -1,4 +1,4 @@
-// Request and reply objects that unary calls use again: big columns then need no fresh memory.
+// Reuses the request and reply objects of unary calls, so that large columns need no new memory.
 #pragma once
 
 #include <grpcpp/support/message_allocator.h>
@@ -10,12 +10,12 @@
 
 namespace sightline::server::exec {
 
-/// A reply taken from the pool holds what it last held. Must outlive the calls that use it.
+/// A pooled reply keeps its old content. The pool must outlive the calls that use it.
 template <class Request, class Reply>
 class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
  public:
   static constexpr std::size_t kMaxPooled = 8;
-  /// A string keeps the largest size it ever had: what has grown beyond this is freed.
+  /// Messages larger than this are freed, because a string keeps its largest capacity.
   static constexpr std::size_t kMaxPooledBytes = std::size_t{2} << 20;
 
   grpc::MessageHolder<Request, Reply>* AllocateMessages() override {

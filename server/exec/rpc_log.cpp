@@ -3,7 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::exec {
 
@@ -17,7 +17,7 @@ void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time
     spdlog::debug("event=rpc method={} code={} us={} {}", method, code, us, more);
   } else {
     spdlog::debug("event=rpc method={} code={} us={} error={} {}", method, code, us,
-                  in_quotes(status.error_message()), more);
+                  quote(status.error_message()), more);
   }
 }
 

@@ -1,4 +1,4 @@
-// Our errors as gRPC sees them.
+// Errors of the project as gRPC status.
 #include "server/exec/rpc_status.h"
 
 #include <string>

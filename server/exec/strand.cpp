@@ -1,36 +1,36 @@
-// Tasks that are done one after the other.
+// Tasks that run one after the other.
 #include "server/exec/strand.h"
 
 #include <utility>
 
 namespace sightline::server::exec {
 
-void SerialQueue::post(Compute& compute, std::function<void()> task) {
-  auto line = line_;  // the task may be done, and this gone, before this returns
+void Strand::post(Compute& compute, std::function<void()> task) {
+  auto state = state_;  // the task may run and destroy this strand before post() returns
   {
-    const std::lock_guard lock(line->mutex);
-    line->tasks.push_back(std::move(task));
-    if (std::exchange(line->running, true)) return;
+    const std::lock_guard lock(state->mutex);
+    state->tasks.push_back(std::move(task));
+    if (std::exchange(state->running, true)) return;
   }
-  run_next(compute, std::move(line));
+  run_next(compute, std::move(state));
 }
 
-void SerialQueue::run_next(Compute& compute, std::shared_ptr<Line> line) {
-  compute.enqueue_update([&compute, line = std::move(line)]() mutable {
+void Strand::run_next(Compute& compute, std::shared_ptr<State> state) {
+  compute.enqueue_update([&compute, state = std::move(state)]() mutable {
     std::function<void()> task;
     {
-      const std::lock_guard lock(line->mutex);
-      task = std::move(line->tasks.front());
-      line->tasks.pop_front();
+      const std::lock_guard lock(state->mutex);
+      task = std::move(state->tasks.front());
+      state->tasks.pop_front();
     }
     task();
     task = nullptr;
     {
-      const std::lock_guard lock(line->mutex);
-      line->running = !line->tasks.empty();
-      if (!line->running) return;
+      const std::lock_guard lock(state->mutex);
+      state->running = !state->tasks.empty();
+      if (!state->running) return;
     }
-    run_next(compute, std::move(line));
+    run_next(compute, std::move(state));
   });
 }
 

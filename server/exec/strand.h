@@ -1,4 +1,4 @@
-// Tasks that are done one after the other, on whichever worker is free.
+// Tasks that run one after the other, on any free worker.
 #pragma once
 
 #include <deque>
@@ -10,22 +10,23 @@
 
 namespace sightline::server::exec {
 
-/// On the workers for updates. None waits for another task, as it would for a lock; between two
-/// tasks other queues get their turn. What a task holds may hold the queue itself.
-class SerialQueue {
+/// Uses the workers for updates. No worker waits for another task, as it would for a lock. After
+/// each task the worker takes the next one in the arena, which may be of another strand. A task may
+/// own the strand it runs on.
+class Strand {
  public:
-  /// Runs task() after all that were posted before. It must not throw. Threads: any.
+  /// Runs task() after all tasks posted before. It must not throw. Threads: any.
   void post(Compute& compute, std::function<void()> task);
 
  private:
-  struct Line {
+  struct State {
     std::mutex mutex;
     std::deque<std::function<void()>> tasks;
     bool running = false;
   };
-  static void run_next(Compute& compute, std::shared_ptr<Line> line);
+  static void run_next(Compute& compute, std::shared_ptr<State> state);
 
-  const std::shared_ptr<Line> line_ = std::make_shared<Line>();
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
 }  // namespace sightline::server::exec

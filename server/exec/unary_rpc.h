@@ -1,4 +1,4 @@
-// Unary calls whose work is done in the arena: all that neither wait nor end early when cancelled.
+// Unary calls that run on a worker, do not wait, and ignore cancellation.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -9,14 +9,13 @@
 
 #include "server/exec/admission.h"
 #include "server/exec/compute.h"
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::exec {
 
-/// Answers a call with what work(), a Status, comes to on a worker. The request counts in the
-/// queue's bytes.
+/// Runs work() on a worker and ends the call with the Status it returns. The bytes of the request
+/// are admitted first.
 template <class Work>
 grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
                                           grpc::CallbackServerContext& context,
@@ -30,7 +29,7 @@ grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
   }
   compute.enqueue([=, begun = LogClock::now(), ticket = std::move(*admitted),
                    work = std::move(work)]() mutable {
-    const grpc::Status status = to_grpc(guarded(work));
+    const grpc::Status status = to_grpc(to_status(work));
     ticket = {};
     log_rpc(method, status, begun);
     reactor->Finish(status);

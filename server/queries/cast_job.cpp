@@ -1,4 +1,4 @@
-// One batch of rays on its way through the server.
+// Serves batches of rays.
 #include "server/queries/cast_job.h"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// With every field asked for.
+/// Bytes of a reply with every field.
 constexpr std::size_t kReplyBytesPerRay = 48;
 
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
@@ -38,7 +38,7 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
   scene_.reset();
 }
 
-Status CastJob::take(const v1::Rays& rays) {
+Status CastJob::accept(const v1::Rays& rays) {
   if (Status decoded = decode_rays(rays, rays_); !decoded) return decoded;
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
   if (lists && replies_ == Replies::kOne && rays_.size() * query_.max_hits > kMaxHitsPerReply) {
@@ -54,15 +54,15 @@ Status CastJob::take(const v1::Rays& rays) {
       sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit) + kReplyBytesPerRay;
   std::size_t bytes = rays.ByteSizeLong() + rays_.size() * bytes_per_ray;
   if (lists) {
-    bytes += bytes_of_lister(rays_.size(), query_.max_hits, services_.compute.threads());
-    auto listing = services_.listing.admit(rays_.size(), bytes);
-    if (!listing) return listing.error();
-    listing_ticket_ = std::move(*listing);
+    bytes += hit_pager_bytes(rays_.size(), query_.max_hits, services_.compute.threads());
+    auto all_hits = services_.all_hits_admission.admit(rays_.size(), bytes);
+    if (!all_hits) return all_hits.error();
+    all_hits_ticket_ = std::move(*all_hits);
   }
   auto ticket = services_.admission.admit(rays_.size(), bytes);
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  taken_ = Clock::now();
+  accepted_ = Clock::now();
   begun_ = false;
   return {};
 }
@@ -70,7 +70,7 @@ Status CastJob::take(const v1::Rays& rays) {
 Status CastJob::run(v1::CastRaysResponse& reply) {
   // Given back before the last reply is written: a client that is slow to read must not hold up
   // the others.
-  exec::Admission::Ticket ticket = std::move(ticket_), listing = std::move(listing_ticket_);
+  exec::Admission::Ticket ticket = std::move(ticket_), all_hits = std::move(all_hits_ticket_);
   const auto begun = Clock::now();
   if (Status selected = select(); !selected) return selected;
   const scenegraph::TraceOptions options{.kind = query_.kind,
@@ -81,9 +81,9 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
                                          .max_hits = query_.max_hits,
                                          .cancelled = &cancelled_};
   if (!begun_) {
-    queued_ = begun - taken_;
+    queued_ = begun - accepted_;
     traced_ = {};
-    if (query_.kind == scenegraph::QueryKind::kAll) lister_.begin(rays_);
+    if (query_.kind == scenegraph::QueryKind::kAll) pager_.begin(rays_);
     begun_ = true;
   }
   if (Status answered = answer(options, reply); !answered) return answered;
@@ -91,7 +91,7 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
   encode_revision(revision_, *reply.mutable_served());
   if (reply.more()) {
     ticket_ = std::move(ticket);
-    listing_ticket_ = std::move(listing);
+    all_hits_ticket_ = std::move(all_hits);
     reply.clear_stats();
     return {};
   }
@@ -115,8 +115,8 @@ Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResp
   reply.clear_first_ray();
   reply.clear_more();
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    const Status made = lister_.next(*snapshot_, options, query_.fields, reply);
-    stats_ = lister_.stats();
+    const Status made = pager_.next(*snapshot_, options, query_.fields, reply);
+    stats_ = pager_.stats();
     return made;
   }
   if (query_.kind == scenegraph::QueryKind::kCount) {

@@ -1,4 +1,4 @@
-// One batch of rays on its way through the server: decoded and admitted, then traced and encoded.
+// Serves batches of rays: decode, admit, trace, encode.
 #pragma once
 
 #include <atomic>
@@ -16,52 +16,41 @@
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_pager.h"
 #include "server/scenes/revision_wait.h"
-#include "server/scenes/scene_store.h"
+#include "server/scenes/services.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
 
-/// What casting needs of the server; all outlive every call.
-struct CastServices {
-  scenes::SceneStore& scenes;
-  exec::Compute& compute;
-  exec::Admission& admission;
-  /// A part of it, for batches that ask for all hits: those keep their places while a client reads,
-  /// and however slow some are, room for other batches is left.
-  exec::Admission& listing;
-  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
-  scenes::WaitServices waiting;
-};
-
-/// How many messages the answer to a batch may be.
+/// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
-/// Serves one call: open and pin once, then for each batch take once, and run until there is no
-/// more. Its memory is used again by the next batch.
+/// Serves one call: open() and pin() once; then for each batch accept() once, and run() until the
+/// reply says that there is no more. The next batch reuses the memory.
 class CastJob {
  public:
-  CastJob(const CastServices& services, Replies replies) : services_(services), replies_(replies) {}
+  CastJob(const scenes::Services& services, Replies replies)
+      : services_(services), replies_(replies) {}
 
-  /// Looks the scene up and reads what is asked. Errors: kInvalidArgument, kNotFound.
+  /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
 
-  /// After open(): pins the revision that answers every batch.
+  /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
-  /// Decodes the rays and takes a place in the queue. Errors: as decode_rays and Admission::admit;
-  /// kInvalidArgument, where one reply could not hold all hits.
-  Status take(const v1::Rays& rays);
+  /// Decodes the rays and admits them. Errors: as decode_rays and Admission::admit;
+  /// kInvalidArgument if one reply cannot hold all hits.
+  Status accept(const v1::Rays& rays);
 
-  /// Traces what was taken, in the calling thread's arena, and gives the place back; unless the
-  /// reply says that there is more: then it is to be called again, for the next reply.
-  /// Errors: kCancelled; kNotFound, naming a node that the query selects by and does not exist.
+  /// Traces the accepted batch in the calling thread's arena and releases its admission. If the
+  /// reply says that there is more, the batch stays admitted and run() must be called again for the
+  /// next reply. Errors: kCancelled; kNotFound, naming a node of the query that does not exist.
   Status run(v1::CastRaysResponse& reply);
 
   /// Makes run() end within a block of rays. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  /// Lets go of the revision; the last to do so frees its trees, which takes time.
+  /// Releases the revision. The last release frees its trees, which may take long.
   void close();
 
  private:
@@ -70,22 +59,22 @@ class CastJob {
   Status select();
   Status answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply);
 
-  const CastServices& services_;
+  const scenes::Services& services_;
   const Replies replies_;
   CastQuery query_;
-  std::shared_ptr<scenes::StoredScene> scene_;  // until it is pinned
+  std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
   std::vector<accel::geometry::Ray> rays_;
   std::optional<scenegraph::query::Selection> selection_;
   std::vector<accel::geometry::Hit> hits_;
   std::vector<scenegraph::RayTally> tallies_;
-  HitLister lister_;
+  HitPager pager_;
   scenegraph::TraceStats stats_;
-  exec::Admission::Ticket ticket_, listing_ticket_;
-  Clock::time_point taken_;
+  exec::Admission::Ticket ticket_, all_hits_ticket_;
+  Clock::time_point accepted_;
   Clock::duration queued_{}, traced_{};  // of the batch
-  bool begun_ = false;                   // a reply to the batch has been made
+  bool begun_ = false;                   // the batch has a reply
   std::atomic<bool> cancelled_{false};
 };
 

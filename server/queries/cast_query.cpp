@@ -1,4 +1,4 @@
-// What a cast asks for: each word known, and of the kind.
+// The query of a cast: checks each value, and that the kind has it.
 #include "server/queries/cast_query.h"
 
 #include <fmt/format.h>
@@ -68,7 +68,8 @@ Result<Culling> decode_culling(v1::Culling culling) {
   }
 }
 
-/// What a kind answers: `always` comes first, asked for or not; `standard` where nothing is asked.
+/// Fields of a query kind. `always` comes first in every reply; `standard` is used for a request
+/// without fields.
 struct FieldsOfKind {
   std::vector<v1::HitField> always, standard, optional;
 };

@@ -1,4 +1,4 @@
-// What a cast asks for, but for its rays.
+// The query of a cast: everything except its rays.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 namespace sightline::server::queries {
 
 inline constexpr std::uint32_t kDefaultMaxHits = 256;
-/// So many hits fit one message with every field asked for.
+/// This many hits fit one message with every field.
 inline constexpr std::uint32_t kMaxMaxHits = 16384;
 inline constexpr int kMaxExclusions = 4096;
 
@@ -23,18 +23,17 @@ struct CastQuery {
   scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   scenegraph::model::NodeId root = 0;                 ///< 0: the whole scene.
-  std::vector<scenegraph::model::NodeId> excluded{};  ///< Not looked up yet.
+  std::vector<scenegraph::model::NodeId> excluded{};  ///< Not checked against the scene yet.
   std::uint32_t max_hits = kDefaultMaxHits;
   std::vector<v1::HitField> fields{};  ///< Columns of the reply, in this order; no field twice.
-  bool surface = false;                ///< Whether barycentrics or normals are among them.
+  bool surface = false;                ///< Whether `fields` has barycentrics or normals.
 
   bool selects() const { return root != 0 || !excluded.empty(); }
 };
 
-/// `policy` is what an unspecified build mode means.
-/// Errors: kInvalidArgument (a kind, field, build mode or culling that is not known, a field asked
-/// for twice, a field or limit that the kind does not have, kMaxMaxHits or kMaxExclusions
-/// exceeded).
+/// `policy` is used for an unspecified build mode.
+/// Errors: kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a
+/// field or limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);
 
 }  // namespace sightline::server::queries

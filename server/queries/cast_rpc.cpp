@@ -4,7 +4,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_rpc.h"
@@ -13,17 +12,18 @@
 namespace sightline::server::queries {
 namespace {
 
-/// Lives until its task in the arena has called Finish, however early the client has gone.
+/// Lives until its task has called Finish(), also if the client has cancelled the call.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
-  CastRaysReactor(const CastServices& services, v1::CastRaysResponse& reply)
+  CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
       : compute_(services.compute),
         job_(services, Replies::kOne),
-        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)),
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)),
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
-    if (const Status opened = exec::guarded([&] { return job_.open(request); }); !opened)
+    if (const Status opened = exec::to_status([&] { return job_.open(request); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
                 [this, &request](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
@@ -41,10 +41,11 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void cast(const v1::CastRaysRequest& request) {
-    if (const Status taken = exec::guarded([&] { return job_.take(request.rays()); }); !taken)
-      return end(taken);
+    if (const Status accepted = exec::to_status([&] { return job_.accept(request.rays()); });
+        !accepted)
+      return end(accepted);
     compute_.enqueue([this] {
-      const Status done = exec::guarded([this] { return job_.run(reply_); });
+      const Status done = exec::to_status([this] { return job_.run(reply_); });
       job_.close();
       end(done);
     });
@@ -53,7 +54,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
     exec::log_rpc("CastRays", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
@@ -65,8 +66,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-RayQueryRpc::RayQueryRpc(const CastServices& services, std::size_t max_prefetches)
-    : services_(services), prefetches_(max_prefetches) {
+RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services) {
   SetMessageAllocatorFor_CastRays(&messages_);
 }
 
@@ -80,12 +80,12 @@ grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* con
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
 RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
-  return start_cast_stream(services_, *context, open_streams_, kMaxCastStreams);
+  return start_cast_stream(services_, *context);
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
     grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
-  return start_prefetch(services_, prefetches_, *request);
+  return start_prefetch(services_, *request);
 }
 
 }  // namespace sightline::server::queries

@@ -1,23 +1,20 @@
 // RayQueryService.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 
 #include "server/exec/message_pool.h"
-#include "server/exec/prefetch_calls.h"
 #include "server/queries/cast_job.h"
 #include "sightline/v1/query.grpc.pb.h"
 
 namespace sightline::server::queries {
 
-/// Open StreamCastRays calls on the whole server: each keeps the memory of one batch.
+/// Open StreamCastRays calls on the whole server. Each keeps the memory of one batch.
 inline constexpr std::size_t kMaxCastStreams = 256;
 
 class RayQueryRpc final : public v1::RayQueryService::CallbackService {
  public:
-  /// At most `max_prefetches` are worked at.
-  RayQueryRpc(const CastServices& services, std::size_t max_prefetches);
+  explicit RayQueryRpc(const scenes::Services& services);
 
   grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
                                      const v1::CastRaysRequest* request,
@@ -27,14 +24,9 @@ class RayQueryRpc final : public v1::RayQueryService::CallbackService {
   grpc::ServerWriteReactor<v1::PrefetchResponse>* Prefetch(
       grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) override;
 
-  /// Ends those that are in work, and refuses others: nobody needs trees of a server that stops.
-  void stop_prefetching() { prefetches_.stop(); }
-
  private:
-  const CastServices services_;
+  const scenes::Services services_;
   exec::MessagePool<v1::CastRaysRequest, v1::CastRaysResponse> messages_;
-  std::atomic<std::size_t> open_streams_{0};
-  exec::PrefetchCalls prefetches_;
 };
 
 }  // namespace sightline::server::queries

@@ -7,13 +7,13 @@
 
 namespace sightline::server::queries {
 
-std::size_t bytes_of_lister(std::size_t rays, std::size_t max_hits, int threads) {
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads) {
   const std::size_t overshoot = static_cast<std::size_t>(threads) * scenegraph::kHitsPerListBlock;
   const std::size_t hits = std::min(rays * max_hits, kHitsListed + overshoot);
   return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
 }
 
-void HitLister::begin(std::span<const accel::geometry::Ray> rays) {
+void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
   rays_ = rays;
   sent_ = listed_ = sent_hits_ = 0;
   tallies_.resize(rays.size());
@@ -21,8 +21,8 @@ void HitLister::begin(std::span<const accel::geometry::Ray> rays) {
   stats_ = {};
 }
 
-Status HitLister::list(const scenegraph::revision::Snapshot& snapshot,
-                       scenegraph::TraceOptions options) {
+Status HitPager::list(const scenegraph::revision::Snapshot& snapshot,
+                      scenegraph::TraceOptions options) {
   options.hits_at_once = kHitsListed;
   const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
                                             std::span(tallies_).subspan(listed_), hits_, options);
@@ -33,9 +33,9 @@ Status HitLister::list(const scenegraph::revision::Snapshot& snapshot,
   return {};
 }
 
-Status HitLister::next(const scenegraph::revision::Snapshot& snapshot,
-                       const scenegraph::TraceOptions& options,
-                       std::span<const v1::HitField> fields, v1::CastRaysResponse& reply) {
+Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
+                      const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
+                      v1::CastRaysResponse& reply) {
   if (sent_ == listed_) {
     if (Status done = list(snapshot, options); !done) return done;
   }
@@ -48,7 +48,7 @@ Status HitLister::next(const scenegraph::revision::Snapshot& snapshot,
   sent_hits_ += count;
   reply.set_first_ray(first);
   reply.set_more(sent_ < rays_.size());
-  if (!reply.more()) hits_ = {};  // an idle stream holds no megabytes
+  if (!reply.more()) hits_ = {};  // frees the memory while the stream is idle
   return {};
 }
 

@@ -1,4 +1,4 @@
-// The answer to a batch that asks for all hits: made and sent in parts, each of whole rays.
+// The answer to a batch that asks for all hits, in parts of whole rays.
 #pragma once
 
 #include <cstddef>
@@ -12,25 +12,25 @@
 
 namespace sightline::server::queries {
 
-/// Rays are traced until about so many hits are listed, and on once those are sent.
+/// Tracing pauses after about this many hits and continues when their parts are made.
 inline constexpr std::size_t kHitsListed = 65536;
 
-/// Bytes that a batch of so many rays holds at most, whatever it hits: what is listed, before and
-/// after it is put in order. `threads` list hits.
-std::size_t bytes_of_lister(std::size_t rays, std::size_t max_hits, int threads);
+/// Most bytes that a batch of `rays` rays holds, with `threads` threads listing hits: the hits
+/// before and after they are sorted by ray.
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads);
 
-class HitLister {
+class HitPager {
  public:
-  /// `rays` stay as they are until all parts are made.
+  /// `rays` must not change until all parts are made.
   void begin(std::span<const accel::geometry::Ray> rays);
 
-  /// Makes the next part: columns, first_ray and more. Without rays there is one empty part.
+  /// Makes the next part: columns, first_ray and more. A batch without rays has one empty part.
   /// Errors: kCancelled.
   Status next(const scenegraph::revision::Snapshot& snapshot,
               const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
               v1::CastRaysResponse& reply);
 
-  /// Of the parts so far.
+  /// Totals of the parts made so far.
   const scenegraph::TraceStats& stats() const { return stats_; }
 
  private:

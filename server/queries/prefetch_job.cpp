@@ -1,4 +1,4 @@
-// One prefetch on its way through the server.
+// Serves one prefetch.
 #include "server/queries/prefetch_job.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// As a cast asks it; its rays see one root at most.
+/// The query as a cast request. A cast has at most one root.
 v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   v1::CastRaysRequest query;
   query.set_kind(request.kind());

@@ -1,5 +1,4 @@
-// One prefetch on its way through the server: decoded and admitted, then built, and asked meanwhile
-// how far it has come.
+// Serves one prefetch: decode, admit, build, report progress.
 #pragma once
 
 #include <atomic>
@@ -17,27 +16,27 @@ namespace sightline::server::queries {
 
 inline constexpr int kMaxPrefetchRoots = 4096;
 
-/// Used once: opened, run, asked, closed.
+/// Used for one call: open(), run() with report() meanwhile, close().
 class PrefetchJob {
  public:
-  explicit PrefetchJob(const CastServices& services) : services_(services) {}
+  explicit PrefetchJob(const scenes::Services& services) : services_(services) {}
 
-  /// Checks the request, pins the scene's current revision, and takes a place in the queue for the
-  /// rays. Errors: kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
+  /// Checks the request, takes the scene's newest revision and admits the rays. Errors:
+  /// kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
   Status open(const v1::PrefetchRequest& request);
 
-  /// Builds, in the calling thread's arena. Errors: kCancelled; kNotFound, naming a node that the
-  /// request selects by and does not exist.
+  /// Builds, in the calling thread's arena. Errors: kCancelled; kNotFound, naming a node of the
+  /// request that does not exist.
   Status run();
 
-  /// How far run() has come. Threads: any, until close().
+  /// Writes the progress of run(). Threads: any, until close().
   void report(v1::PrefetchResponse& response);
 
   /// Makes run() end soon. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  /// Lets go of the place in the queue and of the revision; the last to do so frees its trees,
-  /// which takes time.
+  /// Releases the admission and the revision. The last release of a revision frees its trees, which
+  /// may take long.
   void close();
 
  private:
@@ -47,7 +46,7 @@ class PrefetchJob {
   Status build();
   Status grow();
 
-  const CastServices& services_;
+  const scenes::Services& services_;
   const Clock::time_point begun_ = Clock::now();
   CastQuery query_;
   std::vector<scenegraph::model::NodeId> roots_;
@@ -56,9 +55,9 @@ class PrefetchJob {
   exec::Admission::Ticket ticket_;
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
-  std::vector<const scenegraph::model::Mesh*> meshes_;  // whose trees are asked for
+  std::vector<const scenegraph::model::Mesh*> meshes_;  // whose trees are built
   scenegraph::query::BuildProgress progress_;
-  std::atomic<bool> known_{false};  // meshes_ is written
+  std::atomic<bool> known_{false};  // meshes_ is set
   std::atomic<bool> cancelled_{false};
 };
 

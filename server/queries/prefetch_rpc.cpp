@@ -7,7 +7,6 @@
 #include <chrono>
 #include <mutex>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
@@ -17,26 +16,26 @@ namespace {
 constexpr std::chrono::milliseconds kBeforeFirstReport{20};
 constexpr std::chrono::milliseconds kBetweenReports{250};
 
-/// Three things go on at a time: the building, a clock that ticks, and the writing of a report.
-/// Each calls go_on() when it rests; the last one to rest ends the call.
+/// Three activities run at a time: building, an alarm, and writing a report. Each calls advance()
+/// when it stops; the last one to stop ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
-  PrefetchCall(const CastServices& services, exec::PrefetchCalls& calls)
-      : compute_(services.compute), calls_(calls), job_(services) {}
+  explicit PrefetchCall(const scenes::Services& services)
+      : compute_(services.compute), calls_(services.prefetches), job_(services) {}
 
   void start(const v1::PrefetchRequest& request) {
-    const Status ready = exec::guarded([&] {
+    const Status ready = exec::to_status([&] {
       if (Status opened = job_.open(request); !opened) return opened;
-      return calls_.enter(job_);
+      return calls_.enter(this, [this] { job_.cancel(); });
     });
     if (!ready) return end(ready);
     const std::lock_guard lock(mutex_);
-    set_clock(kBeforeFirstReport);
-    compute_.enqueue_apart([this] { build(); });
+    set_alarm(kBeforeFirstReport);
+    compute_.enqueue_background([this] { build(); });
   }
 
   void OnWriteDone(bool) override {
-    go_on([this] { writing_ = false; });
+    advance([this] { writing_ = false; });
   }
 
   void OnCancel() override { job_.cancel(); }
@@ -47,48 +46,50 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
  private:
   void build() {
-    Status built = exec::guarded([this] { return job_.run(); });
-    // Before the last report is read: whoever has read it may ask for the next prefetch.
-    if (Status stopped = calls_.leave(job_); !stopped && !built) built = stopped;
+    Status built = exec::to_status([this] { return job_.run(); });
+    // Before the last report is written: a client that has read it may start the next prefetch.
+    calls_.leave(this);
+    if (!built && calls_.stopped()) built = calls_.stopped_error();
     {
       const std::lock_guard lock(mutex_);
-      const Status told = report_to(last_);
+      const Status reported = report_to(last_);
       last_.set_done(true);
-      built_ = built ? told : built;
+      built_ = built ? reported : built;
       reporting_ = false;
     }
     job_.close();
-    clock_.Cancel();
-    go_on([this] { building_ = false; });
+    alarm_.Cancel();
+    advance([this] { building_ = false; });
   }
 
   Status report_to(v1::PrefetchResponse& response) {
-    return exec::guarded([&] {
+    return exec::to_status([&] {
       job_.report(response);
       return Status();
     });
   }
 
-  void set_clock(std::chrono::milliseconds time) {
+  void set_alarm(std::chrono::milliseconds time) {
     ticking_ = true;
-    clock_.Set(std::chrono::system_clock::now() + time, [this](bool) { tick(); });
+    alarm_.Set(std::chrono::system_clock::now() + time, [this](bool) { tick(); });
   }
 
   void tick() {
-    go_on([this] {
+    advance([this] {
       ticking_ = false;
       if (!reporting_) return;
-      set_clock(kBetweenReports);
-      // A client that is slow to read gets fewer.
+      set_alarm(kBetweenReports);
+      // A slow client gets fewer reports.
       if (writing_ || !report_to(report_)) return;
       writing_ = true;
       StartWrite(&report_);
     });
   }
 
-  /// Ends the call if nothing is under way any more; it may be gone when this returns.
+  /// Makes the change, and ends the call if no activity runs. The call may then be deleted before
+  /// this returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     {
       const std::lock_guard lock(mutex_);
       change();
@@ -112,22 +113,21 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
   const exec::LogClock::time_point log_begun_ = exec::LogClock::now();
   exec::Compute& compute_;
-  exec::PrefetchCalls& calls_;
+  exec::CallRegistry& calls_;
   PrefetchJob job_;
-  std::mutex mutex_;                                          // of all below
-  bool building_ = true, ticking_ = false, writing_ = false;  // under way
+  std::mutex mutex_;                                          // protects all members below
+  bool building_ = true, ticking_ = false, writing_ = false;  // activities that run
   bool reporting_ = true, ended_ = false;
   Status built_;
   v1::PrefetchResponse report_, last_;
-  grpc::Alarm clock_;
+  grpc::Alarm alarm_;
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const CastServices& services,
-                                                               exec::PrefetchCalls& calls,
+grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
                                                                const v1::PrefetchRequest& request) {
-  auto* call = new PrefetchCall(services, calls);
+  auto* call = new PrefetchCall(services);
   call->start(request);
   return call;
 }

@@ -1,4 +1,4 @@
-// Ray batches between the wire and the tracer.
+// Decodes ray columns of a request and encodes hit columns of a reply.
 #include "server/queries/query_codec.h"
 
 #include <fmt/format.h>

@@ -6,35 +6,28 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::queries {
 namespace {
 
-/// Read, trace, write, and only then read again, or go on with what is left of the batch: at most
-/// one operation is under way, so a client that does not read its replies is not served, and the
-/// two messages are enough for the whole call.
+/// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
+/// is under way, so the call needs two messages, and a client that does not read its replies is not
+/// served.
 class CastStream final
     : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
  public:
-  CastStream(const CastServices& services, const grpc::CallbackServerContext& context,
-             std::atomic<std::size_t>& open)
+  CastStream(const scenes::Services& services, const grpc::CallbackServerContext& context)
       : compute_(services.compute),
         context_(context),
-        open_(open),
+        streams_(services.cast_streams),
         job_(services, Replies::kMany),
-        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)) {}
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)) {}
 
-  void start(std::size_t limit) {
-    const std::size_t before = open_.fetch_add(1);
-    if (before >= limit) {
-      return end(Error{
-          Code::kResourceExhausted,
-          fmt::format("{} streams of rays are open, the limit is {}; retry later", before, limit),
-          "TOO_MANY_STREAMS"});
-    }
+  void start() {
+    if (const Status entered = streams_.enter(this, {}); !entered) return end(entered);
     StartRead(&request_);
   }
 
@@ -42,7 +35,7 @@ class CastStream final
     if (!ok) return end({});  // the client has closed its side, or is gone
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
-    if (const Status opened = exec::guarded([&] { return job_.open(first); }); !opened)
+    if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
                 [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
@@ -64,21 +57,22 @@ class CastStream final
   }
 
   void OnDone() override {
-    open_.fetch_sub(1);
-    // In the arena, as it may be the last to hold a revision with all its trees.
+    streams_.leave(this);
+    // On a worker: this may hold the last reference to a revision and free its trees.
     compute_.enqueue([this] { delete this; });
   }
 
  private:
   void cast() {
-    if (const Status taken = exec::guarded([this] { return job_.take(request_.request().rays()); });
-        !taken)
-      return end(taken);
+    if (const Status accepted =
+            exec::to_status([this] { return job_.accept(request_.request().rays()); });
+        !accepted)
+      return end(accepted);
     compute_.enqueue([this] { answer(); });
   }
 
   void answer() {
-    const Status done = exec::guarded([this] { return job_.run(*reply_.mutable_response()); });
+    const Status done = exec::to_status([this] { return job_.run(*reply_.mutable_response()); });
     if (!done) return end(done);
     reply_.set_chunk(request_.chunk());
     StartWrite(&reply_);
@@ -93,7 +87,7 @@ class CastStream final
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   exec::Compute& compute_;
   const grpc::CallbackServerContext& context_;
-  std::atomic<std::size_t>& open_;
+  exec::CallRegistry& streams_;
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   std::uint64_t batches_ = 0;
@@ -104,10 +98,9 @@ class CastStream final
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>* start_cast_stream(
-    const CastServices& services, const grpc::CallbackServerContext& context,
-    std::atomic<std::size_t>& open, std::size_t limit) {
-  auto* stream = new CastStream(services, context, open);
-  stream->start(limit);
+    const scenes::Services& services, const grpc::CallbackServerContext& context) {
+  auto* stream = new CastStream(services, context);
+  stream->start();
   return stream;
 }
 

@@ -1,4 +1,4 @@
-// A batch of updates after it was applied.
+// What the server derives from a batch of updates.
 #include "server/scenes/applied_updates.h"
 
 #include <fmt/format.h>
@@ -22,9 +22,9 @@ using scenegraph::model::PutNode;
 using scenegraph::model::SetTransforms;
 using scenegraph::revision::Snapshot;
 
-/// A node, and its share of the blocks of the map that were copied for it.
+/// A node, and its share of the copied blocks of the node map.
 constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
-/// What a group or an instance that was placed takes.
+/// A group or an instance in a scene-level tree.
 constexpr std::uint64_t kBytesPerPlaced = 256;
 
 class Resolver {
@@ -66,7 +66,7 @@ class ReplacedBytes {
     while (!below.empty()) {
       const Node* node = before_.find(below.back());
       below.pop_back();
-      if (node == nullptr) continue;  // made by this batch
+      if (node == nullptr) continue;  // put by this batch
       add(*node);
       below.insert(below.end(), node->children.begin(), node->children.end());
     }
@@ -83,7 +83,7 @@ class ReplacedBytes {
   }
   void add(const Node& node) {
     bytes_ += kBytesPerNode;
-    // Meshes as they were uploaded are held by the store of blobs.
+    // The blob store counts meshes that are not patched.
     if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
     bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree().bytes();
   }

@@ -1,4 +1,5 @@
-// A batch of updates after it was applied: nodes by their ids, and what it did away with.
+// What the server derives from a batch of updates: node ids, and bytes that the old revision does
+// not share.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +11,26 @@
 
 namespace sightline::server::scenes {
 
-/// Names every node by its id; `put` are those of the PutNodes, in order. Meshes are let go of:
-/// their digests name them.
+/// Replaces every node reference by its id. `put`: the ids of the PutNodes, in order. Meshes are
+/// released; their digests stay.
 void resolve(std::vector<scenegraph::model::Update>& updates,
              const std::vector<scenegraph::model::NodeId>& put);
 
-/// Vertices that one batch may make anew, whole meshes counted.
+/// Bytes of vertices of the meshes that one batch may patch. Whole meshes count.
 inline constexpr std::uint64_t kMaxDeformedBytes = std::uint64_t{1} << 30;
 
-/// Of updates that are to be applied to this revision: whether the meshes that they patch are not
-/// too large together. A mesh counts again where patches of it name other nodes than the one
-/// before. Errors: kResourceExhausted, naming the limit.
+/// Checks that the meshes which `updates` patch have at most kMaxDeformedBytes of vertices. A mesh
+/// counts again for each patch whose nodes differ from those of the patch before. Errors:
+/// kResourceExhausted, naming the limit.
 Status check_deformed(const scenegraph::revision::Snapshot& before,
                       const std::vector<scenegraph::model::Update>& updates);
 
-/// About how many bytes of the revision before these (resolved) updates the next one does not
-/// share: nodes, vertices that were patched and their trees, the scene's dynamic tree. Cost: by
-/// what was changed.
+/// About how many bytes of `before` the next revision does not share: nodes, patched vertices and
+/// their trees, the scene's dynamic tree. `updates` are resolved. Cost: proportional to the change.
 std::uint64_t bytes_replaced(const scenegraph::revision::Snapshot& before,
                              const std::vector<scenegraph::model::Update>& updates);
 
-/// About what the instances that rays have placed take, and the tree over them.
+/// About the bytes of the instances that rays have opened, and of the tree over them.
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree);
 
 }  // namespace sightline::server::scenes

@@ -1,4 +1,4 @@
-// Scenes in memory: gone when the process ends.
+// Keeps scenes in memory.
 #include "server/scenes/memory_scene_store.h"
 
 #include <fmt/format.h>
@@ -58,16 +58,16 @@ Status MemorySceneStore::remove(const std::string& name) {
     scenes_.erase(found);
   }
   removed->remove();
-  return {};  // its trees, which may be large, go with it
+  return {};  // `removed` may free large trees, outside the lock
 }
 
-void MemorySceneStore::forget_old_revisions() {
+void MemorySceneStore::drop_old_revisions() {
   std::vector<std::shared_ptr<StoredScene>> scenes;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, scene] : scenes_) scenes.push_back(scene);
   }
-  for (const auto& scene : scenes) scene->forget_old_revisions();
+  for (const auto& scene : scenes) scene->drop_old_revisions();
 }
 
 }  // namespace sightline::server::scenes

@@ -1,4 +1,4 @@
-// Scenes in memory: gone when the process ends.
+// Keeps scenes in memory. They are lost when the process ends.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class MemorySceneStore final : public SceneStore {
   ScenePage list(const std::string& project, const std::string& after,
                  std::size_t limit) const override;
   Status remove(const std::string& name) override;
-  void forget_old_revisions() override;
+  void drop_old_revisions() override;
 
  private:
   mutable std::mutex mutex_;

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::string_view kScenes = "/scenes/";
 
 Error bad_name(std::string_view name, std::string_view shape) {
   return {Code::kInvalidArgument,
-          fmt::format("{} is not a name of the form {}", exec::in_quotes(name), shape),
+          fmt::format("{} is not a name of the form {}", exec::quote(name), shape),
           "BAD_RESOURCE_NAME"};
 }
 
@@ -23,7 +23,7 @@ Status check_id(std::string_view what, std::string_view id) {
   if (is_id(id)) return {};
   return Error{
       Code::kInvalidArgument,
-      fmt::format("{} id {} does not match [a-z0-9][a-z0-9._-]{{0,62}}", what, exec::in_quotes(id)),
+      fmt::format("{} id {} does not match [a-z0-9][a-z0-9._-]{{0,62}}", what, exec::quote(id)),
       "BAD_RESOURCE_NAME"};
 }
 

@@ -16,7 +16,7 @@ bool is_id(std::string_view text);
 /// Errors: kInvalidArgument, naming the part that is wrong and what it should match.
 Status check_scene_name(std::string_view name);
 
-/// The same for projects/{project}.
+/// As check_scene_name(), for projects/{project}.
 Status check_project_name(std::string_view name);
 
 /// The project part, "projects/{project}", of a checked scene name.

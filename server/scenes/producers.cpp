@@ -1,23 +1,18 @@
-// Who streams updates into a scene.
+// The producers that stream updates into a scene.
 #include "server/scenes/producers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 
 void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes) {
-  if (!nodes.empty()) put.push_back({sequence, nodes});
+  put.append({sequence, nodes}, nodes.size());
+  put.trim();
   last_committed = sequence;
-  std::size_t ids = 0;
-  for (const Put& kept : put) ids += kept.nodes.size();
-  while (!put.empty() && (put.front().sequence + kPutsKept <= sequence || ids > kPutIdsKept)) {
-    ids -= put.front().nodes.size();
-    put.pop_front();
-  }
 }
 
 Result<Producer*> Producers::open(const std::string& name) {
@@ -39,8 +34,8 @@ Status check_producer_name(std::string_view name) {
   if (!name.empty() && name.size() <= kMaxProducerName && std::ranges::all_of(name, allowed))
     return {};
   return Error{Code::kInvalidArgument,
-               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}",
-                           exec::in_quotes(name), kMaxProducerName),
+               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}", exec::quote(name),
+                           kMaxProducerName),
                "BAD_PRODUCER"};
 }
 

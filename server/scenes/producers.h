@@ -1,10 +1,9 @@
-// Who streams updates into a scene, and how far each has come.
+// The producers that stream updates into a scene, and the last batch of each.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,37 +11,40 @@
 
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
+#include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxProducerName = 64;  ///< Bytes.
-inline constexpr std::size_t kMaxProducers = 4096;   ///< Names a scene.
+inline constexpr std::size_t kMaxProducers = 4096;   ///< For each scene.
 
-/// Lives as long as its scene.
+/// Batches of a producer whose put nodes are kept: as many as a call may have in flight.
+inline constexpr std::size_t kPutsKept = 16;
+inline constexpr std::size_t kPutIdsKept = 65536;  ///< Node ids in all of them.
+
+/// Lives as long as its scene. Used on the scene's write queue, except for `call`.
 struct Producer {
-  /// The ids that a batch has put.
+  /// The ids of the nodes that a batch has put.
   struct Put {
     std::uint64_t sequence = 0;
-    std::vector<scenegraph::model::NodeId> nodes;
+    std::vector<scenegraph::model::NodeId> nodes;  ///< Empty for a batch that put none.
   };
 
-  /// Of the batch after the last, which was applied or rejected; in the scene's turn.
-  void commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& put);
+  /// Records the next batch, which was applied or rejected.
+  void commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes);
 
-  std::uint64_t last_committed = 0;        ///< Sequence. In the scene's turn, as the next.
-  std::deque<Put> put;                     ///< Of the last kPutsKept batches at most.
-  std::atomic<const void*> call{nullptr};  ///< That speaks for it. Written in turn, read by any.
+  std::uint64_t last_committed = 0;                                 ///< Sequence number.
+  History<Put> put{{.entries = kPutsKept, .weight = kPutIdsKept}};  ///< One entry for each batch.
+  /// The call that owns the producer now. Written on the write queue, read by any thread.
+  std::atomic<const void*> call{nullptr};
 };
 
-inline constexpr std::uint64_t kPutsKept = 16;  ///< As many as a call has on their way.
-inline constexpr std::size_t kPutIdsKept = 65536;
-
-/// In the scene's turn.
+/// Used on the scene's write queue.
 class Producers {
  public:
   explicit Producers(std::size_t limit = kMaxProducers) : limit_(limit) {}
 
-  /// The producer of this name, known or new. Errors: kResourceExhausted, too many names.
+  /// Finds the producer of this name or adds it. Errors: kResourceExhausted (too many names).
   Result<Producer*> open(const std::string& name);
 
  private:

@@ -3,54 +3,50 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <vector>
 
 #include "scenegraph/revision/snapshot.h"
+#include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
 
 struct RecentLimits {
   std::size_t revisions = 64;
-  /// What the later revisions no longer share with those that are kept.
+  /// Bytes that the kept revisions do not share with later ones.
   std::uint64_t bytes = std::uint64_t{64} << 20;
 };
 
-/// Threads: one that keeps and charges, any that find.
+/// Threads: one that calls retain() and account(), any for the other members.
 class RecentRevisions {
  public:
   using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;
 
-  explicit RecentRevisions(RecentLimits limits = {}) : limits_(limits) {}
+  explicit RecentRevisions(RecentLimits limits = {})
+      : history_({.entries = limits.revisions, .weight = limits.bytes}) {}
 
-  /// Keeps a revision: that after the last, or the last one anew. To be called before the next is
-  /// published, so that a reader who knows of that finds this. Returns what it takes the place of.
-  [[nodiscard]] SnapshotPointer keep(SnapshotPointer snapshot);
+  /// Adds the next revision, or replaces the snapshot of the newest one. Call it before the
+  /// following revision is published: a reader that knows that revision then finds this one.
+  /// Returns the replaced snapshot, or null.
+  [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
 
-  /// The revision after the last is published and has replaced so many bytes of it. Returns what is
-  /// no longer kept: to be freed where nobody waits for it.
-  [[nodiscard]] std::vector<SnapshotPointer> charge(std::uint64_t bytes);
+  /// Call it after the following revision is published. `bytes`: what that revision does not share
+  /// with the newest kept one. Returns the snapshots that are no longer kept; destroying them may
+  /// take long.
+  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes);
 
-  /// Null if it is not kept.
+  /// Null if the revision is not kept.
   SnapshotPointer find(std::uint64_t revision) const;
-  /// The oldest that is kept; `head` if none is.
+  /// The oldest revision that is kept; `head` if none is.
   std::uint64_t oldest_or(std::uint64_t head) const;
 
-  /// Forgets all; they are returned as by charge(). Threads: any.
-  [[nodiscard]] std::vector<SnapshotPointer> forget();
+  /// Drops all revisions and returns them.
+  [[nodiscard]] std::vector<SnapshotPointer> drop_all();
 
  private:
-  struct Kept {
-    SnapshotPointer snapshot;
-    std::uint64_t bytes = 0;  // that the next revision does not share
-  };
-
-  const RecentLimits limits_;
-  mutable std::mutex mutex_;  // held for a few pointers
-  std::deque<Kept> kept_;     // without gaps
-  std::uint64_t bytes_ = 0;
+  mutable std::mutex mutex_;          // held for a few pointer copies
+  History<SnapshotPointer> history_;  // consecutive revisions
 };
 
 }  // namespace sightline::server::scenes

@@ -1,11 +1,11 @@
-// The last answers to requests that were given an id.
+// The last answers to requests with a request id.
 #include "server/scenes/request_answers.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 
@@ -16,22 +16,15 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
   if (found->second.content == content) return &found->second.answer;
   return Error{Code::kInvalidArgument,
                fmt::format("request id {} was used for another request, which made revision {}",
-                           exec::in_quotes(id), found->second.answer.revision),
+                           exec::quote(id), found->second.answer.revision),
                "REQUEST_ID_REUSED"};
 }
 
-void RequestAnswers::keep(const std::string& id, std::uint64_t content,
-                          scenegraph::Applied answer) {
-  nodes_ += answer.nodes.size();
+void RequestAnswers::retain(const std::string& id, std::uint64_t content,
+                            scenegraph::Applied answer) {
+  ids_.append(id, answer.nodes.size());
   answers_.emplace(id, Kept{content, std::move(answer)});
-  oldest_first_.push_back(id);
-  while (oldest_first_.size() > limits_.answers ||
-         (oldest_first_.size() > 1 && nodes_ > limits_.nodes)) {
-    const auto oldest = answers_.find(oldest_first_.front());
-    nodes_ -= oldest->second.answer.nodes.size();
-    answers_.erase(oldest);
-    oldest_first_.pop_front();
-  }
+  for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
 }
 
 Status check_request_id(std::string_view id) {

@@ -1,15 +1,16 @@
-// The last answers to requests that were given an id, for those that are sent again.
+// The last answers to requests with a request id: a request that is sent again gets its first
+// answer.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 
 #include "accel/result.h"
 #include "scenegraph/scene.h"
+#include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
 
@@ -17,19 +18,21 @@ inline constexpr std::size_t kMaxRequestId = 64;  ///< Bytes.
 
 struct AnswerLimits {
   std::size_t answers = 1024;
-  std::size_t nodes = std::size_t{1} << 20;  ///< Ids in all of them; the last is always kept.
+  std::size_t nodes = std::size_t{1}
+                      << 20;  ///< Node ids in all answers. The newest answer is always kept.
 };
 
-/// One thread at a time.
+/// Threads: one at a time.
 class RequestAnswers {
  public:
-  explicit RequestAnswers(AnswerLimits limits = {}) : limits_(limits) {}
+  explicit RequestAnswers(AnswerLimits limits = {})
+      : ids_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
 
-  /// The answer to an earlier request of this id, or null. `content` is a digest of what is asked.
-  /// Errors: kInvalidArgument where the id stood for something else.
+  /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
+  /// Errors: kInvalidArgument if the earlier request had another content.
   Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
-  /// An id that find() does not know.
-  void keep(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
+  /// Adds an answer. find() must not know the id.
+  void retain(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
 
  private:
   struct Kept {
@@ -37,10 +40,8 @@ class RequestAnswers {
     scenegraph::Applied answer;
   };
 
-  const AnswerLimits limits_;
   std::unordered_map<std::string, Kept> answers_;
-  std::deque<std::string> oldest_first_;
-  std::size_t nodes_ = 0;
+  History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
 };
 
 /// Errors: kInvalidArgument beyond kMaxRequestId.

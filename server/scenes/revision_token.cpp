@@ -1,4 +1,4 @@
-// What a SceneRevision.token says.
+// The content of SceneRevision.token.
 #include "server/scenes/revision_token.h"
 
 #include <fmt/format.h>
@@ -6,7 +6,7 @@
 #include <charconv>
 #include <random>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -30,8 +30,8 @@ Result<RevisionToken> RevisionToken::parse(std::string_view text) {
       parse_number(text.substr(kIncarnationDigits + 1), 10, token.revision)) {
     return token;
   }
-  return Error{Code::kInvalidArgument,
-               fmt::format("{} is not a revision token", exec::in_quotes(text)), "BAD_TOKEN"};
+  return Error{Code::kInvalidArgument, fmt::format("{} is not a revision token", exec::quote(text)),
+               "BAD_TOKEN"};
 }
 
 std::uint64_t new_incarnation() {

@@ -1,4 +1,4 @@
-// What a SceneRevision.token says: one revision of one very scene.
+// The content of SceneRevision.token: a revision of one scene, until that scene is deleted.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,16 @@
 namespace sightline::server::scenes {
 
 struct RevisionToken {
-  std::uint64_t incarnation = 0;  ///< Of the scene: another one after it was created anew.
+  std::uint64_t incarnation = 0;  ///< Random number of the scene. A scene created again under the
+                                  ///< same name has another one.
   std::uint64_t revision = 0;
 
   std::string text() const;
-  /// Errors: kInvalidArgument for what text() does not make.
+  /// Errors: kInvalidArgument if text() cannot have made it.
   static Result<RevisionToken> parse(std::string_view text);
 };
 
-/// Drawn at random, for a scene that is being created.
+/// A random number for a new scene.
 std::uint64_t new_incarnation();
 
 void encode_revision(const RevisionToken& token, v1::SceneRevision& out);

@@ -1,4 +1,4 @@
-// Reads of a revision that may not be there yet.
+// Reads of a revision that may not exist yet.
 #include "server/scenes/revision_wait.h"
 
 #include <fmt/format.h>
@@ -44,29 +44,30 @@ void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t b
     if (waiting_.exchange(false)) std::exchange(done_, nullptr)(entered.error());
     return;
   }
-  listener_ = scene_->events().subscribe([this] { look(); });
+  listener_ = scene_->events().subscribe([this] { on_scene_event(); });
   const auto latest = std::chrono::system_clock::now() + kMaxReadWait;
-  // The clock keeps what it calls for as long as it lives, and this owns the clock.
-  clock_.emplace().Set(std::min(deadline, latest), [self = shared_from_this()](bool) mutable {
+  // The alarm keeps its callback while it exists, and this object owns the alarm: the callback
+  // moves its pointer out.
+  alarm_.emplace().Set(std::min(deadline, latest), [self = shared_from_this()](bool) mutable {
     const auto wait = std::move(self);
     wait->end(Error{Code::kUnavailable,
                     fmt::format("revision {} is not there in time", wait->revision_),
                     "REVISION_NOT_THERE"});
   });
   if (cancelled_.load()) end(cancelled());
-  look();
+  on_scene_event();
 }
 
 Status RevisionWait::enter(std::size_t bytes) {
-  auto ticket = services_.admission.admit(0, bytes);
+  auto ticket = admission_.admit(0, bytes);
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  return services_.waits.enter(this, [this] { end(exec::stopping()); });
+  return waiting_reads_.enter(this, [this] { end(waiting_reads_.stopped_error()); });
 }
 
-void RevisionWait::look() {
+void RevisionWait::on_scene_event() {
   if (scene_->snapshot()->revision() >= revision_) return end(std::nullopt);
-  if (scene_->removed()) end(scene_->gone());
+  if (scene_->removed()) end(scene_->removed_error());
 }
 
 void RevisionWait::cancel() {
@@ -74,18 +75,18 @@ void RevisionWait::cancel() {
   end(cancelled());
 }
 
-/// Hands over to a worker: whoever calls holds locks of those that are to be left.
+/// Continues on a worker: the caller may hold the lock of the events or of the registry, and
+/// finish() takes both.
 void RevisionWait::end(std::optional<Error> error) {
   if (!waiting_.exchange(false)) return;
-  services_.compute.enqueue(
-      [self = shared_from_this(), error = std::move(error)] { self->finish(error); });
+  compute_.enqueue([self = shared_from_this(), error = std::move(error)] { self->finish(error); });
 }
 
 void RevisionWait::finish(const std::optional<Error>& error) {
   std::unique_lock lock(mutex_);
   scene_->events().unsubscribe(listener_);
-  services_.waits.leave(this);
-  if (clock_) clock_->Cancel();
+  waiting_reads_.leave(this);
+  if (alarm_) alarm_->Cancel();
   ticket_ = {};
   const auto scene = std::move(scene_);
   const Done done = std::exchange(done_, nullptr);

@@ -1,4 +1,4 @@
-// Who wants to know that something has happened to a scene.
+// Listeners of one scene.
 #include "server/scenes/scene_events.h"
 
 #include <utility>

@@ -1,4 +1,4 @@
-// Who wants to know that something has happened to a scene.
+// Listeners of one scene.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,14 @@
 
 namespace sightline::server::scenes {
 
-/// A new revision, a producer taken over, the removal of the scene: what it was is for the listener
-/// to see. Threads: any, for every member.
+/// notify() is called after a new revision, after another call takes over a producer, and after the
+/// removal of the scene. The listener checks the scene to find out which. Threads: any, for every
+/// member.
 class SceneEvents {
  public:
   using Listener = std::function<void()>;
 
-  /// `listener` must be short, and neither subscribe nor unsubscribe.
+  /// `listener` must be short and must call neither subscribe() nor unsubscribe().
   std::uint64_t subscribe(Listener listener);
   /// When this returns, the listener is not running and will not be called.
   void unsubscribe(std::uint64_t id);

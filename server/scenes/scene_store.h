@@ -16,8 +16,8 @@ struct ScenePage {
   std::string next;  ///< The last name of this page if more follow, else empty.
 };
 
-/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. Whoever
-/// holds a scene keeps it alive after its removal.
+/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. A
+/// pointer to a scene keeps it alive after its removal.
 class SceneStore {
  public:
   virtual ~SceneStore() = default;
@@ -30,11 +30,12 @@ class SceneStore {
   /// first).
   virtual ScenePage list(const std::string& project, const std::string& after,
                          std::size_t limit) const = 0;
-  /// Those who follow the scene are told. Errors: kNotFound.
+  /// Calls the listeners of the scene. Errors: kNotFound.
   virtual Status remove(const std::string& name) = 0;
 
-  /// Lets go of all revisions but the newest, for the meshes that they alone hold. Takes time.
-  virtual void forget_old_revisions() = 0;
+  /// Drops all revisions except the newest of every scene, and with them the meshes that only they
+  /// use. May take long.
+  virtual void drop_old_revisions() = 0;
 };
 
 }  // namespace sightline::server::scenes

@@ -1,4 +1,4 @@
-// A scene with what was said of it when it was created.
+// A scene with its recorded properties, history, write queue and events.
 #include "server/scenes/stored_scene.h"
 
 #include <fmt/format.h>
@@ -38,11 +38,11 @@ scenegraph::revision::SceneSummary StoredScene::summary() {
 Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
                                                std::optional<std::uint64_t> expected_revision,
                                                exec::Compute& compute) {
-  if (removed()) return gone();
+  if (removed()) return removed_error();
   std::vector<RecentRevisions::SnapshotPointer> dropped;
   auto before = scene_.snapshot();
   if (Status good = check_deformed(*before, updates); !good) return good.error();
-  auto unsettled = recent_.keep(before);
+  auto unsettled = recent_.retain(before);
   auto applied = scene_.apply(updates, expected_revision);
   if (applied) {
     resolve(updates, applied->nodes);
@@ -50,15 +50,15 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
     if (unsettled != nullptr &&
         unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
       replaced += bytes_of(*unsettled->shared_trees().static_tree);
-    dropped = recent_.charge(replaced);
+    dropped = recent_.account(replaced);
     log_.add(std::move(updates));
     events_.notify();
   }
   dropped.push_back(std::move(unsettled));
   dropped.push_back(std::move(before));
-  // After an update: what neither its writer nor a reader is to wait for.
-  compute.enqueue_apart([self = shared_from_this(), settle = applied && applied->rebuild_static,
-                         dropped = std::move(dropped)]() mutable {
+  // Freeing old revisions and settling may take long, and no reply waits for them.
+  compute.enqueue_background([self = shared_from_this(), settle = applied && applied->rebuild_static,
+                              dropped = std::move(dropped)]() mutable {
     dropped.clear();
     if (settle) self->scene_.rebuild_static();
   });
@@ -70,8 +70,8 @@ void StoredScene::remove() {
   events_.notify();
 }
 
-Error StoredScene::gone() const { return unknown_scene(info_.name); }
+Error StoredScene::removed_error() const { return unknown_scene(info_.name); }
 
-void StoredScene::forget_old_revisions() { recent_.forget().clear(); }
+void StoredScene::drop_old_revisions() { recent_.drop_all().clear(); }
 
 }  // namespace sightline::server::scenes

@@ -1,5 +1,4 @@
-// A scene with what was said of it when it was created, and all that its readers, writers and
-// followers share.
+// A scene with its recorded properties, history, write queue and events.
 #pragma once
 
 #include <atomic>
@@ -26,15 +25,15 @@ namespace sightline::server::scenes {
 
 enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
 
-/// Recorded as given; nothing is converted by it.
+/// Recorded as given. No value is converted with it.
 struct SceneInfo {
   std::string name;  ///< Resource name.
   UpAxis up_axis = UpAxis::kUnspecified;
   double meters_per_unit = 0;  ///< 0: unknown.
 };
 
-/// Made by std::make_shared. Writers take turns: apply(), answers() and producers() are for tasks
-/// of turns() alone. Threads: any, for every other member.
+/// Made by std::make_shared. apply(), answers() and producers() may only be used by tasks of
+/// write_queue(). Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
   explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}
@@ -48,13 +47,13 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   }
   /// Errors: kOutOfRange, naming the oldest revision that is kept and the newest.
   Result<std::shared_ptr<const scenegraph::revision::Snapshot>> at(std::uint64_t revision) const;
-  /// Of the current revision. Walks the scene once per revision.
+  /// Summary of the newest revision. Walks the scene once per revision.
   scenegraph::revision::SceneSummary summary();
 
-  exec::SerialQueue& turns() { return turns_; }
-  /// As Scene::apply; and kNotFound after remove(), kResourceExhausted as check_deformed(). The
-  /// next revision is in the log, and listeners know, when it returns. What is left to do is done
-  /// apart from queries.
+  exec::Strand& write_queue() { return write_queue_; }
+  /// Applies a batch. When it returns, the new revision is in the log and listeners have been
+  /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
+  /// check_deformed; kNotFound after remove().
   Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
                                     std::optional<std::uint64_t> expected_revision,
                                     exec::Compute& compute);
@@ -64,14 +63,14 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   const UpdateLog& log() const { return log_; }
   SceneEvents& events() { return events_; }
 
-  /// The scene takes no more updates; listeners are told.
+  /// Ends updates and calls the listeners.
   void remove();
   bool removed() const { return removed_.load(std::memory_order_acquire); }
-  /// What is answered after remove().
-  Error gone() const;
+  /// The error of calls after remove().
+  Error removed_error() const;
 
-  /// Lets go of all revisions but the newest, for the meshes that they alone hold.
-  void forget_old_revisions();
+  /// Drops all revisions except the newest, and with them the meshes that only they use.
+  void drop_old_revisions();
 
  private:
   const SceneInfo info_;
@@ -81,7 +80,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   UpdateLog log_;
   SceneEvents events_;
   std::atomic<bool> removed_{false};
-  exec::SerialQueue turns_;
+  exec::Strand write_queue_;
   RequestAnswers answers_;
   Producers producers_;
   std::mutex summary_mutex_;

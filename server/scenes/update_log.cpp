@@ -1,4 +1,4 @@
-// What made the last revisions of a scene.
+// The updates that made the last revisions of a scene.
 #include "server/scenes/update_log.h"
 
 #include <fmt/format.h>
@@ -35,18 +35,12 @@ std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
 
 void UpdateLog::add(std::vector<scenegraph::model::Update> updates) {
   const std::uint64_t bytes = bytes_of(updates);
-  Entry entry{std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates)),
-              bytes};
-  std::vector<Updates> dropped;  // freed after the lock is released
+  auto entry = std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates));
+  std::vector<Updates> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
-  entries_.push_back(std::move(entry));
+  history_.append(std::move(entry), bytes);
   ++last_;
-  bytes_ += bytes;
-  while (entries_.size() > limits_.revisions || (entries_.size() > 1 && bytes_ > limits_.bytes)) {
-    bytes_ -= entries_.front().bytes;
-    dropped.push_back(std::move(entries_.front().updates));
-    entries_.pop_front();
-  }
+  dropped = history_.trim();
 }
 
 std::uint64_t UpdateLog::last() const {
@@ -56,11 +50,10 @@ std::uint64_t UpdateLog::last() const {
 
 Result<UpdateLog::Updates> UpdateLog::find(std::uint64_t revision) const {
   const std::lock_guard lock(mutex_);
-  const std::uint64_t first = last_ - entries_.size() + 1;
-  if (revision >= first && revision <= last_) return entries_[revision - first].updates;
+  const std::uint64_t first = last_ - history_.size() + 1;
+  if (revision >= first && revision <= last_) return history_[revision - first];
   return Error{Code::kOutOfRange,
-               fmt::format("what made revision {} is not kept; kept are {} to "
-                           "{}: read the scene, "
+               fmt::format("what made revision {} is not kept; kept are {} to {}: read the scene, "
                            "then watch from its revision",
                            revision, first, last_),
                "REVISION_NOT_KEPT"};

@@ -1,34 +1,36 @@
-// What made the last revisions of a scene, for those who follow it.
+// The updates that made the last revisions of a scene, for watches.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <vector>
 
 #include "accel/result.h"
 #include "scenegraph/model/update.h"
+#include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
 
 struct LogLimits {
   std::size_t revisions = 1024;
-  std::uint64_t bytes = std::uint64_t{64} << 20;  ///< The last revision is kept, however large.
+  std::uint64_t bytes = std::uint64_t{64} << 20;  ///< The newest revision is kept, however large.
 };
 
-/// About what the updates hold.
+/// About how many bytes the updates take.
 std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates);
 
-/// Readers share the updates. Threads: one that adds, any that find.
+/// Readers share the updates with the log. Threads: one that calls add(), any for the other
+/// members.
 class UpdateLog {
  public:
   using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
 
-  explicit UpdateLog(LogLimits limits = {}) : limits_(limits) {}
+  explicit UpdateLog(LogLimits limits = {})
+      : history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
 
-  /// Of the revision after the last, the first being 1. Nodes are named by their ids.
+  /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
   void add(std::vector<scenegraph::model::Update> updates);
 
   /// The last revision; 0 before the first.
@@ -37,16 +39,9 @@ class UpdateLog {
   Result<Updates> find(std::uint64_t revision) const;
 
  private:
-  struct Entry {
-    Updates updates;
-    std::uint64_t bytes = 0;
-  };
-
-  const LogLimits limits_;
-  mutable std::mutex mutex_;   // held for a few pointers
-  std::deque<Entry> entries_;  // without gaps, up to last_
+  mutable std::mutex mutex_;  // held for a few pointer copies
+  History<Updates> history_;  // consecutive revisions up to last_
   std::uint64_t last_ = 0;
-  std::uint64_t bytes_ = 0;
 };
 
 }  // namespace sightline::server::scenes

@@ -1,4 +1,4 @@
-// SceneService.ApplyUpdates: one batch, applied in the scene's turn.
+// SceneService.ApplyUpdates: applies one batch on the scene's write queue.
 #include "server/updates/apply_rpc.h"
 
 #include <spdlog/spdlog.h>
@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/update_codec.h"
@@ -18,18 +17,19 @@
 namespace sightline::server::updates {
 namespace {
 
-/// A change of what is in the scene, not merely of where it is: rare enough for the log.
+/// Whether the request adds or removes nodes. Such requests are rare, so they are logged at level
+/// info.
 bool changes_content(const v1::ApplyUpdatesRequest& request) {
   return std::any_of(
       request.updates().begin(), request.updates().end(),
       [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
 }
 
-/// Decoded on any worker, then applied in turn. Requests of one id meet there: the second finds the
-/// first one's answer.
+/// Decoded on any worker, then applied on the write queue. Of two requests with one id the second
+/// finds the answer of the first there.
 class ApplyCall final : public grpc::ServerUnaryReactor {
  public:
-  ApplyCall(const UpdateServices& services, const v1::ApplyUpdatesRequest& request,
+  ApplyCall(const scenes::Services& services, const v1::ApplyUpdatesRequest& request,
             v1::ApplyUpdatesResponse& reply)
       : services_(services), request_(request), reply_(reply) {}
 
@@ -38,10 +38,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     services_.compute.enqueue_update([this] {
-      if (const Status ready = exec::guarded([this] { return prepare(); }); !ready)
+      if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
         return end(ready);
-      scene_->turns().post(services_.compute,
-                           [this] { end(exec::guarded([this] { return apply(); })); });
+      scene_->write_queue().post(services_.compute,
+                                 [this] { end(exec::to_status([this] { return apply(); })); });
     });
   }
 
@@ -54,7 +54,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!scene) return scene.error();
     if (Status good = scenes::check_request_id(request_.request_id()); !good) return good;
     scene_ = std::move(*scene);
-    // Not an error yet: a request that was answered before is answered again.
+    // A decode error is reported later: a repeated request gets its first answer instead.
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
     if (!request_.request_id().empty())
       content_ = std::hash<std::string>()(request_.SerializeAsString());
@@ -80,7 +80,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!applied) return applied.error();
     answer(*applied);
     log(applied->revision, count);
-    if (!id.empty()) scene_->answers().keep(id, content_, std::move(*applied));
+    if (!id.empty()) scene_->answers().retain(id, content_, std::move(*applied));
     return {};
   }
 
@@ -106,11 +106,11 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     updates_.reset();
     scene_.reset();
     exec::log_rpc("ApplyUpdates", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   const v1::ApplyUpdatesRequest& request_;
   v1::ApplyUpdatesResponse& reply_;
   exec::Admission::Ticket ticket_;
@@ -122,7 +122,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* start_apply(const UpdateServices& services,
+grpc::ServerUnaryReactor* start_apply(const scenes::Services& services,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply) {
   auto* call = new ApplyCall(services, request, reply);

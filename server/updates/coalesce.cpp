@@ -1,4 +1,4 @@
-// Several batches of poses made one.
+// Merges several batches of transforms and patches.
 #include "server/updates/coalesce.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ bool are_ids(const std::vector<NodeRef>& nodes) {
   return std::ranges::all_of(nodes, [](NodeRef node) { return node > 0; });
 }
 
-/// A transform that a newer one hides would not be refused any more: it is looked at here.
+/// Checked here because Scene::apply does not see a transform that a newer one replaces.
 bool is_sound(const Update& update) {
   if (const auto* set = std::get_if<SetTransforms>(&update)) {
     return are_ids(set->nodes) &&
@@ -58,10 +58,10 @@ SetTransforms newest_transforms(const std::deque<UpdateBatch>& batches, std::siz
   return newest;
 }
 
-/// Of the same nodes; a batch of many small patches is not worth more.
+/// Ranges of one set of nodes. More ranges would cost more than they save.
 constexpr std::size_t kRangesRemembered = 16;
 
-/// From the newest to the oldest: each patch is asked whether one that is newer covers it.
+/// Add patches from the newest to the oldest: add() returns whether a newer patch covers this one.
 class Covered {
  public:
   bool add(const PatchVertices& patch) {

@@ -1,4 +1,4 @@
-// Several batches of poses made one, where only the newest count.
+// Merges several batches of transforms and patches into one that has only the newest values.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,12 @@
 
 namespace sightline::server::updates {
 
-/// How many of the first batches may be made one: those of nothing but SetTransforms and
-/// PatchVertices, that can be told to be sound without the scene. 0 or 1: nothing to gain.
+/// How many of the first batches can be merged: those that have only SetTransforms and
+/// PatchVertices and are valid in any scene. 0 or 1: nothing to merge.
 std::size_t count_to_coalesce(const std::deque<UpdateBatch>& batches);
 
-/// What the first `count` batches come to, applied one after the other: of each node the newest
-/// transform, and of the patches those that no later one of the same nodes covers. The batches stay
-/// as they are.
+/// One batch with the effect of the first `count` batches in order: the newest transform of each
+/// node, and the patches that no later patch of the same nodes covers. The batches are not changed.
 std::vector<scenegraph::model::Update> coalesce(const std::deque<UpdateBatch>& batches,
                                                 std::size_t count);
 

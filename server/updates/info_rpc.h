@@ -14,7 +14,7 @@ class InfoRpc final : public v1::ServerService::CallbackService {
                                           v1::GetServerInfoResponse* reply) override;
 
  private:
-  const v1::GetServerInfoResponse info_;  // the same for as long as the server runs
+  const v1::GetServerInfoResponse info_;  // constant while the server runs
 };
 
 }  // namespace sightline::server::updates

@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/scene_codec.h"
@@ -17,20 +16,21 @@ namespace {
 
 class NodesCall final : public grpc::ServerUnaryReactor {
  public:
-  NodesCall(const UpdateServices& services, const v1::BatchGetNodesRequest& request,
+  NodesCall(const scenes::Services& services, const v1::BatchGetNodesRequest& request,
             v1::BatchGetNodesResponse& reply)
       : services_(services),
-        wait_(std::make_shared<scenes::RevisionWait>(services.waiting)),
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)),
         request_(request),
         reply_(reply) {}
 
   void start(const grpc::CallbackServerContext& context) {
-    if (const Status good = exec::guarded([this] { return open(); }); !good) return end(good);
+    if (const Status good = exec::to_status([this] { return open(); }); !good) return end(good);
     wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
                 [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   services_.compute.enqueue([this, snapshot = std::move(*pinned)] {
-                    end(exec::guarded([&] { return answer(*snapshot); }));
+                    end(exec::to_status([&] { return answer(*snapshot); }));
                   });
                 });
   }
@@ -69,11 +69,11 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     ticket_ = {};
     scene_.reset();
     exec::log_rpc("BatchGetNodes", answer, begun_);
-    Finish(answer);  // this reactor may be gone when it returns
+    Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   const v1::BatchGetNodesRequest& request_;
   v1::BatchGetNodesResponse& reply_;
@@ -83,7 +83,7 @@ class NodesCall final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* start_get_nodes(const UpdateServices& services,
+grpc::ServerUnaryReactor* start_get_nodes(const scenes::Services& services,
                                           const grpc::CallbackServerContext& context,
                                           const v1::BatchGetNodesRequest& request,
                                           v1::BatchGetNodesResponse& reply) {

@@ -8,7 +8,7 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Of the server, not of the batch: it may succeed when it is sent again.
+/// Whether the server failed, not the batch. The batch may then succeed when it is sent again.
 bool is_our_fault(const Error& error) {
   return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY";
 }
@@ -20,17 +20,17 @@ Error taken_over() {
           "PRODUCER_TAKEN_OVER"};
 }
 
-void ProducerTurn::take_over() {
+void ProducerSession::take_over() {
   if (producer_.call.exchange(call_) != nullptr) scene_.events().notify();
 }
 
-void ProducerTurn::leave() {
+void ProducerSession::leave() {
   const void* mine = call_;
   producer_.call.compare_exchange_strong(mine, nullptr);
 }
 
-Result<std::vector<BatchOutcome>> ProducerTurn::apply_some(std::deque<UpdateBatch>& batches) {
-  if (scene_.removed()) return scene_.gone();
+Result<std::vector<BatchOutcome>> ProducerSession::apply_some(std::deque<UpdateBatch>& batches) {
+  if (scene_.removed()) return scene_.removed_error();
   if (producer_.call.load() != call_) return taken_over();
   std::vector<BatchOutcome> outcomes;
   if (latest_wins_ && alone_ == 0 && apply_together(batches, outcomes)) return outcomes;
@@ -39,9 +39,10 @@ Result<std::vector<BatchOutcome>> ProducerTurn::apply_some(std::deque<UpdateBatc
   return outcomes;
 }
 
-/// False, and nothing is done, if there are not two, or if together they fail.
-bool ProducerTurn::apply_together(std::deque<UpdateBatch>& batches,
-                                  std::vector<BatchOutcome>& outcomes) {
+/// Returns false and changes nothing if fewer than two batches can be merged, or if the merged
+/// batch fails.
+bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches,
+                                     std::vector<BatchOutcome>& outcomes) {
   const std::size_t count = count_to_coalesce(batches);
   if (count < 2) return false;
   auto applied = scene_.apply(coalesce(batches, count), std::nullopt, compute_);
@@ -54,8 +55,8 @@ bool ProducerTurn::apply_together(std::deque<UpdateBatch>& batches,
   return true;
 }
 
-Status ProducerTurn::apply_first(std::deque<UpdateBatch>& batches,
-                                 std::vector<BatchOutcome>& outcomes) {
+Status ProducerSession::apply_first(std::deque<UpdateBatch>& batches,
+                                    std::vector<BatchOutcome>& outcomes) {
   UpdateBatch& batch = batches.front();
   Result<scenegraph::Applied> applied =
       batch.bad ? Result<scenegraph::Applied>(*batch.bad)
@@ -65,8 +66,8 @@ Status ProducerTurn::apply_first(std::deque<UpdateBatch>& batches,
   return {};
 }
 
-void ProducerTurn::commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
-                          std::vector<BatchOutcome>& outcomes) {
+void ProducerSession::commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
+                             std::vector<BatchOutcome>& outcomes) {
   const UpdateBatch& batch = batches.front();
   producer_.commit(batch.sequence,
                    applied ? applied->nodes : std::vector<scenegraph::model::NodeId>());

@@ -1,4 +1,4 @@
-// Applies the batches of one producer in the scene's turn.
+// Applies the batches of one producer, on the scene's write queue.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,37 @@
 
 namespace sightline::server::updates {
 
-/// What became of a batch.
+/// The result of a batch.
 struct BatchOutcome {
   std::uint64_t sequence = 0;
-  std::size_t bytes = 0;  ///< Of the batch.
+  std::size_t bytes = 0;  ///< On the wire.
   Result<scenegraph::Applied> applied;
 };
 
-/// To be used in the scene's turn alone.
-class ProducerTurn {
+/// Used only by tasks of the scene's write queue.
+class ProducerSession {
  public:
-  /// `producer` is of `scene`. Both, and `call`, outlive this.
-  ProducerTurn(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
-               exec::Compute& compute, bool latest_wins)
+  /// `producer` belongs to `scene`. `call` identifies the call. All arguments outlive this object.
+  ProducerSession(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
+                  exec::Compute& compute, bool latest_wins)
       : scene_(scene),
         producer_(producer),
         call_(call),
         compute_(compute),
         latest_wins_(latest_wins) {}
 
-  /// Makes `call` the one that speaks for the producer; the one before is told.
+  /// Makes `call` the owner of the producer and notifies the previous owner.
   void take_over();
-  /// As a call ends.
+  /// Gives the producer up if `call` still owns it.
   void leave();
 
-  /// Applies the first batch, or several as one; an outcome for each that is taken. Errors, which
-  /// end the call and leave all batches undone: kNotFound (the scene is removed), kAborted (another
-  /// call has taken over), kResourceExhausted (no memory).
+  /// Applies the first batch, or several first batches as one, and removes them from `batches`.
+  /// Returns an outcome for each. Errors end the call and leave all batches unapplied: kNotFound
+  /// (the scene is removed), kAborted (another call has taken over), kResourceExhausted (no
+  /// memory).
   Result<std::vector<BatchOutcome>> apply_some(std::deque<UpdateBatch>& batches);
 
-  /// Batches that were made one with newer ones.
+  /// Batches that were merged with newer ones.
   std::uint64_t coalesced() const { return coalesced_; }
 
  private:
@@ -58,11 +59,11 @@ class ProducerTurn {
   const void* const call_;
   exec::Compute& compute_;
   const bool latest_wins_;
-  std::size_t alone_ = 0;  // first batches that cannot be made one
+  std::size_t alone_ = 0;  // first batches that must be applied one by one
   std::uint64_t coalesced_ = 0;
 };
 
-/// What a call is told whose producer was opened by a newer one.
+/// kAborted: the error of a call whose producer a newer call has opened.
 Error taken_over();
 
 }  // namespace sightline::server::updates

@@ -1,4 +1,4 @@
-// Scenes and nodes between the wire and the scene graph.
+// Decodes and encodes scenes and nodes.
 #pragma once
 
 #include "accel/result.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "server/exec/in_quotes.h"
+#include "server/exec/quote.h"
 #include "server/exec/unary_rpc.h"
 #include "server/scenes/names.h"
 #include "server/updates/apply_rpc.h"
@@ -51,10 +51,10 @@ Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesRespon
   const std::string& token = request.page_token();
   if (!token.empty() &&
       (!scenes::check_scene_name(token) || scenes::project_of(token) != request.parent())) {
-    return Error{Code::kInvalidArgument,
-                 fmt::format("page_token {} is not from a list of {}", exec::in_quotes(token),
-                             request.parent()),
-                 "BAD_PAGE_TOKEN"};
+    return Error{
+        Code::kInvalidArgument,
+        fmt::format("page_token {} is not from a list of {}", exec::quote(token), request.parent()),
+        "BAD_PAGE_TOKEN"};
   }
   const int size =
       request.page_size() == 0 ? kDefaultPage : std::min(request.page_size(), kMaxPage);

@@ -1,8 +1,8 @@
 // SceneService.
 #pragma once
 
+#include "server/scenes/services.h"
 #include "server/updates/nodes_rpc.h"
-#include "server/updates/update_services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::server::updates {
@@ -12,7 +12,7 @@ inline constexpr int kMaxPage = 1000;
 
 class SceneRpc final : public v1::SceneService::CallbackService {
  public:
-  explicit SceneRpc(const UpdateServices& services) : services_(services) {}
+  explicit SceneRpc(const scenes::Services& services) : services_(services) {}
 
   grpc::ServerUnaryReactor* CreateScene(grpc::CallbackServerContext* context,
                                         const v1::CreateSceneRequest* request,
@@ -47,7 +47,7 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   Status remove(const v1::DeleteSceneRequest& request);
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
 
-  const UpdateServices services_;
+  const scenes::Services services_;
 };
 
 }  // namespace sightline::server::updates

@@ -1,4 +1,4 @@
-// What a producer is to be told, in order.
+// The queue of answers to a producer.
 #include "server/updates/update_answers.h"
 
 #include <utility>
@@ -8,7 +8,7 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Of up to 10 bytes each: the message stays below 1 MiB.
+/// An id takes up to 10 bytes, so the message stays below 1 MiB.
 constexpr std::size_t kMaxIdsPerAck = 65536;
 
 void encode_put(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& ids,
@@ -25,8 +25,10 @@ void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t windo
   opened.set_last_committed(producer.last_committed);
   opened.set_window(window);
   encode_revision(revision, *opened.mutable_revision());
-  for (const scenes::Producer::Put& put : producer.put)
-    encode_put(put.sequence, put.nodes, *opened.add_put());
+  for (std::size_t i = 0; i < producer.put.size(); ++i) {
+    const scenes::Producer::Put& put = producer.put[i];
+    if (!put.nodes.empty()) encode_put(put.sequence, put.nodes, *opened.add_put());
+  }
 }
 
 void UpdateAnswers::ack(std::uint64_t sequence, const scenes::RevisionToken& revision,
@@ -54,7 +56,7 @@ void UpdateAnswers::reject(std::uint64_t sequence, const Error& error) {
   reject.set_message(status.error_message());
 }
 
-std::size_t UpdateAnswers::take(v1::StreamUpdatesResponse& out) {
+std::size_t UpdateAnswers::pop(v1::StreamUpdatesResponse& out) {
   out = std::move(answers_.front().message);
   const std::size_t batches = answers_.front().batches;
   answers_.pop_front();

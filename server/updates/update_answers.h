@@ -1,4 +1,4 @@
-// What a producer is to be told, in order, until it has read it.
+// The queue of answers to a producer.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,22 @@
 
 namespace sightline::server::updates {
 
-/// Acks that follow each other are made one, as long as it stays a small message. So there are at
-/// most twice as many as batches that they answer.
+/// Consecutive acks are merged while the message stays small. The queue therefore has at most twice
+/// as many answers as batches.
 class UpdateAnswers {
  public:
   void opened(const scenes::Producer& producer, std::uint32_t window,
               const scenes::RevisionToken& revision);
-  /// Of one batch; or, with `batches` 0, of one that came again. `put`: ids of its PutNodes' nodes.
+  /// Answers an applied batch; `batches` is 0 for a repeated one. `put`: the ids of the nodes that
+  /// it put.
   void ack(std::uint64_t sequence, const scenes::RevisionToken& revision, std::uint64_t coalesced,
            const std::vector<scenegraph::model::NodeId>& put, std::size_t batches = 1);
   void reject(std::uint64_t sequence, const Error& error);
 
   bool empty() const { return answers_.empty(); }
   void clear() { answers_.clear(); }
-  /// The next. Returns how many batches it answers.
-  std::size_t take(v1::StreamUpdatesResponse& out);
+  /// Removes the oldest answer. Returns how many batches it answers.
+  std::size_t pop(v1::StreamUpdatesResponse& out);
 
  private:
   struct Answer {

@@ -1,4 +1,4 @@
-// The batches of one producer as they come in.
+// Assembles the batches of one producer from messages.
 #include "server/updates/update_batches.h"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 namespace sightline::server::updates {
 
-Result<UpdateBatches::Came> UpdateBatches::take(const v1::UpdateBatch& message) {
+Result<UpdateBatches::Received> UpdateBatches::accept(const v1::UpdateBatch& message) {
   if (const Status good = check_sequence(message.sequence()); !good) return good.error();
   const bool repeat = message.sequence() <= last_;
   if (!repeat) {
@@ -22,10 +22,10 @@ Result<UpdateBatches::Came> UpdateBatches::take(const v1::UpdateBatch& message) 
   }
   open_ = message.more();
   open_sequence_ = message.sequence();
-  if (open_) return Came::kPart;
-  if (repeat) return Came::kRepeat;
+  if (open_) return Received::kPart;
+  if (repeat) return Received::kRepeat;
   last_ = message.sequence();
-  return Came::kBatch;
+  return Received::kBatch;
 }
 
 UpdateBatch UpdateBatches::batch() { return std::exchange(batch_, {}); }
@@ -46,7 +46,7 @@ Status UpdateBatches::check_sequence(std::uint64_t sequence) const {
 
 Status UpdateBatches::append(const v1::UpdateBatch& message) {
   const std::size_t bytes = message.ByteSizeLong();
-  if (batch_.bad) return {};  // the rest of it is passed over
+  if (batch_.bad) return {};  // the rest of the batch is ignored
   if (batch_.bytes + bytes > kMaxBatchBytes) {
     refuse({Code::kResourceExhausted,
             fmt::format("the batch has more than the limit of {} bytes", kMaxBatchBytes),

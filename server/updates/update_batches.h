@@ -1,4 +1,4 @@
-// The batches of one producer as they come in, each in one message or several.
+// Assembles the batches of one producer from messages.
 #pragma once
 
 #include <cstddef>
@@ -19,28 +19,28 @@ inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;  ///< On th
 struct UpdateBatch {
   std::uint64_t sequence = 0;
   std::vector<scenegraph::model::Update> updates;
-  std::optional<Error> bad;  ///< Why it cannot be applied; then there are no updates.
+  std::optional<Error> bad;  ///< Why it cannot be applied. `updates` is then empty.
   std::size_t bytes = 0;     ///< On the wire.
-  std::vector<exec::Admission::Ticket> tickets;  ///< Its place among the bytes in work.
+  std::vector<exec::Admission::Ticket> tickets;  ///< Its admitted bytes.
 };
 
-/// One thread at a time.
+/// Threads: one at a time.
 class UpdateBatches {
  public:
   UpdateBatches(const blobs::BlobStore& blobs, exec::Admission& admission)
       : blobs_(blobs), admission_(admission) {}
 
-  /// Batches are expected from the one after this sequence on.
+  /// The next expected batch is the one after this sequence number.
   void begin(std::uint64_t last_committed) { last_ = last_committed; }
 
-  enum class Came : std::uint8_t { kPart, kBatch, kRepeat };
-  /// A message. After kBatch, batch() is whole. Errors, which end the call: kInvalidArgument (a gap
-  /// in the sequence, or a batch that is not finished), kResourceExhausted (as Admission::admit).
-  /// What is wrong with a batch itself is in its `bad`.
-  Result<Came> take(const v1::UpdateBatch& message);
+  enum class Received : std::uint8_t { kPart, kBatch, kRepeat };
+  /// Adds a message. After kBatch, batch() returns a complete batch. Errors, which end the call:
+  /// kInvalidArgument (a gap in the sequence, or an unfinished batch), kResourceExhausted (as
+  /// Admission::admit). An error of the batch itself is stored in its `bad`.
+  Result<Received> accept(const v1::UpdateBatch& message);
   UpdateBatch batch();
 
-  /// Of the batch that is not whole yet.
+  /// Bytes of the incomplete batch.
   std::size_t bytes() const { return open_ ? batch_.bytes : 0; }
 
  private:
@@ -50,8 +50,8 @@ class UpdateBatches {
 
   const blobs::BlobStore& blobs_;
   exec::Admission& admission_;
-  std::uint64_t last_ = 0;  // sequence that came whole
-  bool open_ = false;       // a message with `more` was the last
+  std::uint64_t last_ = 0;  // sequence number of the last complete batch
+  bool open_ = false;       // the last message had `more` set
   std::uint64_t open_sequence_ = 0;
   UpdateBatch batch_;
 };

@@ -1,4 +1,4 @@
-// Updates between the wire and the scene graph.
+// Decodes and encodes updates.
 #include "server/updates/update_codec.h"
 
 #include <fmt/format.h>

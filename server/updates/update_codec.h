@@ -1,4 +1,4 @@
-// Updates between the wire and the scene graph.
+// Decodes and encodes updates.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>
@@ -16,17 +16,18 @@ namespace sightline::server::updates {
 inline constexpr int kMaxUpdatesPerBatch = 65536;
 inline constexpr int kMaxNodesPerPatch = 65536;
 
-/// Looks every mesh up by its digest. `first` is the place of the first of them in its batch.
-/// Errors name the update's place in the batch: kInvalidArgument (an empty update, not 12 numbers
-/// to a matrix, columns that disagree, an unknown mobility, a bad digest, too many nodes to a
-/// patch), kFailedPrecondition (listing the digests that are missing), kResourceExhausted over
-/// kMaxUpdatesPerBatch. What only the scene can know is left to Scene::apply.
+/// Finds every mesh by its digest. `first` is the index of the first update in its batch. Errors
+/// name the update's index in the batch: kInvalidArgument (an empty update, not 12 numbers to a
+/// matrix, columns that disagree, an unknown mobility, a bad digest, too many nodes to a patch),
+/// kFailedPrecondition (listing the digests that are missing), kResourceExhausted over
+/// kMaxUpdatesPerBatch. Scene::apply checks what depends on the scene.
 Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, const blobs::BlobStore& blobs,
     std::size_t first = 0);
 
-/// Part of an update: from row `first` of its columns on, as many rows as `bytes` hold and one at
-/// least; an update without columns whole. Returns the row that is next, 0 if none is left.
+/// Encodes part of an update: from row `first` of its columns, as many rows as fit `bytes`, and at
+/// least one. An update without columns is encoded completely. Returns the next row, or 0 after the
+/// last.
 std::size_t encode_update(const scenegraph::model::Update& update, std::size_t first,
                           std::size_t bytes, v1::Update& out);
 

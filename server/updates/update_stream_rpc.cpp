@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_session.h"
@@ -22,83 +24,109 @@ Error invalid(std::string message, std::string reason) {
 
 Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELLED"}; }
 
-/// Three things go on at a time: reading, applying what has come, and writing what came of it. Each
-/// calls go_on() when it has got somewhere, which sets going whatever can go. The window bounds all
-/// that is kept: a batch counts until its answer is written.
+/// The call as a whole. States only follow each other in this order; some may be left out.
+enum class State : std::uint8_t {
+  kAwaitingOpen,  ///< The first message has not arrived.
+  kOpening,       ///< The write queue opens the producer.
+  kOpen,          ///< Batches are read, applied and answered.
+  kDraining,      ///< Reads no more. Ends when every batch that was read is applied and answered.
+  kAborting,      ///< Drops waiting batches and answers. Ends when no operation runs.
+  kEnded,         ///< Finish() has been called.
+};
+
+/// Up to three operations run at a time: a read, a task on the scene's write queue, and a write.
+/// Each reports its end through advance(), which starts what the state then allows. The window
+/// bounds the memory of the call: a batch counts until its answer is written.
 class UpdateStream final
     : public grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse> {
  public:
-  explicit UpdateStream(const UpdateServices& services)
+  explicit UpdateStream(const scenes::Services& services)
       : services_(services), batches_(services.blobs, services.admission) {}
 
   void start() {
-    const Status entered = services_.streams.enter(
-        this, [this] { go_on([this] { end_after_answers(exec::stopping()); }); });
-    go_on([&] {
-      starting_ = false;
-      if (!entered) end_now(entered.error());
+    const Status entered = services_.update_streams.enter(this, [this] {
+      advance([this] { enter(State::kDraining, services_.update_streams.stopped_error()); });
+    });
+    advance([&] {
+      working_ = false;
+      if (!entered) enter(State::kAborting, entered.error());
     });
   }
 
   void OnReadDone(bool ok) override {
-    // Only this thread reads: what has come is looked at outside of the lock.
-    Status taken;
-    if (ok) taken = exec::guarded([this] { return take(); });
-    go_on([&] {
+    // No other thread reads, so the message is decoded without the lock.
+    Result<Received> received = Received::kNothing;
+    if (ok) {
+      const Status accepted = exec::to_status([&]() -> Status {
+        received = accept();
+        return received ? Status() : received.error();
+      });
+      if (!accepted) received = accepted.error();
+    }
+    advance([&] {
       reading_ = false;
-      if (!ok) return end_after_answers({});  // the client has closed its side, or is gone
-      if (!taken) return end_after_answers(taken);
-      if (ending_) return;
-      if (came_) {
-        window_bytes_ += came_->bytes;
-        ++window_;
-        waiting_.push_back(*std::exchange(came_, std::nullopt));
-      } else if (std::exchange(repeated_, false)) {
+      if (!ok) return enter(State::kDraining, {});  // the client closed its side or is gone
+      if (!received) return enter(State::kDraining, received.error());
+      if (state_ >= State::kDraining) return;
+      if (*received == Received::kBatch) return add_batch(batches_.batch());
+      if (*received == Received::kRepeat)
         answers_.ack(answered_, scene_->token(revision_), coalesced_, {}, 0);
-      }
     });
   }
 
   void OnWriteDone(bool ok) override {
-    go_on([&] {
+    advance([&] {
       writing_ = false;
       window_ -= std::exchange(being_written_, 0);
-      if (!ok) end_now(Error{Code::kCancelled, "the answer could not be written", "CANCELLED"});
+      if (!ok) {
+        enter(State::kAborting,
+              Error{Code::kCancelled, "the answer could not be written", "CANCELLED"});
+      }
     });
   }
 
   void OnCancel() override {
-    go_on([this] { end_now(cancelled()); });
+    advance([this] { enter(State::kAborting, cancelled()); });
   }
 
   void OnDone() override {
     services_.compute.enqueue([this] {
-      services_.streams.leave(this);
+      services_.update_streams.leave(this);
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
-      // In turn, after all that this call has left there.
-      scene_->turns().post(services_.compute, [this] {
-        if (turn_) turn_->leave();
+      // After all tasks that this call has posted to the write queue.
+      scene_->write_queue().post(services_.compute, [this] {
+        if (session_) session_->leave();
         delete this;
       });
     });
   }
 
  private:
-  /// Errors end the call.
-  Status take() {
-    if (request_.has_open()) return scene_ == nullptr ? open(request_.open()) : opened_twice();
+  /// What a message completes.
+  enum class Received : std::uint8_t { kNothing, kBatch, kRepeat };
+
+  /// Handles request_. Errors end the call.
+  Result<Received> accept() {
+    if (request_.has_open()) {
+      if (scene_ != nullptr)
+        return invalid("only the first message may open a producer", "OPENED_TWICE");
+      if (const Status good = open(request_.open()); !good) return good.error();
+      return Received::kNothing;
+    }
     if (!request_.has_batch()) return invalid("a message says nothing", "EMPTY_MESSAGE");
     if (scene_ == nullptr) return invalid("the first message must open a producer", "NOT_OPENED");
-    const auto came = batches_.take(request_.batch());
-    if (!came) return came.error();
-    if (*came == UpdateBatches::Came::kBatch) came_ = batches_.batch();
-    repeated_ = *came == UpdateBatches::Came::kRepeat;
-    return {};
-  }
-
-  static Status opened_twice() {
-    return invalid("only the first message may open a producer", "OPENED_TWICE");
+    const auto received = batches_.accept(request_.batch());
+    if (!received) return received.error();
+    switch (*received) {
+      case UpdateBatches::Received::kBatch:
+        return Received::kBatch;
+      case UpdateBatches::Received::kRepeat:
+        return Received::kRepeat;
+      case UpdateBatches::Received::kPart:
+        break;
+    }
+    return Received::kNothing;
   }
 
   Status open(const v1::OpenProducer& open) {
@@ -108,73 +136,92 @@ class UpdateStream final
     {
       const std::lock_guard lock(mutex_);
       scene_ = std::move(*scene);
+      enter(State::kOpening, {});
       working_ = true;
     }
-    scene_->turns().post(
+    scene_->write_queue().post(
         services_.compute, [this, name = open.producer(), latest_wins = open.latest_wins()] {
-          const Status opened = exec::guarded([&] { return enter_scene(name, latest_wins); });
-          go_on([&] {
+          const Status opened = exec::to_status([&] { return begin_session(name, latest_wins); });
+          advance([&] {
             working_ = false;
-            if (!opened) return end_now(opened);
-            if (abandoned_) return;
-            opened_ = true;
+            if (!opened) return enter(State::kAborting, opened);
+            if (state_ >= State::kAborting) return;
+            enter(State::kOpen, {});
             answers_.opened(*producer_, kUpdateWindow, scene_->token(revision_));
           });
         });
     return {};
   }
 
-  /// In turn.
-  Status enter_scene(const std::string& name, bool latest_wins) {
-    if (scene_->removed()) return scene_->gone();
+  /// On the write queue.
+  Status begin_session(const std::string& name, bool latest_wins) {
+    if (scene_->removed()) return scene_->removed_error();
     const auto producer = scene_->producers().open(name);
     if (!producer) return producer.error();
     producer_ = *producer;
-    turn_.emplace(*scene_, *producer_, this, services_.compute, latest_wins);
-    turn_->take_over();
+    session_.emplace(*scene_, *producer_, this, services_.compute, latest_wins);
+    session_->take_over();
     batches_.begin(producer_->last_committed);
     answered_ = producer_->last_committed;
     revision_ = scene_->snapshot()->revision();
-    listener_ = scene_->events().subscribe([this] { look(); });
-    look();  // at what has happened before
+    listener_ = scene_->events().subscribe([this] { on_scene_event(); });
+    on_scene_event();  // for an event before the subscription
     return {};
   }
 
-  /// Something has happened to the scene.
-  void look() {
-    if (scene_->removed()) return go_on([this] { end_now(scene_->gone()); });
-    if (producer_->call.load() != this) go_on([this] { end_now(taken_over()); });
+  void on_scene_event() {
+    if (scene_->removed())
+      return advance([this] { enter(State::kAborting, scene_->removed_error()); });
+    if (producer_->call.load() != this) advance([this] { enter(State::kAborting, taken_over()); });
   }
 
-  /// In turn: applies what waits.
-  void work() {
+  /// On the write queue: applies the waiting batches.
+  void apply_waiting() {
     std::deque<UpdateBatch> batches;
     {
       const std::lock_guard lock(mutex_);
       batches.swap(waiting_);
     }
-    for (bool go = true; go;) {
+    for (bool more = true; more;) {
       std::vector<BatchOutcome> outcomes;
-      const Status applied = exec::guarded([&]() -> Status {
-        if (batches.empty()) return {};  // forgotten meanwhile
-        auto some = turn_->apply_some(batches);
+      const Status applied = exec::to_status([&]() -> Status {
+        if (batches.empty()) return {};  // an abort has dropped them
+        auto some = session_->apply_some(batches);
         if (!some) return some.error();
         outcomes = std::move(*some);
         return {};
       });
-      go_on([&] {
+      advance([&] {
         answer(outcomes);
-        if (!applied) end_now(applied);
-        go = !abandoned_ && !batches.empty();
-        working_ = go;
+        if (!applied) enter(State::kAborting, applied);
+        more = state_ < State::kAborting && !batches.empty();
+        working_ = more;
       });
     }
   }
 
-  // Those below hold the mutex.
+  // The members below are called with the mutex held.
+
+  /// The only function that changes state_. A state that is already reached or passed is ignored.
+  /// `status` is what the call ends with: that of the first change to kDraining or kAborting,
+  /// except that an abort replaces the OK of a client that closed its side.
+  void enter(State next, const Status& status) {
+    if (next <= state_) return;
+    if (state_ < State::kDraining || status_.ok()) status_ = status;
+    state_ = next;
+    if (state_ != State::kAborting) return;
+    waiting_.clear();
+    answers_.clear();
+  }
+
+  void add_batch(UpdateBatch batch) {
+    window_bytes_ += batch.bytes;
+    ++window_;
+    waiting_.push_back(std::move(batch));
+  }
 
   void answer(const std::vector<BatchOutcome>& outcomes) {
-    coalesced_ = turn_->coalesced();
+    coalesced_ = session_->coalesced();
     for (const BatchOutcome& outcome : outcomes) {
       window_bytes_ -= outcome.bytes;
       answered_ = outcome.sequence;
@@ -185,58 +232,47 @@ class UpdateStream final
         answers_.reject(answered_, outcome.applied.error());
       }
     }
-    if (abandoned_) answers_.clear();
-  }
-
-  /// All that has come is applied and answered before.
-  void end_after_answers(const Status& status) {
-    if (!ending_) ending_ = status;
-  }
-
-  /// What has come and is not in work is forgotten.
-  void end_now(const Status& status) {
-    if (!ending_ || (ending_->ok() && !abandoned_)) ending_ = status;
-    abandoned_ = true;
-    waiting_.clear();
-    answers_.clear();
+    if (state_ >= State::kAborting) answers_.clear();
   }
 
   bool may_read() const {
-    if (starting_ || reading_ || ending_ || window_ >= kUpdateWindow) return false;
-    if (!opened_) return scene_ == nullptr;
-    // A batch that has come in part must be able to come whole.
+    if (reading_) return false;
+    if (state_ == State::kAwaitingOpen) return !working_;
+    if (state_ != State::kOpen || window_ >= kUpdateWindow) return false;
+    // A batch of which a part has arrived must be able to arrive completely.
     const bool alone = waiting_.empty() && !working_;
     return alone || window_bytes_ + batches_.bytes() < kUpdateWindowBytes;
   }
 
   bool may_end() const {
-    return ending_ && !starting_ && !working_ && !writing_ && waiting_.empty() && answers_.empty();
+    return (state_ == State::kDraining || state_ == State::kAborting) && !working_ && !writing_ &&
+           waiting_.empty() && answers_.empty();
   }
 
-  /// Sets going what can go after the change. This may be gone when it returns.
+  /// Makes the change, then starts every operation that may run, or ends the call. The call may be
+  /// deleted before this returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     grpc::Status status;
     {
       const std::lock_guard lock(mutex_);
       change();
-      if (ended_) return;
       if (may_read()) {
         reading_ = true;
         StartRead(&request_);
       }
       if (!waiting_.empty() && !working_) {
         working_ = true;
-        scene_->turns().post(services_.compute, [this] { work(); });
+        scene_->write_queue().post(services_.compute, [this] { apply_waiting(); });
       }
       if (!answers_.empty() && !writing_) {
         writing_ = true;
-        being_written_ = answers_.take(reply_);
+        being_written_ = answers_.pop(reply_);
         StartWrite(&reply_);
       }
       if (!may_end()) return;
-      ended_ = true;
-      status = exec::to_grpc(*ending_);
+      enter(State::kEnded, status_);
+      status = exec::to_grpc(status_);
       exec::log_rpc("StreamUpdates", status, begun_,
                     fmt::format("up_to={} coalesced={}", answered_, coalesced_));
     }
@@ -244,35 +280,33 @@ class UpdateStream final
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   v1::StreamUpdatesRequest request_;
-  UpdateBatches batches_;  // while reading
-  std::optional<UpdateBatch> came_;
-  bool repeated_ = false;
-  // Written once, before the producer is opened.
+  UpdateBatches batches_;  // used by the read
+  // Written once, before the producer is open.
   std::shared_ptr<scenes::StoredScene> scene_;
   scenes::Producer* producer_ = nullptr;
   std::uint64_t listener_ = 0;
-  std::optional<ProducerTurn> turn_;  // in turn
+  std::optional<ProducerSession> session_;  // used on the write queue
 
-  std::mutex mutex_;  // of all below
-  bool starting_ = true, opened_ = false;
-  bool reading_ = false, working_ = false, writing_ = false;  // under way
+  std::mutex mutex_;  // protects all members below
+  State state_ = State::kAwaitingOpen;
+  Status status_;  // from kDraining on
+  bool reading_ = false, writing_ = false;
+  bool working_ = true;  // a task runs on the write queue; at first, start()
   std::deque<UpdateBatch> waiting_;
   UpdateAnswers answers_;
   v1::StreamUpdatesResponse reply_;
-  std::size_t being_written_ = 0;  // batches that the reply answers
+  std::size_t being_written_ = 0;  // batches that reply_ answers
   std::size_t window_ = 0;         // batches whose answers are not written
   std::size_t window_bytes_ = 0;   // of batches that are not applied
   std::uint64_t answered_ = 0, revision_ = 0, coalesced_ = 0;
-  std::optional<Status> ending_;
-  bool abandoned_ = false, ended_ = false;
 };
 
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* start_update_stream(
-    const UpdateServices& services) {
+    const scenes::Services& services) {
   auto* stream = new UpdateStream(services);
   stream->start();
   return stream;

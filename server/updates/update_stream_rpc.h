@@ -5,18 +5,20 @@
 #include <cstdint>
 
 #include "server/scenes/producers.h"
-#include "server/updates/update_services.h"
+#include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::server::updates {
 
-/// Batches that a call may send beyond the last that it was told about.
+/// Open StreamUpdates calls on the whole server.
+inline constexpr std::size_t kMaxUpdateStreams = 256;
+/// Batches that a client may send after the last batch whose answer it has received.
 inline constexpr std::uint32_t kUpdateWindow = 16;
-/// Bytes of batches that wait, on the wire, unless a single one is larger.
+/// Bytes of waiting batches, as encoded on the wire. A single larger batch is allowed.
 inline constexpr std::size_t kUpdateWindowBytes = std::size_t{64} << 20;
 
-/// The reactor of a new call, already reading; it frees itself. `services` outlive the call.
+/// The reactor of a new call, which already reads; it deletes itself. `services` outlive the call.
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* start_update_stream(
-    const UpdateServices& services);
+    const scenes::Services& services);
 
 }  // namespace sightline::server::updates

@@ -1,4 +1,4 @@
-// The way through a scene's log.
+// Reads a scene's log as messages of limited size.
 #include "server/updates/watch_cursor.h"
 
 #include "server/updates/update_codec.h"

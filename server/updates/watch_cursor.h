@@ -1,4 +1,4 @@
-// The way through a scene's log: one message after the other, none larger than clients take.
+// Reads a scene's log as messages of limited size.
 #pragma once
 
 #include <cstddef>
@@ -11,24 +11,24 @@
 
 namespace sightline::server::updates {
 
-/// About so much of a revision goes into one message.
+/// About the largest size of a message.
 inline constexpr std::size_t kWatchMessageBytes = std::size_t{960} << 10;
 
-/// One thread at a time. The log is shared, not copied.
+/// Threads: one at a time. Shares the entries of the log.
 class WatchCursor {
  public:
-  /// What made the revisions after `revision` is wanted. `scene` outlives this.
+  /// Starts after `revision`. `scene` outlives this.
   WatchCursor(const scenes::StoredScene& scene, std::uint64_t revision)
       : scene_(scene), reached_(revision) {}
 
-  /// The last revision that was told to its end.
+  /// The last revision whose messages are complete.
   std::uint64_t reached() const { return reached_; }
-  /// Whether next() has something to tell.
+  /// Whether the log has a newer revision.
   bool behind() const { return reached_ < scene_.log().last(); }
 
-  /// The next message, if behind(). Errors: kOutOfRange, where the log no longer has it.
+  /// The next message, if behind(). Errors: kOutOfRange, if the log no longer has the revision.
   Status next(v1::WatchSceneResponse& out);
-  /// Says how far this has come.
+  /// A message with reached() and no updates.
   void progress(v1::WatchSceneResponse& out) const;
 
  private:

@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "server/exec/guarded.h"
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/watch_cursor.h"
@@ -17,15 +16,15 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Encodes a message on a worker, writes it, and only then encodes the next: one message is kept,
-/// and a client that does not read falls behind in the log, not in memory.
+/// Encodes a message on a worker, writes it, and only then encodes the next. The call holds one
+/// message: a client that does not read falls behind in the log and costs no memory.
 class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
  public:
-  explicit Watch(const UpdateServices& services) : services_(services) {}
+  explicit Watch(const scenes::Services& services) : services_(services) {}
 
   void start(const v1::WatchSceneRequest& request) {
-    const Status ready = exec::guarded([&] { return open(request); });
-    go_on([&] {
+    const Status ready = exec::to_status([&] { return open(request); });
+    advance([&] {
       starting_ = false;
       if (!ready) return end(ready);
       set_clock();
@@ -33,14 +32,14 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   void OnWriteDone(bool ok) override {
-    go_on([&] {
+    advance([&] {
       writing_ = false;
       if (!ok) end(Error{Code::kCancelled, "the message could not be written", "CANCELLED"});
     });
   }
 
   void OnCancel() override {
-    go_on([this] { end(Error{Code::kCancelled, "the call was cancelled", "CANCELLED"}); });
+    advance([this] { end(Error{Code::kCancelled, "the call was cancelled", "CANCELLED"}); });
   }
 
   void OnDone() override {
@@ -64,40 +63,40 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
                    "REVISION_NOT_KEPT"};
     }
     cursor_.emplace(*scene_, from);
-    if (Status entered =
-            services_.watches.enter(this, [this] { go_on([this] { end(exec::stopping()); }); });
+    if (Status entered = services_.watches.enter(
+            this, [this] { advance([this] { end(services_.watches.stopped_error()); }); });
         !entered)
       return entered;
-    listener_ = scene_->events().subscribe([this] { look(); });
-    if (scene_->removed()) return scene_->gone();
+    listener_ = scene_->events().subscribe([this] { on_scene_event(); });
+    if (scene_->removed()) return scene_->removed_error();
     return {};
   }
 
-  void look() {
-    go_on([this] {
-      if (scene_->removed()) end(scene_->gone());
+  void on_scene_event() {
+    advance([this] {
+      if (scene_->removed()) end(scene_->removed_error());
     });
   }
 
   /// On a worker.
   void encode() {
-    const Status encoded = exec::guarded([this]() -> Status {
-      if (std::exchange(begun_telling_, true) && cursor_->behind()) return cursor_->next(message_);
+    const Status encoded = exec::to_status([this]() -> Status {
+      if (std::exchange(first_sent_, true) && cursor_->behind()) return cursor_->next(message_);
       cursor_->progress(message_);
       return {};
     });
-    go_on([&] {
+    advance([&] {
       working_ = false;
       if (!encoded) end(encoded);
       if (ending_) return;
-      told_ = true;
+      reported_ = true;
       progress_due_ = false;
       writing_ = true;
       StartWrite(&message_);
     });
   }
 
-  // Those below hold the mutex.
+  // The members below are called with the mutex held.
 
   void end(const Status& status) {
     if (ending_) return;
@@ -108,18 +107,19 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   void set_clock() {
     ticking_ = true;
     clock_.Set(std::chrono::system_clock::now() + kWatchProgress / 2, [this](bool rang) {
-      go_on([&] {
+      advance([&] {
         ticking_ = false;
         if (!rang || ending_) return;
-        progress_due_ = !std::exchange(told_, false);
+        progress_due_ = !std::exchange(reported_, false);
         set_clock();
       });
     });
   }
 
-  /// Sets going what can go after the change. This may be gone when it returns.
+  /// Makes the change, then starts what may run, or ends the call. The call may be deleted before
+  /// this returns.
   template <class Change>
-  void go_on(const Change& change) {
+  void advance(const Change& change) {
     grpc::Status status;
     {
       const std::lock_guard lock(mutex_);
@@ -140,18 +140,18 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  const UpdateServices& services_;
+  const scenes::Services& services_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
-  std::optional<WatchCursor> cursor_;  // while encoding, as the next two
-  bool begun_telling_ = false;
+  std::optional<WatchCursor> cursor_;  // this and the next two: used while encoding
+  bool first_sent_ = false;
   v1::WatchSceneResponse message_;
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // protects all members below
   bool starting_ = true;
-  bool working_ = false, writing_ = false, ticking_ = false;  // under way
-  bool told_ = false;         // a message has gone since the clock ticked
-  bool progress_due_ = true;  // where it begins
+  bool working_ = false, writing_ = false, ticking_ = false;  // operations that run
+  bool reported_ = false;     // a message was written since the last alarm
+  bool progress_due_ = true;  // the first message reports the start
   std::optional<Status> ending_;
   bool ended_ = false;
   grpc::Alarm clock_;
@@ -160,7 +160,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(
-    const UpdateServices& services, const v1::WatchSceneRequest& request) {
+    const scenes::Services& services, const v1::WatchSceneRequest& request) {
   auto* watch = new Watch(services);
   watch->start(request);
   return watch;

@@ -2,17 +2,20 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 
-#include "server/updates/update_services.h"
+#include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::server::updates {
 
-/// Between two messages of a watch, at most.
+/// Open WatchScene calls on the whole server.
+inline constexpr std::size_t kMaxWatches = 256;
+/// Longest time between two messages of a watch.
 inline constexpr std::chrono::seconds kWatchProgress{5};
 
-/// The reactor of a new call; it frees itself. The arguments outlive the call.
-grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(const UpdateServices& services,
+/// The reactor of a new call; it deletes itself. The arguments outlive the call.
+grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(const scenes::Services& services,
                                                               const v1::WatchSceneRequest& request);
 
 }  // namespace sightline::server::updates

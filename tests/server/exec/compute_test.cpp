@@ -50,10 +50,10 @@ bool has_run(std::future<void> done) {
   return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-TEST(Compute, WhatIsApartLeavesTheWorkersToOthers) {
+TEST(Compute, BackgroundWorkLeavesTheWorkersToOthers) {
   Compute compute(1);
   const Blockers blockers;
-  for (int i = 0; i < 3; ++i) compute.enqueue_apart(blockers.task());
+  for (int i = 0; i < 3; ++i) compute.enqueue_background(blockers.task());
   std::promise<void> run;
   std::future<void> done = run.get_future();
   compute.enqueue([run = std::move(run)]() mutable { run.set_value(); });
@@ -65,7 +65,7 @@ TEST(Compute, UpdatesDoNotWaitForOthers) {
   const Blockers blockers;
   for (int i = 0; i < 3; ++i) {
     compute.enqueue(blockers.task());
-    compute.enqueue_apart(blockers.task());
+    compute.enqueue_background(blockers.task());
   }
   std::promise<void> run;
   std::future<void> done = run.get_future();

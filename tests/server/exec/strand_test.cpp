@@ -1,4 +1,4 @@
-// Tasks in turn.
+// Tasks of one strand run one after the other.
 #include "server/exec/strand.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(SerialQueue, RunsOneAfterTheOtherInOrder) {
-  SerialQueue queue;
+TEST(Strand, RunsOneAfterTheOtherInOrder) {
+  Strand queue;
   std::vector<int> order;  // without a lock: tasks exclude each other
   {
     Compute compute(4);
@@ -21,8 +21,8 @@ TEST(SerialQueue, RunsOneAfterTheOtherInOrder) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(order[static_cast<std::size_t>(i)], i);
 }
 
-TEST(SerialQueue, TasksOfManyThreadsExcludeEachOther) {
-  SerialQueue queue;
+TEST(Strand, TasksOfManyThreadsExcludeEachOther) {
+  Strand queue;
   int count = 0;
   {
     Compute compute(4);
@@ -37,12 +37,12 @@ TEST(SerialQueue, TasksOfManyThreadsExcludeEachOther) {
   EXPECT_EQ(count, 4000);
 }
 
-TEST(SerialQueue, ATaskMayBeTheLastToHoldItsQueue) {
+TEST(Strand, ATaskMayBeTheLastToHoldItsQueue) {
   std::atomic<int> done{0};
   {
     Compute compute(2);
     for (int i = 0; i < 200; ++i) {
-      auto queue = std::make_shared<SerialQueue>();
+      auto queue = std::make_shared<Strand>();
       queue->post(compute, [&done, queue] { ++done; });
       queue->post(compute, [&done, queue] { ++done; });
     }
@@ -50,8 +50,8 @@ TEST(SerialQueue, ATaskMayBeTheLastToHoldItsQueue) {
   EXPECT_EQ(done, 400);
 }
 
-TEST(SerialQueue, ATaskMayPostAnother) {
-  SerialQueue queue;
+TEST(Strand, ATaskMayPostAnother) {
+  Strand queue;
   int count = 0;
   {
     Compute compute(2);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/queries/prefetch_job.h"
 #include "server/queries/query_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"

@@ -15,8 +15,8 @@ TEST(RecentRevisions, KeepsSoMany) {
   RecentRevisions recent({.revisions = 3});
   EXPECT_EQ(recent.oldest_or(7), 7u);
   for (std::uint64_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(recent.keep(revision(i)), nullptr);
-    const auto dropped = recent.charge(10);
+    EXPECT_EQ(recent.retain(revision(i)), nullptr);
+    const auto dropped = recent.account(10);
     ASSERT_EQ(dropped.size(), i < 3 ? 0u : 1u);
     for (const auto& old : dropped) EXPECT_EQ(old->revision(), i - 3);
   }
@@ -29,8 +29,8 @@ TEST(RecentRevisions, KeepsSoMany) {
 TEST(RecentRevisions, KeepsSoManyBytes) {
   RecentRevisions recent({.revisions = 100, .bytes = 100});
   const auto publish = [&](std::uint64_t number, std::uint64_t bytes) {
-    EXPECT_EQ(recent.keep(revision(number)), nullptr);
-    return recent.charge(bytes).size();
+    EXPECT_EQ(recent.retain(revision(number)), nullptr);
+    return recent.account(bytes).size();
   };
   EXPECT_EQ(publish(0, 60), 0u);
   EXPECT_EQ(publish(1, 40), 0u);
@@ -45,18 +45,18 @@ TEST(RecentRevisions, KeepsSoManyBytes) {
 TEST(RecentRevisions, TakesTheSameRevisionAnew) {
   RecentRevisions recent;
   const auto first = revision(0), anew = revision(0);
-  EXPECT_EQ(recent.keep(first), nullptr);
-  EXPECT_EQ(recent.keep(anew), first);
+  EXPECT_EQ(recent.retain(first), nullptr);
+  EXPECT_EQ(recent.retain(anew), first);
   EXPECT_EQ(recent.find(0), anew);
 }
 
 TEST(RecentRevisions, ForgetsAll) {
   RecentRevisions recent;
-  static_cast<void>(recent.keep(revision(0)));
-  EXPECT_EQ(recent.forget().size(), 1u);
+  static_cast<void>(recent.retain(revision(0)));
+  EXPECT_EQ(recent.drop_all().size(), 1u);
   EXPECT_EQ(recent.find(0), nullptr);
-  EXPECT_TRUE(recent.charge(5).empty());
-  EXPECT_EQ(recent.keep(revision(1)), nullptr);
+  EXPECT_TRUE(recent.account(5).empty());
+  EXPECT_EQ(recent.retain(revision(1)), nullptr);
   EXPECT_EQ(recent.find(1)->revision(), 1u);
 }
 

@@ -13,7 +13,7 @@ TEST(RequestAnswers, KeepsTheLast) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     const std::string id = "r" + std::to_string(i);
     ASSERT_EQ(*answers.find(id, i), nullptr);
-    answers.keep(id, i, {.revision = i, .nodes = {10 * i}});
+    answers.retain(id, i, {.revision = i, .nodes = {10 * i}});
   }
   EXPECT_EQ(*answers.find("r2", 2), nullptr);
   for (std::uint64_t i = 3; i <= 5; ++i) {
@@ -28,18 +28,18 @@ TEST(RequestAnswers, KeepsTheLast) {
 TEST(RequestAnswers, KeepsFewerOfManyNodes) {
   RequestAnswers answers({.answers = 10, .nodes = 100});
   for (std::uint64_t i = 1; i <= 4; ++i)
-    answers.keep(std::to_string(i), i,
-                 {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)});
+    answers.retain(std::to_string(i), i,
+                   {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)});
   EXPECT_EQ(*answers.find("2", 2), nullptr);
   EXPECT_NE(*answers.find("3", 3), nullptr);
-  answers.keep("5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)});
+  answers.retain("5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)});
   EXPECT_EQ(*answers.find("4", 4), nullptr);
   EXPECT_NE(*answers.find("5", 5), nullptr);
 }
 
 TEST(RequestAnswers, RefusesAnotherRequestOfTheSameId) {
   RequestAnswers answers;
-  answers.keep("a", 1, {.revision = 7, .nodes = {}});
+  answers.retain("a", 1, {.revision = 7, .nodes = {}});
   const auto other = answers.find("a", 2);
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, Code::kInvalidArgument);

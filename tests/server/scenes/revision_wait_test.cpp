@@ -22,16 +22,18 @@ class RevisionWaitTest : public testing::Test {
               [promise](auto answer) { promise->set_value(std::move(answer)); });
     return promise->get_future();
   }
-  std::shared_ptr<RevisionWait> wait() { return std::make_shared<RevisionWait>(services_); }
+  std::shared_ptr<RevisionWait> wait() {
+    return std::make_shared<RevisionWait>(compute_, admission_, waits_);
+  }
   void publish() { ASSERT_TRUE(scene_->apply({}, std::nullopt, compute_)); }
 
   static constexpr std::chrono::hours kLong{1};
   exec::Admission admission_{{.rays = 10, .bytes = 1000}};
-  exec::OpenCalls waits_{2, "reads", "TOO_MANY_WAITING"};
+  exec::CallRegistry waits_{
+      {.limit = 2, .when_full = "{} reads wait", .full_reason = "TOO_MANY_WAITING"}};
   const std::shared_ptr<StoredScene> scene_ =
       std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
   exec::Compute compute_{1};
-  const WaitServices services_{compute_, admission_, waits_};
 };
 
 TEST_F(RevisionWaitTest, IsAnsweredWhenItsRevisionIsPublished) {

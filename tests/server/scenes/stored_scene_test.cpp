@@ -50,7 +50,7 @@ TEST_F(StoredSceneTest, KeepsRevisionsButNotManyMegabytesOfThem) {
   const auto old = scene_->at(2);
   ASSERT_FALSE(old) << "29 times 5.9 MB of vertices";
   EXPECT_EQ(old.error().code, Code::kOutOfRange);
-  scene_->forget_old_revisions();
+  scene_->drop_old_revisions();
   EXPECT_FALSE(scene_->at(30));
   EXPECT_TRUE(scene_->at(31));
   ASSERT_TRUE(apply({}));

@@ -15,7 +15,7 @@ using scenegraph::model::PutNode;
 using scenegraph::model::SetTransforms;
 using scenegraph::model::Update;
 
-class ProducerTurnTest : public testing::Test {
+class ProducerSessionTest : public testing::Test {
  protected:
   void SetUp() override {
     std::vector<Update> nodes;
@@ -36,10 +36,10 @@ class ProducerTurnTest : public testing::Test {
     return scene_->snapshot()->find(node)->parent_from_local.m[3];
   }
   /// Of all batches, in order.
-  std::vector<BatchOutcome> apply_all(ProducerTurn& turn) {
+  std::vector<BatchOutcome> apply_all(ProducerSession& session) {
     std::vector<BatchOutcome> all;
     while (!batches_.empty()) {
-      auto some = turn.apply_some(batches_);
+      auto some = session.apply_some(batches_);
       EXPECT_TRUE(some);
       if (!some) break;
       for (BatchOutcome& outcome : *some) all.push_back(std::move(outcome));
@@ -56,27 +56,27 @@ class ProducerTurnTest : public testing::Test {
   std::deque<UpdateBatch> batches_;
 };
 
-TEST_F(ProducerTurnTest, MakesARevisionOfEachBatch) {
-  ProducerTurn turn(*scene_, producer_, &call_, compute_, false);
-  turn.take_over();
+TEST_F(ProducerSessionTest, MakesARevisionOfEachBatch) {
+  ProducerSession session(*scene_, producer_, &call_, compute_, false);
+  session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1, i);
-  const auto outcomes = apply_all(turn);
+  const auto outcomes = apply_all(session);
   ASSERT_EQ(outcomes.size(), 4u);
   for (std::uint64_t i = 0; i < 4; ++i) EXPECT_EQ(outcomes[i].applied->revision, 2 + i);
-  EXPECT_EQ(turn.coalesced(), 0u);
+  EXPECT_EQ(session.coalesced(), 0u);
   EXPECT_EQ(producer_.last_committed, 4u);
 }
 
-TEST_F(ProducerTurnTest, TheLatestPosesWin) {
-  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
-  turn.take_over();
+TEST_F(ProducerSessionTest, TheLatestPosesWin) {
+  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1 + i % 2, i);
   add({DeleteNode{3}});
   add_pose(1, 50);
   add({tests::put_node(-1, 0, nullptr), SetTransforms{{-1, 1}, {Affine{}, Affine{}}}});
   add_pose(1, 60);
   add_pose(1, 70);
-  const auto outcomes = apply_all(turn);
+  const auto outcomes = apply_all(session);
   ASSERT_EQ(outcomes.size(), 9u);
   const std::vector<std::uint64_t> revisions{2, 2, 2, 2, 3, 4, 5, 6, 6};
   for (std::size_t i = 0; i < 9; ++i) {
@@ -84,51 +84,51 @@ TEST_F(ProducerTurnTest, TheLatestPosesWin) {
     EXPECT_EQ(outcomes[i].applied->revision, revisions[i]) << i;
   }
   EXPECT_EQ(outcomes[6].applied->nodes, std::vector<scenegraph::model::NodeId>{4});
-  EXPECT_EQ(turn.coalesced(), 4u);
+  EXPECT_EQ(session.coalesced(), 4u);
   EXPECT_EQ(x(1), 70);
   EXPECT_EQ(x(2), 3);
 }
 
-TEST_F(ProducerTurnTest, OnlyTheBadOneOfAGroupIsRejected) {
-  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
-  turn.take_over();
+TEST_F(ProducerSessionTest, OnlyTheBadOneOfAGroupIsRejected) {
+  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  session.take_over();
   add_pose(1, 1);
   add_pose(99, 2);
   add_pose(1, 3);
   add_pose(2, 4);
-  const auto outcomes = apply_all(turn);
+  const auto outcomes = apply_all(session);
   ASSERT_EQ(outcomes.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(outcomes[i].applied.ok(), i != 1) << i;
   EXPECT_EQ(outcomes[1].applied.error().code, Code::kNotFound);
-  EXPECT_EQ(turn.coalesced(), 0u);
+  EXPECT_EQ(session.coalesced(), 0u);
   EXPECT_EQ(x(1), 3);
   EXPECT_EQ(x(2), 4);
   EXPECT_EQ(producer_.last_committed, 4u);
   add_pose(1, 5);
   add_pose(1, 6);
-  EXPECT_EQ(apply_all(turn).size(), 2u);
-  EXPECT_EQ(turn.coalesced(), 1u) << "together again";
+  EXPECT_EQ(apply_all(session).size(), 2u);
+  EXPECT_EQ(session.coalesced(), 1u) << "together again";
 }
 
-TEST_F(ProducerTurnTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
-  ProducerTurn turn(*scene_, producer_, &call_, compute_, true);
-  turn.take_over();
+TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
+  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  session.take_over();
   add_pose(1, 1);
   add({});
   batches_.back().bad = Error{Code::kInvalidArgument, "broken", "BROKEN"};
   add_pose(1, 2);
-  const auto outcomes = apply_all(turn);
+  const auto outcomes = apply_all(session);
   ASSERT_EQ(outcomes.size(), 3u);
   EXPECT_EQ(outcomes[1].applied.error().reason, "BROKEN");
   EXPECT_EQ(x(1), 2);
 }
 
-TEST_F(ProducerTurnTest, EndsWhereAnotherCallHasTakenOver) {
-  ProducerTurn older(*scene_, producer_, &call_, compute_, false);
+TEST_F(ProducerSessionTest, EndsWhereAnotherCallHasTakenOver) {
+  ProducerSession older(*scene_, producer_, &call_, compute_, false);
   older.take_over();
   int newer_call = 0, told = 0;
   const auto listener = scene_->events().subscribe([&] { ++told; });
-  ProducerTurn newer(*scene_, producer_, &newer_call, compute_, false);
+  ProducerSession newer(*scene_, producer_, &newer_call, compute_, false);
   newer.take_over();
   EXPECT_EQ(told, 1);
   scene_->events().unsubscribe(listener);

@@ -14,19 +14,19 @@ TEST(UpdateAnswers, AcksThatFollowEachOtherAreOne) {
   answers.reject(3, Error{Code::kNotFound, "gone", "NODE_NOT_FOUND"});
   answers.ack(4, {7, 3}, 5, {12});
   v1::StreamUpdatesResponse out;
-  EXPECT_EQ(answers.take(out), 2u);
+  EXPECT_EQ(answers.pop(out), 2u);
   EXPECT_EQ(out.ack().up_to_sequence(), 2u);
   EXPECT_EQ(out.ack().revision().revision(), 2u);
   EXPECT_EQ(out.ack().coalesced(), 3u);
   ASSERT_EQ(out.ack().put_size(), 1);
   EXPECT_EQ(out.ack().put(0).sequence(), 1u);
   EXPECT_EQ(out.ack().put(0).nodes_size(), 2);
-  EXPECT_EQ(answers.take(out), 1u);
+  EXPECT_EQ(answers.pop(out), 1u);
   EXPECT_EQ(out.reject().sequence(), 3u);
   EXPECT_EQ(out.reject().code(), 5);
   EXPECT_EQ(out.reject().reason(), "NODE_NOT_FOUND");
   EXPECT_EQ(out.reject().message(), "gone");
-  EXPECT_EQ(answers.take(out), 1u);
+  EXPECT_EQ(answers.pop(out), 1u);
   EXPECT_EQ(out.ack().up_to_sequence(), 4u);
   EXPECT_TRUE(answers.empty());
 }
@@ -37,7 +37,7 @@ TEST(UpdateAnswers, StaySmallMessages) {
   for (std::uint64_t i = 1; i <= 4; ++i) answers.ack(i, {7, i}, 0, many);
   v1::StreamUpdatesResponse out;
   for (std::uint64_t i = 1; i <= 4; ++i) {
-    EXPECT_EQ(answers.take(out), 1u);
+    EXPECT_EQ(answers.pop(out), 1u);
     EXPECT_EQ(out.ack().up_to_sequence(), i);
     EXPECT_LT(out.ByteSizeLong(), std::size_t{1} << 20);
   }

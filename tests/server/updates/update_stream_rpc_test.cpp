@@ -167,7 +167,8 @@ TEST_F(UpdateStreamRpcTest, ABatchBeyondTheLimitOfBytesIsRejectedAndTheStreamGoe
   UpdateStream stream(api_);
   stream.open(kScene);
   const v1::Update large = patch({node}, 0, std::vector<accel::geometry::Vec3f>(300'000));
-  for (std::size_t bytes = 0; bytes <= server::kMaxBatchBytes; bytes += large.ByteSizeLong())
+  for (std::size_t bytes = 0; bytes <= server::updates::kMaxBatchBytes;
+       bytes += large.ByteSizeLong())
     ASSERT_TRUE(stream.send(1, {large}, true));
   ASSERT_TRUE(stream.send(1, {large}));
   ASSERT_TRUE(stream.send(2, {move_to(node, 3)}));

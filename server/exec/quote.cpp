@@ -1,11 +1,11 @@
-// Text that a caller sent, made fit for an error message or a log line.
-#include "server/exec/in_quotes.h"
+// Quotes text of a client for an error message or a log line.
+#include "server/exec/quote.h"
 
 #include <fmt/format.h>
 
 namespace sightline::server::exec {
 
-std::string in_quotes(std::string_view text) {
+std::string quote(std::string_view text) {
   std::string out = "\"";
   for (const char c : text.substr(0, kMaxQuoted)) {
     if (c == '"' || c == '\\') out += '\\';

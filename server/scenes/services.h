@@ -1,0 +1,36 @@
+// The parts of the server that queries and updates use.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "scenegraph/trace_options.h"
+#include "server/blobs/blob_store.h"
+#include "server/exec/admission.h"
+#include "server/exec/call_registry.h"
+#include "server/exec/compute.h"
+#include "server/scenes/scene_store.h"
+
+namespace sightline::server::scenes {
+
+/// Each part outlives every call.
+struct Services {
+  SceneStore& scenes;
+  blobs::BlobStore& blobs;
+  exec::Compute& compute;
+  exec::Admission& admission;
+  /// A second, smaller bound for batches that ask for all hits. Such a batch counts until the
+  /// client has read its replies. Slow clients therefore cannot use up all of `admission`.
+  exec::Admission& all_hits_admission;
+  exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
+  exec::CallRegistry& cast_streams;
+  exec::CallRegistry& prefetches;
+  exec::CallRegistry& update_streams;
+  exec::CallRegistry& watches;
+  scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
+
+  /// Errors: kInvalidArgument (not a scene name), kNotFound.
+  Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const;
+};
+
+}  // namespace sightline::server::scenes
