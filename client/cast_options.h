@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "client/consistency.h"
 #include "client/rays.h"
 #include "client/result.h"
+#include "client/types.h"
 
 namespace sightline::client {
 

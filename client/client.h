@@ -12,9 +12,8 @@
 #include <vector>
 
 #include "client/all_hits.h"
-#include "client/calls/mesh_blob.h"
-#include "client/calls/watch.h"
 #include "client/cast_options.h"
+#include "client/mesh_blob.h"
 #include "client/prefetch.h"
 #include "client/rays.h"
 #include "client/result.h"
@@ -33,9 +32,6 @@ struct ClientOptions {
   /// that carry neither rays nor meshes, and no limit for those that do.
   std::optional<std::chrono::milliseconds> timeout;
 };
-
-/// Told how many bytes of a mesh the server has.
-using UploadProgress = std::function<void(std::uint64_t bytes)>;
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and
 /// reason; kUnavailable if it cannot be reached. Calls that only read are tried again before they
@@ -84,13 +80,13 @@ class Client {
   /// is requested (kCancelled). A broken connection is taken up again. Errors: kOutOfRange, one
   /// that is wanted is not kept any more: read the scene, then watch from its revision.
   Status watch(const std::string& scene, std::optional<std::uint64_t> start,
-               const calls::SceneChangeSink& sink, const std::stop_token& stop = {}) const;
+               const SceneChangeSink& sink, const std::stop_token& stop = {}) const;
 
   /// Which of these meshes the server does not have.
   Result<std::vector<std::string>> missing_meshes(std::span<const std::string> digests) const;
   /// Uploads a mesh under its digest, from where an upload before has stopped; takes a broken
   /// connection up again. `stop` cancels it.
-  Status upload_mesh(const calls::MeshBlob& mesh, const std::string& digest,
+  Status upload_mesh(const MeshBlob& mesh, const std::string& digest,
                      const UploadProgress& progress = {}, const std::stop_token& stop = {}) const;
 
   /// Builds all trees of the scene, or of the nodes that the options name, before rays come.

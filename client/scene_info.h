@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/transform.h"
-#include "client/up_axis.h"
+#include "client/types.h"
 
 namespace sightline::client {
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "client/mesh_arrays.h"
-#include "client/scene_info.h"
+#include "client/types.h"
 
 namespace sightline::client {
 
@@ -61,5 +61,19 @@ struct ApplyOptions {
   /// answer. Empty: a random one. Either way a request whose answer is lost is sent again.
   std::string request_id{};
 };
+
+struct SceneChange {
+  std::uint64_t revision = 0;
+  std::string token;  ///< Of the revision, for Consistency::at_least.
+  /// The updates that made the revision. They name nodes by id, also those that were put new.
+  std::vector<Update> updates;
+  /// Nothing changed: the message only says that this revision has been reached. One comes at the
+  /// start, and then one every few seconds.
+  bool is_progress = false;
+};
+
+/// Takes the revisions in order and without gaps, on the thread that watches. Returning false ends
+/// the watch.
+using SceneChangeSink = std::function<bool(const SceneChange& change)>;
 
 }  // namespace sightline::client

@@ -1,5 +1,7 @@
 // Updates to messages: one for a batch, or as many as it takes, with aliases carried from one to
 // the next.
+#include "client/calls/apply.h"
+
 #include <fmt/format.h>
 
 #include <thread>

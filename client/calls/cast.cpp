@@ -1,4 +1,6 @@
 // One batch of rays in one message.
+#include "client/calls/cast.h"
+
 #include "client/calls/channel.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
@@ -19,7 +21,7 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene,
   copy_rays(rays, 0, wire::make_room<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
 
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
   v1::CastRaysResponse response;
   const grpc::Status status = connection.queries->CastRays(&context, request, &response);

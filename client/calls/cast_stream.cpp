@@ -1,5 +1,7 @@
 // Rays over one stream: a thread writes requests, the calling thread reads answers,
 // kMessagesInFlight apart.
+#include "client/calls/cast.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -138,7 +140,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
                                const RaySource<Scalar>& source, RayShape shape, HitFields fields,
                                const HitSink& sink, const CastOptions& options) {
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
   const auto stream = connection.queries->StreamCastRays(&context);
 

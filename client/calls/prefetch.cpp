@@ -1,4 +1,6 @@
 // One call that answers with its progress; for rays one for each message of them.
+#include "client/calls/prefetch.h"
+
 #include <fmt/format.h>
 
 #include "client/calls/channel.h"
@@ -39,7 +41,7 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
                             const PrefetchReport& before, const std::stop_token& stop,
                             const PrefetchProgress& progress) {
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   const auto reader = connection.queries->Prefetch(&context, request);
   PrefetchReport report = before;

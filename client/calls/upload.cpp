@@ -1,4 +1,6 @@
 // A mesh on its way to the server, a chunk at a time.
+#include "client/calls/upload.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +35,7 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
                  std::uint64_t offset, const UploadProgress& progress,
                  const std::stop_token& stop) {
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   v1::UploadBlobResponse response;
   const auto writer = connection.blobs->UploadBlob(&context, &response);

@@ -3,7 +3,7 @@
 
 #include <CLI/App.hpp>
 
-#include "client/consistency.h"
+#include "client/types.h"
 
 namespace sightline::client::cli {
 

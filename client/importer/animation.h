@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/importer/imported_scene.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "client/importer/imported_scene.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 struct aiScene;
 

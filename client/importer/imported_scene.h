@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/mesh_arrays.h"
-#include "client/up_axis.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 

@@ -7,7 +7,7 @@
 
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 

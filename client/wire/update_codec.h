@@ -6,8 +6,8 @@
 #include <span>
 #include <unordered_map>
 
-#include "client/consistency.h"
 #include "client/result.h"
+#include "client/types.h"
 #include "client/update.h"
 #include "sightline/v1/scene.pb.h"
 

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <utility>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/playback/motion.h"
+#include "client/scene_upload.h"
 
 namespace sightline::client::cli::playback {
 namespace {
@@ -67,7 +67,7 @@ class Candidates {
 };
 
 Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& found) {
-  const std::vector<std::string> digests = calls::mesh_digests(motion.scene);
+  const std::vector<std::string> digests = mesh_digests(motion.scene);
   for (const std::uint32_t node : motion.shaped) {
     if (found[node]->mesh_digest == digests[motion.scene.nodes[node].mesh]) continue;
     return mismatch(fmt::format(

@@ -7,11 +7,11 @@
 #include <set>
 #include <utility>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/playback/motion.h"
 #include "client/cli/playback/scene_nodes.h"
 #include "client/cli/progress_bar.h"
+#include "client/scene_upload.h"
 
 namespace sightline::client::cli::playback {
 namespace {
@@ -30,7 +30,7 @@ Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const Stage
   const auto show = [&](std::uint64_t done, std::uint64_t total) {
     bar.update(static_cast<double>(done) / static_cast<double>(total));
   };
-  const calls::SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
+  const SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
   if (exists) {
     return add_to_scene(client, request.scene, motion.scene, request.under, options, show);
   }

@@ -10,10 +10,10 @@
 #include <optional>
 #include <string>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/progress_bar.h"
 #include "client/importer/assimp_import.h"
+#include "client/scene_upload.h"
 
 namespace sightline::client::cli::verbs {
 namespace {
@@ -62,7 +62,7 @@ Result<importer::ImportedScene> read_file(const ImportArguments& arguments) {
 Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
                        const importer::ImportedScene& scene, const std::stop_token& stop) {
   ProgressBar bar("uploading");
-  const calls::SceneUploadOptions options{
+  const SceneUploadOptions options{
       .mobility = kMobilities.at(arguments.mobility), .replace = arguments.replace, .stop = stop};
   return upload_scene(client, arguments.scene, scene, options,
                       [&](std::uint64_t done, std::uint64_t total) {

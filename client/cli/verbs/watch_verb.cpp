@@ -22,7 +22,7 @@ struct WatchArguments {
 };
 
 // False if nobody reads any more.
-bool print_line(const calls::SceneChange& change, bool positions) {
+bool print_line(const SceneChange& change, bool positions) {
   Json updates = Json::array();
   for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));
   const Json line{
@@ -37,7 +37,7 @@ ExitCode run(const Session& session, const WatchArguments& arguments) {
   if (!client) return fail(client.error());
   const Interrupt interrupt;
   std::uint64_t seen = 0;
-  const calls::SceneChangeSink sink = [&](const calls::SceneChange& change) {
+  const SceneChangeSink sink = [&](const SceneChange& change) {
     if (change.is_progress) return true;
     return print_line(change, arguments.positions) && ++seen != arguments.count;
   };

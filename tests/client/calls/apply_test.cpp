@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/client.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/relay.h"
 

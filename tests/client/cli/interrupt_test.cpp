@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 #include "tests/client/importer/gltf_file.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/silent_port.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/relay.h"
 
@@ -29,7 +29,7 @@ TEST(Percentile, IsOneOfTheValues) {
 
 class Playback : public tests::LiveClient {
  protected:
-  Playback() { EXPECT_TRUE(calls::upload_scene(client_, kScene, tests::row_of_sheets(1), {})); }
+  Playback() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(1), {})); }
 
   // Frame k moves the sheet to x = k.
   static std::vector<Update> move(std::uint64_t frame) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/playback/motion.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 
 namespace sightline::client::cli::playback {

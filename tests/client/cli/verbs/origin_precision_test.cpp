@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/files/npy.h"
 #include "client/cli/program.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/temp_dir.h"
 

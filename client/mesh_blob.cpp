@@ -1,5 +1,5 @@
 // The layout of mesh blobs (proto/sightline/v1/blob.proto) and their digests.
-#include "client/calls/mesh_blob.h"
+#include "client/mesh_blob.h"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -11,7 +11,7 @@
 #include <memory>
 #include <new>
 
-namespace sightline::client::calls {
+namespace sightline::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are sent as they are in memory");
@@ -78,4 +78,4 @@ std::string MeshBlob::digest() const {
   return fmt::format("sha256:{}/{}", sha.hex(), size());
 }
 
-}  // namespace sightline::client::calls
+}  // namespace sightline::client

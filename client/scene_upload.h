@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "client/client.h"
-#include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-namespace sightline::client::calls {
+namespace sightline::client::importer {
+struct ImportedScene;
+}
+
+namespace sightline::client {
 
 struct SceneUploadOptions {
   Mobility mobility = Mobility::kStatic;  ///< Of every node.
@@ -45,4 +48,4 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
 /// The names that upload_scene gives to the meshes; empty for one that no node carries.
 std::vector<std::string> mesh_digests(const importer::ImportedScene& scene);
 
-}  // namespace sightline::client::calls
+}  // namespace sightline::client

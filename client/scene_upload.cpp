@@ -1,5 +1,5 @@
 // Meshes first, then nodes.
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/calls/mesh_blob.h"
 #include "client/calls/scene_check.h"
+#include "client/importer/imported_scene.h"
+#include "client/mesh_blob.h"
 
-namespace sightline::client::calls {
+namespace sightline::client {
 namespace {
 
 // The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal
@@ -114,7 +115,7 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
                                const SceneUploadProgress& progress) {
   const auto limits = client.server_info();
   if (!limits) return limits.error();
-  if (const Status good = check_scene(scene, *limits); !good) return good.error();
+  if (const Status good = calls::check_scene(scene, *limits); !good) return good.error();
   const auto there = exists(client, name);
   if (!there) return there.error();
   if (*there && !options.replace) return already_exists(name);
@@ -149,7 +150,7 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
                                                 const SceneUploadProgress& progress) {
   const auto limits = client.server_info();
   if (!limits) return limits.error();
-  if (const Status good = check_scene(scene, *limits); !good) return good.error();
+  if (const Status good = calls::check_scene(scene, *limits); !good) return good.error();
   const Blobs blobs = make_blobs(scene);
   if (const Status sent = upload_meshes(client, blobs, options.stop, progress); !sent)
     return sent.error();
@@ -166,4 +167,4 @@ std::vector<std::string> mesh_digests(const importer::ImportedScene& scene) {
   return make_blobs(scene).digest;
 }
 
-}  // namespace sightline::client::calls
+}  // namespace sightline::client

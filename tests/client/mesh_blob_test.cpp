@@ -1,5 +1,5 @@
 // The bytes of a mesh and their name.
-#include "client/calls/mesh_blob.h"
+#include "client/mesh_blob.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sightline::client::calls {
+namespace sightline::client {
 namespace {
 
 const std::vector<Vertex> kVertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -53,4 +53,4 @@ TEST(MeshBlob, TheDigestIsTheSha256OfTheBytesAndTheirNumber) {
 }
 
 }  // namespace
-}  // namespace sightline::client::calls
+}  // namespace sightline::client

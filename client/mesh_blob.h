@@ -4,12 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
-#include "client/mesh_arrays.h"
+#include "client/types.h"
 
-namespace sightline::client::calls {
+namespace sightline::client {
 
 /// Looks at the arrays, which must outlive it; makes no copy of them.
 class MeshBlob {
@@ -31,4 +32,7 @@ class MeshBlob {
   std::span<const std::byte> indices_;
 };
 
-}  // namespace sightline::client::calls
+/// Called with the number of the mesh's bytes that the server has.
+using UploadProgress = std::function<void(std::uint64_t bytes)>;
+
+}  // namespace sightline::client

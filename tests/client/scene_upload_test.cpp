@@ -1,5 +1,5 @@
 // Imported scenes on the server.
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/client/support/live_client.h"
 
-namespace sightline::client::calls {
+namespace sightline::client {
 namespace {
 
 using SceneUpload = tests::LiveClient;
@@ -136,4 +136,4 @@ TEST_F(SceneUpload, AnEmptySceneIsAScene) {
 }
 
 }  // namespace
-}  // namespace sightline::client::calls
+}  // namespace sightline::client
