@@ -8,15 +8,12 @@
 
 #include "client/calls/apply.h"
 #include "client/calls/cast.h"
-#include "client/calls/channel.h"
 #include "client/calls/connection.h"
 #include "client/calls/prefetch.h"
-#include "client/calls/rpc_error.h"
 #include "client/calls/update_stream_worker.h"
 #include "client/calls/upload.h"
 #include "client/calls/watch.h"
 #include "client/wire/scene_codec.h"
-#include "client/wire/update_codec.h"
 
 namespace sightline::client {
 namespace {

@@ -11,11 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "client/all_hits.h"
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
 #include "client/prefetch.h"
-#include "client/rays.h"
 #include "client/result.h"
 #include "client/scene_info.h"
 #include "client/update.h"

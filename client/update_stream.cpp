@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "client/calls/update_batch.h"
+#include "client/calls/apply.h"
 #include "client/calls/update_stream_worker.h"
 
 namespace sightline::client {

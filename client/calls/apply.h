@@ -1,13 +1,29 @@
-// Sends updates as single requests, each applied at most once. Internal to the library.
+// Updates as messages: single requests, and the batches of a stream. Internal to the library.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "client/result.h"
 #include "client/update.h"
+#include "sightline/v1/scene.pb.h"
 
 namespace sightline::client::calls {
+
+namespace v1 = ::sightline::v1;
+
+inline constexpr std::size_t kMaxUpdatesPerBatch = 65536;
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;
+
+/// All but the last message have `more`; each stays below a message's limit. Their sequence is not
+/// set. Errors: kInvalidArgument as of check(); kResourceExhausted beyond the limits above, or for
+/// a single update, one with many nodes say, that fits no message.
+Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update> updates);
+
+void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);
 
 struct Connection;
 

@@ -3,9 +3,7 @@
 
 #include <string>
 
-#include "client/all_hits.h"
 #include "client/cast_options.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "client/cast_options.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {

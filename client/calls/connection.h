@@ -1,19 +1,72 @@
-// What every call needs: the stubs and the options of one connection. Internal to the library.
+// The connection to a server: stubs, deadlines, retries, errors and request ids. Internal to the
+// library.
 #pragma once
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
-
+#include <grpcpp/support/status.h>
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "client/result.h"
 #include "sightline/v1/blob.grpc.pb.h"
 #include "sightline/v1/query.grpc.pb.h"
 #include "sightline/v1/scene.grpc.pb.h"
 #include "sightline/v1/server.grpc.pb.h"
 
 namespace sightline::client::calls {
+
+/// Calls that only read are tried again, by gRPC, when the server is unavailable; see
+/// kServiceConfig.
+std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint);
+
+void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
+
+/// `status` is not OK. The reason is that of the google.rpc.ErrorInfo in its details, if there is
+/// one.
+Error rpc_error(const grpc::Status& status);
+
+/// Of the parts of an error within a message; `code` is of google.rpc.Code.
+Error rpc_error(int code, const std::string& message, const std::string& reason);
+
+/// The connection broke, or the server went; what was asked may be asked again if that is safe.
+/// gRPC has no better name than unknown for a call whose connection was closed under it.
+inline bool is_broken_connection(Code code) {
+  return code == Code::kUnavailable || code == Code::kUnknown;
+}
+
+class Backoff {
+ public:
+  explicit Backoff(int attempts) : attempts_(attempts) {}
+
+  /// After an attempt that came to something.
+  void reset() {
+    failed_ = 0;
+    pause_ = kFirstPause;
+  }
+  /// Counts a failed attempt. False: it was the last one.
+  bool again() { return ++failed_ < attempts_; }
+  /// To wait before the next attempt.
+  std::chrono::milliseconds pause() {
+    const auto now = pause_;
+    pause_ = std::min(2 * pause_, kLongestPause);
+    return now;
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kFirstPause{100};
+  static constexpr std::chrono::milliseconds kLongestPause{2000};
+
+  int attempts_;
+  int failed_ = 0;
+  std::chrono::milliseconds pause_ = kFirstPause;
+};
+
+/// 32 random hex digits, 122 bits of them random, as a UUID of version 4 has them.
+std::string random_request_id();
 
 namespace v1 = ::sightline::v1;
 

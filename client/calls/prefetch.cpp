@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "client/calls/channel.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/calls/rpc_error.h"
-#include "client/calls/update_batch.h"
+#include "client/calls/apply.h"
+#include "client/calls/connection.h"
 
 namespace sightline::client::calls {
 namespace {

@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/calls/backoff.h"
+#include "client/calls/connection.h"
 #include "client/update_stream.h"
 #include "sightline/v1/scene.grpc.pb.h"
 

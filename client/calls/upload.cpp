@@ -7,9 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "client/calls/channel.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
 
 namespace sightline::client::calls {
 namespace {

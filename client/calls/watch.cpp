@@ -6,10 +6,8 @@
 #include <mutex>
 #include <utility>
 
-#include "client/calls/backoff.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
-#include "client/wire/update_codec.h"
+#include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
 namespace {

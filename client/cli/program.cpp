@@ -6,7 +6,7 @@
 #include <exception>
 #include <string>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/flags.h"
 #include "client/cli/session.h"
 #include "client/cli/verbs/verbs.h"
 

@@ -1,13 +1,12 @@
 // What all verbs share: the global flags, the connection, the two ways of printing.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 #include "client/client.h"
 
 namespace sightline::client::cli {
@@ -32,14 +31,5 @@ Json json_of_axis(UpAxis axis);
 
 /// A positive number, or null for what is unknown.
 Json json_of_unit(double meters_per_unit);
-
-/// Makes it a usage error to name none of the verbs under `app`, or one that is none.
-void require_verb(CLI::App& app);
-
-/// Adds the positional SCENE; `name` gets the full resource name.
-void add_scene_argument(CLI::App& verb, std::string& name);
-
-/// For an option that takes a number above 0.
-CLI::Validator positive_number();
 
 }  // namespace sightline::client::cli

@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "client/importer/node_name.h"
+#include "client/importer/scene_from_assimp.h"
 #include "client/importer/skin_from_assimp.h"
 
 namespace sightline::client::importer {

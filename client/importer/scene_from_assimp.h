@@ -2,7 +2,8 @@
 #pragma once
 
 #include <assimp/scene.h>
-
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/importer/imported_scene.h"
@@ -10,6 +11,10 @@
 #include "client/types.h"
 
 namespace sightline::client::importer {
+
+/// `name` if it is UTF-8, else read as Latin-1; then `suffix`. Cut between characters, in the name,
+/// to stay within kMaxNodeName bytes.
+std::string node_name(std::string_view name, std::string_view suffix = {});
 
 struct ConvertedScene {
   ImportedScene scene;  ///< Its frame not known yet, no vertex rebased.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "client/wire/update_codec.h"
+#include "client/wire/scene_codec.h"
 
 namespace sightline::client::wire {
 namespace {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "client/cast_options.h"
-#include "client/rays.h"
 #include "client/result.h"
 #include "sightline/v1/query.pb.h"
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/arguments.h"
-#include "client/cli/exit_code.h"
+#include "client/cli/flags.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {

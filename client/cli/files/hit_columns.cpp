@@ -1,15 +1,16 @@
-// One table of columns.
+// The table of columns, and the rows of a cast of all hits.
 #include "client/cli/files/hit_columns.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <span>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
@@ -63,6 +64,16 @@ void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) 
     case HitColumn::kCount:
       return use(hits.count[i]);
   }
+}
+
+constexpr std::uint8_t kBadRay = 2;
+
+template <class T>
+void add_rows(std::span<const T> from, std::size_t begin, std::size_t end, std::size_t width,
+              std::vector<T>& to) {
+  if (from.empty()) return;
+  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin * width),
+            from.begin() + static_cast<std::ptrdiff_t>(end * width));
 }
 
 }  // namespace
@@ -158,6 +169,58 @@ void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string&
   // The shortest text that reads back as the same number.
   visit_value(hits, i, column,
               [&](auto value) { fmt::format_to(std::back_inserter(out), "{}", value); });
+}
+
+RowView HitRows::make(std::uint64_t first, const HitView& hits) {
+  ray_.clear();
+  node_.clear();
+  t_.clear();
+  primitive_.clear();
+  work_.clear();
+  barycentric_.clear();
+  normal_.clear();
+  hit_.clear();
+  for (std::size_t i = 0; i + 1 < hits.offsets.size(); ++i) {
+    if (hits.hit[i] == kBadRay) {
+      add_bad_ray();
+    } else {
+      add_hits(hits, i);
+    }
+    hit_.resize(t_.size(), hits.hit[i]);
+    ray_.resize(t_.size(), first + i);
+    if (!hits.work.empty()) work_.resize(t_.size(), hits.work[i]);
+  }
+  RowView rows;
+  rows.ray = ray_;
+  rows.t = t_;
+  rows.node = node_;
+  rows.primitive = primitive_;
+  rows.barycentric = barycentric_;
+  rows.normal = normal_;
+  rows.hit = hit_;
+  rows.work = work_;
+  return rows;
+}
+
+void HitRows::add_bad_ray() {
+  t_.push_back(std::numeric_limits<double>::quiet_NaN());
+  node_.push_back(0);
+  primitive_.push_back(0);
+  barycentric_.insert(barycentric_.end(), 2, 0.0F);
+  normal_.insert(normal_.end(), 3, 0.0F);
+}
+
+void HitRows::add_hits(const HitView& hits, std::size_t i) {
+  const std::size_t begin = hits.offsets[i], end = hits.offsets[i + 1];
+  if (hits.t.empty()) {
+    t_.resize(t_.size() + end - begin);  // counts the rows, asked for or not
+  } else {
+    add_rows(hits.t, begin, end, 1, t_);
+  }
+  add_rows(hits.node, begin, end, 1, node_);
+  add_rows(hits.primitive, begin, end, 1, primitive_);
+  add_rows(hits.barycentric, begin, end, 2, barycentric_);
+  add_rows(hits.normal, begin, end, 3, normal_);
 }
 
 }  // namespace sightline::client::cli::files

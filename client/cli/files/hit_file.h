@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "client/cast_options.h"
 #include "client/cli/files/hit_columns.h"
 #include "client/cli/files/output.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {

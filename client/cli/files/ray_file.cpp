@@ -10,10 +10,10 @@
 #include <span>
 #include <utility>
 
-#include "client/cli/exit_code.h"
 #include "client/cli/files/csv.h"
 #include "client/cli/files/input.h"
 #include "client/cli/files/npy.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {

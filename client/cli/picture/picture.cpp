@@ -1,12 +1,13 @@
-// Rays out, colours in.
+// Casts the rays of the pixels and sums up their colours.
 #include "client/cli/picture/picture.h"
 
+#include <fmt/format.h>
+#include <png.h>
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <utility>
 
-#include "client/cli/picture/palette.h"
-#include "client/cli/picture/sampling.h"
 #include "client/cli/picture/shading.h"
 
 namespace sightline::client::cli::picture {
@@ -153,6 +154,39 @@ Result<Picture> take_picture(const Client& client, const std::string& scene,
   if (!report) return report.error();
   painter.finish();
   return Picture{film.develop(), *report};
+}
+
+std::vector<Pixel> tiled_pixels(PictureSize size) {
+  constexpr std::uint32_t kTile = 8;
+  std::vector<Pixel> pixels;
+  pixels.reserve(std::size_t{size.width} * size.height);
+  for (std::uint32_t top = 0; top < size.height; top += kTile) {
+    for (std::uint32_t left = 0; left < size.width; left += kTile) {
+      for (std::uint32_t y = top; y < std::min(top + kTile, size.height); ++y) {
+        for (std::uint32_t x = left; x < std::min(left + kTile, size.width); ++x) {
+          pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
+        }
+      }
+    }
+  }
+  return pixels;
+}
+
+Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,
+                               std::uint32_t height) {
+  assert(rgb.size() == std::size_t{3} * width * height);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = PNG_FORMAT_RGB;
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {
+    return Error{Code::kInternal, fmt::format("PNG: {}", image.message), {}};
+  }
+  bytes.resize(size);
+  return bytes;
 }
 
 }  // namespace sightline::client::cli::picture

@@ -1,12 +1,15 @@
-// A picture of a scene, by ray queries.
+// A picture of a scene by ray queries, and its PNG file.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "client/cli/arguments.h"
+#include "client/cli/flags.h"
 #include "client/cli/picture/camera.h"
 #include "client/client.h"
 #include "client/result.h"
@@ -34,5 +37,24 @@ struct Picture {
 Result<Picture> take_picture(const Client& client, const std::string& scene,
                              const PictureRequest& request,
                              const std::function<void(double)>& progress);
+
+inline constexpr std::size_t kSamplesPerPixel = 4;
+
+/// Places within a pixel: a 2x2 grid, turned so that near-horizontal and near-vertical edges get
+/// four shades.
+inline constexpr std::array<std::array<double, 2>, kSamplesPerPixel> kSampleOffsets{
+    {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}};
+
+struct Pixel {
+  std::uint16_t x, y;
+};
+
+/// Every pixel once, in 8x8 tiles: rays that follow one another then enter the same parts of a
+/// scene.
+std::vector<Pixel> tiled_pixels(PictureSize size);
+
+/// `rgb`: sRGB, 8 bits, (height, width, 3). Errors: kInternal, in libpng's words.
+Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,
+                               std::uint32_t height);
 
 }  // namespace sightline::client::cli::picture

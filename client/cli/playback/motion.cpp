@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 #include "client/importer/frame_sequence.h"
 
 namespace sightline::client::cli::playback {

@@ -1,20 +1,83 @@
-// Three ways to come to the ids of nodes.
+// Finds, adds or imports the nodes of a motion.
 #include "client/cli/playback/target.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
-#include "client/cli/exit_code.h"
 #include "client/cli/playback/motion.h"
-#include "client/cli/playback/scene_nodes.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/terminal.h"
 #include "client/scene_upload.h"
 
 namespace sightline::client::cli::playback {
 namespace {
+
+constexpr std::uint64_t kIdsAtOnce = 4096;
+// Ids are given in order and not again. Where so many in a row are free, nothing more is looked
+// for.
+constexpr std::uint64_t kLongestGap = 1'000'000;
+
+Error mismatch(std::string message) {
+  return {Code::kFailedPrecondition, std::move(message), "SCENE_MISMATCH"};
+}
+
+std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
+  std::string path = scene.nodes[node].name;
+  while ((node = scene.nodes[node].parent) != importer::kNone) {
+    path.insert(0, "/").insert(0, scene.nodes[node].name);
+  }
+  return path;
+}
+
+// The nodes that must be there.
+std::vector<bool> needed(const Motion& motion) {
+  std::vector<bool> out(motion.scene.nodes.size());
+  for (const auto* list : {&motion.placed, &motion.shaped}) {
+    for (std::uint32_t node : *list) {
+      for (; node != importer::kNone && !out[node]; node = motion.scene.nodes[node].parent)
+        out[node] = true;
+    }
+  }
+  return out;
+}
+
+// By parent and name, those first that have not been taken.
+class Candidates {
+ public:
+  explicit Candidates(const std::vector<NodeInfo>& nodes) {
+    for (const NodeInfo& node : nodes) lists_[{node.parent, node.name}].push_back(&node);
+  }
+
+  const NodeInfo* take(std::uint64_t parent, const std::string& name, bool has_mesh) {
+    const auto list = lists_.find({parent, name});
+    if (list == lists_.end()) return nullptr;
+    const auto found =
+        std::find_if(list->second.begin(), list->second.end(),
+                     [&](const NodeInfo* node) { return node->mesh_digest.empty() != has_mesh; });
+    if (found == list->second.end()) return nullptr;
+    const NodeInfo* const node = *found;
+    list->second.erase(found);
+    return node;
+  }
+
+ private:
+  std::map<std::pair<std::uint64_t, std::string>, std::vector<const NodeInfo*>> lists_;
+};
+
+Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& found) {
+  const std::vector<std::string> digests = mesh_digests(motion.scene);
+  for (const std::uint32_t node : motion.shaped) {
+    if (found[node]->mesh_digest == digests[motion.scene.nodes[node].mesh]) continue;
+    return mismatch(fmt::format(
+        "node {} '{}' of the scene carries another mesh than the file has there: it was "
+        "not imported from this file",
+        found[node]->id, path_of(motion.scene, node)));
+  }
+  return {};
+}
 
 Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const StageRequest& request,
                                               const Motion& motion) {
@@ -82,6 +145,55 @@ Status check(const StageRequest& request, bool exists) {
 }
 
 }  // namespace
+
+Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene) {
+  const auto info = client.get_scene(scene);
+  if (!info) return info.error();
+  std::vector<NodeInfo> nodes;
+  std::vector<std::uint64_t> ids(kIdsAtOnce);
+  std::uint64_t gap = 0;
+  for (std::uint64_t first = 1; nodes.size() < info->nodes; first += kIdsAtOnce) {
+    std::iota(ids.begin(), ids.end(), first);
+    auto some = client.get_nodes(scene, ids);
+    if (!some) return some.error();
+    const std::size_t before = nodes.size();
+    for (NodeInfo& node : *some) {
+      if (node.id != 0) nodes.push_back(std::move(node));
+    }
+    gap = nodes.size() == before ? gap + kIdsAtOnce : 0;
+    if (gap < kLongestGap) continue;
+    return Error{Code::kAborted,
+                 fmt::format("of the {} nodes of {} only {} could be found", info->nodes, scene,
+                             nodes.size()),
+                 {}};
+  }
+  return nodes;
+}
+
+Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
+                                               const std::vector<NodeInfo>& nodes,
+                                               std::uint64_t under) {
+  const importer::ImportedScene& scene = motion.scene;
+  const std::vector<bool> must_be = needed(motion);
+  Candidates candidates(nodes);
+  std::vector<const NodeInfo*> found(scene.nodes.size(), nullptr);
+  std::vector<std::uint64_t> ids(scene.nodes.size(), 0);
+  for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
+    const importer::ImportedNode& node = scene.nodes[i];
+    const bool is_root = node.parent == importer::kNone;
+    const std::uint64_t parent = is_root ? under : ids[node.parent];
+    if (is_root || parent != 0)
+      found[i] = candidates.take(parent, node.name, node.mesh != importer::kNone);
+    if (found[i] != nullptr) ids[i] = found[i]->id;
+    if (found[i] != nullptr || !must_be[i]) continue;
+    return mismatch(
+        fmt::format("the scene has no node '{}'{}, which the animation needs: it was not "
+                    "imported from this file, or has changed since",
+                    path_of(scene, i), node.mesh != importer::kNone ? " with a mesh" : ""));
+  }
+  if (const Status same = check_meshes(motion, found); !same) return same.error();
+  return ids;
+}
 
 importer::ImportOptions frame_of(const SceneInfo& scene) {
   importer::ImportOptions options;

@@ -1,4 +1,4 @@
-// The scene that a motion is played into, made ready for it.
+// The scene that a motion is played into, and which of its nodes move.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,20 @@ struct ImportOptions;
 }
 
 namespace sightline::client::cli::playback {
+
+struct Motion;
+
+/// All nodes of a scene, by id. Errors: those of the calls; kAborted, it changes too fast to be
+/// read.
+Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene);
+
+/// For each node of the motion's scene the id of the scene's node that it is, 0 if there is none:
+/// of the same name, under the one that its parent is, roots under `under` (0: the scene's roots);
+/// nodes of one name and parent in the order of their ids. Errors: kFailedPrecondition, naming it:
+/// a node that moves, or one above it, is not there; one whose vertices move carries another mesh.
+Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
+                                               const std::vector<NodeInfo>& nodes,
+                                               std::uint64_t under);
 
 struct Motion;
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "client/importer/gltf_nodes.h"
 #include "tests/client/support/temp_dir.h"
 
 namespace sightline::client::importer {
