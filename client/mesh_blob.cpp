@@ -37,11 +37,11 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
-std::array<std::byte, 24> make_header(std::uint32_t twin, std::uint64_t vertices,
+std::array<std::byte, 24> make_header(std::uint32_t copy_number, std::uint64_t vertices,
                                       std::uint64_t faces) {
   std::array<std::byte, 24> header{};
   std::memcpy(header.data(), "SLM1", 4);
-  std::memcpy(header.data() + 4, &twin, 4);
+  std::memcpy(header.data() + 4, &copy_number, 4);
   std::memcpy(header.data() + 8, &vertices, 8);
   std::memcpy(header.data() + 16, &faces, 8);
   return header;
@@ -50,8 +50,8 @@ std::array<std::byte, 24> make_header(std::uint32_t twin, std::uint64_t vertices
 }  // namespace
 
 MeshBlob::MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces,
-                   std::uint32_t twin)
-    : header_(make_header(twin, vertices.size(), faces.size())),
+                   std::uint32_t copy_number)
+    : header_(make_header(copy_number, vertices.size(), faces.size())),
       positions_(std::as_bytes(vertices)),
       indices_(std::as_bytes(faces)) {}
 

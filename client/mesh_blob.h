@@ -15,8 +15,8 @@ namespace sightline::client {
 /// Looks at the arrays, which must outlive it; makes no copy of them.
 class MeshBlob {
  public:
-  /// `twin` tells meshes of equal content apart where a scene is to have several: 0, 1, 2, ...
-  MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces, std::uint32_t twin = 0);
+  /// `copy_number` tells meshes of equal content apart where a scene is to have several: 0, 1, 2, ...
+  MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces, std::uint32_t copy_number = 0);
 
   std::uint64_t size() const { return header_.size() + positions_.size() + indices_.size(); }
 

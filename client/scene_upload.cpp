@@ -25,14 +25,14 @@ struct Blobs {
 Blobs make_blobs(const importer::ImportedScene& scene) {
   Blobs blobs{std::vector<std::optional<MeshBlob>>(scene.meshes.size()),
               std::vector<std::string>(scene.meshes.size())};
-  std::unordered_map<std::string, std::uint32_t> twins;
+  std::unordered_map<std::string, std::uint32_t> copies;
   for (const importer::ImportedNode& node : scene.nodes) {
     if (node.mesh == importer::kNone || blobs.blob[node.mesh]) continue;
     const importer::ImportedMesh& mesh = scene.meshes[node.mesh];
     MeshBlob blob(mesh.vertices, mesh.faces);
     std::string digest = blob.digest();
-    if (const std::uint32_t twin = twins[digest]++; twin > 0) {
-      blob = MeshBlob(mesh.vertices, mesh.faces, twin);
+    if (const std::uint32_t copy_number = copies[digest]++; copy_number > 0) {
+      blob = MeshBlob(mesh.vertices, mesh.faces, copy_number);
       digest = blob.digest();
     }
     blobs.blob[node.mesh] = blob;
@@ -43,21 +43,21 @@ Blobs make_blobs(const importer::ImportedScene& scene) {
 
 Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_token& stop,
                      const SceneUploadProgress& progress) {
-  std::unordered_map<std::string, std::size_t> place;
+  std::unordered_map<std::string, std::size_t> index_of;
   std::vector<std::string> asked;
   for (std::size_t i = 0; i < blobs.digest.size(); ++i) {
     if (!blobs.blob[i]) continue;
-    place.emplace(blobs.digest[i], i);
+    index_of.emplace(blobs.digest[i], i);
     asked.push_back(blobs.digest[i]);
   }
   const auto missing = client.missing_meshes(asked);
   if (!missing) return missing.error();
 
   std::uint64_t total = 0;
-  for (const std::string& digest : *missing) total += blobs.blob[place.at(digest)]->size();
+  for (const std::string& digest : *missing) total += blobs.blob[index_of.at(digest)]->size();
   std::uint64_t done = 0;
   for (const std::string& digest : *missing) {
-    const MeshBlob& blob = *blobs.blob[place.at(digest)];
+    const MeshBlob& blob = *blobs.blob[index_of.at(digest)];
     const auto report = [&](std::uint64_t bytes) {
       if (progress) progress(done + bytes, total);
     };

@@ -41,7 +41,7 @@ class Packer {
     return {};
   }
 
-  std::vector<v1::StreamUpdatesRequest> take() { return std::move(messages_); }
+  std::vector<v1::StreamUpdatesRequest> messages() { return std::move(messages_); }
 
  private:
   std::vector<v1::StreamUpdatesRequest> messages_;
@@ -123,7 +123,7 @@ class Batches {
     return {};
   }
 
-  Applied take() { return std::move(total_); }
+  Applied result() { return std::move(total_); }
 
  private:
   const Connection& connection_;
@@ -146,7 +146,7 @@ Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update>
         wire::each_piece(update, [&](const Update& piece) { return packer.add(piece); });
     if (!added) return added.error();
   }
-  return packer.take();
+  return packer.messages();
 }
 
 void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages) {
@@ -182,7 +182,7 @@ Result<Applied> apply_in_batches(const Connection& connection, const std::string
     if (!added) return added.error();
   }
   if (const Status sent = batches.flush(); !sent) return sent.error();
-  return batches.take();
+  return batches.result();
 }
 
 }  // namespace sightline::client::calls

@@ -89,7 +89,7 @@ struct Reader {
   std::uint64_t first = 0;   // ray of the chunk
   std::size_t answered = 0;  // rays of it
 
-  Status take(const v1::StreamCastRaysResponse& response) {
+  Status receive(const v1::StreamCastRaysResponse& response) {
     if (response.chunk() != chunk) {
       return Error{
           Code::kInternal,
@@ -123,7 +123,7 @@ Status read_all(Stream& stream, grpc::ClientContext& context, Reader reader) {
   v1::StreamCastRaysResponse response;
   while (stream.Read(&response)) {
     if (!failed) continue;
-    failed = reader.take(response);
+    failed = reader.receive(response);
     if (!failed) context.TryCancel();
   }
   return failed;

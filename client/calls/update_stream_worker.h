@@ -32,9 +32,9 @@ class UpdateStreamWorker {
   ~UpdateStreamWorker();
 
   /// Waits for the first opening. Errors: what it came to; kDeadlineExceeded.
-  Status open(std::chrono::milliseconds patience);
+  Status open(std::chrono::milliseconds timeout);
   /// Takes the messages of one batch; nothing if the window is full and `waits` is not set.
-  Result<std::optional<std::uint64_t>> hand_over(Messages messages, bool waits);
+  Result<std::optional<std::uint64_t>> enqueue(Messages messages, bool waits);
   Status wait(std::uint64_t sequence);
   Status flush();
   Status close();
@@ -49,17 +49,17 @@ class UpdateStreamWorker {
   };
 
   void run();
-  Status carry(grpc::ClientContext& context);
+  Status run_call(grpc::ClientContext& context);
   Status resume(const v1::StreamUpdatesResponse& first);
   void write_batches(Call& call);
   std::shared_ptr<const Messages> next_to_write();
-  void take(const v1::StreamUpdatesResponse& response);
-  void take(const v1::UpdateAck& ack);
-  void take(const v1::UpdateReject& reject);
-  void reached(const v1::SceneRevision& revision);
-  void answered(std::uint64_t up_to);
+  void receive(const v1::StreamUpdatesResponse& response);
+  void receive(const v1::UpdateAck& ack);
+  void receive(const v1::UpdateReject& reject);
+  void set_revision(const v1::SceneRevision& revision);
+  void mark_answered(std::uint64_t up_to);
   bool is_done() const { return closing_ && unanswered_.empty(); }
-  bool worth_another_try(const Status& ended);
+  bool should_retry(const Status& ended);
   void fail(const Error& error);
 
   const std::unique_ptr<v1::SceneService::Stub> stub_;
@@ -70,11 +70,11 @@ class UpdateStreamWorker {
   std::condition_variable changed_;
   grpc::ClientContext* context_ = nullptr;  // of the call there is, to cancel it
   bool opened_ = false;                     // once
-  bool linked_ = false;                     // now
+  bool connected_ = false;                     // now
   bool closing_ = false;                    // no more is sent
   bool abandoned_ = false;
   bool ended_ = false;
-  bool moved_on_ = false;        // since the call was opened, something was answered
+  bool progressed_ = false;        // since the call was opened, something was answered
   std::optional<Error> failed_;  // why it has ended
   std::deque<Batch> unanswered_;
   std::uint64_t next_to_write_ = 1;       // sequence

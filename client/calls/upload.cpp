@@ -56,7 +56,7 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
   return status.ok() ? Status() : Status(rpc_error(status));
 }
 
-bool worth_another_try(const Error& error) {
+bool should_retry(const Error& error) {
   // Out of range: somebody else has added to the same upload meanwhile.
   return error.code == Code::kUnavailable || error.code == Code::kOutOfRange;
 }
@@ -80,7 +80,7 @@ Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std
   auto pause = kFirstPause;
   for (int attempt = 1;; ++attempt, pause *= 2) {
     Status uploaded = upload_once(connection, mesh, digest, progress, stop);
-    if (uploaded || attempt == kAttempts || !worth_another_try(uploaded.error())) return uploaded;
+    if (uploaded || attempt == kAttempts || !should_retry(uploaded.error())) return uploaded;
     std::this_thread::sleep_for(pause);
   }
 }

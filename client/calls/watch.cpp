@@ -37,7 +37,7 @@ class Watch {
     while (true) {
       const std::uint64_t seen = messages_;
       Status ended = read();
-      if (unwanted_) return {};
+      if (stopped_by_sink_) return {};
       if (ended) ended = Error{Code::kUnavailable, "the server ended the watch", {}};
       if (messages_ > seen) backoff.reset();
       if (!is_broken_connection(ended.error().code) || !backoff.again()) return ended;
@@ -55,15 +55,15 @@ class Watch {
     change_ = {};
     while (reader->Read(&response)) {
       ++messages_;
-      if (good && !unwanted_) good = take(response);
-      if (!good || unwanted_) context.TryCancel();
+      if (good && !stopped_by_sink_) good = receive(response);
+      if (!good || stopped_by_sink_) context.TryCancel();
     }
     const grpc::Status status = reader->Finish();
     if (!good) return good;
     return status.ok() ? Status() : Status(rpc_error(status));
   }
 
-  Status take(const v1::WatchSceneResponse& response) {
+  Status receive(const v1::WatchSceneResponse& response) {
     for (const v1::Update& update : response.updates()) {
       auto decoded = wire::decode(update);
       if (!decoded) return decoded.error();
@@ -74,7 +74,7 @@ class Watch {
     change_.token = response.revision().token();
     change_.is_progress = response.progress();
     request_.set_start_revision(change_.revision);  // to go on with, if the connection breaks
-    unwanted_ = !sink_(change_);
+    stopped_by_sink_ = !sink_(change_);
     change_ = {};
     return {};
   }
@@ -85,7 +85,7 @@ class Watch {
   v1::WatchSceneRequest request_;
   SceneChange change_;  // of which parts have come
   std::uint64_t messages_ = 0;
-  bool unwanted_ = false;
+  bool stopped_by_sink_ = false;
 };
 
 }  // namespace

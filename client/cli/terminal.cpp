@@ -141,22 +141,22 @@ void ProgressBar::draw(double fraction, std::string_view detail) {
   fmt::print(stderr, "\r{}\x1b[K", line);
 }
 
-std::string grouped(std::uint64_t number) {
+std::string format_count(std::uint64_t number) {
   std::string text = std::to_string(number);
-  for (std::size_t place = text.size(); place > 3;) {
-    place -= 3;
-    text.insert(place, ",");
+  for (std::size_t position = text.size(); position > 3;) {
+    position -= 3;
+    text.insert(position, ",");
   }
   return text;
 }
 
-std::string part_of(std::uint64_t part, std::uint64_t whole) {
-  std::string text = grouped(part) + " of " + grouped(whole);
+std::string format_share(std::uint64_t part, std::uint64_t whole) {
+  std::string text = format_count(part) + " of " + format_count(whole);
   if (whole > 0) text += " (" + percent(part, whole) + ")";
   return text;
 }
 
-std::string bytes_text(std::uint64_t bytes) {
+std::string format_bytes(std::uint64_t bytes) {
   if (bytes < 1000) return fmt::format("{} B", bytes);
   constexpr std::array<const char*, 4> kUnits{"kB", "MB", "GB", "TB"};
   double amount = static_cast<double>(bytes) / 1000;

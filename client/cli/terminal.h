@@ -81,12 +81,12 @@ class ProgressBar {
 };
 
 /// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t number);
+std::string format_count(std::uint64_t number);
 
 /// "1,234 of 75,730 (1.6 %)"; without a share of nothing.
-std::string part_of(std::uint64_t part, std::uint64_t whole);
+std::string format_share(std::uint64_t part, std::uint64_t whole);
 
 /// "12.3 MB", in steps of 1,000; below 1,000 "321 B".
-std::string bytes_text(std::uint64_t bytes);
+std::string format_bytes(std::uint64_t bytes);
 
 }  // namespace sightline::client::cli

@@ -31,12 +31,12 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
-Status check_polygon(const aiMesh& mesh, unsigned place) {
-  const aiFace& face = mesh.mFaces[place];
+Status check_polygon(const aiMesh& mesh, unsigned index) {
+  const aiFace& face = mesh.mFaces[index];
   for (unsigned k = 0; k < face.mNumIndices; ++k) {
     if (face.mIndices[k] < mesh.mNumVertices) continue;
     return invalid(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
-                               mesh.mName.C_Str(), place, face.mIndices[k], mesh.mNumVertices));
+                               mesh.mName.C_Str(), index, face.mIndices[k], mesh.mNumVertices));
   }
   return {};
 }

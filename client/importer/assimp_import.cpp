@@ -41,7 +41,7 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
                    const ImportProgress& progress, Convert<Scene> convert) {
   if (const Status good = check(file, options); !good) return good.error();
   try {
-    if (const Status good = check_damage(file); !good) return in_file(file, good.error());
+    if (const Status good = preflight(file); !good) return in_file(file, good.error());
     const auto source = AssimpFile::read(file, progress);
     if (!source) return source.error();
     auto scene = convert(source->scene(), source->importer_name(), options);

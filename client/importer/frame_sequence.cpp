@@ -21,7 +21,7 @@ Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(m
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // The run of digits at the front without leading zeros.
-std::string_view take_number(std::string_view& text) {
+std::string_view next_number(std::string_view& text) {
   const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
   std::string_view number = text.substr(0, end);
   text.remove_prefix(end);
@@ -33,7 +33,7 @@ bool comes_before(const std::string& left, const std::string& right) {
   std::string_view a = left, b = right;
   while (!a.empty() && !b.empty()) {
     if (is_digit(a[0]) && is_digit(b[0])) {
-      const std::string_view m = take_number(a), n = take_number(b);
+      const std::string_view m = next_number(a), n = next_number(b);
       if (m != n) return m.size() != n.size() ? m.size() < n.size() : m < n;
       continue;
     }

@@ -202,7 +202,7 @@ Status check_gltf_nodes(std::string_view text) {
   return {};
 }
 
-Status check_damage(const std::filesystem::path& file) {
+Status preflight(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0));
   in.seekg(0);

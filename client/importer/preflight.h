@@ -25,6 +25,6 @@ Status check_gltf_nodes(std::string_view json);
 /// end or announces more than the file can hold, a GLB file whose chunks are longer than it, and a
 /// glTF or GLB file with too many or too deep nodes (check_gltf_nodes). Errors: kInvalidArgument,
 /// for these. Any other file is left to Assimp.
-Status check_damage(const std::filesystem::path& file);
+Status preflight(const std::filesystem::path& file);
 
 }  // namespace sightline::client::importer

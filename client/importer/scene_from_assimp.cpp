@@ -103,18 +103,18 @@ Result<std::uint32_t> add_node(const aiNode& source, std::uint32_t parent, Conve
   node.parent_from_local = *transform;
   if (source.mNumMeshes == 1) node.mesh = source.mMeshes[0];
 
-  const auto place = static_cast<std::uint32_t>(nodes.size());
+  const auto index = static_cast<std::uint32_t>(nodes.size());
   nodes.push_back(std::move(node));
   for (unsigned k = 0; source.mNumMeshes > 1 && k < source.mNumMeshes; ++k) {
     ImportedNode child;
     child.name = node_name(source.mName.C_Str(), fmt::format("#{}", k));
-    child.parent = place;
+    child.parent = index;
     child.mesh = source.mMeshes[k];
     nodes.push_back(std::move(child));
   }
   out.sources.resize(nodes.size(), nullptr);
-  out.sources[place] = &source;
-  return place;
+  out.sources[index] = &source;
+  return index;
 }
 
 // Depth first, children in order, without recursion: files decide how deep this goes.
@@ -123,10 +123,10 @@ Status add_nodes(const aiNode& root, ConvertedScene& out) {
   while (!open.empty()) {
     const auto [source, parent] = open.back();
     open.pop_back();
-    const auto place = add_node(*source, parent, out);
-    if (!place) return place.error();
+    const auto index = add_node(*source, parent, out);
+    if (!index) return index.error();
     for (unsigned k = source->mNumChildren; k-- > 0;) {
-      open.emplace_back(source->mChildren[k], *place);
+      open.emplace_back(source->mChildren[k], *index);
     }
   }
   return {};

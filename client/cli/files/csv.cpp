@@ -26,7 +26,7 @@ std::string_view trim(std::string_view text) {
 }
 
 // The next value of a line; `line` becomes what follows its comma, and nothing after the last.
-std::string_view take_value(std::optional<std::string_view>& line) {
+std::string_view next_value(std::optional<std::string_view>& line) {
   const std::size_t comma = line->find(',');
   const std::string_view value = trim(line->substr(0, comma));
   line = comma == std::string_view::npos ? std::nullopt : std::optional(line->substr(comma + 1));
@@ -40,7 +40,7 @@ std::size_t count_values(std::string_view line) {
 // Whether the line is one of names: it starts with a letter, and not with inf or nan.
 bool starts_with_name(std::string_view line) {
   std::optional rest = line;
-  const std::string_view first = take_value(rest);
+  const std::string_view first = next_value(rest);
   const char c = first.empty() ? '\0' : first.front();
   const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   return is_letter && !parse_number(first);
@@ -67,7 +67,7 @@ Result<bool> CsvRays::next_content(std::string_view& line) {
 
 Status CsvRays::read_names(std::string_view line) {
   for (std::optional rest = line; rest;) {
-    const std::string_view name = take_value(rest);
+    const std::string_view name = next_value(rest);
     const auto* const found = std::find(kRayColumns.begin(), kRayColumns.end(), name);
     if (found == kRayColumns.end()) {
       return error(fmt::format("column '{}' is none of {}", name.substr(0, kMaxShown),
@@ -123,7 +123,7 @@ Status CsvRays::read_values(std::string_view line, RayRow& row) const {
   }
   std::optional rest = line;
   for (const std::size_t column : columns_) {
-    const std::string_view value = take_value(rest);
+    const std::string_view value = next_value(rest);
     const auto number = parse_number(value);
     if (!number) {
       return error(

@@ -20,7 +20,7 @@ class DictParser {
  public:
   explicit DictParser(std::string_view text) : rest_(text) {}
 
-  bool take(char c) {
+  bool accept(char c) {
     skip_space();
     if (!rest_.starts_with(c)) return false;
     rest_.remove_prefix(1);
@@ -49,17 +49,17 @@ class DictParser {
 
   // (), (3,), (3, 4)
   std::optional<std::vector<std::uint64_t>> tuple() {
-    if (!take('(')) return {};
+    if (!accept('(')) return {};
     std::vector<std::uint64_t> numbers;
-    while (!take(')')) {
+    while (!accept(')')) {
       skip_space();
       std::uint64_t number = 0;
       const auto [end, error] = std::from_chars(rest_.begin(), rest_.end(), number);
       if (error != std::errc()) return {};
       rest_.remove_prefix(static_cast<std::size_t>(end - rest_.begin()));
       numbers.push_back(number);
-      if (!take(',')) {
-        if (!take(')')) return {};
+      if (!accept(',')) {
+        if (!accept(')')) return {};
         break;
       }
     }
@@ -97,10 +97,10 @@ std::optional<NpyHeader> parse_dict(std::string_view text) {
   std::optional<std::string> dtype;
   std::optional<bool> fortran_order;
   std::optional<std::vector<std::uint64_t>> shape;
-  if (!dict.take('{')) return {};
-  while (!dict.take('}')) {
+  if (!dict.accept('{')) return {};
+  while (!dict.accept('}')) {
     const auto key = dict.string();
-    if (!key || !dict.take(':')) return {};
+    if (!key || !dict.accept(':')) return {};
     if (*key == "descr") {
       dtype = dict.dtype();
     } else if (*key == "fortran_order") {
@@ -110,8 +110,8 @@ std::optional<NpyHeader> parse_dict(std::string_view text) {
     } else {
       return {};
     }
-    if (!dict.take(',')) {
-      if (!dict.take('}')) return {};
+    if (!dict.accept(',')) {
+      if (!dict.accept('}')) return {};
       break;
     }
   }

@@ -34,9 +34,9 @@ std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo&
   const Vec3 at = request.at.value_or(center);
   camera.eye =
       request.eye.value_or(add(at, scale(unit(kOverviewFrom), kOverviewDistance * diagonal)));
-  const Vec3 look = sub(at, camera.eye);
-  if (!(length(look) > 0)) return {};
-  camera.forward = unit(look);
+  const Vec3 view = sub(at, camera.eye);
+  if (!(length(view) > 0)) return {};
+  camera.forward = unit(view);
   Vec3 up = up_of(scene.up_axis);
   if (length(cross(camera.forward, up)) < kNearlyParallel) up = {up[2], up[0], up[1]};
   camera.right = unit(cross(camera.forward, up));

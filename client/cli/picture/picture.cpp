@@ -43,8 +43,8 @@ class Film {
   std::vector<std::uint8_t> develop() const {
     std::vector<std::uint8_t> rgb(3 * pixels_.size());
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      const std::size_t place = std::size_t{pixels_[k].y} * size_.width + pixels_[k].x;
-      for (std::size_t c = 0; c < 3; ++c) rgb[3 * place + c] = encode_srgb(sums_[k][c]);
+      const std::size_t index = std::size_t{pixels_[k].y} * size_.width + pixels_[k].x;
+      for (std::size_t c = 0; c < 3; ++c) rgb[3 * index + c] = encode_srgb(sums_[k][c]);
     }
     return rgb;
   }
@@ -88,7 +88,7 @@ class Painter {
     if (is_late()) samples_.resize(film.samples());
   }
 
-  void take(std::size_t sample, const HitView& hits, std::size_t row) {
+  void add(std::size_t sample, const HitView& hits, std::size_t row) {
     const bool is_hit = hits.hit[row] == 1;
     Vec3 normal{};
     if (is_hit) {
@@ -137,13 +137,13 @@ class Painter {
 
 }  // namespace
 
-Result<Picture> take_picture(const Client& client, const std::string& scene,
+Result<Picture> render_picture(const Client& client, const std::string& scene,
                              const PictureRequest& request,
                              const std::function<void(double)>& progress) {
   Film film(request.size, request.camera);
   Painter painter(film, request);
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {
-    for (std::size_t i = 0; i < count; ++i) painter.take(first + i, hits, i);
+    for (std::size_t i = 0; i < count; ++i) painter.add(first + i, hits, i);
     progress(static_cast<double>(first + count) / static_cast<double>(film.samples()));
     return Status();
   };

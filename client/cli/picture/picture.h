@@ -34,7 +34,7 @@ struct Picture {
 /// Casts kSamplesPerPixel rays a pixel. kHeat grows no trees and shows those there are; the other
 /// modes grow them as the server's policy says. `progress` is told the part that is done, 0 to 1,
 /// on the calling thread.
-Result<Picture> take_picture(const Client& client, const std::string& scene,
+Result<Picture> render_picture(const Client& client, const std::string& scene,
                              const PictureRequest& request,
                              const std::function<void(double)>& progress);
 

@@ -26,9 +26,9 @@ struct Stop {
 
 // Between stops that are evenly spaced.
 Rgb ramp(std::span<const Stop> stops, double s) {
-  const double place = std::clamp(s, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
-  const auto first = std::min(static_cast<std::size_t>(place), stops.size() - 2);
-  const double part = place - static_cast<double>(first);
+  const double position = std::clamp(s, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
+  const auto first = std::min(static_cast<std::size_t>(position), stops.size() - 2);
+  const double part = position - static_cast<double>(first);
   const Stop& a = stops[first];
   const Stop& b = stops[first + 1];
   return from_oklch(std::lerp(a.lightness, b.lightness, part), std::lerp(a.chroma, b.chroma, part),
@@ -59,9 +59,9 @@ Rgb times(const Rgb& colour, double factor) {
 // The value that `part` of the values lie below; 0 if there are none.
 double quantile(std::vector<float>& values, double part) {
   if (values.empty()) return 0;
-  const std::ptrdiff_t place = std::lround(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(place)]);
+  const std::ptrdiff_t rank = std::lround(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return static_cast<double>(values[static_cast<std::size_t>(rank)]);
 }
 
 std::vector<float> values_of_hits(const std::vector<Sample>& samples) {

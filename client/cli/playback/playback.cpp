@@ -40,7 +40,7 @@ class Answers {
     answer_up_to(reject.sequence);
   }
 
-  bool take_afresh() {
+  bool reset_afresh() {
     const std::lock_guard lock(mutex_);
     return std::exchange(afresh_, false);
   }
@@ -137,7 +137,7 @@ class Player {
 
   // After a frame that was dropped the next one says everything.
   Status show(std::uint64_t frame, PlaybackReport& report) {
-    const bool afresh = answers_.take_afresh() || dropped_;
+    const bool afresh = answers_.reset_afresh() || dropped_;
     const std::vector<Update> updates = source_(frame, afresh);
     if (updates.empty()) {
       ++report.frames_unchanged;

@@ -51,7 +51,7 @@ class Candidates {
     for (const NodeInfo& node : nodes) lists_[{node.parent, node.name}].push_back(&node);
   }
 
-  const NodeInfo* take(std::uint64_t parent, const std::string& name, bool has_mesh) {
+  const NodeInfo* claim(std::uint64_t parent, const std::string& name, bool has_mesh) {
     const auto list = lists_.find({parent, name});
     if (list == lists_.end()) return nullptr;
     const auto found =
@@ -79,14 +79,14 @@ Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& fo
   return {};
 }
 
-Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const StageRequest& request,
+Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const TargetRequest& request,
                                               const Motion& motion) {
   const auto nodes = list_nodes(client, request.scene);
   if (!nodes) return nodes.error();
   return match_nodes(motion, *nodes, request.under);
 }
 
-Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const StageRequest& request,
+Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetRequest& request,
                                                const Motion& motion, bool exists,
                                                const std::stop_token& stop) {
   ProgressBar bar("uploading");
@@ -103,7 +103,7 @@ Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const Stage
 }
 
 // Takes the ids away from what is not to move.
-Status keep_only(const StageRequest& request, const Motion& motion, Stage& stage) {
+Status keep_only(const TargetRequest& request, const Motion& motion, PlaybackTarget& target) {
   std::set<std::uint32_t> moving(motion.placed.begin(), motion.placed.end());
   moving.insert(motion.shaped.begin(), motion.shaped.end());
   std::set<std::uint32_t> kept;
@@ -111,28 +111,28 @@ Status keep_only(const StageRequest& request, const Motion& motion, Stage& stage
     const std::size_t before = kept.size();
     for (const std::uint32_t node : moving) {
       const bool is_meant =
-          word == motion.scene.nodes[node].name || word == std::to_string(stage.ids[node]);
+          word == motion.scene.nodes[node].name || word == std::to_string(target.ids[node]);
       if (is_meant) kept.insert(node);
     }
     if (kept.size() > before) continue;
     return local_error(fmt::format("the animation moves no node '{}'", word));
   }
   if (request.only.empty()) kept = std::move(moving);
-  for (std::uint32_t i = 0; i < stage.ids.size(); ++i) {
-    if (!kept.contains(i)) stage.ids[i] = 0;
-    if (stage.ids[i] != 0 && (stage.first_moved == 0 || stage.ids[i] < stage.first_moved))
-      stage.first_moved = stage.ids[i];
+  for (std::uint32_t i = 0; i < target.ids.size(); ++i) {
+    if (!kept.contains(i)) target.ids[i] = 0;
+    if (target.ids[i] != 0 && (target.first_moved == 0 || target.ids[i] < target.first_moved))
+      target.first_moved = target.ids[i];
   }
   const auto count = [&](const std::vector<std::uint32_t>& nodes) {
     return static_cast<std::size_t>(
         std::count_if(nodes.begin(), nodes.end(), [&](auto node) { return kept.contains(node); }));
   };
-  stage.placed = count(motion.placed);
-  stage.shaped = count(motion.shaped);
+  target.placed = count(motion.placed);
+  target.shaped = count(motion.shaped);
   return {};
 }
 
-Status check(const StageRequest& request, bool exists) {
+Status check(const TargetRequest& request, bool exists) {
   if (exists && request.must_be_new) {
     return Error{Code::kAlreadyExists, fmt::format("scene {} exists", request.scene),
                  "SCENE_EXISTS"};
@@ -183,7 +183,7 @@ Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
     const bool is_root = node.parent == importer::kNone;
     const std::uint64_t parent = is_root ? under : ids[node.parent];
     if (is_root || parent != 0)
-      found[i] = candidates.take(parent, node.name, node.mesh != importer::kNone);
+      found[i] = candidates.claim(parent, node.name, node.mesh != importer::kNone);
     if (found[i] != nullptr) ids[i] = found[i]->id;
     if (found[i] != nullptr || !must_be[i]) continue;
     return mismatch(
@@ -202,15 +202,15 @@ importer::ImportOptions frame_of(const SceneInfo& scene) {
   return options;
 }
 
-Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
+Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request, const Motion& motion,
                         bool exists, const std::stop_token& stop) {
   if (const Status good = check(request, exists); !good) return good.error();
   auto ids = exists && !request.add ? find_nodes(client, request, motion)
-                                    : place_nodes(client, request, motion, exists, stop);
+                                    : add_nodes(client, request, motion, exists, stop);
   if (!ids) return ids.error();
-  Stage stage{.ids = *std::move(ids), .is_new = !exists};
-  if (const Status kept = keep_only(request, motion, stage); !kept) return kept.error();
-  return stage;
+  PlaybackTarget target{.ids = *std::move(ids), .is_new = !exists};
+  if (const Status kept = keep_only(request, motion, target); !kept) return kept.error();
+  return target;
 }
 
 }  // namespace sightline::client::cli::playback

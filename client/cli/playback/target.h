@@ -30,7 +30,7 @@ Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
 
 struct Motion;
 
-struct StageRequest {
+struct TargetRequest {
   std::string scene;
   bool add = false;               ///< Put the motion's nodes into an existing scene.
   bool must_be_new = false;       ///< An existing scene is kAlreadyExists.
@@ -38,7 +38,7 @@ struct StageRequest {
   std::vector<std::string> only;  ///< Nodes that move, by id or name; empty: all that do.
 };
 
-struct Stage {
+struct PlaybackTarget {
   /// For each node of the motion's scene that of the scene; 0: it is not to move.
   std::vector<std::uint64_t> ids;
   bool is_new = false;            ///< The scene was imported.
@@ -52,7 +52,7 @@ importer::ImportOptions frame_of(const SceneInfo& scene);
 
 /// Imports the motion's scene if there is none, or adds it, or finds its nodes. Errors: those of
 /// upload_scene and match_nodes; kInvalidArgument: none of `only` moves.
-Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
+Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request, const Motion& motion,
                         bool exists, const std::stop_token& stop);
 
 }  // namespace sightline::client::cli::playback

@@ -157,14 +157,14 @@ Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
 void print_summary(std::FILE* to, const Outcome& outcome, const std::optional<SceneStats>& stats) {
   const CastReport& cast = outcome.cast;
   fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
-             grouped(cast.rays), grouped(cast.hits), grouped(cast.invalid), cast.revision,
+             format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid), cast.revision,
              outcome.seconds, rays_per_second(outcome));
-  fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", grouped(cast.cells_expanded),
+  fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", format_count(cast.cells_expanded),
              static_cast<double>(cast.build_us) / 1000);
   if (stats)
-    fmt::print(to, "; {} triangles built", part_of(stats->triangles_built, stats->triangles_total));
+    fmt::print(to, "; {} triangles built", format_share(stats->triangles_built, stats->triangles_total));
   fmt::print(to, "\n");
-  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", grouped(cast.hits_found));
+  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", format_count(cast.hits_found));
 }
 
 void warn_of_cuts(const CastReport& cast) {
@@ -173,11 +173,11 @@ void warn_of_cuts(const CastReport& cast) {
              cast.rays_cut_off);
 }
 
-void warn_of_coarse_origins(const Client& client, const std::string& name, float reach) {
+void warn_of_origin_precision(const Client& client, const std::string& name, float reach) {
   if (reach == 0) return;
   const auto scene = client.get_scene(name);
   if (!scene || !scene->bounds) return;  // the hits are written, and there is nothing to compare
-  const std::string warning = coarse_origins(reach, *scene->bounds);
+  const std::string warning = origin_precision_warning(reach, *scene->bounds);
   if (!warning.empty()) fmt::print(stderr, "sightline: {}\n", warning);
 }
 
@@ -194,7 +194,7 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
   if (!outcome && interrupt.happened()) return say_interrupted();
   if (!outcome) return fail(outcome.error());
   warn_of_cuts(outcome->cast);
-  warn_of_coarse_origins(*client, arguments.scene, outcome->float_reach);
+  warn_of_origin_precision(*client, arguments.scene, outcome->float_reach);
   const auto stats = client->scene_stats(arguments.scene);
   if (!session.json) {
     print_summary(to_stdout ? stderr : stdout, *outcome,

@@ -10,7 +10,7 @@ namespace sightline::client::cli::verbs {
 
 /// Origins are coarse if neighbouring float32 values lie farther apart, where the farthest ray
 /// begins, than this share of the scene's diagonal.
-inline constexpr double kCoarse = 1e-6;
+inline constexpr double kMaxSpacing = 1e-6;
 
 /// The same rays; `reach`, which must outlive the cast, grows to the largest finite |coordinate| of
 /// their origins.
@@ -18,6 +18,6 @@ RaySource<float> watch_reach(RaySource<float> source, float& reach);
 
 /// What to tell of rays that begin as far out as `reach` in a scene of these bounds (min x y z, max
 /// x y z); empty if they are fine.
-std::string coarse_origins(float reach, const std::array<double, 6>& bounds);
+std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds);
 
 }  // namespace sightline::client::cli::verbs

@@ -106,13 +106,13 @@ void print_table(std::FILE* to, const std::string& scene, const Outcome& outcome
   fmt::print(to, "{} at revision {}: {} in {:.2f} s\n", scene, report.revision,
              outcome.complete ? "built" : "interrupted, and what is built stays,", outcome.seconds);
   if (report.meshes_total > 0)
-    fmt::print(to, "  meshes     {}\n", part_of(report.meshes_done, report.meshes_total));
-  if (report.rays_done > 0) fmt::print(to, "  rays       {}\n", grouped(report.rays_done));
-  fmt::print(to, "  cells      {} expanded\n", grouped(report.cells_expanded));
+    fmt::print(to, "  meshes     {}\n", format_share(report.meshes_done, report.meshes_total));
+  if (report.rays_done > 0) fmt::print(to, "  rays       {}\n", format_count(report.rays_done));
+  fmt::print(to, "  cells      {} expanded\n", format_count(report.cells_expanded));
   if (!outcome.stats) return;
   fmt::print(to, "  triangles  {} of the scene built\n",
-             part_of(outcome.stats->triangles_built, outcome.stats->triangles_total));
-  fmt::print(to, "  trees      {}\n", bytes_text(outcome.stats->bytes_trees));
+             format_share(outcome.stats->triangles_built, outcome.stats->triangles_total));
+  fmt::print(to, "  trees      {}\n", format_bytes(outcome.stats->bytes_trees));
 }
 
 ExitCode run(const Session& session, const PrefetchArguments& arguments) {
@@ -152,7 +152,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 }
 
 std::string of(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? grouped(part) : grouped(part) + " of " + grouped(whole);
+  return whole == 0 ? format_count(part) : format_count(part) + " of " + format_count(whole);
 }
 
 }  // namespace
@@ -182,12 +182,12 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
 
 void BuildingBar::show(const PrefetchReport& report) {
   // What matters most comes first: a terminal may be too narrow for all of it.
-  const std::string cells = grouped(report.cells_expanded) + " cells";
+  const std::string cells = format_count(report.cells_expanded) + " cells";
   if (report.triangles_total > 0) {
     bar_.update(share(report.triangles_done, report.triangles_total),
                 fmt::format("{} triangles, {} of trees, {} meshes, {}",
                             of(report.triangles_done, report.triangles_total),
-                            bytes_text(report.bytes_trees),
+                            format_bytes(report.bytes_trees),
                             of(report.meshes_done, report.meshes_total), cells));
   } else {
     bar_.update(share(report.rays_done, rays_),

@@ -71,7 +71,7 @@ ExitCode run(const Session& session, RenderArguments& arguments) {
   arguments.picture.up_axis = scene->up_axis;
   auto picture = [&] {
     ProgressBar bar("casting");
-    return take_picture(*client, arguments.scene, arguments.picture,
+    return render_picture(*client, arguments.scene, arguments.picture,
                         [&](double part) { bar.update(part); });
   }();
   if (!picture) return fail(picture.error());

@@ -177,14 +177,14 @@ Json json_of(const std::string& scene, const SceneStats& stats) {
 
 void print_table(const std::string& scene, const SceneStats& stats) {
   fmt::print("{} at revision {}\n", scene, stats.revision);
-  fmt::print("  triangles  {} built\n", part_of(stats.triangles_built, stats.triangles_total));
-  fmt::print("  instances  {} entered\n", part_of(stats.instances_entered, stats.instances_total));
-  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n", grouped(stats.trees_built),
-             grouped(stats.cells_expanded), grouped(stats.cells_deferred));
-  fmt::print("  memory     {} of geometry, {} of trees\n", bytes_text(stats.bytes_geometry),
-             bytes_text(stats.bytes_trees));
-  fmt::print("  mobility   {} static, {} dynamic\n", grouped(stats.static_instances),
-             grouped(stats.dynamic_instances));
+  fmt::print("  triangles  {} built\n", format_share(stats.triangles_built, stats.triangles_total));
+  fmt::print("  instances  {} entered\n", format_share(stats.instances_entered, stats.instances_total));
+  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n", format_count(stats.trees_built),
+             format_count(stats.cells_expanded), format_count(stats.cells_deferred));
+  fmt::print("  memory     {} of geometry, {} of trees\n", format_bytes(stats.bytes_geometry),
+             format_bytes(stats.bytes_trees));
+  fmt::print("  mobility   {} static, {} dynamic\n", format_count(stats.static_instances),
+             format_count(stats.dynamic_instances));
 }
 
 ExitCode show_stats(const Session& session, const std::string& scene) {

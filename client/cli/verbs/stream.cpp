@@ -30,7 +30,7 @@ bool is_producer_name(const std::string& text) {
 }
 
 struct StreamArguments {
-  playback::StageRequest stage;
+  playback::TargetRequest target;
   playback::MotionRequest motion;
   playback::PlaybackRequest playback;
   std::optional<double> seconds;
@@ -75,14 +75,14 @@ Result<playback::Motion> read_motion(const StreamArguments& arguments) {
 
 Result<playback::PlaybackReport> play_motion(const Client& client, const StreamArguments& arguments,
                                              const playback::Motion& motion,
-                                             const playback::Stage& stage,
+                                             const playback::PlaybackTarget& target,
                                              const std::stop_token& stop) {
   playback::PlaybackRequest request = arguments.playback;
-  request.scene = arguments.stage.scene;
+  request.scene = arguments.target.scene;
   request.frames = frames_in(arguments, motion);
   request.stop = stop;
-  if (request.producer.empty()) request.producer = fmt::format("stream-{}", stage.first_moved);
-  playback::FrameUpdates frames(stage.ids);
+  if (request.producer.empty()) request.producer = fmt::format("stream-{}", target.first_moved);
+  playback::FrameUpdates frames(target.ids);
   ProgressBar bar("playing");
   return playback::play(
       client, request,
@@ -98,12 +98,12 @@ Result<playback::PlaybackReport> play_motion(const Client& client, const StreamA
 }
 
 Json json_of(const StreamArguments& arguments, const playback::Motion& motion,
-             const playback::Stage& stage, const playback::PlaybackReport& report, bool complete) {
-  return {{"scene", arguments.stage.scene},
+             const playback::PlaybackTarget& target, const playback::PlaybackReport& report, bool complete) {
+  return {{"scene", arguments.target.scene},
           {"animation", motion.name},
-          {"imported", stage.is_new},
-          {"nodes_moved", stage.placed},
-          {"meshes_deformed", stage.shaped},
+          {"imported", target.is_new},
+          {"nodes_moved", target.placed},
+          {"meshes_deformed", target.shaped},
           {"frames_sent", report.frames_sent},
           {"frames_unchanged", report.frames_unchanged},
           {"frames_late", report.frames_late},
@@ -124,8 +124,8 @@ Json json_of(const StreamArguments& arguments, const playback::Motion& motion,
 
 void print_table(std::FILE* to, const StreamArguments& arguments,
                  const playback::PlaybackReport& report) {
-  fmt::print(to, "{} at revision {}: {} frames in {:.2f} s", arguments.stage.scene,
-             report.stream.revision, grouped(report.frames_sent), report.seconds);
+  fmt::print(to, "{} at revision {}: {} frames in {:.2f} s", arguments.target.scene,
+             report.stream.revision, format_count(report.frames_sent), report.seconds);
   if (report.fps_achieved > 0)
     fmt::print(to, ", {:.1f} a second of {:g}", report.fps_achieved, arguments.playback.fps);
   fmt::print(to, "\n  answers    after {:.2f} ms (median), {:.2f} ms (99 of 100)\n",
@@ -135,14 +135,14 @@ void print_table(std::FILE* to, const StreamArguments& arguments,
              report.frames_unchanged);
   if (report.stream.rejected > 0) fmt::print(to, "  rejected   {}\n", report.stream.rejected);
   if (report.stream.reconnects > 0) fmt::print(to, "  reconnects {}\n", report.stream.reconnects);
-  fmt::print(to, "  sent       {}\n", bytes_text(report.stream.bytes_sent));
+  fmt::print(to, "  sent       {}\n", format_bytes(report.stream.bytes_sent));
   fmt::print(to, "  token      {}\n", report.stream.token);
 }
 
 ExitCode report(const Session& session, const StreamArguments& arguments,
-                const playback::Motion& motion, const playback::Stage& stage,
+                const playback::Motion& motion, const playback::PlaybackTarget& target,
                 const playback::PlaybackReport& report, bool complete) {
-  if (session.json) print_json(json_of(arguments, motion, stage, report, complete));
+  if (session.json) print_json(json_of(arguments, motion, target, report, complete));
   if (!complete) {
     print_table(stderr, arguments, report);
     return kInterrupted;
@@ -154,19 +154,19 @@ ExitCode report(const Session& session, const StreamArguments& arguments,
 ExitCode run(const Session& session, StreamArguments& arguments) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto scene = client->get_scene(arguments.stage.scene);
+  const auto scene = client->get_scene(arguments.target.scene);
   if (!scene && scene.error().code != Code::kNotFound) return fail(scene.error());
   if (scene) arguments.motion.frame = playback::frame_of(*scene);
   const auto motion = read_motion(arguments);
   if (!motion) return fail(motion.error());
   const Interrupt interrupt;
-  const auto stage =
-      playback::set_stage(*client, arguments.stage, *motion, scene.ok(), interrupt.token());
-  if (!stage && interrupt.happened()) return say_interrupted();
-  if (!stage) return fail(stage.error());
-  const auto played = play_motion(*client, arguments, *motion, *stage, interrupt.token());
+  const auto target =
+      playback::prepare_target(*client, arguments.target, *motion, scene.ok(), interrupt.token());
+  if (!target && interrupt.happened()) return say_interrupted();
+  if (!target) return fail(target.error());
+  const auto played = play_motion(*client, arguments, *motion, *target, interrupt.token());
   if (!played) return fail(played.error());
-  return report(session, arguments, *motion, *stage, *played, !interrupt.happened());
+  return report(session, arguments, *motion, *target, *played, !interrupt.happened());
 }
 
 constexpr const char* kFooter =
@@ -210,7 +210,7 @@ void add_choice_of_frames(CLI::App& verb, StreamArguments& arguments) {
 void add_stream_verb(CLI::App& program, Session& session) {
   CLI::App& verb = *program.add_subcommand("stream", "Play an animation into a scene");
   const auto arguments = std::make_shared<StreamArguments>();
-  add_scene_argument(verb, arguments->stage.scene);
+  add_scene_argument(verb, arguments->target.scene);
   verb.add_option("--animate", arguments->motion.path, "What to play")
       ->required()
       ->type_name("FILE|DIR");
@@ -224,14 +224,14 @@ void add_stream_verb(CLI::App& program, Session& session) {
   verb.add_flag("--latest-wins,--at-most-latest", arguments->playback.latest_wins,
                 "Frames that wait at the server may be passed over for newer ones");
   CLI::Option* const add = verb.add_flag(
-      "--add", arguments->stage.add, "Put FILE's nodes into the scene first, beside what it holds");
-  verb.add_option("--under", arguments->stage.under, "FILE's nodes are below this node")
+      "--add", arguments->target.add, "Put FILE's nodes into the scene first, beside what it holds");
+  verb.add_option("--under", arguments->target.under, "FILE's nodes are below this node")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("NODE");
-  verb.add_flag("--create,--import", arguments->stage.must_be_new,
+  verb.add_flag("--create,--import", arguments->target.must_be_new,
                 "The scene must not be there yet")
       ->excludes(add);
-  verb.add_option("--node", arguments->stage.only,
+  verb.add_option("--node", arguments->target.only,
                   "Only these nodes move, by id, or by name in FILE (default: all that do)")
       ->type_name("ID|NAME ...");
   verb.add_option(
