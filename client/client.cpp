@@ -1,4 +1,4 @@
-// The calls that are one message each way; the others have files of their own.
+// Calls with one message each way. Longer calls have files of their own in calls/.
 #include "client/client.h"
 
 #include <fmt/format.h>
@@ -18,8 +18,9 @@
 namespace sightline::client {
 namespace {
 
-constexpr std::size_t kNodesPerRequest = 500;     // names are up to 1 KiB: replies stay below 1 MiB
-constexpr std::size_t kDigestsPerRequest = 4096;  // of about 80 bytes each
+// Names have up to 1 KiB, so replies stay below 1 MiB
+constexpr std::size_t kNodesPerRequest = 500;
+constexpr std::size_t kDigestsPerRequest = 4096;  // about 80 bytes each
 constexpr int kScenesPerPage = 500;
 
 // Makes one small call: `method` of `stub`.
@@ -36,7 +37,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
   return response;
 }
 
-// HOST:PORT with something before and digits after the last colon, or unix:PATH.
+// Whether the text is HOST:PORT, with a host and up to 5 digits, or unix:PATH.
 bool is_endpoint(const std::string& text) {
   if (text.starts_with("unix:")) return text.size() > 5;
   const std::size_t colon = text.rfind(':');

@@ -1,4 +1,4 @@
-// A mesh as the bytes that are uploaded, and the name those bytes have.
+// A mesh as the bytes that are uploaded, and the digest of those bytes.
 #pragma once
 
 #include <array>
@@ -12,18 +12,20 @@
 
 namespace sightline::client {
 
-/// Looks at the arrays, which must outlive it; makes no copy of them.
+/// Refers to the arrays without copying them. They must outlive it.
 class MeshBlob {
  public:
-  /// `copy_number` tells meshes of equal content apart where a scene is to have several: 0, 1, 2, ...
-  MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces, std::uint32_t copy_number = 0);
+  /// `copy_number` (0, 1, 2, ...) distinguishes meshes of equal content, if a scene shall have
+  /// several.
+  MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces,
+           std::uint32_t copy_number = 0);
 
   std::uint64_t size() const { return header_.size() + positions_.size() + indices_.size(); }
 
-  /// Copies out.size() bytes from `offset` on; they must be there.
+  /// Copies out.size() bytes, beginning at `offset`. Asserts that they exist.
   void copy(std::uint64_t offset, std::span<std::byte> out) const;
 
-  /// "sha256:<64 hex digits>/<size>". Reads every byte.
+  /// "sha256:<64 hex digits>/<size>". Reads all bytes.
   std::string digest() const;
 
  private:

@@ -1,4 +1,4 @@
-// Meshes first, then nodes.
+// Uploads meshes first, then nodes.
 #include "client/scene_upload.h"
 
 #include <fmt/format.h>
@@ -15,8 +15,8 @@
 namespace sightline::client {
 namespace {
 
-// The meshes that nodes carry, by their place in the scene; the others stay empty. Meshes of equal
-// content are told apart: the scene has as many meshes as the file.
+// The blobs of the meshes that nodes carry, by mesh; the others stay empty. Meshes of equal content
+// get different copy numbers, so that the scene has as many meshes as the file.
 struct Blobs {
   std::vector<std::optional<MeshBlob>> blob;
   std::vector<std::string> digest;

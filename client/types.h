@@ -1,4 +1,4 @@
-// Small value types: vertices and faces, transforms, and how a scene is read and oriented.
+// Small value types: vertices, faces, transforms, mobility, up axis, consistency.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The public face of the carrier.
+// Forwards the calls of a stream to its worker.
 #include "client/update_stream.h"
 
 #include <utility>

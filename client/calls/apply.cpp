@@ -64,7 +64,7 @@ Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRe
                  response.replayed()};
 }
 
-// Safe to repeat, as every request has an id.
+// Safe to repeat: every request has an id, and the server applies an id once.
 Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   Backoff backoff(kAttempts);
   while (true) {
@@ -131,7 +131,7 @@ class Batches {
   int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
   wire::NodeAliases aliases_;
-  std::vector<NodeRef> puts_;  // of the message being filled
+  std::vector<NodeRef> puts_;  // of the message that is being filled
   std::size_t bytes_ = 0;
   Applied total_;
 };

@@ -18,9 +18,10 @@ namespace v1 = ::sightline::v1;
 inline constexpr std::size_t kMaxUpdatesPerBatch = 65536;
 inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;
 
-/// All but the last message have `more`; each stays below a message's limit. Their sequence is not
-/// set. Errors: kInvalidArgument as of check(); kResourceExhausted beyond the limits above, or for
-/// a single update, one with many nodes say, that fits no message.
+/// Packs updates into the messages of one batch. All but the last message have `more` set, and each
+/// stays below the limit of a message. Their sequence number is not set. Errors: kInvalidArgument
+/// as of check(); kResourceExhausted if the batch is beyond the limits above, or if a single update
+/// (one with many nodes, for example) fits no message.
 Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update> updates);
 
 void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages);

@@ -18,13 +18,13 @@ namespace {
 
 using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
 
-// What the two threads share.
+// State shared by the thread that writes and the thread that reads.
 struct Window {
   std::counting_semaphore<> free{kMessagesInFlight};
   std::array<std::atomic<std::size_t>, kMessagesInFlight>
       rays{};  // of message k, at k % kMessagesInFlight
   std::atomic<bool> closed = false;
-  std::optional<Error> source_error;  // read once the writing thread has ended
+  std::optional<Error> source_error;  // read after the writing thread has ended
 };
 
 template <class Scalar>
@@ -34,9 +34,10 @@ struct Writer {
   Window& window;
   const RaySource<Scalar>& source;
   RayShape shape;
-  v1::StreamCastRaysRequest request;  // the first carries what is asked; the object is used again
+  // The first request describes the cast; the object is used for all requests
+  v1::StreamCastRaysRequest request;
 
-  // The next message's rays; 0 at the end and on an error, which is kept.
+  // Fills the next message with rays. Returns 0 at the end, and after an error, which it stores.
   std::size_t fill() {
     v1::Rays& rays = *request.mutable_request()->mutable_rays();
     const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
@@ -54,8 +55,7 @@ struct Writer {
       window.free.acquire();
       if (window.closed) return;
       const std::size_t count = fill();
-      // Without any ray the first message still goes out: an unknown scene is an error all the
-      // same.
+      // The first message is sent even without rays, so that an unknown scene is still an error.
       if ((count == 0 && chunk > 0) || window.source_error) break;
       window.rays[chunk % kMessagesInFlight] = count;
       request.set_chunk(chunk);
@@ -78,7 +78,7 @@ struct Writer {
   }
 };
 
-// Takes the answers as they come; those to a message may come in several parts.
+// Takes the answers in order. The answers to one message may come in several parts.
 struct Reader {
   Window& window;
   HitFields fields;
@@ -86,8 +86,8 @@ struct Reader {
   const HitSink& sink;
   CastReport& report;
   std::uint64_t chunk = 0;
-  std::uint64_t first = 0;   // ray of the chunk
-  std::size_t answered = 0;  // rays of it
+  std::uint64_t first = 0;   // the first ray of the chunk
+  std::size_t answered = 0;  // rays of the chunk that are answered
 
   Status receive(const v1::StreamCastRaysResponse& response) {
     if (response.chunk() != chunk) {
@@ -117,7 +117,7 @@ struct Reader {
   }
 };
 
-// Reads every answer; the first thing that is wrong with one cancels the call and is returned.
+// Reads every answer. The first wrong answer cancels the call, and its error is returned.
 Status read_all(Stream& stream, grpc::ClientContext& context, Reader reader) {
   Status failed;
   v1::StreamCastRaysResponse response;

@@ -14,8 +14,8 @@
 namespace sightline::client::calls {
 namespace {
 
-// Only calls that may safely be made twice. A stream of rays is not among them: once answers have
-// come, a second try could be answered at another revision.
+// Only calls that are safe to repeat. A stream of rays is not: after some answers have come, a
+// second attempt could be answered at another revision.
 constexpr const char* kServiceConfig = R"({
   "methodConfig": [{
     "name": [
@@ -91,7 +91,7 @@ std::string reason_of(const grpc::Status& status) {
 std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint) {
   grpc::ChannelArguments arguments;
   arguments.SetServiceConfigJSON(kServiceConfig);
-  // A server that comes back is to be found within the pauses of our own attempts.
+  // When a server returns, gRPC must find it within the pauses of our own attempts.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);

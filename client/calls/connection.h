@@ -19,21 +19,21 @@
 
 namespace sightline::client::calls {
 
-/// Calls that only read are tried again, by gRPC, when the server is unavailable; see
-/// kServiceConfig.
+/// Opens a channel. gRPC retries calls that only read when the server is unavailable
+/// (kServiceConfig).
 std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint);
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
 
-/// `status` is not OK. The reason is that of the google.rpc.ErrorInfo in its details, if there is
-/// one.
+/// Converts a status that is not OK. The reason is that of the google.rpc.ErrorInfo in its details,
+/// or empty if there is none.
 Error rpc_error(const grpc::Status& status);
 
-/// Of the parts of an error within a message; `code` is of google.rpc.Code.
+/// Converts an error that stands within a message. `code` is a google.rpc.Code.
 Error rpc_error(int code, const std::string& message, const std::string& reason);
 
-/// The connection broke, or the server went; what was asked may be asked again if that is safe.
-/// gRPC has no better name than unknown for a call whose connection was closed under it.
+/// Whether the connection broke or the server went away, so that a call that is safe to repeat may
+/// be repeated. gRPC reports `unknown` for a call whose connection was closed during it.
 inline bool is_broken_connection(Code code) {
   return code == Code::kUnavailable || code == Code::kUnknown;
 }
@@ -42,14 +42,14 @@ class Backoff {
  public:
   explicit Backoff(int attempts) : attempts_(attempts) {}
 
-  /// After an attempt that came to something.
+  /// Call this after an attempt that made progress.
   void reset() {
     failed_ = 0;
     pause_ = kFirstPause;
   }
-  /// Counts a failed attempt. False: it was the last one.
+  /// Counts a failed attempt. Returns false if it was the last one allowed.
   bool again() { return ++failed_ < attempts_; }
-  /// To wait before the next attempt.
+  /// How long to wait before the next attempt. Each call doubles the pause, up to a limit.
   std::chrono::milliseconds pause() {
     const auto now = pause_;
     pause_ = std::min(2 * pause_, kLongestPause);
@@ -65,7 +65,7 @@ class Backoff {
   std::chrono::milliseconds pause_ = kFirstPause;
 };
 
-/// 32 random hex digits, 122 bits of them random, as a UUID of version 4 has them.
+/// 32 random hex digits. 122 bits are random, as in a UUID of version 4.
 std::string random_request_id();
 
 namespace v1 = ::sightline::v1;
@@ -85,15 +85,15 @@ struct Connection {
   std::unique_ptr<v1::BlobService::Stub> blobs;
   std::unique_ptr<v1::RayQueryService::Stub> queries;
   std::unique_ptr<v1::ServerService::Stub> server;
-  std::optional<std::chrono::milliseconds> timeout;  ///< ClientOptions::timeout
+  std::optional<std::chrono::milliseconds> timeout;  ///< as ClientOptions::timeout
 
-  /// For calls that carry neither rays nor meshes.
+  /// The timeout of calls that carry neither rays nor meshes.
   std::chrono::milliseconds small_timeout() const {
     return timeout.value_or(std::chrono::minutes(1));
   }
 };
 
-/// Requests are kept below this, which servers of this protocol are made for.
+/// Requests stay below this size, which every server of this protocol accepts.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
 
 }  // namespace sightline::client::calls

@@ -1,4 +1,5 @@
-// One thread opens the call and reads answers, a second, while a call lives, writes batches.
+// One thread opens the call and reads answers. While a call is open, a second thread writes
+// batches.
 #include "client/calls/update_stream_worker.h"
 
 #include <fmt/format.h>
@@ -123,14 +124,15 @@ void UpdateStreamWorker::run() {
   }
 }
 
-// Sets failed_ where the answer is no, and the stream has not been closed.
+// Sets failed_ if there is no further attempt and the stream was not closed.
 bool UpdateStreamWorker::should_retry(const Status& ended) {
   if (is_done()) return false;
   if (abandoned_) {
     failed_ = closed();
     return false;
   }
-  // A call that the server ended well before all was answered is as good as broken.
+  // If the server ended the call without an error before all was answered, the call counts as
+  // broken.
   const Error error = ended
                           ? Error{Code::kUnavailable, "the server ended the stream of updates", {}}
                           : ended.error();
@@ -166,7 +168,7 @@ Status UpdateStreamWorker::run_call(grpc::ClientContext& context) {
   return status.ok() ? Status() : Status(rpc_error(status));
 }
 
-// The server says what it has committed; what follows is to be sent.
+// The server says which batches it has committed. All later ones are sent again.
 Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   if (!first.has_opened())
     return Error{Code::kInternal, "the server answered before it opened a stream of updates", {}};
@@ -190,7 +192,7 @@ Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   state_.window = std::max(opened.window(), 1U);
   coalesced_in_calls_ = state_.coalesced;
   next_to_write_ = committed + 1;
-  // Answers that were lost with the connection.
+  // Answers that were lost with the broken connection.
   StreamAck missed{committed, opened.revision().revision(), opened.revision().token(), {}};
   for (const v1::PutNodes& put : opened.put()) {
     if (put.sequence() > state_.last_answered) missed.put.push_back(decode(put));
@@ -217,7 +219,7 @@ void UpdateStreamWorker::write_batches(Call& call) {
   call.WritesDone();
 }
 
-// Waits for it; nothing if the call is over, or there will be none.
+// Waits for a batch to write. Returns null if the call has ended, or if no batch will follow.
 std::shared_ptr<const UpdateStreamWorker::Messages> UpdateStreamWorker::next_to_write() {
   std::unique_lock lock(mutex_);
   const auto all_written = [this] {
@@ -240,7 +242,7 @@ void UpdateStreamWorker::receive(const v1::UpdateAck& ack) {
   for (const v1::PutNodes& put : ack.put()) {
     accepted.put.push_back(decode(put));
   }
-  // Told first: who waits for the batch then knows what there was to tell.
+  // Called first, so that a thread that waits for the batch finds the callback done.
   if (options_.on_ack) options_.on_ack(accepted);
   const std::lock_guard lock(mutex_);
   state_.coalesced = coalesced_in_calls_ + ack.coalesced();
@@ -255,7 +257,7 @@ void UpdateStreamWorker::receive(const v1::UpdateReject& reject) {
   ++state_.rejected;
   rejects_.insert_or_assign(reject.sequence(), error);
   if (rejects_.size() > kRejectsKept) rejects_.erase(rejects_.begin());
-  mark_answered(reject.sequence());  // as are all before it
+  mark_answered(reject.sequence());  // and all batches before it
 }
 
 void UpdateStreamWorker::set_revision(const v1::SceneRevision& revision) {

@@ -1,5 +1,5 @@
-// What an UpdateStream is made of: the batches on their way, and the thread that carries them.
-// Internal to the library.
+// The batches of an UpdateStream that are not answered, and the thread that sends them. Internal to
+// the library.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -31,9 +31,10 @@ class UpdateStreamWorker {
                      const std::string& producer, UpdateStreamOptions options);
   ~UpdateStreamWorker();
 
-  /// Waits for the first opening. Errors: what it came to; kDeadlineExceeded.
+  /// Waits for the first opening. Errors: those of the call; kDeadlineExceeded.
   Status open(std::chrono::milliseconds timeout);
-  /// Takes the messages of one batch; nothing if the window is full and `waits` is not set.
+  /// Adds the messages of one batch and returns its sequence number. Returns nothing if the window
+  /// is full and `waits` is false.
   Result<std::optional<std::uint64_t>> enqueue(Messages messages, bool waits);
   Status wait(std::uint64_t sequence);
   Status flush();
@@ -45,7 +46,7 @@ class UpdateStreamWorker {
 
   struct Batch {
     std::uint64_t sequence = 0;
-    std::shared_ptr<const Messages> messages;  // the writing thread may still be at them
+    std::shared_ptr<const Messages> messages;  // shared: the writing thread may still use them
   };
 
   void run();
@@ -68,22 +69,22 @@ class UpdateStreamWorker {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  grpc::ClientContext* context_ = nullptr;  // of the call there is, to cancel it
-  bool opened_ = false;                     // once
-  bool connected_ = false;                     // now
-  bool closing_ = false;                    // no more is sent
+  grpc::ClientContext* context_ = nullptr;  // of the open call, used to cancel it
+  bool opened_ = false;                     // at least once
+  bool connected_ = false;                  // at present
+  bool closing_ = false;                    // no further batch is accepted
   bool abandoned_ = false;
   bool ended_ = false;
-  bool progressed_ = false;        // since the call was opened, something was answered
-  std::optional<Error> failed_;  // why it has ended
+  bool progressed_ = false;      // some batch was answered since the call was opened
+  std::optional<Error> failed_;  // why the stream ended
   std::deque<Batch> unanswered_;
-  std::uint64_t next_to_write_ = 1;       // sequence
-  std::uint64_t coalesced_in_calls_ = 0;  // of the calls before this one
+  std::uint64_t next_to_write_ = 1;       // a sequence number
+  std::uint64_t coalesced_in_calls_ = 0;  // sum over the calls before this one
   std::map<std::uint64_t, Error> rejects_;
   UpdateStreamState state_;
 
   Backoff backoff_;
-  std::thread thread_;  // the last member: it uses all others
+  std::thread thread_;  // must be the last member: it uses all others
 };
 
 }  // namespace sightline::client::calls

@@ -1,4 +1,4 @@
-// A mesh on its way to the server, a chunk at a time.
+// Sends a mesh to the server in chunks.
 #include "client/calls/upload.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
   return response;
 }
 
-// Sends everything from `offset` on, in one call.
+// Sends all bytes from `offset` on, in one call.
 Status send_from(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                  std::uint64_t offset, const UploadProgress& progress,
                  const std::stop_token& stop) {
@@ -57,12 +57,12 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
 }
 
 bool should_retry(const Error& error) {
-  // Out of range: somebody else has added to the same upload meanwhile.
+  // Out of range: another client has added to the same upload meanwhile.
   return error.code == Code::kUnavailable || error.code == Code::kOutOfRange;
 }
 
-// Takes up an earlier upload where it has stopped; a mesh of one chunk is sooner sent than asked
-// about.
+// Continues an earlier upload where it stopped. A mesh of one chunk is sent at once, because asking
+// first would cost as much.
 Status upload_once(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                    const UploadProgress& progress, const std::stop_token& stop) {
   if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress, stop);

@@ -1,4 +1,4 @@
-// One call that answers for as long as it is wanted, taken up again where it broke.
+// One long call that is opened again after the connection breaks.
 #include "client/calls/watch.h"
 
 #include <chrono>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kAttempts = 8;
 
-// False if a stop was requested meanwhile.
+// Returns false if a stop was requested meanwhile.
 bool sleep(std::chrono::milliseconds pause, const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
@@ -73,7 +73,7 @@ class Watch {
     change_.revision = response.revision().revision();
     change_.token = response.revision().token();
     change_.is_progress = response.progress();
-    request_.set_start_revision(change_.revision);  // to go on with, if the connection breaks
+    request_.set_start_revision(change_.revision);  // where to continue if the connection breaks
     stopped_by_sink_ = !sink_(change_);
     change_ = {};
     return {};
@@ -83,7 +83,7 @@ class Watch {
   const SceneChangeSink& sink_;
   const std::stop_token& stop_;
   v1::WatchSceneRequest request_;
-  SceneChange change_;  // of which parts have come
+  SceneChange change_;  // collects the parts of one change
   std::uint64_t messages_ = 0;
   bool stopped_by_sink_ = false;
 };

@@ -1,4 +1,4 @@
-// Parsers of single arguments.
+// Parses single arguments, and adds flags that verbs share.
 #include "client/cli/flags.h"
 
 #include <CLI/CLI.hpp>
@@ -32,7 +32,7 @@ std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double x = 0;
   const auto [end, error] = std::from_chars(text.begin(), text.end(), x);
-  // Beyond the range of a double: as strtod, infinity or zero would do, but nobody means it.
+  // A number beyond the range of a double is refused. strtod would return infinity or zero.
   if (error != std::errc() || end != text.end()) return {};
   return x;
 }
@@ -71,8 +71,7 @@ std::optional<std::string> parse_scene_name(std::string_view text) {
 }
 
 void require_verb(CLI::App& app) {
-  // Not App::require_subcommand: its complaint comes first and does not name the word that is no
-  // verb.
+  // App::require_subcommand alone reports its error first and does not name the unknown word.
   app.require_subcommand(0, 1);
   app.callback([&app] {
     if (app.get_subcommands().empty()) throw CLI::RequiredError("A verb");

@@ -1,4 +1,4 @@
-// The forms of arguments: numbers, vectors, sizes, names of scenes.
+// Parsers of arguments (numbers, vectors, sizes, names of scenes), and flags that verbs share.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ class Validator;
 
 namespace sightline::client::cli {
 
-/// The whole text as a decimal number, inf and nan included; a leading + is taken.
+/// Parses the whole text as a decimal number. inf, nan and a leading + are allowed.
 std::optional<double> parse_number(std::string_view text);
 
-/// "x,y,z", all finite.
+/// Parses "x,y,z", all finite.
 std::optional<std::array<double, 3>> parse_vector(std::string_view text);
 
 struct PictureSize {
@@ -27,23 +27,24 @@ struct PictureSize {
   std::uint32_t height = 0;
 };
 inline constexpr std::uint32_t kMaxPictureSide = 8192;
-/// "WxH", both from 1 to kMaxPictureSide.
+/// Parses "WxH", both from 1 to kMaxPictureSide.
 std::optional<PictureSize> parse_size(std::string_view text);
 
-/// SCENE, which is projects/default/scenes/SCENE, or a name in full, in full. Nothing if it is
-/// neither.
+/// Returns the full name of a scene. A short name SCENE means projects/default/scenes/SCENE; a full
+/// name is returned as it is. Returns nothing for any other text.
 std::optional<std::string> parse_scene_name(std::string_view text);
 
-/// Makes it a usage error to name none of the verbs under `app`, or one that is none.
+/// Makes it a usage error if `app` is called without a verb, or with an unknown one.
 void require_verb(CLI::App& app);
 
-/// Adds the positional SCENE; `name` gets the full resource name.
+/// Adds the positional argument SCENE. `name` receives the full resource name.
 void add_scene_argument(CLI::App& verb, std::string& name);
 
-/// For an option that takes a number above 0.
+/// A check for options that take a number above 0.
 CLI::Validator positive_number();
 
-/// `consistency` gets what they say, and must live until the program has been parsed.
+/// Adds --at-least and --revision. `consistency` receives their values, and must live until the
+/// program has been parsed.
 void add_consistency_flags(CLI::App& verb, Consistency& consistency);
 
 }  // namespace sightline::client::cli

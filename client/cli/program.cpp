@@ -1,4 +1,4 @@
-// The flags of the whole command, and what happens with their errors.
+// Adds the flags of the whole command and handles their errors.
 #include "client/cli/program.h"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// Flags to a connection, values to text.
+// Makes connections from flags, and JSON from values.
 #include "client/cli/session.h"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// What all verbs share: the global flags, the connection, the two ways of printing.
+// What all verbs share: the global flags, the connection, and JSON output.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,19 @@
 
 namespace sightline::client::cli {
 
-/// One run of the command. Verbs read the flags when they run, by then all arguments are parsed.
+/// One run of the command. Verbs read the flags when they run; all arguments are parsed by then.
 struct Session {
   std::string endpoint = "127.0.0.1:50151";
   bool json = false;
-  std::optional<double> deadline;  ///< Seconds a call may take.
-  ExitCode exit = kOk;             ///< What the verb came to.
+  std::optional<double> deadline;  ///< seconds that a call may take
+  ExitCode exit = kOk;             ///< the result of the verb
 
   Result<Client> connect() const;
 };
 
 using Json = nlohmann::ordered_json;
 
-/// One document on stdout.
+/// Prints one document on stdout.
 void print_json(const Json& document);
 
 /// "y", "z" or null.

@@ -32,14 +32,14 @@ constexpr std::size_t kBarWidthBesideDetail = 16;
 constexpr std::chrono::milliseconds kBetweenDrawings{50};
 constexpr std::chrono::milliseconds kBetweenLines{1000};
 
-// A line that wraps could not be wiped.
+// A line that wraps could not be erased.
 std::size_t terminal_width() {
   winsize size{};
   const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : 80;
 }
 
-// What is not all of it never reads as all of it, and what is not nothing never as nothing.
+// A part below the whole is never printed as 100 %, and a part above 0 never as 0 %.
 std::string percent(std::uint64_t part, std::uint64_t whole) {
   const double share = 100 * static_cast<double>(part) / static_cast<double>(whole);
   if (part < whole && share > 99.9) return "99.9 %";

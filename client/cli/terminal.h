@@ -1,4 +1,4 @@
-// What a user of the command meets: exit codes, Ctrl-C, a progress bar, numbers as text.
+// The command's side of the terminal: exit codes, Ctrl-C, a progress bar, and numbers as text.
 #pragma once
 
 #include <signal.h>
@@ -15,29 +15,29 @@ namespace sightline::client::cli {
 
 enum ExitCode : int {
   kOk = 0,
-  kFailed = 1,  ///< Also a local file that cannot be read or written.
+  kFailed = 1,  ///< or a local file cannot be read or written
   kUsage = 2,
-  kNotFound = 3,  ///< A scene or node that the server does not know.
+  kNotFound = 3,  ///< the server does not know a scene or node
   kConflict = 4,
-  kUnavailable = 5,  ///< Or out of time.
+  kUnavailable = 5,  ///< or the deadline has passed
   kAuth = 6,
   kResourceLimit = 7,
-  kInterrupted = 130,  ///< By Ctrl-C.
+  kInterrupted = 130,  ///< by Ctrl-C
 };
 
 ExitCode exit_code(Code code);
 
-/// Says on stderr what went wrong, and returns the exit code for it.
+/// Prints the error on stderr, and returns its exit code.
 ExitCode fail(const Error& error);
 
-/// Says so, and returns kInterrupted.
+/// Prints that the command was interrupted, and returns kInterrupted.
 ExitCode say_interrupted();
 
-/// An error of this machine's files, as kInvalidArgument.
+/// An error about a file of this machine, as kInvalidArgument.
 Error local_error(std::string message);
 
-/// While it lives, the first SIGINT requests a stop instead of ending the process. A second one
-/// ends it as ever. One at a time.
+/// While an object exists, the first SIGINT requests a stop instead of ending the process. A second
+/// SIGINT ends the process. Only one object may exist at a time.
 class Interrupt {
  public:
   Interrupt();
@@ -58,16 +58,16 @@ class Interrupt {
 
 class ProgressBar {
  public:
-  /// What is shown where stderr is no terminal: nothing, or a line a second.
+  /// What is printed if stderr is not a terminal: nothing, or one line per second.
   enum class Elsewhere { kNothing, kLines };
 
   explicit ProgressBar(std::string label, Elsewhere elsewhere = Elsewhere::kNothing);
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
-  ~ProgressBar();  ///< Wipes the line.
+  ~ProgressBar();  ///< erases the line
 
-  /// `fraction` from 0 to 1; `detail` stands behind it, and is what a plain line tells. Cheap to
-  /// call often.
+  /// `fraction` runs from 0 to 1. `detail` is printed behind the bar, and is the text of a plain
+  /// line. Cheap, so it may be called often.
   void update(double fraction, std::string_view detail = {});
 
  private:
@@ -80,13 +80,13 @@ class ProgressBar {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// 1234567 as "1,234,567".
+/// Formats 1234567 as "1,234,567".
 std::string format_count(std::uint64_t number);
 
-/// "1,234 of 75,730 (1.6 %)"; without a share of nothing.
+/// Formats "1,234 of 75,730 (1.6 %)". The percentage is left out if `whole` is 0.
 std::string format_share(std::uint64_t part, std::uint64_t whole);
 
-/// "12.3 MB", in steps of 1,000; below 1,000 "321 B".
+/// Formats "12.3 MB", in steps of 1,000. Below 1,000: "321 B".
 std::string format_bytes(std::uint64_t bytes);
 
 }  // namespace sightline::client::cli

@@ -1,4 +1,4 @@
-// Reads only the beginnings of files.
+// Reads the first part of a file only.
 #include "client/importer/preflight.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-// Of well-formed JSON; of other texts some number.
+// The nesting depth of well-formed JSON. For other texts the result has no meaning.
 std::size_t depth_of_brackets(std::string_view text) {
   std::size_t depth = 0, deepest = 0;
   bool in_string = false;
@@ -40,7 +40,7 @@ std::size_t depth_of_brackets(std::string_view text) {
 }
 
 struct Below {
-  std::uint64_t nodes = 0;  // this one included; 0: not known yet
+  std::uint64_t nodes = 0;  // including this node; 0: not known yet
   std::size_t depth = 0;
   bool is_open = false;
 };
@@ -59,7 +59,7 @@ class Nodes {
 
   std::size_t size() const { return below_.size(); }
 
-  /// Of what is below a node, if it is not below itself.
+  /// What is below a node, if the node is not below itself.
   const Below& below(std::size_t root) {
     std::vector<Step> path;
     enter(root, path);
@@ -79,7 +79,7 @@ class Nodes {
  private:
   struct Step {
     std::size_t node;
-    std::size_t child = 0;  // the next of its children
+    std::size_t child = 0;  // the next child to visit
   };
 
   void enter(std::size_t node, std::vector<Step>& path) {
@@ -114,7 +114,7 @@ std::string read(std::ifstream& in, std::size_t bytes) {
   return text;
 }
 
-// The word begins a line, and is the whole of it or is followed by a blank.
+// Whether some word "end_header" starts a line and is followed by a blank or the end.
 bool has_end_of_header(std::string_view text) {
   constexpr std::string_view kEnd = "end_header", kBlanks = " \t\r\n";
   for (std::size_t i = text.find(kEnd); i != std::string_view::npos; i = text.find(kEnd, i + 1)) {
@@ -127,7 +127,7 @@ bool has_end_of_header(std::string_view text) {
   return false;
 }
 
-// What the lines "element NAME COUNT" of the header announce together.
+// The sum of the counts in the header's lines "element NAME COUNT".
 std::uint64_t announced(std::istringstream header) {
   std::uint64_t sum = 0;
   for (std::string line; std::getline(header, line) && !line.starts_with("end_header");) {

@@ -14,7 +14,8 @@ namespace {
 
 bool is_continuation(unsigned char c) { return (c & 0xC0U) == 0x80U; }
 
-// Bytes of the well-formed character at the front (Unicode table 3-7), 0 if there is none.
+// The length in bytes of the well-formed character at the front (Unicode table 3-7), 0 if there is
+// none.
 std::size_t character_length(std::string_view s) {
   const auto at = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
   const unsigned char first = at(0);
@@ -56,7 +57,7 @@ std::string utf8_from_latin1(std::string_view s) {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
-// A face of one or two corners is a point or a line; Assimp leaves a polygon whole where it cannot
+// A face with one or two corners is a point or a line. Assimp leaves a polygon whole if it cannot
 // cut it.
 void add_face(const aiFace& face, ImportedMesh& mesh) {
   if (face.mNumIndices == 3) {
@@ -92,7 +93,7 @@ Result<ImportedMesh> convert(const aiMesh& source) {
   return mesh;
 }
 
-// Adds the node, and its meshes as children if it carries several.
+// Adds the node. If it carries several meshes, adds a child for each of them.
 Result<std::uint32_t> add_node(const aiNode& source, std::uint32_t parent, ConvertedScene& out) {
   std::vector<ImportedNode>& nodes = out.scene.nodes;
   ImportedNode node;
@@ -117,7 +118,7 @@ Result<std::uint32_t> add_node(const aiNode& source, std::uint32_t parent, Conve
   return index;
 }
 
-// Depth first, children in order, without recursion: files decide how deep this goes.
+// Depth first, children in order. No recursion, because files determine the depth.
 Status add_nodes(const aiNode& root, ConvertedScene& out) {
   std::vector<std::pair<const aiNode*, std::uint32_t>> open{{&root, kNone}};
   while (!open.empty()) {

@@ -10,7 +10,7 @@
 namespace sightline::client::wire {
 namespace {
 
-constexpr std::size_t kTransformsPerUpdate = 4096;  // 96 bytes each, and a reference
+constexpr std::size_t kTransformsPerUpdate = 4096;  // 96 bytes each, and a reference to the node
 constexpr std::size_t kVerticesPerUpdate = 65536;   // 12 bytes each
 
 static_assert(sizeof(Transform) == 96 && sizeof(Vertex) == 12, "columns are the arrays' bytes");
@@ -48,7 +48,7 @@ struct Encoder {
   }
 };
 
-// False if the bytes are no whole number of rows.
+// Returns false if the bytes are not a whole number of rows.
 template <class Row>
 bool copy_rows(const std::string& bytes, std::vector<Row>& rows) {
   if (bytes.size() % sizeof(Row) != 0) return false;
@@ -72,7 +72,7 @@ PutNode decode(const v1::PutNode& put) {
   return out;
 }
 
-// The rows of `list` from `first` on, at most n.
+// At most n rows of `list`, beginning with row `first`.
 template <class T>
 std::vector<T> part_of(const std::vector<T>& list, std::size_t first, std::size_t n) {
   const auto from = list.begin() + static_cast<std::ptrdiff_t>(first);

@@ -29,10 +29,10 @@ ServerInfo decode(const v1::GetServerInfoResponse& info);
 
 namespace v1 = ::sightline::v1;
 
-/// What all updates of one message may have: a message's limit without its envelope.
+/// The size limit for all updates of one message: the message's limit without the envelope.
 inline constexpr std::size_t kMaxUpdateBytes = (std::size_t{1} << 20) - 4096;
 
-/// Ids of the nodes that earlier messages have made, by alias.
+/// Ids of the nodes that earlier messages created, by alias.
 class NodeAliases {
  public:
   NodeRef resolve(NodeRef ref) const {
@@ -47,15 +47,17 @@ class NodeAliases {
 
 v1::Update encode(const Update& update, const NodeAliases& aliases = {});
 
-/// Errors: kInternal: a kind of update that this library does not know, or a column of odd length.
+/// Errors: kInternal: a kind of update that this library does not know, or a column of a wrong
+/// length.
 Result<Update> decode(const v1::Update& update);
 
 v1::Consistency encode(const Consistency& consistency);
 
-/// Errors: kInvalidArgument, naming the update: not as many transforms as nodes.
+/// Errors: kInvalidArgument, naming the update: the numbers of nodes and transforms differ.
 Status check(std::span<const Update> updates);
 
-/// An update too long for a message is cut into several that do the same; others come as they are.
+/// Splits an update that is too long for a message into several with the same effect. Other updates
+/// are passed on unchanged.
 Status each_piece(const Update& update, const std::function<Status(const Update&)>& use);
 
 }  // namespace sightline::client::wire

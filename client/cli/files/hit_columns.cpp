@@ -35,7 +35,7 @@ std::optional<HitColumn> column_named(std::string_view name) {
   return {};
 }
 
-// Calls `use` with the value, in the type of the column.
+// Calls `use` with the value in row i, in the type of the column.
 template <class Use>
 void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) {
   switch (column) {
@@ -154,7 +154,7 @@ HitFields fields_for(const std::vector<HitColumn>& columns) {
       case HitColumn::kCount:
         fields.count = true;
         break;
-      case HitColumn::kRay:  // by the place of its rows
+      case HitColumn::kRay:  // needs no field: the row tells it
         break;
     }
   }
@@ -213,7 +213,7 @@ void HitRows::add_bad_ray() {
 void HitRows::add_hits(const HitView& hits, std::size_t i) {
   const std::size_t begin = hits.offsets[i], end = hits.offsets[i + 1];
   if (hits.t.empty()) {
-    t_.resize(t_.size() + end - begin);  // counts the rows, asked for or not
+    t_.resize(t_.size() + end - begin);  // counts the rows even if t was not requested
   } else {
     add_rows(hits.t, begin, end, 1, t_);
   }

@@ -1,4 +1,4 @@
-// The little Python that .npy headers are written in.
+// Parses and writes the Python literals of .npy headers.
 #include "client/cli/files/npy.h"
 
 #include <fmt/format.h>
@@ -13,9 +13,9 @@
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // of the data, as NumPy has it
+constexpr std::size_t kAlignment = 64;  // of the data, as NumPy aligns it
 
-// Walks over a dict literal such as {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }.
+// Parses a dict literal such as {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }.
 class DictParser {
  public:
   explicit DictParser(std::string_view text) : rest_(text) {}
@@ -47,7 +47,7 @@ class DictParser {
     return {};
   }
 
-  // (), (3,), (3, 4)
+  // Parses (), (3,) or (3, 4).
   std::optional<std::vector<std::uint64_t>> tuple() {
     if (!accept('(')) return {};
     std::vector<std::uint64_t> numbers;
@@ -66,7 +66,7 @@ class DictParser {
     return numbers;
   }
 
-  // A string, or a list as it stands.
+  // Parses a string, or returns the text of a list.
   std::optional<std::string> dtype() {
     skip_space();
     if (!rest_.starts_with('[')) return string();

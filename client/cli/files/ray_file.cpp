@@ -1,4 +1,4 @@
-// Rows of a file to columns of a message.
+// Converts rows of a file to columns of a message.
 #include "client/cli/files/ray_file.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 namespace sightline::client::cli::files {
 namespace {
 
-// A matrix in a file's bytes. They may start anywhere, so values are copied out.
+// A matrix in the bytes of a file. The bytes may not be aligned, so values are copied out.
 template <class Scalar>
 class Matrix {
  public:

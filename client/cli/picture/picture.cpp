@@ -13,8 +13,8 @@
 namespace sightline::client::cli::picture {
 namespace {
 
-// The picture's samples are numbered: sample s of the k-th pixel in tile order is k *
-// kSamplesPerPixel + s.
+// The pixels of a picture and their sums of colours. Sample s of the k-th pixel in tile order has
+// the number k * kSamplesPerPixel + s.
 class Film {
  public:
   Film(PictureSize size, const Camera& camera)
@@ -22,7 +22,7 @@ class Film {
 
   std::size_t samples() const { return pixels_.size() * kSamplesPerPixel; }
 
-  // From 0 at the top of the picture to 1.
+  // 0 at the top of the picture, 1 at the bottom.
   double height_of(std::size_t sample) const {
     const auto [x, y] = pixels_[sample / kSamplesPerPixel];
     return (y + kSampleOffsets[sample % kSamplesPerPixel][1]) / size_.height;
@@ -80,8 +80,7 @@ HitFields fields_of(PictureMode mode) {
   return fields;
 }
 
-// Takes the answers, a sample each. Some colours are known at once, others when all samples are
-// there.
+// Takes one answer per sample. Some modes know the colour at once, others only after all samples.
 class Painter {
  public:
   Painter(Film& film, const PictureRequest& request) : film_(film), request_(request) {
@@ -138,8 +137,8 @@ class Painter {
 }  // namespace
 
 Result<Picture> render_picture(const Client& client, const std::string& scene,
-                             const PictureRequest& request,
-                             const std::function<void(double)>& progress) {
+                               const PictureRequest& request,
+                               const std::function<void(double)>& progress) {
   Film film(request.size, request.camera);
   Painter painter(film, request);
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {

@@ -24,7 +24,7 @@ struct Stop {
   double lightness, chroma, hue;
 };
 
-// Between stops that are evenly spaced.
+// Interpolates between stops that are evenly spaced.
 Rgb ramp(std::span<const Stop> stops, double s) {
   const double position = std::clamp(s, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
   const auto first = std::min(static_cast<std::size_t>(position), stops.size() - 2);
@@ -44,7 +44,7 @@ constexpr std::array<Stop, 6> kHeat{{{0.10, 0.02, 285},
 constexpr std::array<Stop, 5> kDepth{
     {{0.95, 0.05, 95}, {0.80, 0.10, 150}, {0.62, 0.10, 205}, {0.44, 0.11, 255}, {0.26, 0.10, 285}}};
 
-// A fraction of a turn that spreads consecutive ids: the golden ratio's.
+// A fraction of a turn. The golden ratio gives consecutive ids distant hues.
 double hue_turn(std::uint64_t id) {
   constexpr double kGolden = 1 / std::numbers::phi;
   const double turns = static_cast<double>(id % 1'000'003) * kGolden;
@@ -56,7 +56,7 @@ Rgb times(const Rgb& colour, double factor) {
   return {colour[0] * f, colour[1] * f, colour[2] * f};
 }
 
-// The value that `part` of the values lie below; 0 if there are none.
+// The value that is larger than `part` of the values; 0 if there are none.
 double quantile(std::vector<float>& values, double part) {
   if (values.empty()) return 0;
   const std::ptrdiff_t rank = std::lround(part * static_cast<double>(values.size() - 1));

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// When frames were sent and answered. Answers come on a thread of the stream.
+// Records when frames were sent and answered. Answers arrive on a thread of the stream.
 class Answers {
  public:
   void sent(std::uint64_t sequence, Clock::time_point at) {
@@ -23,7 +23,7 @@ class Answers {
     if (sequence > answered_) {
       waiting_.emplace_back(sequence, at);
     } else {
-      // The answer has overtaken us.
+      // The answer arrived before this call.
       milliseconds_.push_back(milliseconds_since(at, last_answer_));
     }
   }
@@ -75,7 +75,7 @@ class Answers {
   bool afresh_ = false;
 };
 
-// When frames are due.
+// Knows when frames are due.
 class Schedule {
  public:
   explicit Schedule(double fps) : start_(Clock::now()), fps_(fps) {}
@@ -85,7 +85,7 @@ class Schedule {
     return start_ + std::chrono::duration_cast<Clock::duration>(offset);
   }
 
-  // False if a stop is requested before.
+  // Returns false if a stop is requested before the frame is due.
   bool wait_for(std::uint64_t frame, const std::stop_token& stop) const {
     std::mutex mutex;
     std::condition_variable_any stopped;
@@ -135,7 +135,7 @@ class Player {
     return request_.frames > 0 && frame >= request_.frames;
   }
 
-  // After a frame that was dropped the next one says everything.
+  // After a dropped frame, the next one contains the full pose.
   Status show(std::uint64_t frame, PlaybackReport& report) {
     const bool afresh = answers_.reset_afresh() || dropped_;
     const std::vector<Update> updates = source_(frame, afresh);

@@ -16,8 +16,8 @@ namespace sightline::client::cli::playback {
 namespace {
 
 constexpr std::uint64_t kIdsAtOnce = 4096;
-// Ids are given in order and not again. Where so many in a row are free, nothing more is looked
-// for.
+// The server gives ids in increasing order and never again. After a gap of this length the search
+// ends.
 constexpr std::uint64_t kLongestGap = 1'000'000;
 
 Error mismatch(std::string message) {
@@ -32,7 +32,7 @@ std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
   return path;
 }
 
-// The nodes that must be there.
+// For each node, whether the motion needs it: it moves, or a descendant moves.
 std::vector<bool> needed(const Motion& motion) {
   std::vector<bool> out(motion.scene.nodes.size());
   for (const auto* list : {&motion.placed, &motion.shaped}) {
@@ -44,7 +44,7 @@ std::vector<bool> needed(const Motion& motion) {
   return out;
 }
 
-// By parent and name, those first that have not been taken.
+// Nodes that are not matched yet, by parent and name, in the order of their ids.
 class Candidates {
  public:
   explicit Candidates(const std::vector<NodeInfo>& nodes) {
@@ -87,8 +87,8 @@ Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const Target
 }
 
 Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetRequest& request,
-                                               const Motion& motion, bool exists,
-                                               const std::stop_token& stop) {
+                                             const Motion& motion, bool exists,
+                                             const std::stop_token& stop) {
   ProgressBar bar("uploading");
   const auto show = [&](std::uint64_t done, std::uint64_t total) {
     bar.update(static_cast<double>(done) / static_cast<double>(total));
@@ -102,7 +102,7 @@ Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetR
   return find_nodes(client, request, motion);
 }
 
-// Takes the ids away from what is not to move.
+// Sets the ids of nodes that must not move to 0.
 Status keep_only(const TargetRequest& request, const Motion& motion, PlaybackTarget& target) {
   std::set<std::uint32_t> moving(motion.placed.begin(), motion.placed.end());
   moving.insert(motion.shaped.begin(), motion.shaped.end());
@@ -202,8 +202,9 @@ importer::ImportOptions frame_of(const SceneInfo& scene) {
   return options;
 }
 
-Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request, const Motion& motion,
-                        bool exists, const std::stop_token& stop) {
+Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request,
+                                      const Motion& motion, bool exists,
+                                      const std::stop_token& stop) {
   if (const Status good = check(request, exists); !good) return good.error();
   auto ids = exists && !request.add ? find_nodes(client, request, motion)
                                     : add_nodes(client, request, motion, exists, stop);

@@ -1,4 +1,4 @@
-// sightline cast: rays from a file, hits to a file.
+// sightline cast: casts the rays of a file and writes their hits to a file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -46,8 +46,8 @@ const std::map<std::string, BuildMode> kBuilds{
 const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
                                                {"front", Culling::kFront}};
 
-// What the arguments ask for, each checked against the others. Throws what CLI11 takes for a usage
-// error.
+// The columns to write. Checks the arguments against each other. Throws a CLI11 error, which is a
+// usage error.
 std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
   const QueryKind kind = kKinds.at(arguments.kind);
   if (arguments.max_hits > 0 && kind != QueryKind::kAll)
@@ -74,10 +74,10 @@ CastOptions options_of(const CastArguments& arguments, const std::stop_token& st
 struct Outcome {
   CastReport cast;
   double seconds = 0;
-  float float_reach = 0;  // how far out rays begin, where the file has them in float32
+  float float_reach = 0;  // the largest coordinate of the origins, if the file has float32
 };
 
-// What was built before the cast belongs to what it has cost.
+// Adds the cost of trees that were built before the cast.
 void add(const PrefetchReport& built, CastReport& cast) {
   cast.cells_expanded += built.cells_expanded;
   cast.build_us += built.build_us;
@@ -157,12 +157,13 @@ Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
 void print_summary(std::FILE* to, const Outcome& outcome, const std::optional<SceneStats>& stats) {
   const CastReport& cast = outcome.cast;
   fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
-             format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid), cast.revision,
-             outcome.seconds, rays_per_second(outcome));
+             format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid),
+             cast.revision, outcome.seconds, rays_per_second(outcome));
   fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", format_count(cast.cells_expanded),
              static_cast<double>(cast.build_us) / 1000);
   if (stats)
-    fmt::print(to, "; {} triangles built", format_share(stats->triangles_built, stats->triangles_total));
+    fmt::print(to, "; {} triangles built",
+               format_share(stats->triangles_built, stats->triangles_total));
   fmt::print(to, "\n");
   if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", format_count(cast.hits_found));
 }
@@ -176,7 +177,8 @@ void warn_of_cuts(const CastReport& cast) {
 void warn_of_origin_precision(const Client& client, const std::string& name, float reach) {
   if (reach == 0) return;
   const auto scene = client.get_scene(name);
-  if (!scene || !scene->bounds) return;  // the hits are written, and there is nothing to compare
+  // The hits are written already, and there are no bounds to compare with
+  if (!scene || !scene->bounds) return;
   const std::string warning = origin_precision_warning(reach, *scene->bounds);
   if (!warning.empty()) fmt::print(stderr, "sightline: {}\n", warning);
 }
@@ -234,7 +236,7 @@ Examples:
   sightline cast engine --in points.npy --out inside.npy --kind count --under 12 --exclude 13 14
   echo 0,0,10,0,0,-1 | sightline cast engine --in - --out -)";
 
-// What rays are not to see.
+// Options that hide hits from the rays.
 void add_filters(CLI::App& verb, CastArguments& arguments) {
   verb.add_option("--cull", arguments.cull,
                   "Hits that do not count: on backs or on fronts, by winding (default: none)")

@@ -1,4 +1,4 @@
-// sightline scene import: a scene file to the server.
+// sightline scene import: uploads a scene file.
 #include "client/cli/flags.h"
 #include "client/cli/verbs/verbs.h"
 
@@ -32,7 +32,7 @@ const std::map<std::string, Mobility> kMobilities{{"static", Mobility::kStatic},
                                                   {"rigid", Mobility::kRigid},
                                                   {"deforming", Mobility::kDeforming}};
 
-// What the file holds, before the server keeps equal meshes once.
+// What the file holds. The server may hold fewer meshes, because it keeps equal meshes once.
 struct FileCounts {
   std::uint64_t meshes = 0;
   std::uint64_t triangles = 0;
@@ -70,7 +70,7 @@ Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
                       });
 }
 
-// Big files take a while to read: whether the scene may be made at all is asked before.
+// Asked before the file is read, because big files take long to read.
 Status check_free(const Client& client, const ImportArguments& arguments) {
   const auto scene = client.get_scene(arguments.scene);
   if (!scene) return scene.error().code == Code::kNotFound ? Status() : Status(scene.error());
@@ -131,7 +131,7 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   if (const Status free = check_free(*client, arguments); !free) return fail(free.error());
   const auto imported = read_file(arguments);
   if (!imported) return fail(imported.error());
-  const Interrupt interrupt;  // from here on, or the scene might be left half made
+  const Interrupt interrupt;  // from here on, because an abort could leave a half-made scene
   const auto scene = send(*client, arguments, *imported, interrupt.token());
   if (!scene && interrupt.happened()) return say_interrupted();
   if (!scene) return fail(scene.error());

@@ -1,4 +1,4 @@
-// The spacing of float32 against the size of a scene.
+// Compares the spacing of float32 values with the size of a scene.
 #include "client/cli/verbs/origin_precision.h"
 
 #include <fmt/format.h>

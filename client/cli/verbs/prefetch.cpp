@@ -32,10 +32,10 @@ const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
                                               {"all", QueryKind::kAll},
                                               {"count", QueryKind::kCount}};
 
-/// What was built, to its end or until it was interrupted.
+/// What was built until the end, or until the interruption.
 struct Outcome {
   PrefetchReport report;
-  std::optional<SceneStats> stats;  // none if the server could not be asked
+  std::optional<SceneStats> stats;  // nothing if the server did not answer
   bool complete = true;
   double seconds = 0;
 };
@@ -50,7 +50,7 @@ PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_t
   return options;
 }
 
-// `last` gets what was reported last, which tells what was built where the outcome does not.
+// `last` receives the last report. It says what was built if the call fails.
 Result<PrefetchReport> build(const Client& client, const PrefetchArguments& arguments,
                              const PrefetchOptions& options, PrefetchReport& last) {
   const auto follow = [&last](BuildingBar& bar) {
@@ -70,7 +70,7 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
       rays->source);
 }
 
-// A server that does not answer is not waited for: what was asked for is done.
+// Uses a short deadline: the prefetch is done, and the statistics are not worth a long wait.
 std::optional<SceneStats> ask_stats(const Session& session, const std::string& scene) {
   constexpr double kPatience = 5;
   Session impatient = session;
@@ -126,7 +126,8 @@ ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.complete = built.ok();
   if (!built && !interrupt.happened()) return fail(built.error());
-  if (!built && outcome.report.elapsed_us == 0) return say_interrupted();  // before it began
+  // Interrupted before the building began
+  if (!built && outcome.report.elapsed_us == 0) return say_interrupted();
   if (built) outcome.report = *built;
   outcome.stats = ask_stats(session, arguments.scene);
   if (session.json) print_json(json_of(arguments.scene, outcome));
@@ -181,7 +182,7 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
 }
 
 void BuildingBar::show(const PrefetchReport& report) {
-  // What matters most comes first: a terminal may be too narrow for all of it.
+  // The most important numbers come first, because a terminal may be too narrow for all.
   const std::string cells = format_count(report.cells_expanded) + " cells";
   if (report.triangles_total > 0) {
     bar_.update(share(report.triangles_done, report.triangles_total),

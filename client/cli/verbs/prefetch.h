@@ -1,4 +1,4 @@
-// Building trees before rays are cast, shown on stderr while it goes on.
+// Shows on stderr how the building of trees proceeds.
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@
 
 namespace sightline::client::cli::verbs {
 
-/// Shows reports as they come: how many triangles, meshes or rays are done, and what was built.
+/// Shows each report: how many triangles, meshes or rays are done, and what was built.
 class BuildingBar {
  public:
-  /// `rays`: how many there are to grow for, 0 if that is not known.
+  /// `rays`: the number of rays to build for, 0 if it is not known.
   explicit BuildingBar(std::uint64_t rays = 0)
       : rays_(rays), bar_("building", ProgressBar::Elsewhere::kLines) {}
 
@@ -23,9 +23,9 @@ class BuildingBar {
   ProgressBar bar_;
 };
 
-/// Builds all trees of the scene, as a cast with BuildMode::kFull would before its first ray, and
-/// shows how far it has come. Where the server has no room for a prefetch, or knows none, nothing
-/// is done: the cast builds then. Errors: as Client::prefetch.
+/// Builds all trees of the scene, as a cast with BuildMode::kFull does before its first ray, and
+/// shows the progress. Does nothing if the server refuses another prefetch or does not support it;
+/// then the cast builds the trees. Errors: as Client::prefetch.
 Result<PrefetchReport> build_all(const Client& client, const std::string& scene,
                                  const std::stop_token& stop);
 

@@ -61,7 +61,7 @@ void print_table(const SceneInfo& scene) {
   }
 }
 
-// Scenes of the default project under the names that this command takes, others in full.
+// The short name of a scene of the default project, the full name of any other scene.
 std::string short_name(const std::string& name) {
   const std::string prefix = std::string(kDefaultProject) + "/scenes/";
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
@@ -178,9 +178,11 @@ Json json_of(const std::string& scene, const SceneStats& stats) {
 void print_table(const std::string& scene, const SceneStats& stats) {
   fmt::print("{} at revision {}\n", scene, stats.revision);
   fmt::print("  triangles  {} built\n", format_share(stats.triangles_built, stats.triangles_total));
-  fmt::print("  instances  {} entered\n", format_share(stats.instances_entered, stats.instances_total));
-  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n", format_count(stats.trees_built),
-             format_count(stats.cells_expanded), format_count(stats.cells_deferred));
+  fmt::print("  instances  {} entered\n",
+             format_share(stats.instances_entered, stats.instances_total));
+  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n",
+             format_count(stats.trees_built), format_count(stats.cells_expanded),
+             format_count(stats.cells_deferred));
   fmt::print("  memory     {} of geometry, {} of trees\n", format_bytes(stats.bytes_geometry),
              format_bytes(stats.bytes_trees));
   fmt::print("  mobility   {} static, {} dynamic\n", format_count(stats.static_instances),
@@ -207,7 +209,7 @@ struct WatchArguments {
   bool positions = false;
 };
 
-// False if nobody reads any more.
+// Returns false if the reader of stdout is gone.
 bool print_line(const SceneChange& change, bool positions) {
   Json updates = Json::array();
   for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));

@@ -39,14 +39,15 @@ struct StreamArguments {
   std::optional<double> time;
 };
 
-// So many that a double counts them one by one, and nobody will see the last.
+// Up to this number, a double counts frames exactly.
 constexpr double kMostFrames = 0x1p+53;
 
 std::uint64_t whole(double frames) {
   return static_cast<std::uint64_t>(std::min(frames, kMostFrames));
 }
 
-// Of one round or several; a cyclic motion has no last moment of its own.
+// The number of frames in one round or several. The last moment of a cyclic motion is the first of
+// the next round.
 std::uint64_t frames_in(const StreamArguments& arguments, const playback::Motion& motion) {
   if (arguments.frame || arguments.time) return 1;
   const double fps = arguments.playback.fps;
@@ -57,7 +58,7 @@ std::uint64_t frames_in(const StreamArguments& arguments, const playback::Motion
   return rounds == 0 ? 0 : whole(std::floor(frames + 1e-6)) + 1;
 }
 
-// The moment of a round that frame k shows.
+// The time within a round that frame k shows.
 double moment_of(std::uint64_t k, const StreamArguments& arguments,
                  const playback::Motion& motion) {
   double seconds = static_cast<double>(k) / arguments.playback.fps;
@@ -98,7 +99,8 @@ Result<playback::PlaybackReport> play_motion(const Client& client, const StreamA
 }
 
 Json json_of(const StreamArguments& arguments, const playback::Motion& motion,
-             const playback::PlaybackTarget& target, const playback::PlaybackReport& report, bool complete) {
+             const playback::PlaybackTarget& target, const playback::PlaybackReport& report,
+             bool complete) {
   return {{"scene", arguments.target.scene},
           {"animation", motion.name},
           {"imported", target.is_new},
@@ -223,8 +225,9 @@ void add_stream_verb(CLI::App& program, Session& session) {
   add_choice_of_frames(verb, *arguments);
   verb.add_flag("--latest-wins,--at-most-latest", arguments->playback.latest_wins,
                 "Frames that wait at the server may be passed over for newer ones");
-  CLI::Option* const add = verb.add_flag(
-      "--add", arguments->target.add, "Put FILE's nodes into the scene first, beside what it holds");
+  CLI::Option* const add =
+      verb.add_flag("--add", arguments->target.add,
+                    "Put FILE's nodes into the scene first, beside what it holds");
   verb.add_option("--under", arguments->target.under, "FILE's nodes are below this node")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("NODE");

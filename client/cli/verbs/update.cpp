@@ -1,4 +1,4 @@
-// sightline update: changes to a scene from a file.
+// sightline update: applies changes from a file to a scene.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -70,7 +70,7 @@ ExitCode run(const Session& session, const UpdateArguments& arguments) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
   const auto updates = [&] {
-    const Interrupt interrupt;  // while standard input is waited for
+    const Interrupt interrupt;  // while waiting for standard input
     return read_updates(arguments.file, interrupt.token());
   }();
   if (!updates && updates.error().code == Code::kCancelled) return say_interrupted();
