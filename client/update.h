@@ -1,4 +1,4 @@
-// Changes to a scene's nodes, and how they are reported.
+// Changes to a scene's nodes, and the reports of single requests, watches and streams of them.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/result.h"
 #include "client/types.h"
 
 namespace sightline::client {
@@ -76,5 +77,48 @@ struct SceneChange {
 /// Takes the revisions in order and without gaps, on the thread that watches. Returning false ends
 /// the watch.
 using SceneChangeSink = std::function<bool(const SceneChange& change)>;
+
+/// All batches up to a sequence number are answered: applied or rejected.
+struct StreamAck {
+  struct Put {
+    std::uint64_t sequence = 0;
+    std::vector<std::uint64_t> nodes;  ///< the id of every PutNode's node of that batch, in order
+  };
+  std::uint64_t up_to_sequence = 0;
+  std::uint64_t revision = 0;  ///< contains all of them
+  std::string token;           ///< of the revision, for Consistency::at_least
+  std::vector<Put> put;        ///< of batches answered since the previous ack
+};
+
+/// One batch was rejected and had no effect. All batches before it are answered, and the stream
+/// continues.
+struct StreamReject {
+  std::uint64_t sequence = 0;
+  Error error;
+};
+
+struct UpdateStreamOptions {
+  /// The server may merge waiting batches: for each node, only the newest transform and the newest
+  /// vertices count. A batch with any other update is applied as it is.
+  bool latest_wins = false;
+  /// How many times in a row the call is opened before a broken connection becomes an error.
+  int attempts = 8;
+  /// Called in the order of answers, on a thread of the stream, which continues after they return.
+  /// They must not call send, wait, flush or close, and must not destroy the stream.
+  std::function<void(const StreamAck&)> on_ack{};
+  std::function<void(const StreamReject&)> on_reject{};
+};
+
+struct UpdateStreamState {
+  std::uint64_t last_sent = 0;      ///< sequence numbers; they continue those of earlier
+  std::uint64_t last_answered = 0;  ///< streams of the same producer
+  std::uint64_t revision = 0;       ///< contains all that is answered
+  std::string token;
+  std::uint32_t window = 0;     ///< how many batches may be unanswered
+  std::uint64_t coalesced = 0;  ///< batches that were replaced by newer ones
+  std::uint64_t rejected = 0;
+  std::uint64_t reconnects = 0;
+  std::uint64_t bytes_sent = 0;  ///< of messages, including those that were sent again
+};
 
 }  // namespace sightline::client

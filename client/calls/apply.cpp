@@ -2,6 +2,7 @@
 #include "client/calls/apply.h"
 
 #include <fmt/format.h>
+
 #include <thread>
 #include <utility>
 

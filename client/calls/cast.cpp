@@ -2,6 +2,7 @@
 #include "client/calls/cast.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>

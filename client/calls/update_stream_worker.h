@@ -16,7 +16,8 @@
 #include <vector>
 
 #include "client/calls/connection.h"
-#include "client/update_stream.h"
+#include "client/result.h"
+#include "client/update.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::client::calls {

@@ -1,11 +1,9 @@
 // Makes connections from flags, and JSON from values.
 #include "client/cli/session.h"
 
-#include <CLI/CLI.hpp>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
-
-#include "client/cli/flags.h"
 
 namespace sightline::client::cli {
 

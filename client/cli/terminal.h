@@ -2,6 +2,7 @@
 #pragma once
 
 #include <signal.h>
+
 #include <chrono>
 #include <cstdint>
 #include <stop_token>

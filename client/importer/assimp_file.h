@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "client/importer/assimp_import.h"
+#include "client/importer/imported_scene.h"
 #include "client/result.h"
 
 namespace sightline::client::importer {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <optional>
 
 #include "client/importer/animation.h"
 #include "client/importer/imported_scene.h"
@@ -11,20 +9,8 @@
 
 namespace sightline::client::importer {
 
-struct ImportOptions {
-  /// The up axis of the result. The scene is turned if the file states another axis; otherwise the
-  /// axis is only recorded.
-  std::optional<UpAxis> up_axis;
-  /// The unit of the result, > 0. The scene is scaled if the file states another unit; otherwise
-  /// the unit is only recorded.
-  std::optional<double> meters_per_unit;
-};
-
 /// Whether the file exists and can be read. Errors: kInvalidArgument, with the system's message.
 Status check_readable(const std::filesystem::path& file);
-
-/// Called with the share of the file that is read, 0 to 1, on the importing thread.
-using ImportProgress = std::function<void(double fraction)>;
 
 /// Cuts polygons into triangles and does nothing else to the file: no vertex is merged, no face
 /// repaired, no transform applied. `rebase` moves vertices that lie far from their origin near to

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "client/importer/animation.h"
-#include "client/importer/assimp_import.h"
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 

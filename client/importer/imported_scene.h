@@ -1,10 +1,13 @@
-// A scene file as plain arrays: meshes, and the hierarchy of nodes that carry them.
+// A scene file as plain arrays (meshes, and the hierarchy of nodes that carry them), and how it is
+// imported.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,5 +43,17 @@ struct ImportedScene {
   UpAxis up_axis = UpAxis::kUnknown;  ///< of the arrays as they are here
   double meters_per_unit = 0;         ///< 0: the file does not say
 };
+
+struct ImportOptions {
+  /// The up axis of the result. The scene is turned if the file states another axis; otherwise the
+  /// axis is only recorded.
+  std::optional<UpAxis> up_axis;
+  /// The unit of the result, > 0. The scene is scaled if the file states another unit; otherwise
+  /// the unit is only recorded.
+  std::optional<double> meters_per_unit;
+};
+
+/// Called with the share of the file that is read, 0 to 1, on the importing thread.
+using ImportProgress = std::function<void(double fraction)>;
 
 }  // namespace sightline::client::importer

@@ -2,6 +2,7 @@
 #include "client/importer/preflight.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

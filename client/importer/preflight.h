@@ -13,7 +13,7 @@ namespace sightline::client::importer {
 
 inline constexpr std::size_t kDeepestJson = 256;   ///< nesting depth of brackets
 inline constexpr std::size_t kDeepestNode = 4096;  ///< Assimp follows children by recursion
-/// A file may always have as many as it lists
+/// A file may always have as many as it lists.
 inline constexpr std::uint64_t kMostNodes = 1U << 20U;
 
 /// Checks how many and how deep the nodes of a glTF file are. `json` is a .gltf file, or the first

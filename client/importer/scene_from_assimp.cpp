@@ -3,6 +3,7 @@
 
 #include <assimp/mesh.h>
 #include <fmt/format.h>
+
 #include <cmath>
 #include <cstddef>
 #include <utility>

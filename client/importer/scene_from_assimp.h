@@ -2,6 +2,7 @@
 #pragma once
 
 #include <assimp/scene.h>
+
 #include <string>
 #include <string_view>
 #include <vector>

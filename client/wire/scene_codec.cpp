@@ -2,6 +2,7 @@
 #include "client/wire/scene_codec.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>

@@ -2,6 +2,7 @@
 #include "client/cli/files/hit_columns.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>

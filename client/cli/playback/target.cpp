@@ -2,6 +2,7 @@
 #include "client/cli/playback/target.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <numeric>

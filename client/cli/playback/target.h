@@ -29,8 +29,6 @@ Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
                                                const std::vector<NodeInfo>& nodes,
                                                std::uint64_t under);
 
-struct Motion;
-
 struct TargetRequest {
   std::string scene;
   bool add = false;               ///< put the motion's nodes into an existing scene

@@ -1,5 +1,4 @@
 // sightline scene import: uploads a scene file.
-#include "client/cli/flags.h"
 #include "client/cli/verbs/verbs.h"
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "client/cli/flags.h"
 #include "client/cli/terminal.h"
 #include "client/importer/assimp_import.h"
 #include "client/scene_upload.h"

@@ -1,8 +1,8 @@
 // sightline prefetch: builds trees before rays come.
 #include "client/cli/verbs/prefetch.h"
-#include "client/cli/flags.h"
 
 #include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/cli/files/ray_file.h"
+#include "client/cli/flags.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
 

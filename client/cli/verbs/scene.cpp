@@ -1,7 +1,6 @@
 // sightline scene ls, show, nodes and rm; sightline stats; sightline watch.
-#include "client/cli/flags.h"
-
 #include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "client/cli/files/update_json.h"
+#include "client/cli/flags.h"
 #include "client/cli/playback/target.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"

@@ -1,5 +1,4 @@
 // sightline stream: plays an animation into a scene.
-#include "client/cli/flags.h"
 #include "client/cli/verbs/verbs.h"
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/flags.h"
 #include "client/cli/playback/motion.h"
 #include "client/cli/playback/playback.h"
 #include "client/cli/playback/target.h"

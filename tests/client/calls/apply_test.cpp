@@ -1,5 +1,6 @@
 // Updates in one message, in several, and as batches of a stream.
 #include <gtest/gtest.h>
+
 #include <string>
 #include <vector>
 

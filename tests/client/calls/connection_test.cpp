@@ -1,5 +1,6 @@
 // Errors from gRPC, and request ids.
 #include <gtest/gtest.h>
+
 #include <set>
 
 #include "client/calls/connection.h"

@@ -1,6 +1,7 @@
 // Number formats, exit codes, and Ctrl-C in a running command.
 #include <gtest/gtest.h>
 #include <signal.h>
+
 #include <condition_variable>
 #include <limits>
 #include <mutex>

@@ -1,5 +1,6 @@
 // Columns of hits by name, and rows of a cast of all hits.
 #include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
 #include <vector>

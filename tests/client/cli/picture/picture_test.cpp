@@ -1,6 +1,7 @@
 // The order of the pixels, and PNG files.
 #include <gtest/gtest.h>
 #include <png.h>
+
 #include <set>
 #include <string>
 #include <utility>

@@ -1,5 +1,6 @@
 // Palettes and light.
 #include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdlib>
 
