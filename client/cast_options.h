@@ -1,91 +1,170 @@
-// What is asked of rays, and what answering them has cost.
+// Rays, what is asked of them, and their hits.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <stop_token>
 #include <string>
+#include <type_traits>
 #include <vector>
 
-#include "client/consistency.h"
-#include "client/rays.h"
 #include "client/result.h"
+#include "client/types.h"
 
 namespace sightline::client {
 
-/// All kinds see the same hits, whatever limits, masks and other options are set.
-enum class QueryKind : std::uint8_t {
-  kClosest,  ///< The hit with the smallest (t, node, primitive).
-  kAny,      ///< Whether there is a hit at all: answers `hit`, and `work`.
-  kCount,    ///< How many distinct (node, primitive) are hit: answers `count`, `hit` and `work`.
-  kAll,      ///< Every hit by (t, node, primitive), each (node, primitive) once.
+/// Rays as columns of arrays, one row per ray. Scalar is `float` or `double`, const for reading.
+template <class Scalar>
+struct RayColumns {
+  using Mask = std::conditional_t<std::is_const_v<Scalar>, const std::uint32_t, std::uint32_t>;
+
+  std::span<Scalar> origins;     ///< (n, 3)
+  std::span<Scalar> directions;  ///< (n, 3), any length but zero; t is in units of this length
+  std::span<Scalar> tmin{};      ///< (n), or empty: 0 for all rays
+  std::span<Scalar> tmax{};      ///< (n), or empty: +inf for all rays
+  std::span<Mask> masks{};       ///< (n), or empty: all bits set for all rays
+
+  std::size_t size() const { return origins.size() / 3; }
 };
 
-/// Hits that do not exist for a cast, whatever its kind. The front of a triangle is the side that
-/// shows its corners counterclockwise in scene coordinates.
+/// Columns of an answer, one row per ray. Only columns that are not empty are requested.
+/// sightline.v1.HitField defines the meaning of a row.
+template <bool is_const>
+struct BasicHitColumns {
+  template <class T>
+  using Span = std::span<std::conditional_t<is_const, const T, T>>;
+
+  Span<double> t{};  ///< (n) in units of the direction's length; +inf: a miss, NaN: a bad ray
+  Span<std::uint64_t> node{};       ///< (n) 0: a miss
+  Span<std::uint32_t> primitive{};  ///< (n) the face of the node's mesh
+  Span<float> barycentric{};        ///< (n, 2) weights of vertices 1 and 2
+  Span<float> normal{};             ///< (n, 3) geometric unit normal by winding, in world space
+  Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray
+  Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kMetUnbuilt
+  Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount: a bad ray
+};
+using HitColumns = BasicHitColumns<false>;
+/// For a cast of all hits, the columns t, node, primitive, barycentric and normal have one row per
+/// hit, in the order of the rays. `offsets` (n + 1) assigns them: the hits of ray i are the rows
+/// offsets[i] up to offsets[i + 1]. A bad ray has no row.
+struct HitView : BasicHitColumns<true> {
+  std::span<const std::uint32_t> offsets{};
+};
+
+/// A value of `hit` in a cast of all hits: the ray has more than max_hits hits, and the nearest are
+/// here.
+inline constexpr std::uint8_t kCutOff = 3;
+/// A value of `count`: a bad ray.
+inline constexpr std::uint32_t kInvalidCount = 0xffffffff;
+/// A bit of `work`: the ray met a cell that is not built.
+inline constexpr std::uint32_t kMetUnbuilt = 0x80000000;
+
+/// Which columns an answer contains.
+struct HitFields {
+  bool t = false;
+  bool node = false;
+  bool primitive = false;
+  bool barycentric = false;
+  bool normal = false;
+  bool hit = false;
+  bool work = false;
+  bool count = false;
+};
+
+/// What is asked about each ray. All kinds see the same hits, whatever the limits, masks and other
+/// options are.
+enum class QueryKind : std::uint8_t {
+  kClosest,  ///< the hit with the smallest (t, node, primitive)
+  kAny,      ///< whether there is any hit: answers `hit` and `work`
+  kCount,    ///< the number of distinct (node, primitive) hit: answers `count`, `hit` and `work`
+  kAll,      ///< every hit, ordered by (t, node, primitive), each (node, primitive) once
+};
+
+/// Which hits a cast ignores, whatever its kind. The front of a triangle is the side that shows its
+/// vertices counterclockwise in scene coordinates.
 enum class Culling : std::uint8_t { kNone, kBack, kFront };
 
-/// How much tree a cast may grow.
+/// How much of the trees a cast may build.
 enum class BuildMode : std::uint8_t {
   kServerPolicy,
-  kLazy,       ///< What the rays enter.
-  kFull,       ///< Everything, before the first ray.
-  kNone,       ///< Nothing; what is not built is searched triangle by triangle.
-  kBuiltOnly,  ///< Nothing; what is not built is passed over: shows what exists, answers no query.
+  kLazy,       ///< the cells that rays enter
+  kFull,       ///< everything, before the first ray
+  kNone,       ///< nothing; unbuilt cells are searched triangle by triangle
+  kBuiltOnly,  ///< nothing; unbuilt cells are skipped: shows what exists, and is no valid query
 };
 
 struct CastOptions {
   QueryKind kind = QueryKind::kClosest;
   BuildMode build = BuildMode::kServerPolicy;
   Culling culling = Culling::kNone;
-  /// Only this node and those under it exist; 0: all. Errors: kNotFound, as for `exclude`.
+  /// Only this node and its descendants are visible. 0: all nodes. Errors: kNotFound, as for
+  /// `exclude`.
   std::uint64_t root = 0;
-  /// These nodes and those under them do not.
+  /// These nodes and their descendants are not visible.
   std::vector<std::uint64_t> exclude{};
-  /// Of kAll: for each ray, the nearest are kept. 0: as the server has it.
+  /// For kAll: how many hits are kept per ray, the nearest first. 0: the server's default.
   std::uint32_t max_hits = 0;
   /// The revision that answers.
   Consistency consistency{};
-  /// Cancels the cast, which then ends with kCancelled.
+  /// Cancels the cast, which then fails with kCancelled.
   std::stop_token stop{};
 };
 
-/// Sums over the cast.
+/// Sums over all rays of the cast.
 struct CastReport {
-  std::uint64_t revision = 0;  ///< Of the scene, the one that answered every ray.
-  std::string token{};         ///< Of that revision, for Consistency::at_least.
+  std::uint64_t revision = 0;  ///< the revision of the scene that answered every ray
+  std::string token{};         ///< of that revision, for Consistency::at_least
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;  ///< Rays with a hit, whatever the kind.
+  std::uint64_t hits = 0;  ///< rays with a hit, for every kind
   std::uint64_t invalid = 0;
-  std::uint64_t hits_found = 0;    ///< kCount: the sum; kAll: hits listed.
-  std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more hits than max_hits.
+  std::uint64_t hits_found = 0;    ///< kCount: the sum of the counts; kAll: the hits listed
+  std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more than max_hits hits
   std::uint64_t traversal_steps = 0;
   std::uint64_t triangle_tests = 0;
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
-  std::uint64_t queue_us = 0;  ///< Waiting in the server's queue.
-  std::uint64_t build_us = 0;  ///< Growing trees, over threads.
-  std::uint64_t trace_us = 0;  ///< From begun to done, building included.
+  std::uint64_t queue_us = 0;  ///< time in the server's queue
+  std::uint64_t build_us = 0;  ///< time to build trees, summed over threads
+  std::uint64_t trace_us = 0;  ///< wall time from start to end, building included
 };
 
 inline constexpr std::size_t kRaysPerMessage = 8192;
 inline constexpr std::size_t kMessagesInFlight = 4;
 
-/// Which of the optional columns the rays of a stream have.
+/// Which optional columns the rays of a stream have.
 struct RayShape {
   bool interval = false;  ///< tmin and tmax
   bool masks = false;
 };
 
-/// Fills the first k rows of `room`, which has kRaysPerMessage of them, and returns k; 0 ends the
-/// stream. An error ends it too, and is what the cast returns. Called in order, on a thread of the
-/// cast.
+/// Writes the next k rays into the first rows of `room`, which has kRaysPerMessage rows, and
+/// returns k. 0 ends the stream. An error also ends it, and the cast returns it. Called in order,
+/// on a thread of the cast.
 template <class Scalar>
 using RaySource = std::function<Result<std::size_t>(const RayColumns<Scalar>& room)>;
 
-/// Takes the answers to `count` rays from number `first` on, in order, on the thread that casts; of
-/// kAll with `offsets` and `hit`. An error ends the cast and is what it returns.
+/// Takes the answers to `count` rays, beginning with ray `first`, in order, on the calling thread.
+/// For kAll they have `offsets` and `hit`. An error ends the cast, which returns it.
 using HitSink = std::function<Status(std::uint64_t first, std::size_t count, const HitView& hits)>;
+
+/// All hits of many rays: one row per hit, in the order of the rays and nearest first. Columns that
+/// were not requested are empty. The columns mean the same as in HitColumns.
+struct AllHits {
+  /// (n + 1) the hits of ray i are rows offsets[i] to offsets[i + 1]
+  std::vector<std::uint64_t> offsets;
+  std::vector<std::uint8_t> hit;    ///< (n) 0 miss, 1 hit, 2 bad ray, kCutOff; always present
+  std::vector<std::uint32_t> work;  ///< (n)
+  std::vector<double> t;
+  std::vector<std::uint64_t> node;
+  std::vector<std::uint32_t> primitive;
+  std::vector<float> barycentric;
+  std::vector<float> normal;
+  CastReport report;
+
+  /// Appends the answers in `hits`, which has offsets for its rays.
+  void append(const HitView& hits);
+};
 
 }  // namespace sightline::client

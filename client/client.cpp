@@ -1,4 +1,4 @@
-// The calls that are one message each way; the others have files of their own.
+// Calls with one message each way. Longer calls have files of their own in calls/.
 #include "client/client.h"
 
 #include <fmt/format.h>
@@ -6,18 +6,21 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/calls/channel.h"
+#include "client/calls/apply.h"
+#include "client/calls/cast.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
+#include "client/calls/prefetch.h"
 #include "client/calls/update_stream_worker.h"
+#include "client/calls/upload.h"
+#include "client/calls/watch.h"
 #include "client/wire/scene_codec.h"
-#include "client/wire/update_codec.h"
 
 namespace sightline::client {
 namespace {
 
-constexpr std::size_t kNodesPerRequest = 500;     // names are up to 1 KiB: replies stay below 1 MiB
-constexpr std::size_t kDigestsPerRequest = 4096;  // of about 80 bytes each
+// Names have up to 1 KiB, so replies stay below 1 MiB
+constexpr std::size_t kNodesPerRequest = 500;
+constexpr std::size_t kDigestsPerRequest = 4096;  // about 80 bytes each
 constexpr int kScenesPerPage = 500;
 
 // Makes one small call: `method` of `stub`.
@@ -34,7 +37,7 @@ Result<Response> call(const calls::Connection& connection, const Stub& stub,
   return response;
 }
 
-// HOST:PORT with something before and digits after the last colon, or unix:PATH.
+// Whether the text is HOST:PORT, with a host and up to 5 digits, or unix:PATH.
 bool is_endpoint(const std::string& text) {
   if (text.starts_with("unix:")) return text.size() > 5;
   const std::size_t colon = text.rfind(':');
@@ -58,7 +61,8 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
                  fmt::format("endpoint '{}' is not HOST:PORT or unix:PATH", endpoint),
                  {}};
   }
-  return Client(std::make_unique<calls::Connection>(calls::open_channel(endpoint), options));
+  return Client(
+      std::make_unique<calls::Connection>(calls::open_channel(endpoint), options.timeout));
 }
 
 Result<ServerInfo> Client::server_info() const {
@@ -152,8 +156,8 @@ Result<UpdateStream> Client::open_update_stream(const std::string& scene,
 }
 
 Status Client::watch(const std::string& scene, std::optional<std::uint64_t> start,
-                     const calls::SceneChangeSink& sink, const std::stop_token& stop) const {
-  return client::calls::watch(*connection_, scene, start, sink, stop);
+                     const SceneChangeSink& sink, const std::stop_token& stop) const {
+  return calls::watch(*connection_, scene, start, sink, stop);
 }
 
 Result<std::vector<std::string>> Client::missing_meshes(
@@ -174,85 +178,85 @@ Result<std::vector<std::string>> Client::missing_meshes(
 
 Result<Applied> Client::apply(const std::string& scene, std::span<const Update> updates,
                               const ApplyOptions& options) const {
-  return client::calls::apply(*connection_, scene, updates, options);
+  return calls::apply(*connection_, scene, updates, options);
 }
 
 Result<Applied> Client::apply_in_batches(const std::string& scene, std::span<const Update> updates,
                                          const ApplyOptions& options) const {
-  return client::calls::apply_in_batches(*connection_, scene, updates, options);
+  return calls::apply_in_batches(*connection_, scene, updates, options);
 }
 
-Status Client::upload_mesh(const calls::MeshBlob& mesh, const std::string& digest,
+Status Client::upload_mesh(const MeshBlob& mesh, const std::string& digest,
                            const UploadProgress& progress, const std::stop_token& stop) const {
-  return client::calls::upload_mesh(*connection_, mesh, digest, progress, stop);
+  return calls::upload_mesh(*connection_, mesh, digest, progress, stop);
 }
 
 Result<PrefetchReport> Client::prefetch(const std::string& scene, const PrefetchOptions& options,
                                         const PrefetchProgress& progress) const {
-  return client::calls::prefetch(*connection_, scene, options, progress);
+  return calls::prefetch(*connection_, scene, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const double>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::calls::prefetch_rays(*connection_, scene, rays, options, progress);
+  return calls::prefetch_rays(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RayColumns<const float>& rays,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::calls::prefetch_rays(*connection_, scene, rays, options, progress);
+  return calls::prefetch_rays(*connection_, scene, rays, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<double>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
                                              const RaySource<float>& source, RayShape shape,
                                              const PrefetchOptions& options,
                                              const PrefetchProgress& progress) const {
-  return client::calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
+  return calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,
                                 const HitColumns& hits, const CastOptions& options) const {
-  return client::calls::cast(*connection_, scene, rays, hits, options);
+  return calls::cast(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const float>& rays,
                                 const HitColumns& hits, const CastOptions& options) const {
-  return client::calls::cast(*connection_, scene, rays, hits, options);
+  return calls::cast(*connection_, scene, rays, hits, options);
 }
 
 Result<CastReport> Client::cast_stream(const std::string& scene,
                                        const RayColumns<const double>& rays, const HitColumns& hits,
                                        const CastOptions& options) const {
-  return client::calls::cast_stream(*connection_, scene, rays, hits, options);
+  return calls::cast_stream(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene,
                                        const RayColumns<const float>& rays, const HitColumns& hits,
                                        const CastOptions& options) const {
-  return client::calls::cast_stream(*connection_, scene, rays, hits, options);
+  return calls::cast_stream(*connection_, scene, rays, hits, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<double>& source,
                                        RayShape shape, HitFields fields, const HitSink& sink,
                                        const CastOptions& options) const {
-  return client::calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+  return calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
 }
 Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource<float>& source,
                                        RayShape shape, HitFields fields, const HitSink& sink,
                                        const CastOptions& options) const {
-  return client::calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+  return calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
 }
 
 Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const double>& rays,
                                  HitFields fields, const CastOptions& options) const {
-  return client::calls::cast_all(*connection_, scene, rays, fields, options);
+  return calls::cast_all(*connection_, scene, rays, fields, options);
 }
 Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const float>& rays,
                                  HitFields fields, const CastOptions& options) const {
-  return client::calls::cast_all(*connection_, scene, rays, fields, options);
+  return calls::cast_all(*connection_, scene, rays, fields, options);
 }
 
 }  // namespace sightline::client

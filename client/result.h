@@ -1,4 +1,4 @@
-// Errors as values: what went wrong at the server, on the way there, or with what was handed in.
+// Errors as values: failures at the server, on the way there, or of arguments.
 #pragma once
 
 #include <cassert>
@@ -10,7 +10,7 @@
 
 namespace sightline::client {
 
-/// As gRPC's status codes, one to one, `OK` left out.
+/// The status codes of gRPC, one to one, without `OK`.
 enum class Code : std::uint8_t {
   kCancelled,
   kUnknown,
@@ -32,11 +32,11 @@ enum class Code : std::uint8_t {
 
 struct Error {
   Code code = Code::kUnknown;
-  std::string message;  ///< For people: what was wrong, the value, the limit.
-  std::string reason;   ///< For programs, where the server gave one: UPPER_SNAKE_CASE, stable.
+  std::string message;  ///< for people: what was wrong, the value, the limit
+  std::string reason;   ///< for programs, if the server gave one: UPPER_SNAKE_CASE, stable
 };
 
-/// Either a value or an Error. Asking an error for its value is a mistake of ours and asserts.
+/// Either a value or an Error. Asserts that the value of an error is not read.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -57,7 +57,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-/// An operation that yields nothing but may fail.
+/// The result of an operation that returns no value but may fail.
 class [[nodiscard]] Status {
  public:
   Status() = default;

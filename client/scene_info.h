@@ -1,4 +1,4 @@
-// What the server tells of itself, of scenes and of nodes.
+// What the server reports about itself, scenes and nodes.
 #pragma once
 
 #include <array>
@@ -7,25 +7,24 @@
 #include <string>
 #include <vector>
 
-#include "client/transform.h"
-#include "client/up_axis.h"
+#include "client/types.h"
 
 namespace sightline::client {
 
 struct SceneInfo {
   std::string name;  ///< projects/{project}/scenes/{scene}
   std::uint64_t revision = 0;
-  std::string token;  ///< Of the revision, for Consistency::at_least.
+  std::string token;  ///< of the revision, for Consistency::at_least
   UpAxis up_axis = UpAxis::kUnknown;
-  double meters_per_unit = 0;  ///< 0: unknown.
+  double meters_per_unit = 0;  ///< 0: unknown
   std::uint64_t nodes = 0;
-  std::uint64_t instances = 0;  ///< Nodes that carry a mesh.
-  std::uint64_t meshes = 0;     ///< Distinct by content, as are unique triangles.
+  std::uint64_t instances = 0;  ///< nodes that carry a mesh
+  std::uint64_t meshes = 0;     ///< distinct by content, as are unique triangles
   std::uint64_t triangles_unique = 0;
   std::uint64_t triangles_instanced = 0;
-  std::uint64_t triangles_nonfinite = 0;  ///< Of the unique ones; never hit.
+  std::uint64_t triangles_nonfinite = 0;  ///< among the unique ones; never hit
   std::uint64_t bytes_geometry = 0;
-  /// World: min x y z, max x y z. Nothing for a scene without triangles.
+  /// World coordinates: min x y z, max x y z. Not set for a scene without triangles.
   std::optional<std::array<double, 6>> bounds;
 };
 
@@ -34,11 +33,11 @@ struct SceneStats {
   std::uint64_t revision = 0;
   std::uint64_t instances_total = 0;
   std::uint64_t instances_entered = 0;
-  std::uint64_t trees_built = 0;  ///< Mesh trees with at least one finished leaf.
+  std::uint64_t trees_built = 0;  ///< mesh trees with at least one finished leaf
   std::uint64_t cells_deferred = 0;
   std::uint64_t cells_expanded = 0;
-  std::uint64_t triangles_built = 0;  ///< Distinct triangles in finished leaves.
-  std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
+  std::uint64_t triangles_built = 0;  ///< distinct triangles in finished leaves
+  std::uint64_t triangles_total = 0;  ///< of distinct meshes
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
   std::uint64_t static_instances = 0;
@@ -46,14 +45,14 @@ struct SceneStats {
 };
 
 struct NodeInfo {
-  std::uint64_t id = 0;      ///< 0: there is no such node.
-  std::uint64_t parent = 0;  ///< 0: a root.
+  std::uint64_t id = 0;      ///< 0: there is no such node
+  std::uint64_t parent = 0;  ///< 0: a root
   std::string name;
   Transform parent_from_local = kIdentity;
-  std::string mesh_digest;  ///< Empty: a group.
+  std::string mesh_digest;  ///< empty: a group
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = 0;
-  bool patched = false;  ///< Its vertices have been changed since the mesh of that digest was put.
+  bool patched = false;  ///< vertices were changed since the mesh of that digest was put
 };
 
 struct ServerInfo {
@@ -69,21 +68,21 @@ struct ServerInfo {
   std::string policy;
   std::uint32_t threads = 0;
   std::string simd_target;
-  std::uint32_t max_hits_per_ray = 0;    ///< Of QueryKind::kAll.
-  std::uint32_t max_hits_per_reply = 0;  ///< Of one message: rays times CastOptions::max_hits.
+  std::uint32_t max_hits_per_ray = 0;    ///< for QueryKind::kAll
+  std::uint32_t max_hits_per_reply = 0;  ///< per message: rays times CastOptions::max_hits
   std::uint32_t max_exclusions = 0;
-  std::uint32_t max_prefetches = 0;  ///< In work at a time.
+  std::uint32_t max_prefetches = 0;  ///< running at the same time
   std::uint32_t max_updates_per_batch = 0;
-  std::uint64_t max_batch_bytes = 0;     ///< Of a batch of an UpdateStream.
-  std::uint32_t update_window = 0;       ///< Batches of an UpdateStream on their way.
-  std::uint32_t max_update_streams = 0;  ///< Open at a time, as the next two.
+  std::uint64_t max_batch_bytes = 0;     ///< of a batch of an UpdateStream
+  std::uint32_t update_window = 0;       ///< batches of an UpdateStream that are not answered
+  std::uint32_t max_update_streams = 0;  ///< open at the same time, like the next two
   std::uint32_t max_watches = 0;
-  std::uint32_t max_waiting_reads = 0;     ///< That wait for a revision.
-  std::uint32_t max_read_wait_ms = 0;      ///< Of each.
-  std::uint64_t max_exact_revisions = 0;   ///< That can be read beside the newest.
-  std::uint64_t max_logged_revisions = 0;  ///< That a watch can begin before.
-  std::uint32_t max_request_ids = 0;       ///< Whose answers are kept, of a scene.
-  std::uint32_t max_producers = 0;         ///< Names in a scene.
+  std::uint32_t max_waiting_reads = 0;     ///< reads that wait for a revision
+  std::uint32_t max_read_wait_ms = 0;      ///< of each
+  std::uint64_t max_exact_revisions = 0;   ///< that can be read in addition to the newest
+  std::uint64_t max_logged_revisions = 0;  ///< from which a watch can start
+  std::uint32_t max_request_ids = 0;       ///< whose answers are kept, per scene
+  std::uint32_t max_producers = 0;         ///< names per scene
 };
 
 }  // namespace sightline::client

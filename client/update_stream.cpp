@@ -1,9 +1,9 @@
-// The public face of the carrier.
+// Forwards the calls of a stream to its worker.
 #include "client/update_stream.h"
 
 #include <utility>
 
-#include "client/calls/update_batch.h"
+#include "client/calls/apply.h"
 #include "client/calls/update_stream_worker.h"
 
 namespace sightline::client {
@@ -17,7 +17,7 @@ UpdateStream::~UpdateStream() = default;
 Result<std::uint64_t> UpdateStream::send(std::span<const Update> updates) {
   auto messages = calls::pack_batch(updates);
   if (!messages) return messages.error();
-  const auto sequence = worker_->hand_over(*std::move(messages), true);
+  const auto sequence = worker_->enqueue(*std::move(messages), true);
   if (!sequence) return sequence.error();
   return **sequence;
 }
@@ -25,7 +25,7 @@ Result<std::uint64_t> UpdateStream::send(std::span<const Update> updates) {
 Result<std::optional<std::uint64_t>> UpdateStream::try_send(std::span<const Update> updates) {
   auto messages = calls::pack_batch(updates);
   if (!messages) return messages.error();
-  return worker_->hand_over(*std::move(messages), false);
+  return worker_->enqueue(*std::move(messages), false);
 }
 
 Status UpdateStream::wait(std::uint64_t sequence) { return worker_->wait(sequence); }

@@ -1,19 +1,55 @@
-// Updates to messages: one for a batch, or as many as it takes, with aliases carried from one to
-// the next.
+// Fills messages with updates, up to the size of a message.
+#include "client/calls/apply.h"
+
 #include <fmt/format.h>
 
 #include <thread>
 #include <utility>
 
-#include "client/calls/backoff.h"
-#include "client/calls/channel.h"
 #include "client/calls/connection.h"
-#include "client/calls/request_id.h"
-#include "client/calls/rpc_error.h"
-#include "client/wire/update_codec.h"
+#include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
 namespace {
+
+Error too_large(std::string message) {
+  return {Code::kResourceExhausted, std::move(message), "BATCH_TOO_LARGE"};
+}
+
+class Packer {
+ public:
+  Packer() : messages_(1) { messages_[0].mutable_batch(); }
+
+  Status add(const Update& piece) {
+    v1::Update encoded = wire::encode(piece);
+    const std::size_t bytes = encoded.ByteSizeLong() + 8;  // with its tag and length
+    if (bytes > wire::kMaxUpdateBytes) {
+      return too_large(fmt::format("an update is {} bytes, of {} that one message may have", bytes,
+                                   wire::kMaxUpdateBytes));
+    }
+    if (++updates_ > kMaxUpdatesPerBatch)
+      return too_large(fmt::format("a batch may have {} updates", kMaxUpdatesPerBatch));
+    total_ += bytes;
+    if (total_ > kMaxBatchBytes)
+      return too_large(fmt::format("a batch may have {} bytes", kMaxBatchBytes));
+    if (filled_ + bytes > wire::kMaxUpdateBytes) {
+      messages_.back().mutable_batch()->set_more(true);
+      messages_.emplace_back().mutable_batch();
+      filled_ = 0;
+    }
+    filled_ += bytes;
+    *messages_.back().mutable_batch()->add_updates() = std::move(encoded);
+    return {};
+  }
+
+  std::vector<v1::StreamUpdatesRequest> messages() { return std::move(messages_); }
+
+ private:
+  std::vector<v1::StreamUpdatesRequest> messages_;
+  std::size_t updates_ = 0;
+  std::size_t filled_ = 0;
+  std::size_t total_ = 0;
+};
 
 constexpr int kAttempts = 4;
 
@@ -29,7 +65,7 @@ Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRe
                  response.replayed()};
 }
 
-// Safe to repeat, as every request has an id.
+// Safe to repeat: every request has an id, and the server applies an id once.
 Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   Backoff backoff(kAttempts);
   while (true) {
@@ -88,7 +124,7 @@ class Batches {
     return {};
   }
 
-  Applied take() { return std::move(total_); }
+  Applied result() { return std::move(total_); }
 
  private:
   const Connection& connection_;
@@ -96,12 +132,29 @@ class Batches {
   int sent_ = 0;
   v1::ApplyUpdatesRequest request_;
   wire::NodeAliases aliases_;
-  std::vector<NodeRef> puts_;  // of the message being filled
+  std::vector<NodeRef> puts_;  // of the message that is being filled
   std::size_t bytes_ = 0;
   Applied total_;
 };
 
 }  // namespace
+
+Result<std::vector<v1::StreamUpdatesRequest>> pack_batch(std::span<const Update> updates) {
+  if (const Status checked = wire::check(updates); !checked) return checked.error();
+  Packer packer;
+  for (const Update& update : updates) {
+    const Status added =
+        wire::each_piece(update, [&](const Update& piece) { return packer.add(piece); });
+    if (!added) return added.error();
+  }
+  return packer.messages();
+}
+
+void set_sequence(std::uint64_t sequence, std::vector<v1::StreamUpdatesRequest>& messages) {
+  for (v1::StreamUpdatesRequest& message : messages) {
+    message.mutable_batch()->set_sequence(sequence);
+  }
+}
 
 Result<Applied> apply(const Connection& connection, const std::string& scene,
                       std::span<const Update> updates, const ApplyOptions& options) {
@@ -130,7 +183,7 @@ Result<Applied> apply_in_batches(const Connection& connection, const std::string
     if (!added) return added.error();
   }
   if (const Status sent = batches.flush(); !sent) return sent.error();
-  return batches.take();
+  return batches.result();
 }
 
 }  // namespace sightline::client::calls

@@ -1,4 +1,4 @@
-// Copies of rows.
+// Copies rows of columns.
 #include "client/calls/columns.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ void copy_rows(std::span<const T> from, std::size_t first, std::size_t width, st
   std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(first * width), to.size(), to.begin());
 }
 
-// A bound that the caller left out is filled in: the message has either both or none.
+// A bound that the caller left out is filled in: a message has both bounds or neither.
 template <class T>
 void copy_bound(std::span<const T> from, std::size_t first, T otherwise, std::span<T> to) {
   if (from.empty()) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "client/cast_options.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {
@@ -15,26 +14,26 @@ RayShape shape_of(const RayColumns<const Scalar>& rays) {
   return {!rays.tmin.empty() || !rays.tmax.empty(), !rays.masks.empty()};
 }
 
-/// The columns that are not empty.
+/// The fields of the columns that are not empty.
 HitFields fields_of(const HitColumns& hits);
 
-/// Errors: kInvalidArgument for kAll, whose answers have not a row a ray.
+/// Errors: kInvalidArgument for kAll, because its answers do not have one row per ray.
 Status check_kind(QueryKind kind);
 
-/// Errors: kInvalidArgument, naming the column, where one has not a row a ray.
+/// Errors: kInvalidArgument, naming the column, if a column does not have one row per ray.
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);
 
-/// Fills all of `room` with the rays from number `first` on.
+/// Fills all of `room` with rays, beginning with ray `first`.
 template <class Scalar>
 void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
                const RayColumns<Scalar>& room);
 
-/// The rays, message by message. They outlive it.
+/// A source that gives the rays message by message. The columns of `rays` must outlive it.
 template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
 
-/// Puts the answers in their place, from row `first` on.
+/// Copies the answers into the columns, beginning at row `first`.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 
 }  // namespace sightline::client::calls

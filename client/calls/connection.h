@@ -1,14 +1,18 @@
-// What every call needs: the stubs and the options of one connection. Internal to the library.
+// The connection to a server: stubs, deadlines, retries, errors and request ids. Internal to the
+// library.
 #pragma once
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 
-#include "client/client.h"
+#include "client/result.h"
 #include "sightline/v1/blob.grpc.pb.h"
 #include "sightline/v1/query.grpc.pb.h"
 #include "sightline/v1/scene.grpc.pb.h"
@@ -16,76 +20,81 @@
 
 namespace sightline::client::calls {
 
+/// Opens a channel. gRPC retries calls that only read when the server is unavailable
+/// (kServiceConfig).
+std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint);
+
+void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
+
+/// Converts a status that is not OK. The reason is that of the google.rpc.ErrorInfo in its details,
+/// or empty if there is none.
+Error rpc_error(const grpc::Status& status);
+
+/// Converts an error that stands within a message. `code` is a google.rpc.Code.
+Error rpc_error(int code, const std::string& message, const std::string& reason);
+
+/// Whether the connection broke or the server went away, so that a call that is safe to repeat may
+/// be repeated. gRPC reports `unknown` for a call whose connection was closed during it.
+inline bool is_broken_connection(Code code) {
+  return code == Code::kUnavailable || code == Code::kUnknown;
+}
+
+class Backoff {
+ public:
+  explicit Backoff(int attempts) : attempts_(attempts) {}
+
+  /// Call this after an attempt that made progress.
+  void reset() {
+    failed_ = 0;
+    pause_ = kFirstPause;
+  }
+  /// Counts a failed attempt. Returns false if it was the last one allowed.
+  bool again() { return ++failed_ < attempts_; }
+  /// How long to wait before the next attempt. Each call doubles the pause, up to a limit.
+  std::chrono::milliseconds pause() {
+    const auto now = pause_;
+    pause_ = std::min(2 * pause_, kLongestPause);
+    return now;
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kFirstPause{100};
+  static constexpr std::chrono::milliseconds kLongestPause{2000};
+
+  int attempts_;
+  int failed_ = 0;
+  std::chrono::milliseconds pause_ = kFirstPause;
+};
+
+/// 32 random hex digits. 122 bits are random, as in a UUID of version 4.
+std::string random_request_id();
+
 namespace v1 = ::sightline::v1;
 
 struct Connection {
-  Connection(const std::shared_ptr<grpc::Channel>& channel_in_use, const ClientOptions& given)
+  Connection(const std::shared_ptr<grpc::Channel>& channel_in_use,
+             std::optional<std::chrono::milliseconds> call_timeout)
       : channel(channel_in_use),
         scenes(v1::SceneService::NewStub(channel_in_use)),
         blobs(v1::BlobService::NewStub(channel_in_use)),
         queries(v1::RayQueryService::NewStub(channel_in_use)),
         server(v1::ServerService::NewStub(channel_in_use)),
-        options(given) {}
+        timeout(call_timeout) {}
 
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::SceneService::Stub> scenes;
   std::unique_ptr<v1::BlobService::Stub> blobs;
   std::unique_ptr<v1::RayQueryService::Stub> queries;
   std::unique_ptr<v1::ServerService::Stub> server;
-  ClientOptions options;
+  std::optional<std::chrono::milliseconds> timeout;  ///< as ClientOptions::timeout
 
-  /// For calls that carry neither rays nor meshes.
+  /// The timeout of calls that carry neither rays nor meshes.
   std::chrono::milliseconds small_timeout() const {
-    return options.timeout.value_or(std::chrono::minutes(1));
+    return timeout.value_or(std::chrono::minutes(1));
   }
 };
 
-/// Requests are kept below this, which servers of this protocol are made for.
+/// Requests stay below this size, which every server of this protocol accepts.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
-
-Result<Applied> apply(const Connection& connection, const std::string& scene,
-                      std::span<const Update> updates, const ApplyOptions& options);
-Result<Applied> apply_in_batches(const Connection& connection, const std::string& scene,
-                                 std::span<const Update> updates, const ApplyOptions& options);
-
-Status watch(const Connection& connection, const std::string& scene,
-             std::optional<std::uint64_t> start, const SceneChangeSink& sink,
-             const std::stop_token& stop);
-
-Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
-                   const UploadProgress& progress, const std::stop_token& stop);
-
-Result<PrefetchReport> prefetch(const Connection& connection, const std::string& scene,
-                                const PrefetchOptions& options, const PrefetchProgress& progress);
-
-// Scalar is float or double.
-template <class Scalar>
-Result<CastReport> cast(const Connection& connection, const std::string& scene,
-                        const RayColumns<const Scalar>& rays, const HitColumns& hits,
-                        const CastOptions& options);
-template <class Scalar>
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RaySource<Scalar>& source, RayShape shape, HitFields fields,
-                               const HitSink& sink, const CastOptions& options);
-template <class Scalar>
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RayColumns<const Scalar>& rays, const HitColumns& hits,
-                               const CastOptions& options);
-
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RaySource<Scalar>& source, RayShape shape,
-                                     const PrefetchOptions& options,
-                                     const PrefetchProgress& progress);
-template <class Scalar>
-Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
-                                     const RayColumns<const Scalar>& rays,
-                                     const PrefetchOptions& options,
-                                     const PrefetchProgress& progress);
-
-template <class Scalar>
-Result<AllHits> cast_all(const Connection& connection, const std::string& scene,
-                         const RayColumns<const Scalar>& rays, HitFields fields,
-                         CastOptions options);
 
 }  // namespace sightline::client::calls

@@ -1,10 +1,11 @@
-// One call that answers with its progress; for rays one for each message of them.
+// A prefetch is one call that reports its progress. For rays there is one call for each message of
+// them.
+#include "client/calls/prefetch.h"
+
 #include <fmt/format.h>
 
-#include "client/calls/channel.h"
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -19,7 +20,7 @@ v1::PrefetchRequest describe(const std::string& scene, const PrefetchOptions& op
   return request;
 }
 
-// What the calls before have come to, and this one beside them.
+// Adds a response to the report of the calls before it.
 PrefetchReport sum(const PrefetchReport& before, const v1::PrefetchResponse& response) {
   PrefetchReport report;
   report.revision = response.served().revision();
@@ -39,7 +40,7 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
                             const PrefetchReport& before, const std::stop_token& stop,
                             const PrefetchProgress& progress) {
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   const auto reader = connection.queries->Prefetch(&context, request);
   PrefetchReport report = before;
@@ -76,7 +77,7 @@ Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::st
     v1::Rays& rays = *request.mutable_rays();
     const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
     if (!count) return count.error();
-    // Without any ray one call is made: an unknown scene is an error all the same.
+    // One call is made even without rays, so that an unknown scene is still an error.
     if (*count == 0 && !first) return report;
     wire::trim<Scalar>(*count, shape, rays);
     const auto grown = call(connection, request, report, options.stop, progress);

@@ -1,4 +1,4 @@
-// The server's rules, where they can be checked at home.
+// Checks the server's rules before anything is sent.
 #include "client/calls/scene_check.h"
 
 #include <fmt/format.h>
@@ -9,7 +9,8 @@
 namespace sightline::client::calls {
 namespace {
 
-// |A| |A^-1| of the linear part, by its cofactors; infinite or NaN where there is no inverse.
+// The condition number |A| |A^-1| of the linear part, by its cofactors. Infinite or NaN if there is
+// no inverse.
 double condition(const std::array<double, 12>& m) {
   const std::array<double, 9> a{m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
   std::array<double, 9> cofactors{};

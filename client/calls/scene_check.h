@@ -1,4 +1,4 @@
-// What can be told of an imported scene before a byte of it is sent.
+// Checks an imported scene before anything is sent.
 #pragma once
 
 #include "client/importer/imported_scene.h"
@@ -7,10 +7,10 @@
 
 namespace sightline::client::calls {
 
-/// Transforms are refused over this: no ray could be carried through them with any precision left.
+/// Transforms with a larger condition number are refused: a ray would lose all precision in them.
 inline constexpr double kMaxCondition = 1e12;
 
-/// Whether the server will take the scene. Errors, naming the node or mesh, the value and the
+/// Whether the server will accept the scene. Errors, naming the node or mesh, the value and the
 /// limit: kInvalidArgument (singular or nearly singular transform, hierarchy too deep),
 /// kResourceExhausted (mesh too big).
 Status check_scene(const importer::ImportedScene& scene, const ServerInfo& limits);

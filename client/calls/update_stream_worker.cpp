@@ -1,4 +1,5 @@
-// One thread opens the call and reads answers, a second, while a call lives, writes batches.
+// One thread opens the call and reads answers. While a call is open, a second thread writes
+// batches.
 #include "client/calls/update_stream_worker.h"
 
 #include <fmt/format.h>
@@ -6,8 +7,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/calls/rpc_error.h"
-#include "client/calls/update_batch.h"
+#include "client/calls/apply.h"
+#include "client/calls/connection.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -43,25 +44,25 @@ UpdateStreamWorker::~UpdateStreamWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
-Status UpdateStreamWorker::open(std::chrono::milliseconds patience) {
+Status UpdateStreamWorker::open(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  if (!changed_.wait_for(lock, patience, [this] { return opened_ || ended_; })) {
+  if (!changed_.wait_for(lock, timeout, [this] { return opened_ || ended_; })) {
     return Error{Code::kDeadlineExceeded,
-                 fmt::format("no stream of updates was opened in {} ms", patience.count()),
+                 fmt::format("no stream of updates was opened in {} ms", timeout.count()),
                  {}};
   }
   return failed_ ? Status(*failed_) : Status();
 }
 
-Result<std::optional<std::uint64_t>> UpdateStreamWorker::hand_over(Messages messages, bool waits) {
+Result<std::optional<std::uint64_t>> UpdateStreamWorker::enqueue(Messages messages, bool waits) {
   std::unique_lock lock(mutex_);
-  const auto may_go_on = [this] {
+  const auto may_enqueue = [this] {
     return ended_ || closing_ || unanswered_.size() < state_.window;
   };
-  if (waits) changed_.wait(lock, may_go_on);
+  if (waits) changed_.wait(lock, may_enqueue);
   if (failed_) return *failed_;
   if (ended_ || closing_) return closed();
-  if (!may_go_on()) return std::optional<std::uint64_t>();
+  if (!may_enqueue()) return std::optional<std::uint64_t>();
   const std::uint64_t sequence = ++state_.last_sent;
   set_sequence(sequence, messages);
   unanswered_.push_back({sequence, std::make_shared<const Messages>(std::move(messages))});
@@ -109,10 +110,10 @@ void UpdateStreamWorker::run() {
       context_ = &context;
       if (abandoned_) context.TryCancel();
     }
-    const Status ended = carry(context);
+    const Status ended = run_call(context);
     std::unique_lock lock(mutex_);
     context_ = nullptr;
-    if (!worth_another_try(ended)) {
+    if (!should_retry(ended)) {
       ended_ = true;
       lock.unlock();
       changed_.notify_all();
@@ -123,25 +124,26 @@ void UpdateStreamWorker::run() {
   }
 }
 
-// Sets failed_ where the answer is no, and the stream has not been closed.
-bool UpdateStreamWorker::worth_another_try(const Status& ended) {
+// Sets failed_ if there is no further attempt and the stream was not closed.
+bool UpdateStreamWorker::should_retry(const Status& ended) {
   if (is_done()) return false;
   if (abandoned_) {
     failed_ = closed();
     return false;
   }
-  // A call that the server ended well before all was answered is as good as broken.
+  // If the server ended the call without an error before all was answered, the call counts as
+  // broken.
   const Error error = ended
                           ? Error{Code::kUnavailable, "the server ended the stream of updates", {}}
                           : ended.error();
   const bool is_transient = is_broken_connection(error.code) || error.code == Code::kCancelled;
-  if (std::exchange(moved_on_, false)) backoff_.reset();
+  if (std::exchange(progressed_, false)) backoff_.reset();
   if (opened_ && !failed_ && is_transient && backoff_.again()) return true;
   if (!failed_) failed_ = error;
   return false;
 }
 
-Status UpdateStreamWorker::carry(grpc::ClientContext& context) {
+Status UpdateStreamWorker::run_call(grpc::ClientContext& context) {
   const std::unique_ptr<Call> call = stub_->StreamUpdates(&context);
   v1::StreamUpdatesResponse response;
   if (!call->Write(opening_) || !call->Read(&response)) {
@@ -155,10 +157,10 @@ Status UpdateStreamWorker::carry(grpc::ClientContext& context) {
     return resumed;
   }
   std::thread writing([&] { write_batches(*call); });
-  while (call->Read(&response)) take(response);
+  while (call->Read(&response)) receive(response);
   {
     const std::lock_guard lock(mutex_);
-    linked_ = false;
+    connected_ = false;
   }
   changed_.notify_all();
   writing.join();
@@ -166,7 +168,7 @@ Status UpdateStreamWorker::carry(grpc::ClientContext& context) {
   return status.ok() ? Status() : Status(rpc_error(status));
 }
 
-// The server says what it has committed; what follows is to be sent.
+// The server says which batches it has committed. All later ones are sent again.
 Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   if (!first.has_opened())
     return Error{Code::kInternal, "the server answered before it opened a stream of updates", {}};
@@ -185,12 +187,12 @@ Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
                              committed, state_.last_sent, state_.last_answered),
                  "PRODUCER_CHANGED"};
   }
-  opened_ = linked_ = true;
-  moved_on_ = false;
+  opened_ = connected_ = true;
+  progressed_ = false;
   state_.window = std::max(opened.window(), 1U);
   coalesced_in_calls_ = state_.coalesced;
   next_to_write_ = committed + 1;
-  // Answers that were lost with the connection.
+  // Answers that were lost with the broken connection.
   StreamAck missed{committed, opened.revision().revision(), opened.revision().token(), {}};
   for (const v1::PutNodes& put : opened.put()) {
     if (put.sequence() > state_.last_answered) missed.put.push_back(decode(put));
@@ -199,8 +201,8 @@ Status UpdateStreamWorker::resume(const v1::StreamUpdatesResponse& first) {
   lock.unlock();
   if (is_news && options_.on_ack) options_.on_ack(missed);
   lock.lock();
-  reached(opened.revision());
-  answered(committed);
+  set_revision(opened.revision());
+  mark_answered(committed);
   lock.unlock();
   changed_.notify_all();
   return {};
@@ -217,56 +219,56 @@ void UpdateStreamWorker::write_batches(Call& call) {
   call.WritesDone();
 }
 
-// Waits for it; nothing if the call is over, or there will be none.
+// Waits for a batch to write. Returns null if the call has ended, or if no batch will follow.
 std::shared_ptr<const UpdateStreamWorker::Messages> UpdateStreamWorker::next_to_write() {
   std::unique_lock lock(mutex_);
   const auto all_written = [this] {
     return unanswered_.empty() || next_to_write_ > unanswered_.back().sequence;
   };
-  changed_.wait(lock, [&] { return !linked_ || closing_ || !all_written(); });
-  if (!linked_ || all_written()) return nullptr;
+  changed_.wait(lock, [&] { return !connected_ || closing_ || !all_written(); });
+  if (!connected_ || all_written()) return nullptr;
   next_to_write_ = std::max(next_to_write_, unanswered_.front().sequence);
   return unanswered_[next_to_write_++ - unanswered_.front().sequence].messages;
 }
 
-void UpdateStreamWorker::take(const v1::StreamUpdatesResponse& response) {
-  if (response.has_ack()) take(response.ack());
-  if (response.has_reject()) take(response.reject());
+void UpdateStreamWorker::receive(const v1::StreamUpdatesResponse& response) {
+  if (response.has_ack()) receive(response.ack());
+  if (response.has_reject()) receive(response.reject());
   changed_.notify_all();
 }
 
-void UpdateStreamWorker::take(const v1::UpdateAck& ack) {
-  StreamAck told{ack.up_to_sequence(), ack.revision().revision(), ack.revision().token(), {}};
+void UpdateStreamWorker::receive(const v1::UpdateAck& ack) {
+  StreamAck accepted{ack.up_to_sequence(), ack.revision().revision(), ack.revision().token(), {}};
   for (const v1::PutNodes& put : ack.put()) {
-    told.put.push_back(decode(put));
+    accepted.put.push_back(decode(put));
   }
-  // Told first: who waits for the batch then knows what there was to tell.
-  if (options_.on_ack) options_.on_ack(told);
+  // Called first, so that a thread that waits for the batch finds the callback done.
+  if (options_.on_ack) options_.on_ack(accepted);
   const std::lock_guard lock(mutex_);
   state_.coalesced = coalesced_in_calls_ + ack.coalesced();
-  reached(ack.revision());
-  answered(ack.up_to_sequence());
+  set_revision(ack.revision());
+  mark_answered(ack.up_to_sequence());
 }
 
-void UpdateStreamWorker::take(const v1::UpdateReject& reject) {
+void UpdateStreamWorker::receive(const v1::UpdateReject& reject) {
   const Error error = rpc_error(reject.code(), reject.message(), reject.reason());
   if (options_.on_reject) options_.on_reject({reject.sequence(), error});
   const std::lock_guard lock(mutex_);
   ++state_.rejected;
   rejects_.insert_or_assign(reject.sequence(), error);
   if (rejects_.size() > kRejectsKept) rejects_.erase(rejects_.begin());
-  answered(reject.sequence());  // as are all before it
+  mark_answered(reject.sequence());  // and all batches before it
 }
 
-void UpdateStreamWorker::reached(const v1::SceneRevision& revision) {
+void UpdateStreamWorker::set_revision(const v1::SceneRevision& revision) {
   state_.revision = revision.revision();
   state_.token = revision.token();
 }
 
-void UpdateStreamWorker::answered(std::uint64_t up_to) {
+void UpdateStreamWorker::mark_answered(std::uint64_t up_to) {
   if (up_to <= state_.last_answered) return;
   state_.last_answered = up_to;
-  moved_on_ = true;
+  progressed_ = true;
   while (!unanswered_.empty() && unanswered_.front().sequence <= up_to) unanswered_.pop_front();
 }
 

@@ -1,5 +1,5 @@
-// What an UpdateStream is made of: the batches on their way, and the thread that carries them.
-// Internal to the library.
+// The batches of an UpdateStream that are not answered, and the thread that sends them. Internal to
+// the library.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -15,8 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "client/calls/backoff.h"
-#include "client/update_stream.h"
+#include "client/calls/connection.h"
+#include "client/result.h"
+#include "client/update.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::client::calls {
@@ -31,10 +32,11 @@ class UpdateStreamWorker {
                      const std::string& producer, UpdateStreamOptions options);
   ~UpdateStreamWorker();
 
-  /// Waits for the first opening. Errors: what it came to; kDeadlineExceeded.
-  Status open(std::chrono::milliseconds patience);
-  /// Takes the messages of one batch; nothing if the window is full and `waits` is not set.
-  Result<std::optional<std::uint64_t>> hand_over(Messages messages, bool waits);
+  /// Waits for the first opening. Errors: those of the call; kDeadlineExceeded.
+  Status open(std::chrono::milliseconds timeout);
+  /// Adds the messages of one batch and returns its sequence number. Returns nothing if the window
+  /// is full and `waits` is false.
+  Result<std::optional<std::uint64_t>> enqueue(Messages messages, bool waits);
   Status wait(std::uint64_t sequence);
   Status flush();
   Status close();
@@ -45,21 +47,21 @@ class UpdateStreamWorker {
 
   struct Batch {
     std::uint64_t sequence = 0;
-    std::shared_ptr<const Messages> messages;  // the writing thread may still be at them
+    std::shared_ptr<const Messages> messages;  // shared: the writing thread may still use them
   };
 
   void run();
-  Status carry(grpc::ClientContext& context);
+  Status run_call(grpc::ClientContext& context);
   Status resume(const v1::StreamUpdatesResponse& first);
   void write_batches(Call& call);
   std::shared_ptr<const Messages> next_to_write();
-  void take(const v1::StreamUpdatesResponse& response);
-  void take(const v1::UpdateAck& ack);
-  void take(const v1::UpdateReject& reject);
-  void reached(const v1::SceneRevision& revision);
-  void answered(std::uint64_t up_to);
+  void receive(const v1::StreamUpdatesResponse& response);
+  void receive(const v1::UpdateAck& ack);
+  void receive(const v1::UpdateReject& reject);
+  void set_revision(const v1::SceneRevision& revision);
+  void mark_answered(std::uint64_t up_to);
   bool is_done() const { return closing_ && unanswered_.empty(); }
-  bool worth_another_try(const Status& ended);
+  bool should_retry(const Status& ended);
   void fail(const Error& error);
 
   const std::unique_ptr<v1::SceneService::Stub> stub_;
@@ -68,22 +70,22 @@ class UpdateStreamWorker {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  grpc::ClientContext* context_ = nullptr;  // of the call there is, to cancel it
-  bool opened_ = false;                     // once
-  bool linked_ = false;                     // now
-  bool closing_ = false;                    // no more is sent
+  grpc::ClientContext* context_ = nullptr;  // of the open call, used to cancel it
+  bool opened_ = false;                     // at least once
+  bool connected_ = false;                  // at present
+  bool closing_ = false;                    // no further batch is accepted
   bool abandoned_ = false;
   bool ended_ = false;
-  bool moved_on_ = false;        // since the call was opened, something was answered
-  std::optional<Error> failed_;  // why it has ended
+  bool progressed_ = false;      // some batch was answered since the call was opened
+  std::optional<Error> failed_;  // why the stream ended
   std::deque<Batch> unanswered_;
-  std::uint64_t next_to_write_ = 1;       // sequence
-  std::uint64_t coalesced_in_calls_ = 0;  // of the calls before this one
+  std::uint64_t next_to_write_ = 1;       // a sequence number
+  std::uint64_t coalesced_in_calls_ = 0;  // sum over the calls before this one
   std::map<std::uint64_t, Error> rejects_;
   UpdateStreamState state_;
 
   Backoff backoff_;
-  std::thread thread_;  // the last member: it uses all others
+  std::thread thread_;  // must be the last member: it uses all others
 };
 
 }  // namespace sightline::client::calls

@@ -1,13 +1,13 @@
-// A mesh on its way to the server, a chunk at a time.
+// Sends a mesh to the server in chunks.
+#include "client/calls/upload.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
-#include "client/calls/channel.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -28,12 +28,12 @@ Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
   return response;
 }
 
-// Sends everything from `offset` on, in one call.
+// Sends all bytes from `offset` on, in one call.
 Status send_from(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                  std::uint64_t offset, const UploadProgress& progress,
                  const std::stop_token& stop) {
   grpc::ClientContext context;
-  set_timeout(context, connection.options.timeout);
+  set_timeout(context, connection.timeout);
   const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   v1::UploadBlobResponse response;
   const auto writer = connection.blobs->UploadBlob(&context, &response);
@@ -56,13 +56,13 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
   return status.ok() ? Status() : Status(rpc_error(status));
 }
 
-bool worth_another_try(const Error& error) {
-  // Out of range: somebody else has added to the same upload meanwhile.
+bool should_retry(const Error& error) {
+  // Out of range: another client has added to the same upload meanwhile.
   return error.code == Code::kUnavailable || error.code == Code::kOutOfRange;
 }
 
-// Takes up an earlier upload where it has stopped; a mesh of one chunk is sooner sent than asked
-// about.
+// Continues an earlier upload where it stopped. A mesh of one chunk is sent at once, because asking
+// first would cost as much.
 Status upload_once(const Connection& connection, const MeshBlob& mesh, const std::string& digest,
                    const UploadProgress& progress, const std::stop_token& stop) {
   if (mesh.size() <= kChunkBytes) return send_from(connection, mesh, digest, 0, progress, stop);
@@ -80,7 +80,7 @@ Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std
   auto pause = kFirstPause;
   for (int attempt = 1;; ++attempt, pause *= 2) {
     Status uploaded = upload_once(connection, mesh, digest, progress, stop);
-    if (uploaded || attempt == kAttempts || !worth_another_try(uploaded.error())) return uploaded;
+    if (uploaded || attempt == kAttempts || !should_retry(uploaded.error())) return uploaded;
     std::this_thread::sleep_for(pause);
   }
 }

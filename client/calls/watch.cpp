@@ -1,4 +1,4 @@
-// One call that answers for as long as it is wanted, taken up again where it broke.
+// One long call that is opened again after the connection breaks.
 #include "client/calls/watch.h"
 
 #include <chrono>
@@ -6,17 +6,15 @@
 #include <mutex>
 #include <utility>
 
-#include "client/calls/backoff.h"
 #include "client/calls/connection.h"
-#include "client/calls/rpc_error.h"
-#include "client/wire/update_codec.h"
+#include "client/wire/scene_codec.h"
 
 namespace sightline::client::calls {
 namespace {
 
 constexpr int kAttempts = 8;
 
-// False if a stop was requested meanwhile.
+// Returns false if a stop was requested meanwhile.
 bool sleep(std::chrono::milliseconds pause, const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
@@ -39,7 +37,7 @@ class Watch {
     while (true) {
       const std::uint64_t seen = messages_;
       Status ended = read();
-      if (unwanted_) return {};
+      if (stopped_by_sink_) return {};
       if (ended) ended = Error{Code::kUnavailable, "the server ended the watch", {}};
       if (messages_ > seen) backoff.reset();
       if (!is_broken_connection(ended.error().code) || !backoff.again()) return ended;
@@ -57,15 +55,15 @@ class Watch {
     change_ = {};
     while (reader->Read(&response)) {
       ++messages_;
-      if (good && !unwanted_) good = take(response);
-      if (!good || unwanted_) context.TryCancel();
+      if (good && !stopped_by_sink_) good = receive(response);
+      if (!good || stopped_by_sink_) context.TryCancel();
     }
     const grpc::Status status = reader->Finish();
     if (!good) return good;
     return status.ok() ? Status() : Status(rpc_error(status));
   }
 
-  Status take(const v1::WatchSceneResponse& response) {
+  Status receive(const v1::WatchSceneResponse& response) {
     for (const v1::Update& update : response.updates()) {
       auto decoded = wire::decode(update);
       if (!decoded) return decoded.error();
@@ -75,8 +73,8 @@ class Watch {
     change_.revision = response.revision().revision();
     change_.token = response.revision().token();
     change_.is_progress = response.progress();
-    request_.set_start_revision(change_.revision);  // to go on with, if the connection breaks
-    unwanted_ = !sink_(change_);
+    request_.set_start_revision(change_.revision);  // where to continue if the connection breaks
+    stopped_by_sink_ = !sink_(change_);
     change_ = {};
     return {};
   }
@@ -85,9 +83,9 @@ class Watch {
   const SceneChangeSink& sink_;
   const std::stop_token& stop_;
   v1::WatchSceneRequest request_;
-  SceneChange change_;  // of which parts have come
+  SceneChange change_;  // collects the parts of one change
   std::uint64_t messages_ = 0;
-  bool unwanted_ = false;
+  bool stopped_by_sink_ = false;
 };
 
 }  // namespace

@@ -1,25 +1,20 @@
-// What happens to a scene, revision by revision.
+// Reads the revisions of a scene as they are made. Internal to the library.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <optional>
+#include <stop_token>
 #include <string>
-#include <vector>
 
+#include "client/result.h"
 #include "client/update.h"
 
 namespace sightline::client::calls {
 
-struct SceneChange {
-  std::uint64_t revision = 0;
-  std::string token;  ///< Of the revision, for Consistency::at_least.
-  /// What made it: nodes by their ids, those that were put new too.
-  std::vector<Update> updates;
-  /// Nothing new: this revision has been reached. Comes at the start, and then every few seconds.
-  bool is_progress = false;
-};
+struct Connection;
 
-/// Takes the revisions in order and without gaps, on the thread that watches; false ends the watch.
-using SceneChangeSink = std::function<bool(const SceneChange& change)>;
+Status watch(const Connection& connection, const std::string& scene,
+             std::optional<std::uint64_t> start, const SceneChangeSink& sink,
+             const std::stop_token& stop);
 
 }  // namespace sightline::client::calls

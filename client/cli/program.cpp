@@ -1,4 +1,4 @@
-// The flags of the whole command, and what happens with their errors.
+// Adds the flags of the whole command and handles their errors.
 #include "client/cli/program.h"
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 #include <exception>
 #include <string>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/flags.h"
 #include "client/cli/session.h"
 #include "client/cli/verbs/verbs.h"
 

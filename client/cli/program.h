@@ -3,7 +3,7 @@
 
 namespace sightline::client::cli {
 
-/// Does what the arguments say, and returns the exit code.
+/// Runs the command with these arguments, and returns its exit code.
 int run_program(int argc, const char* const* argv);
 
 }  // namespace sightline::client::cli

@@ -1,11 +1,9 @@
-// Flags to a connection, values to text.
+// Makes connections from flags, and JSON from values.
 #include "client/cli/session.h"
 
-#include <CLI/CLI.hpp>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
-
-#include "client/cli/arguments.h"
 
 namespace sightline::client::cli {
 
@@ -31,42 +29,6 @@ Json json_of_axis(UpAxis axis) {
 
 Json json_of_unit(double meters_per_unit) {
   return meters_per_unit > 0 ? Json(meters_per_unit) : Json(nullptr);
-}
-
-void require_verb(CLI::App& app) {
-  // Not App::require_subcommand: its complaint comes first and does not name the word that is no
-  // verb.
-  app.require_subcommand(0, 1);
-  app.callback([&app] {
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A verb");
-  });
-}
-
-void add_scene_argument(CLI::App& verb, std::string& name) {
-  verb.add_option("SCENE", name, "The scene: a name, or projects/PROJECT/scenes/NAME")
-      ->required()
-      ->transform(CLI::Validator(
-          [](std::string& text) -> std::string {
-            const auto full = parse_scene_name(text);
-            if (!full) {
-              return "'" + text +
-                     "' is no scene name: 1 to 63 of a-z 0-9 . _ -, the first a letter or digit";
-            }
-            text = *full;
-            return {};
-          },
-          ""));
-}
-
-CLI::Validator positive_number() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        const auto number = parse_number(text);
-        return number && *number > 0 && std::isfinite(*number)
-                   ? ""
-                   : "'" + text + "' is not a number above 0";
-      },
-      "");
 }
 
 }  // namespace sightline::client::cli

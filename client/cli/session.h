@@ -1,30 +1,29 @@
-// What all verbs share: the global flags, the connection, the two ways of printing.
+// What all verbs share: the global flags, the connection, and JSON output.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 #include "client/client.h"
 
 namespace sightline::client::cli {
 
-/// One run of the command. Verbs read the flags when they run, by then all arguments are parsed.
+/// One run of the command. Verbs read the flags when they run; all arguments are parsed by then.
 struct Session {
   std::string endpoint = "127.0.0.1:50151";
   bool json = false;
-  std::optional<double> deadline;  ///< Seconds a call may take.
-  ExitCode exit = kOk;             ///< What the verb came to.
+  std::optional<double> deadline;  ///< seconds that a call may take
+  ExitCode exit = kOk;             ///< the result of the verb
 
   Result<Client> connect() const;
 };
 
 using Json = nlohmann::ordered_json;
 
-/// One document on stdout.
+/// Prints one document on stdout.
 void print_json(const Json& document);
 
 /// "y", "z" or null.
@@ -32,14 +31,5 @@ Json json_of_axis(UpAxis axis);
 
 /// A positive number, or null for what is unknown.
 Json json_of_unit(double meters_per_unit);
-
-/// Makes it a usage error to name none of the verbs under `app`, or one that is none.
-void require_verb(CLI::App& app);
-
-/// Adds the positional SCENE; `name` gets the full resource name.
-void add_scene_argument(CLI::App& verb, std::string& name);
-
-/// For an option that takes a number above 0.
-CLI::Validator positive_number();
 
 }  // namespace sightline::client::cli

@@ -1,4 +1,4 @@
-// Products and inverses, written out.
+// Products, inverses and compositions of affine maps.
 #include "client/importer/affine.h"
 
 #include <cstddef>

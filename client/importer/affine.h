@@ -8,10 +8,10 @@ namespace sightline::client::importer {
 Transform operator*(const Transform& a, const Transform& b);
 Point operator*(const Transform& m, const Point& p);
 
-/// Not finite where there is none.
+/// The result is not finite if there is no inverse.
 Transform inverse(const Transform& m);
 
-/// Scaled, then rotated, then moved.
+/// Scales, then rotates, then translates.
 Transform compose(const Point& position, const Quaternion& rotation, const Point& scaling);
 
 }  // namespace sightline::client::importer

@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "client/importer/imported_scene.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 
 using Point = std::array<double, 3>;
-using Quaternion = std::array<double, 4>;  ///< w x y z, of unit length.
+using Quaternion = std::array<double, 4>;  ///< w x y z, of unit length
 
-/// What a track is before its first key or after its last.
+/// The value of a track before its first key or after its last key.
 enum class Beyond : std::uint8_t {
-  kHold,         ///< The nearest key.
-  kExtrapolate,  ///< On along the two nearest keys.
-  kRepeat,       ///< From the other end on.
+  kHold,         ///< the nearest key
+  kExtrapolate,  ///< continues along the two nearest keys
+  kRepeat,       ///< repeats from the other end
 };
 
 template <class Value>
@@ -27,8 +27,8 @@ struct Key {
   Value value{};
 };
 
-/// Keys in order of time, at least one. Between two of them values are mixed, rotations on the
-/// shorter arc.
+/// Keys in order of time, at least one. Values between two keys are interpolated, rotations along
+/// the shorter arc.
 template <class Value>
 struct Track {
   std::vector<Key<Value>> keys;
@@ -36,7 +36,7 @@ struct Track {
   Beyond after = Beyond::kHold;
 };
 
-/// A node's transform: scaled, then rotated, then moved.
+/// A node's transform: scaling, then rotation, then translation.
 struct NodeChannel {
   std::uint32_t node = kNone;
   Track<Point> positions;
@@ -44,8 +44,8 @@ struct NodeChannel {
   Track<Point> scalings;
 };
 
-/// Vertices of a mesh that follow nodes. Vertex v follows those of influences[first[v]] up to
-/// influences[first[v + 1]], whose weights add up to 1; none: it stays.
+/// Vertices of a mesh that follow nodes. Vertex v follows influences[first[v]] up to
+/// influences[first[v + 1]], whose weights add up to 1. A vertex without influences stays.
 struct Skin {
   struct Bone {
     std::uint32_t node = kNone;
@@ -55,41 +55,43 @@ struct Skin {
     std::uint32_t bone = 0;
     double weight = 0;
   };
-  std::vector<Bone> bones;  ///< Empty: the mesh has no skin.
+  std::vector<Bone> bones;  ///< empty: the mesh has no skin
   std::vector<std::uint32_t> first;
   std::vector<Influence> influences;
 };
 
-/// Other shapes of a mesh: how far each vertex is from where the mesh has it.
+/// Other shapes of a mesh (morph targets), as the offset of each vertex.
 using Shapes = std::vector<std::vector<std::array<float, 3>>>;
 
-/// A node whose mesh changes its vertices. Shapes are blended first, then the skin is put on.
+/// A node whose mesh changes its vertices. Shapes are blended first, then the skin is applied.
 struct Deformation {
   std::uint32_t node = kNone;
   std::uint32_t mesh = kNone;
-  Track<std::vector<double>> weights;  ///< Of the mesh's shapes; no keys: they are not animated.
+  Track<std::vector<double>> weights;  ///< weights of the mesh's shapes; no keys: not animated
 };
 
 struct Animation {
   std::string name;
-  double seconds = 0;  ///< From its begin, 0, to its end.
+  double seconds = 0;  ///< duration; the animation starts at 0
   std::vector<NodeChannel> channels;
   std::vector<Deformation> deformations;
 };
 
-/// What poses are made with: the scene as it is in the file, and the way from there.
+/// What poses are computed from: the scene as it is in the file, and the transform from there to
+/// the imported scene.
 struct Rig {
-  std::vector<Transform> parent_from_local;  ///< Of each node at rest, in the file.
-  Transform scene_from_file = kIdentity;     ///< Was put before the roots.
-  Point offset{};  ///< Was taken from all vertices, and put into the nodes that carry them.
-  std::vector<Skin> skins;     ///< By mesh.
-  std::vector<Shapes> shapes;  ///< By mesh.
+  std::vector<Transform> parent_from_local;  ///< of each node at rest, in the file
+  Transform scene_from_file = kIdentity;     ///< applied before the roots
+  /// Subtracted from all vertices, and added to the transforms of the nodes that carry them
+  Point offset{};
+  std::vector<Skin> skins;     ///< by mesh
+  std::vector<Shapes> shapes;  ///< by mesh
 };
 
 struct AnimatedScene {
   ImportedScene scene;
   Rig rig;
-  std::vector<Animation> animations;  ///< Of those in the file, all that move something.
+  std::vector<Animation> animations;  ///< all animations of the file that move something
 };
 
 }  // namespace sightline::client::importer

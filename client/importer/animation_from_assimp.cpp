@@ -1,4 +1,4 @@
-// Names become places of nodes, ticks become seconds.
+// Converts names to indices of nodes, and ticks to seconds.
 #include "client/importer/animation_from_assimp.h"
 
 #include <assimp/anim.h>
@@ -10,18 +10,18 @@
 #include <set>
 #include <utility>
 
-#include "client/importer/node_name.h"
+#include "client/importer/scene_from_assimp.h"
 #include "client/importer/skin_from_assimp.h"
 
 namespace sightline::client::importer {
 namespace {
 
-constexpr double kUsualTicksPerSecond = 25;  // where a file does not say, by Assimp's convention
+constexpr double kUsualTicksPerSecond = 25;  // Assimp's convention if the file states no rate
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
-// Assimp's default would be the node's own transform; glTF and Collada, which leave it at that,
-// both hold the nearest key.
+// Assimp's default is the node's own transform. glTF and Collada, which keep that default, both
+// hold the nearest key.
 Beyond beyond(aiAnimBehaviour behaviour) {
   if (behaviour == aiAnimBehaviour_LINEAR) return Beyond::kExtrapolate;
   if (behaviour == aiAnimBehaviour_REPEAT) return Beyond::kRepeat;
@@ -116,7 +116,7 @@ class AnimationReader {
     return track;
   }
 
-  // What a channel leaves out is as the node has it at rest.
+  // Fills the tracks that a channel leaves out with the node's transform at rest.
   static void complete(const aiNode& node, NodeChannel& channel) {
     aiVector3D scaling, position;
     aiQuaternion rotation;
@@ -146,7 +146,7 @@ class AnimationReader {
     return channel;
   }
 
-  // Channels of what is no node, a camera's say, move nothing here.
+  // A channel whose name is no node, for example a camera, is ignored.
   Status read_channels(const aiAnimation& source, double rate, Animation& animation) const {
     std::set<std::uint32_t> seen;
     for (unsigned i = 0; i < source.mNumChannels; ++i) {
@@ -160,7 +160,7 @@ class AnimationReader {
     return {};
   }
 
-  // Of the first `shapes` shapes: what is said of others, which there are not, moves nothing.
+  // Weights of the first `shapes` shapes. Weights of shapes that do not exist are ignored.
   static Track<std::vector<double>> weights(const aiMeshMorphAnim& source, std::size_t shapes,
                                             double rate, Animation& animation) {
     Track<std::vector<double>> track;
@@ -179,7 +179,7 @@ class AnimationReader {
     return track;
   }
 
-  // The channel of a node's shapes: it bears the node's name, or that of the mesh.
+  // The channel of a node's shapes. Its name is that of the node or of the mesh.
   static const aiMeshMorphAnim* channel_for(const aiAnimation& source, const aiNode& node,
                                             const aiMesh& mesh) {
     for (unsigned i = 0; i < source.mNumMorphMeshChannels; ++i) {

@@ -9,10 +9,10 @@
 
 namespace sightline::client::importer {
 
-/// Takes the converted scene over; what turns or rebases it later is to be told to its rig. Keys
-/// are mixed linearly, as Assimp does not say where a file wants otherwise. Errors:
-/// kInvalidArgument: keys that are not finite or not in order of time, an animation that never
-/// ends, a bone that is no node, a weight of a vertex that there is not.
+/// Takes the converted scene. A later turn or rebasing of the scene must be recorded in the rig.
+/// Keys are interpolated linearly, because Assimp does not report other modes. Errors:
+/// kInvalidArgument: keys that are not finite or not in order of time, an animation without an end,
+/// a bone that is no node, a weight for a vertex that does not exist.
 Result<AnimatedScene> animation_from_assimp(const aiScene& source, ConvertedScene converted);
 
 }  // namespace sightline::client::importer

@@ -1,4 +1,4 @@
-// Assimp's importer and what it says.
+// Runs Assimp's importer and reports its errors.
 #include "client/importer/assimp_file.h"
 
 #include <assimp/importerdesc.h>
@@ -18,7 +18,8 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   explicit ProgressAdapter(ImportProgress progress) : progress_(std::move(progress)) {}
 
   bool Update(float fraction) override {
-    // Negative: Assimp does not know. The bar must not run backwards over Assimp's passes either.
+    // Negative: Assimp does not know the progress. The value must not fall between Assimp's passes
+    // either.
     reached_ = std::max(reached_, std::min(static_cast<double>(fraction), 1.0));
     progress_(reached_);
     return true;
@@ -31,19 +32,19 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
 
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
-Status check_polygon(const aiMesh& mesh, unsigned place) {
-  const aiFace& face = mesh.mFaces[place];
+Status check_polygon(const aiMesh& mesh, unsigned index) {
+  const aiFace& face = mesh.mFaces[index];
   for (unsigned k = 0; k < face.mNumIndices; ++k) {
     if (face.mIndices[k] < mesh.mNumVertices) continue;
     return invalid(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
-                               mesh.mName.C_Str(), place, face.mIndices[k], mesh.mNumVertices));
+                               mesh.mName.C_Str(), index, face.mIndices[k], mesh.mNumVertices));
   }
   return {};
 }
 
-// Before they are cut: Assimp reads whatever vertices a polygon names. And it takes a face without
-// corners for a polygon, and stops the program if a mesh that is said to hold polygons, or nothing,
-// turns out to hold none.
+// Checks polygons before Assimp cuts them, because Assimp does not check their vertex indices.
+// Assimp also aborts if a mesh that claims to hold polygons, or nothing, holds none; so the flags
+// are corrected here.
 Status settle_polygons(aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     aiMesh& mesh = *scene.mMeshes[m];

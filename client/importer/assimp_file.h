@@ -1,4 +1,4 @@
-// A scene file as Assimp reads it. Internal to the importer.
+// A scene file read by Assimp. Internal to the importer.
 #pragma once
 
 #include <assimp/scene.h>
@@ -8,22 +8,22 @@
 #include <memory>
 #include <string>
 
-#include "client/importer/assimp_import.h"
+#include "client/importer/imported_scene.h"
 #include "client/result.h"
 
 namespace sightline::client::importer {
 
 class AssimpFile {
  public:
-  /// Reads it, triangulates and does nothing else. Errors: kInvalidArgument, with Assimp's own
-  /// words where it has some: unreadable, incomplete, a polygon of vertices that there are not. May
-  /// throw what Assimp throws.
+  /// Reads and triangulates the file, and changes nothing else. Errors: kInvalidArgument, with
+  /// Assimp's message if it has one: the file is unreadable or incomplete, or a polygon names a
+  /// vertex that does not exist. May throw what Assimp throws.
   static Result<AssimpFile> read(const std::filesystem::path& file,
                                  const ImportProgress& progress = {});
 
-  /// Has a root node; lives as long as this.
+  /// The scene has a root node. It is valid as long as this object.
   const aiScene& scene() const { return *importer_->GetScene(); }
-  /// Of the format, as Assimp calls it.
+  /// Assimp's name of the format.
   std::string importer_name() const;
 
  private:

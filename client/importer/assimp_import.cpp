@@ -1,4 +1,4 @@
-// From a file to plain arrays: read, converted, turned, brought near the origin.
+// From a file to plain arrays: read, convert, turn, and move near the origin.
 #include "client/importer/assimp_import.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
                    const ImportProgress& progress, Convert<Scene> convert) {
   if (const Status good = check(file, options); !good) return good.error();
   try {
-    if (const Status good = check_damage(file); !good) return in_file(file, good.error());
+    if (const Status good = preflight(file); !good) return in_file(file, good.error());
     const auto source = AssimpFile::read(file, progress);
     if (!source) return source.error();
     auto scene = convert(source->scene(), source->importer_name(), options);
@@ -54,7 +54,7 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
 
 }  // namespace
 
-// Assimp says "unable to open" for whatever is wrong with a path; the system knows more.
+// Assimp reports every problem with a path as "unable to open"; the system knows more.
 Status check_readable(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {

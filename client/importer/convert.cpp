@@ -1,4 +1,4 @@
-// Converted, then turned and scaled; animated ones brought near the origin too.
+// Converts, then turns and scales. Animated scenes are also moved near the origin.
 #include "client/importer/convert.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace sightline::client::importer {
 namespace {
 
-// With the frame that the file says it has.
+// The result is in the frame that the file states.
 Result<ConvertedScene> convert(const aiScene& source, std::string_view importer_name) {
   auto converted = scene_from_assimp(source);
   if (!converted) return converted;

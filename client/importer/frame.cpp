@@ -1,4 +1,4 @@
-// What files say of their frame, and the turn into the one asked for.
+// Reads the frame of a file, and turns a scene into another frame.
 #include "client/importer/frame.h"
 
 #include <assimp/scene.h>
@@ -35,7 +35,7 @@ void set_row(std::array<double, 12>& m, std::size_t to, const std::array<double,
   for (std::size_t k = 0; k < 4; ++k) m[to * 4 + k] = factor * from[row * 4 + k];
 }
 
-// y up to z up: (x, y, z) -> (x, -z, y); the other way: (x, y, z) -> (x, z, -y).
+// From y up to z up: (x, y, z) -> (x, -z, y). From z up to y up: (x, y, z) -> (x, z, -y).
 void turn(std::array<double, 12>& m, UpAxis to) {
   const std::array<double, 12> old = m;
   const bool to_z = to == UpAxis::kZ;

@@ -1,5 +1,4 @@
-// The frame of a scene, up axis and unit: what a file says of it, and the turn into the one asked
-// for.
+// The frame of a scene (up axis and unit) and its conversion.
 #pragma once
 
 #include <array>
@@ -7,7 +6,7 @@
 #include <string_view>
 
 #include "client/importer/imported_scene.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 struct aiScene;
 
@@ -15,19 +14,20 @@ namespace sightline::client::importer {
 
 struct Frame {
   UpAxis up_axis = UpAxis::kUnknown;
-  double meters_per_unit = 0;  ///< 0: unknown.
+  double meters_per_unit = 0;  ///< 0: unknown
 };
 
-/// The frame of the arrays that Assimp's importer of this name has made. glTF, Collada and IFC
-/// arrive with y up and in metres, FBX as its header says; other formats do not say.
+/// The frame of a scene read by Assimp's importer of this name. glTF, Collada and IFC have y up and
+/// metres; FBX states its frame in the header; other formats do not state it.
 Frame frame_of(const aiScene& scene, std::string_view importer_name);
 
-/// Brings the scene into the frame asked for by changing the transforms of its roots, and records
-/// it. What the scene does not know of itself is recorded as asked, and nothing is changed for it.
+/// Converts the scene to the requested frame by changing the transforms of its roots, and records
+/// the frame. If the scene's own axis or unit is unknown, the requested one is recorded and nothing
+/// changes.
 void convert_frame(ImportedScene& scene, std::optional<UpAxis> up_axis,
                    std::optional<double> meters_per_unit);
 
-/// What convert_frame will put before the transforms of the scene's roots.
+/// The transform that convert_frame would apply before the transforms of the roots.
 Transform frame_conversion(const ImportedScene& scene, std::optional<UpAxis> up_axis,
                            std::optional<double> meters_per_unit);
 

@@ -1,4 +1,4 @@
-// Frames are read one after the other and held against the first.
+// Reads frames one after another and compares them with the first.
 #include "client/importer/frame_sequence.h"
 
 #include <fmt/format.h>
@@ -20,8 +20,8 @@ Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(m
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// The run of digits at the front without leading zeros.
-std::string_view take_number(std::string_view& text) {
+// Removes the digits at the front of `text`, and returns them without leading zeros.
+std::string_view next_number(std::string_view& text) {
   const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
   std::string_view number = text.substr(0, end);
   text.remove_prefix(end);
@@ -33,7 +33,7 @@ bool comes_before(const std::string& left, const std::string& right) {
   std::string_view a = left, b = right;
   while (!a.empty() && !b.empty()) {
     if (is_digit(a[0]) && is_digit(b[0])) {
-      const std::string_view m = take_number(a), n = take_number(b);
+      const std::string_view m = next_number(a), n = next_number(b);
       if (m != n) return m.size() != n.size() ? m.size() < n.size() : m < n;
       continue;
     }
@@ -45,7 +45,7 @@ bool comes_before(const std::string& left, const std::string& right) {
   return left < right;
 }
 
-// What the frame has that the first one has not.
+// Describes the first difference in topology from the first frame, if there is one.
 std::optional<std::string> difference(const ImportedScene& first, const ImportedScene& frame) {
   const auto counts = [](const char* what, std::size_t one, std::size_t other) {
     return fmt::format("it has {} {}, the first frame has {}", other, what, one);
@@ -98,7 +98,7 @@ std::vector<bool> changed_meshes(const ImportedScene& first,
   return changed;
 }
 
-// The vertices move into the pose.
+// Moves the vertices of the frame into the pose.
 Pose pose_of(ImportedScene& frame, const std::vector<bool>& nodes,
              const std::vector<bool>& meshes) {
   Pose pose;
@@ -115,7 +115,7 @@ Pose pose_of(ImportedScene& frame, const std::vector<bool>& nodes,
   return pose;
 }
 
-// Only what a frame is compared by is kept of it.
+// Keeps only the parts of a frame that are compared.
 Result<ImportedScene> read_frame(const std::string& file, const ImportOptions& options,
                                  const ImportedScene& first, const std::array<double, 3>& offset,
                                  const std::string& first_file) {

@@ -1,4 +1,4 @@
-// A folder of scene files, one a frame, that differ in where things are and in nothing else.
+// A folder of scene files, one per frame, that differ only in transforms and positions of vertices.
 #pragma once
 
 #include <filesystem>
@@ -11,21 +11,20 @@
 namespace sightline::client::importer {
 
 struct FrameSequence {
-  ImportedScene scene;             ///< The first frame, as import_scene gives it.
-  std::vector<std::string> files;  ///< Their paths, in order.
-  /// One a file: of all nodes and meshes that change in any frame.
+  ImportedScene scene;             ///< the first frame, as import_scene returns it
+  std::vector<std::string> files;  ///< paths, in order
+  /// One pose per file. It contains every node and mesh that changes in any frame.
   std::vector<Pose> frames;
 };
 
-/// The files in it that are scenes, by the ending of their names, in the order of names; numbers in
-/// names count as numbers: frame_9 comes before frame_10. Errors: kInvalidArgument: no folder, none
-/// there.
+/// The scene files in a folder, recognized by their extensions, in the order of their names.
+/// Numbers in names compare as numbers: frame_9 is before frame_10. Errors: kInvalidArgument: no
+/// such folder, or no scene file in it.
 Result<std::vector<std::string>> frame_files(const std::filesystem::path& folder);
 
-/// Reads all of them into memory. All frames are on the first one's lattice. Errors:
-/// kInvalidArgument: those of import_scene; two frames, of which the first that differs is named,
-/// that have not the same nodes, meshes and faces; a frame so far away that the first one's lattice
-/// cannot hold it exactly.
+/// Reads all frames into memory, on the lattice of the first one. Errors: kInvalidArgument: those
+/// of import_scene; a frame whose nodes, meshes or faces differ from the first (the first such
+/// frame is named); a frame so far away that the first one's lattice cannot hold it exactly.
 Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
                                       const ImportOptions& options = {},
                                       const ImportProgress& progress = {});

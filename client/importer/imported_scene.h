@@ -1,45 +1,59 @@
-// A scene file as plain arrays: meshes, and the hierarchy of nodes that carry them.
+// A scene file as plain arrays (meshes, and the hierarchy of nodes that carry them), and how it is
+// imported.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "client/mesh_arrays.h"
-#include "client/up_axis.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 
-/// Stands for "no parent" and "no mesh".
+/// The value for "no parent" and "no mesh".
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 struct ImportedMesh {
   std::string name;
   std::vector<Vertex> vertices;
-  std::vector<Face> faces;      ///< By primitive id. All kNoVertex: holds no triangle.
-  std::uint64_t triangles = 0;  ///< Faces that hold one.
+  std::vector<Face> faces;      ///< by primitive id; all kNoVertex: no triangle
+  std::uint64_t triangles = 0;  ///< faces that hold a triangle
   std::uint64_t lines_and_points = 0;
   std::uint64_t uncut_polygons = 0;
 };
 
 struct ImportedNode {
-  std::string name;              ///< UTF-8, at most kMaxNodeName bytes; need not be unique.
-  std::uint32_t parent = kNone;  ///< An earlier node.
+  std::string name;              ///< UTF-8, at most kMaxNodeName bytes; not necessarily unique
+  std::uint32_t parent = kNone;  ///< an earlier node
   /// Rows of [linear | translation], parent from local.
   std::array<double, 12> parent_from_local{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   std::uint32_t mesh = kNone;
 };
 
-inline constexpr std::size_t kMaxNodeName = 1024;  ///< Bytes.
+inline constexpr std::size_t kMaxNodeName = 1024;  ///< bytes
 
 struct ImportedScene {
   std::vector<ImportedMesh> meshes;
-  std::vector<ImportedNode> nodes;    ///< Parents before children.
-  UpAxis up_axis = UpAxis::kUnknown;  ///< Of the arrays as they are here.
-  double meters_per_unit = 0;         ///< 0: the file does not say.
+  std::vector<ImportedNode> nodes;    ///< parents before children
+  UpAxis up_axis = UpAxis::kUnknown;  ///< of the arrays as they are here
+  double meters_per_unit = 0;         ///< 0: the file does not say
 };
+
+struct ImportOptions {
+  /// The up axis of the result. The scene is turned if the file states another axis; otherwise the
+  /// axis is only recorded.
+  std::optional<UpAxis> up_axis;
+  /// The unit of the result, > 0. The scene is scaled if the file states another unit; otherwise
+  /// the unit is only recorded.
+  std::optional<double> meters_per_unit;
+};
+
+/// Called with the share of the file that is read, 0 to 1, on the importing thread.
+using ImportProgress = std::function<void(double fraction)>;
 
 }  // namespace sightline::client::importer

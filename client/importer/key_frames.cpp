@@ -1,4 +1,4 @@
-// Finding the two keys, and mixing them.
+// Finds the two keys around a time, and interpolates between them.
 #include "client/importer/key_frames.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace sightline::client::importer {
 namespace {
 
-// Beyond this cosine the arc is so short that its sine says nothing.
+// Above this cosine the arc is too short to divide by its sine.
 constexpr double kNearlyEqual = 1 - 1e-12;
 
 Point mix(const Point& a, const Point& b, double part) {
@@ -50,7 +50,7 @@ std::vector<double> mix(const std::vector<double>& a, const std::vector<double>&
   return out;
 }
 
-// Into the time between the first key and the last.
+// Maps a time into the range from the first key to the last, by whole periods.
 double folded(double seconds, double first, double last) {
   if (!(last > first)) return first;
   const double turns = std::floor((seconds - first) / (last - first));

@@ -7,8 +7,9 @@
 
 namespace sightline::client::importer {
 
-/// Linear between keys; rotations by slerp on the shorter arc. Weights that only one of two keys
-/// has count 0 in the other. Value is Point, Quaternion or std::vector<double>.
+/// Interpolates linearly between keys, and rotations by slerp along the shorter arc. A weight that
+/// only one of two keys has counts as 0 in the other. Value is Point, Quaternion or
+/// std::vector<double>.
 template <class Value>
 Value sample(const Track<Value>& track, double seconds);
 

@@ -1,10 +1,11 @@
-// Taking the offset out and putting it in.
+// Subtracts the offset from vertices and adds it to transforms.
 //
-// Why nothing is rounded: let v be a coordinate on an axis with an offset c. v lies within half an
-// extent of the middle, and c within half a step of it, so |v - c| is at most a step, while |v| is
-// at least kFar steps. So c/2 <= v <= 2c, and the difference of two such numbers is exact in double
-// (Sterbenz). It is a multiple of the last bit of v or of the step, whichever is less; in the first
-// case it has fewer bits than v, in the second it is a step or zero. Either way it is a float.
+// Why no vertex is rounded: let v be a coordinate on an axis with offset c. v is at most half an
+// extent away from the middle, and c at most half a step, so |v - c| is at most one step. |v| is at
+// least kFar steps. So c/2 <= v <= 2c, and the difference of two such numbers is exact in double
+// (Sterbenz). The difference is a multiple of the last bit of v or of the step, whichever is
+// smaller. In the first case it has fewer bits than v; in the second it is a step or zero. In both
+// cases it is a float.
 #include "client/importer/lattice.h"
 
 #include <algorithm>
@@ -53,7 +54,8 @@ Offset offset_for(const Bounds& bounds) {
   std::frexp(extent, &exponent);
   const double step = std::ldexp(1.0, exponent);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double nearest = std::max(bounds.lo[k], -bounds.hi[k]);  // below 0 if 0 is between
+    // Below 0 if 0 is between the bounds
+    const double nearest = std::max(bounds.lo[k], -bounds.hi[k]);
     if (nearest < kFar * step) continue;
     const double middle = bounds.lo[k] + (bounds.hi[k] - bounds.lo[k]) / 2;
     offset[k] = std::round(middle / step) * step;
@@ -61,7 +63,7 @@ Offset offset_for(const Bounds& bounds) {
   return offset;
 }
 
-// Nothing where the result needs rounding, here and below.
+// Returns nothing if the result needs rounding. The same holds for exact_product and `moved`.
 std::optional<double> exact_sum(double a, double b) {
   const double sum = a + b;
   const double of_b = sum - a;
@@ -90,7 +92,7 @@ std::optional<std::array<double, 12>> moved(std::array<double, 12> rows, const O
   return rows;
 }
 
-// The nodes as they are to be, if all of them can be moved.
+// The nodes with the offset added, or nothing if some node cannot hold it exactly.
 std::optional<std::vector<ImportedNode>> moved(std::vector<ImportedNode> nodes,
                                                const Offset& offset) {
   for (const ImportedNode& node : nodes) {
@@ -111,7 +113,7 @@ void subtract(const Offset& offset, Vertex& v) {
   }
 }
 
-// Whether subtract loses nothing.
+// Whether `subtract` loses nothing.
 bool is_exact(const Offset& offset, const Vertex& v) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto difference = exact_sum(static_cast<double>(v[k]), -offset[k]);

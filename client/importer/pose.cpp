@@ -1,4 +1,4 @@
-// Nodes first, then the vertices that follow them.
+// Computes transforms of nodes first, then vertices.
 #include "client/importer/pose.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@ double invertible(double scale) {
   return std::signbit(scale) ? -kLeastScale : kLeastScale;
 }
 
-// In the file's own frame, as all that follows but the results.
+// In the file's own frame, like all functions below except `imported`.
 Transform local_at(const NodeChannel& channel, double seconds) {
   Point scaling = sample(channel.scalings, seconds);
   for (double& s : scaling) s = invertible(s);
@@ -38,7 +38,7 @@ std::vector<Transform> composed(const std::vector<ImportedNode>& nodes,
   return transforms;
 }
 
-// From the file's frame to that of the scene.
+// Converts a transform from the file's frame to the frame of the scene.
 Transform imported(const ImportedNode& node, const Rig& rig, const Transform& local) {
   Transform out = node.parent == kNone ? rig.scene_from_file * local : local;
   if (node.mesh == kNone) return out;

@@ -1,4 +1,4 @@
-// Where everything that moves in an animated scene is at one moment.
+// The pose of an animated scene at one time: transforms and vertices of all that moves.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,25 @@ namespace sightline::client::importer {
 
 struct Pose {
   struct Placed {
-    std::uint32_t node = kNone;  ///< Of the imported scene.
+    std::uint32_t node = kNone;  ///< of the imported scene
     Transform parent_from_local = kIdentity;
   };
   struct Shaped {
-    std::vector<std::uint32_t> nodes;  ///< That carry one mesh, and share its new shape.
-    std::vector<Vertex> vertices;      ///< All of the mesh's, in its frame as imported.
+    std::vector<std::uint32_t> nodes;  ///< nodes that carry the same mesh, and share its new shape
+    std::vector<Vertex> vertices;      ///< all vertices of the mesh, in its frame as imported
   };
   std::vector<Placed> placed;
   std::vector<Shaped> shaped;
 };
 
-/// A scale nearer to zero is made this: no ray can be carried through a transform without an
-/// inverse, but animations hide things by scaling them to nothing.
+/// Scales nearer to zero are set to this value. Animations hide things by scaling them to zero, but
+/// a ray needs a transform with an inverse.
 inline constexpr double kLeastScale = 1e-6;
 
-/// Everything that the animation moves, in the frame of `animated.scene`: what was turned, scaled
-/// and rebased there is so here. Computed in double; vertices are rounded once, at the end. A skin
-/// is put on in the frame of the node that carries it, so that its vertices are in the world where
-/// the bones take them, whatever moves that node.
+/// Returns everything that the animation moves, in the frame of `animated.scene`, with the same
+/// turn, scale and rebasing. Computed in double; vertices are rounded once, at the end. A skin is
+/// applied in the frame of the node that carries it, so that the bones determine where its vertices
+/// are in the world, whatever moves that node.
 Pose pose(const AnimatedScene& animated, const Animation& animation, double seconds);
 
 }  // namespace sightline::client::importer

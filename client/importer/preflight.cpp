@@ -1,4 +1,4 @@
-// Only the beginnings of files are looked at.
+// Reads the first part of a file only.
 #include "client/importer/preflight.h"
 
 #include <fmt/format.h>
@@ -8,15 +8,100 @@
 #include <cstdint>
 #include <fstream>
 #include <ios>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
-
-#include "client/importer/gltf_nodes.h"
+#include <vector>
 
 namespace sightline::client::importer {
 namespace {
+
+using nlohmann::json;
+
+// The nesting depth of well-formed JSON. For other texts the result has no meaning.
+std::size_t depth_of_brackets(std::string_view text) {
+  std::size_t depth = 0, deepest = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_string = !in_string;
+    } else if (!in_string && (c == '[' || c == '{')) {
+      deepest = std::max(deepest, ++depth);
+    } else if (!in_string && (c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+struct Below {
+  std::uint64_t nodes = 0;  // including this node; 0: not known yet
+  std::size_t depth = 0;
+  bool is_open = false;
+};
+
+class Nodes {
+ public:
+  explicit Nodes(const json& nodes) : children_(nodes.size()), below_(nodes.size()) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!nodes[i].is_object() || !nodes[i].contains("children")) continue;
+      for (const json& child : nodes[i]["children"]) {
+        if (child.is_number_unsigned() && child.get<std::uint64_t>() < nodes.size())
+          children_[i].push_back(child.get<std::size_t>());
+      }
+    }
+  }
+
+  std::size_t size() const { return below_.size(); }
+
+  /// What is below a node, if the node is not below itself.
+  const Below& below(std::size_t root) {
+    std::vector<Step> path;
+    enter(root, path);
+    while (!path.empty()) {
+      Step& step = path.back();
+      const std::vector<std::size_t>& children = children_[step.node];
+      if (step.child < children.size()) {
+        enter(children[step.child++], path);
+      } else {
+        sum_up(step.node);
+        path.pop_back();
+      }
+    }
+    return below_[root];
+  }
+
+ private:
+  struct Step {
+    std::size_t node;
+    std::size_t child = 0;  // the next child to visit
+  };
+
+  void enter(std::size_t node, std::vector<Step>& path) {
+    if (below_[node].nodes != 0 || below_[node].is_open) return;
+    below_[node].is_open = true;
+    path.push_back({node});
+  }
+
+  void sum_up(std::size_t node) {
+    constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max() / 2;
+    Below sum{.nodes = 1, .depth = 1};
+    for (const std::size_t child : children_[node]) {
+      sum.nodes = std::min(kAll, sum.nodes + below_[child].nodes);
+      sum.depth = std::max(sum.depth, below_[child].depth + 1);
+    }
+    below_[node] = sum;
+  }
+
+  std::vector<std::vector<std::size_t>> children_;
+  std::vector<Below> below_;
+};
 
 constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20;
 constexpr std::size_t kGlbHeader = 12, kGlbChunkHeader = 8;
@@ -30,7 +115,7 @@ std::string read(std::ifstream& in, std::size_t bytes) {
   return text;
 }
 
-// The word begins a line, and is the whole of it or is followed by a blank.
+// Whether some word "end_header" starts a line and is followed by a blank or the end.
 bool has_end_of_header(std::string_view text) {
   constexpr std::string_view kEnd = "end_header", kBlanks = " \t\r\n";
   for (std::size_t i = text.find(kEnd); i != std::string_view::npos; i = text.find(kEnd, i + 1)) {
@@ -43,7 +128,7 @@ bool has_end_of_header(std::string_view text) {
   return false;
 }
 
-// What the lines "element NAME COUNT" of the header announce together.
+// The sum of the counts in the header's lines "element NAME COUNT".
 std::uint64_t announced(std::istringstream header) {
   std::uint64_t sum = 0;
   for (std::string line; std::getline(header, line) && !line.starts_with("end_header");) {
@@ -95,7 +180,30 @@ Status check_glb(std::ifstream& in, std::uint64_t size) {
 
 }  // namespace
 
-Status check_damage(const std::filesystem::path& file) {
+Status check_gltf_nodes(std::string_view text) {
+  if (depth_of_brackets(text) > kDeepestJson)
+    return damaged(fmt::format("JSON with more than {} brackets in brackets", kDeepestJson));
+  const json file = json::parse(text, nullptr, false);
+  if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_array()) return {};
+  Nodes nodes(file["nodes"]);
+  const std::uint64_t most = std::max<std::uint64_t>(kMostNodes, nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Below& below = nodes.below(i);
+    if (below.depth > kDeepestNode) {
+      return damaged(fmt::format("below node {} others follow {} deep, the limit is {}", i,
+                                 below.depth, kDeepestNode));
+    }
+    if (below.nodes > most) {
+      return damaged(
+          fmt::format("node {} stands for {} nodes, as many have more than one parent; "
+                      "the limit is {}",
+                      i, below.nodes, most));
+    }
+  }
+  return {};
+}
+
+Status preflight(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0));
   in.seekg(0);

@@ -1,17 +1,31 @@
-// Damage to a file that Assimp does not survive, looked for before it reads. Internal to the
+// Checks a file for damage that Assimp does not survive, before Assimp reads it. Internal to the
 // importer.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <string_view>
 
 #include "client/result.h"
 
 namespace sightline::client::importer {
 
-/// Assimp 5.2 never comes back, or takes the program with it, from a PLY file whose header has no
-/// end or announces more than the file can hold, a GLB file whose chunks are longer than it, and a
+inline constexpr std::size_t kDeepestJson = 256;   ///< nesting depth of brackets
+inline constexpr std::size_t kDeepestNode = 4096;  ///< Assimp follows children by recursion
+/// A file may always have as many as it lists.
+inline constexpr std::uint64_t kMostNodes = 1U << 20U;
+
+/// Checks how many and how deep the nodes of a glTF file are. `json` is a .gltf file, or the first
+/// chunk of a .glb file. A node with several parents counts once for each, so a few lines may stand
+/// for more nodes than fit in memory. Text that is no JSON, or that refers to itself, is left to
+/// Assimp, which reports it. Errors: kInvalidArgument, over these limits.
+Status check_gltf_nodes(std::string_view json);
+
+/// Refuses files on which Assimp 5.2 hangs or crashes: a PLY file whose header has no end or
+/// announces more than the file can hold, a GLB file whose chunks are longer than the file, and a
 /// glTF or GLB file with too many or too deep nodes (check_gltf_nodes). Errors: kInvalidArgument,
-/// for these. Any other file is left to Assimp.
-Status check_damage(const std::filesystem::path& file);
+/// for these. All other files are left to Assimp.
+Status preflight(const std::filesystem::path& file);
 
 }  // namespace sightline::client::importer

@@ -1,4 +1,4 @@
-// Meshes, then nodes, depth first.
+// Converts meshes, then nodes, depth first.
 #include "client/importer/scene_from_assimp.h"
 
 #include <assimp/mesh.h>
@@ -8,14 +8,57 @@
 #include <cstddef>
 #include <utility>
 
-#include "client/importer/node_name.h"
+#include "client/importer/imported_scene.h"
 
 namespace sightline::client::importer {
 namespace {
 
+bool is_continuation(unsigned char c) { return (c & 0xC0U) == 0x80U; }
+
+// The length in bytes of the well-formed character at the front (Unicode table 3-7), 0 if there is
+// none.
+std::size_t character_length(std::string_view s) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
+  const unsigned char first = at(0);
+  if (first < 0x80) return 1;
+  if (first < 0xC2 || first > 0xF4) return 0;
+  const std::size_t length = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+  if (s.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if (!is_continuation(at(i))) return 0;
+  }
+  const bool overlong = (first == 0xE0 && at(1) < 0xA0) || (first == 0xF0 && at(1) < 0x90);
+  const bool surrogate = first == 0xED && at(1) >= 0xA0;
+  const bool beyond = first == 0xF4 && at(1) >= 0x90;
+  return overlong || surrogate || beyond ? 0 : length;
+}
+
+bool is_utf8(std::string_view s) {
+  while (!s.empty()) {
+    const std::size_t length = character_length(s);
+    if (length == 0) return false;
+    s.remove_prefix(length);
+  }
+  return true;
+}
+
+std::string utf8_from_latin1(std::string_view s) {
+  std::string out;
+  for (const char raw : s) {
+    const auto c = static_cast<unsigned char>(raw);
+    if (c < 0x80) {
+      out += raw;
+    } else {
+      out += static_cast<char>(0xC0U | (c >> 6U));
+      out += static_cast<char>(0x80U | (c & 0x3FU));
+    }
+  }
+  return out;
+}
+
 Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
-// A face of one or two corners is a point or a line; Assimp leaves a polygon whole where it cannot
+// A face with one or two corners is a point or a line. Assimp leaves a polygon whole if it cannot
 // cut it.
 void add_face(const aiFace& face, ImportedMesh& mesh) {
   if (face.mNumIndices == 3) {
@@ -51,7 +94,7 @@ Result<ImportedMesh> convert(const aiMesh& source) {
   return mesh;
 }
 
-// Adds the node, and its meshes as children if it carries several.
+// Adds the node. If it carries several meshes, adds a child for each of them.
 Result<std::uint32_t> add_node(const aiNode& source, std::uint32_t parent, ConvertedScene& out) {
   std::vector<ImportedNode>& nodes = out.scene.nodes;
   ImportedNode node;
@@ -62,36 +105,47 @@ Result<std::uint32_t> add_node(const aiNode& source, std::uint32_t parent, Conve
   node.parent_from_local = *transform;
   if (source.mNumMeshes == 1) node.mesh = source.mMeshes[0];
 
-  const auto place = static_cast<std::uint32_t>(nodes.size());
+  const auto index = static_cast<std::uint32_t>(nodes.size());
   nodes.push_back(std::move(node));
   for (unsigned k = 0; source.mNumMeshes > 1 && k < source.mNumMeshes; ++k) {
     ImportedNode child;
     child.name = node_name(source.mName.C_Str(), fmt::format("#{}", k));
-    child.parent = place;
+    child.parent = index;
     child.mesh = source.mMeshes[k];
     nodes.push_back(std::move(child));
   }
   out.sources.resize(nodes.size(), nullptr);
-  out.sources[place] = &source;
-  return place;
+  out.sources[index] = &source;
+  return index;
 }
 
-// Depth first, children in order, without recursion: files decide how deep this goes.
+// Depth first, children in order. No recursion, because files determine the depth.
 Status add_nodes(const aiNode& root, ConvertedScene& out) {
   std::vector<std::pair<const aiNode*, std::uint32_t>> open{{&root, kNone}};
   while (!open.empty()) {
     const auto [source, parent] = open.back();
     open.pop_back();
-    const auto place = add_node(*source, parent, out);
-    if (!place) return place.error();
+    const auto index = add_node(*source, parent, out);
+    if (!index) return index.error();
     for (unsigned k = source->mNumChildren; k-- > 0;) {
-      open.emplace_back(source->mChildren[k], *place);
+      open.emplace_back(source->mChildren[k], *index);
     }
   }
   return {};
 }
 
 }  // namespace
+
+std::string node_name(std::string_view name, std::string_view suffix) {
+  std::string out = is_utf8(name) ? std::string(name) : utf8_from_latin1(name);
+  const std::size_t room = kMaxNodeName - suffix.size();
+  if (out.size() > room) {
+    std::size_t end = room;
+    while (end > 0 && is_continuation(static_cast<unsigned char>(out[end]))) --end;
+    out.resize(end);
+  }
+  return out.append(suffix);
+}
 
 Result<Transform> transform_from_assimp(const aiMatrix4x4& m, const std::string& node) {
   Transform rows{};

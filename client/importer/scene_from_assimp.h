@@ -3,17 +3,24 @@
 
 #include <assimp/scene.h>
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
-#include "client/transform.h"
+#include "client/types.h"
 
 namespace sightline::client::importer {
 
+/// Makes a node name fit for a message: `name` if it is UTF-8, else `name` read as Latin-1,
+/// followed by `suffix`. A name that is too long is cut between characters, so that the result has
+/// at most kMaxNodeName bytes.
+std::string node_name(std::string_view name, std::string_view suffix = {});
+
 struct ConvertedScene {
-  ImportedScene scene;  ///< Its frame not known yet, no vertex rebased.
-  /// For every node what it was made of; null for a child that stands for one of several meshes.
+  ImportedScene scene;  ///< its frame is not known yet, and no vertex is rebased
+  /// For each node, its source. Null for a child that was made for one of several meshes.
   std::vector<const aiNode*> sources;
 };
 
@@ -21,7 +28,7 @@ struct ConvertedScene {
 /// vertices have no positions.
 Result<ConvertedScene> scene_from_assimp(const aiScene& source);
 
-/// Errors: kInvalidArgument: not finite; `node` is who it belongs to.
+/// Errors: kInvalidArgument: not finite. `node` is the owner's name, for the message.
 Result<Transform> transform_from_assimp(const aiMatrix4x4& matrix, const std::string& node);
 
 }  // namespace sightline::client::importer

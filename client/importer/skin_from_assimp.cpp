@@ -1,4 +1,4 @@
-// Weights turned around: by vertex instead of by bone.
+// Regroups weights from bones to vertices.
 #include "client/importer/skin_from_assimp.h"
 
 #include <fmt/format.h>
@@ -83,7 +83,7 @@ Result<Shapes> shapes_from_assimp(const aiMesh& mesh) {
       return invalid(fmt::format("mesh '{}': shape {} has {} vertices, the mesh {}",
                                  mesh.mName.C_Str(), s, target.mNumVertices, mesh.mNumVertices));
     }
-    // What Assimp calls relative are differences already.
+    // Targets that Assimp calls relative are offsets already.
     const bool is_relative = mesh.mMethod == aiMorphingMethod_MORPH_RELATIVE;
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D far =

@@ -12,14 +12,15 @@
 
 namespace sightline::client::importer {
 
-/// The first node of each name, which is the one that Assimp means by it.
+/// The first node of each name. Assimp means that one.
 using NodesByName = std::unordered_map<std::string, std::uint32_t>;
 
-/// Weights of a vertex are made to add up to 1. Errors: kInvalidArgument: a bone that is no node, a
-/// weight of a vertex that there is not, or that is negative or not finite.
+/// Scales the weights of each vertex so that they add up to 1. Errors: kInvalidArgument: a bone
+/// that is no node, a weight for a vertex that does not exist, or one that is negative or not
+/// finite.
 Result<Skin> skin_from_assimp(const aiMesh& mesh, const NodesByName& nodes);
 
-/// Errors: kInvalidArgument: a shape that has not as many vertices as the mesh.
+/// Errors: kInvalidArgument: a shape with a different number of vertices than the mesh.
 Result<Shapes> shapes_from_assimp(const aiMesh& mesh);
 
 }  // namespace sightline::client::importer

@@ -1,4 +1,4 @@
-// Columns are the bytes of the arrays.
+// Columns of messages are the bytes of the arrays.
 #include "client/wire/cast_codec.h"
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "client/wire/update_codec.h"
+#include "client/wire/scene_codec.h"
 
 namespace sightline::client::wire {
 namespace {
@@ -59,7 +59,8 @@ Error incomplete(std::size_t n) {
           {}};
 }
 
-// Sets `out` to a column if it was asked for; false if the answer does not have it, n rows long.
+// Sets `out` to a column if it was requested. Returns false if the answer does not have it with n
+// rows.
 template <class T>
 bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField field,
                  std::size_t values, std::span<const T>& out) {
@@ -113,7 +114,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
   *request.mutable_consistency() = encode(options.consistency);
-  // Without any field the server would send its usual ones.
+  // Without any field the server would send its default fields.
   if (options.kind == QueryKind::kAll) fields.hit = true;
   if (fields.t) request.add_fields(v1::HIT_FIELD_T);
   if (fields.node) request.add_fields(v1::HIT_FIELD_NODE);

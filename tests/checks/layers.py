@@ -42,12 +42,12 @@ client/*.h
 client/importer             client/*.h
 client/wire                 client/*.h
 client/calls                client/*.h client/wire client/importer
-client/*.cpp                client/*.h client/wire client/calls
+client/*.cpp                client/*.h client/wire client/calls client/importer
 client/cli                  client/*.h
 client/cli/files            client/*.h client/cli
 client/cli/picture          client/*.h client/cli
-client/cli/playback         client/*.h client/cli client/calls client/importer
-client/cli/verbs            client/*.h client/cli client/cli/* client/calls client/importer
+client/cli/playback         client/*.h client/cli client/importer
+client/cli/verbs            client/*.h client/cli client/cli/* client/importer
 client/cli/program          client/*.h client/cli client/cli/*
 client/cli/main             client/cli/program
 """
@@ -67,7 +67,7 @@ spdlog          server
 grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire
-openssl         server client/calls
+openssl         server client/*.cpp
 CLI             server client/cli
 nlohmann        server client/cli client/importer
 png.h           client/cli/picture

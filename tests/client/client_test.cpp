@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/silent_port.h"
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/client.h"
 #include "client/importer/lattice.h"
+#include "client/scene_upload.h"
 #include "server/server.h"
 #include "tests/support/millimetres.h"
 
@@ -63,7 +63,7 @@ class Millimetres : public testing::Test {
   }
 
   void upload(const char* name, const client::importer::ImportedScene& scene) {
-    const auto uploaded = client::calls::upload_scene(*client_, name, scene, {});
+    const auto uploaded = client::upload_scene(*client_, name, scene, {});
     ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
   }
 

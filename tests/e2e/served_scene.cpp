@@ -6,8 +6,8 @@
 
 #include <cstdlib>
 
-#include "client/calls/scene_upload.h"
 #include "client/importer/assimp_import.h"
+#include "client/scene_upload.h"
 #include "tests/bench/scenes/ray_kinds.h"
 
 namespace sightline::tests {
@@ -34,7 +34,7 @@ void ServedScene::serve(const std::string& file) {
 
   auto imported = client::importer::import_scene(file_);
   ASSERT_TRUE(imported.ok()) << imported.error().message;
-  const auto uploaded = client::calls::upload_scene(*client_, kScene, *imported, {});
+  const auto uploaded = client::upload_scene(*client_, kScene, *imported, {});
   ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
 }
 

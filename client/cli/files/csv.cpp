@@ -1,4 +1,4 @@
-// A line at a time.
+// Reads rays line by line.
 #include "client/cli/files/csv.h"
 
 #include <fmt/format.h>
@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/arguments.h"
-#include "client/cli/exit_code.h"
+#include "client/cli/flags.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr std::size_t kMaxShown = 40;  // characters of a bad value
+constexpr std::size_t kMaxShown = 40;  // characters of a bad value in an error message
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string_view trim(std::string_view text) {
@@ -25,8 +25,9 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-// The next value of a line; `line` becomes what follows its comma, and nothing after the last.
-std::string_view take_value(std::optional<std::string_view>& line) {
+// Returns the next value of a line. `line` becomes the rest after its comma, or nothing after the
+// last value.
+std::string_view next_value(std::optional<std::string_view>& line) {
   const std::size_t comma = line->find(',');
   const std::string_view value = trim(line->substr(0, comma));
   line = comma == std::string_view::npos ? std::nullopt : std::optional(line->substr(comma + 1));
@@ -37,10 +38,10 @@ std::size_t count_values(std::string_view line) {
   return 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
 }
 
-// Whether the line is one of names: it starts with a letter, and not with inf or nan.
+// Whether the line names columns: it starts with a letter, and its first value is not inf or nan.
 bool starts_with_name(std::string_view line) {
   std::optional rest = line;
-  const std::string_view first = take_value(rest);
+  const std::string_view first = next_value(rest);
   const char c = first.empty() ? '\0' : first.front();
   const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   return is_letter && !parse_number(first);
@@ -52,7 +53,7 @@ Error CsvRays::error(std::string_view what) const {
   return local_error(fmt::format("{}:{}: {}", input_.name(), line_number_, what));
 }
 
-// Moves on to the next line that says something.
+// Moves to the next line that is not empty and not a comment.
 Result<bool> CsvRays::next_content(std::string_view& line) {
   while (true) {
     const auto more = input_.next_line(line);
@@ -67,7 +68,7 @@ Result<bool> CsvRays::next_content(std::string_view& line) {
 
 Status CsvRays::read_names(std::string_view line) {
   for (std::optional rest = line; rest;) {
-    const std::string_view name = take_value(rest);
+    const std::string_view name = next_value(rest);
     const auto* const found = std::find(kRayColumns.begin(), kRayColumns.end(), name);
     if (found == kRayColumns.end()) {
       return error(fmt::format("column '{}' is none of {}", name.substr(0, kMaxShown),
@@ -123,7 +124,7 @@ Status CsvRays::read_values(std::string_view line, RayRow& row) const {
   }
   std::optional rest = line;
   for (const std::size_t column : columns_) {
-    const std::string_view value = take_value(rest);
+    const std::string_view value = next_value(rest);
     const auto number = parse_number(value);
     if (!number) {
       return error(

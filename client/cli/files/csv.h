@@ -1,4 +1,4 @@
-// Rays in CSV: a line a ray, ox oy oz dx dy dz [tmin tmax], with or without a line of names before.
+// Rays in CSV, one per line: ox oy oz dx dy dz [tmin tmax]. A line of names may come first.
 #pragma once
 
 #include <array>
@@ -13,23 +13,24 @@
 
 namespace sightline::client::cli::files {
 
-/// The columns of a ray, in the order of a file that does not name them.
+/// The columns of a ray, in the order of a file without a line of names.
 inline constexpr std::array<std::string_view, 8> kRayColumns{"ox", "oy", "oz",   "dx",
                                                              "dy", "dz", "tmin", "tmax"};
 using RayRow = std::array<double, kRayColumns.size()>;
 
-/// Values are parted by commas; blanks around them, empty lines and lines that start with # are
-/// passed over. With a line of names, columns may come in any order, and tmin and tmax each be left
-/// out. Errors: kInvalidArgument, with the file's name, the line and what is wrong there.
+/// Values are separated by commas. Blanks around values, empty lines and lines that start with #
+/// are ignored. With a line of names, columns may come in any order, and tmin and tmax may each be
+/// left out. Errors: kInvalidArgument, with the file's name, the line and what is wrong there.
 class CsvRays {
  public:
-  /// Reads as far as the first ray.
+  /// Opens the file and reads up to the first ray.
   static Result<CsvRays> open(Input input);
 
-  /// Whether rays have bounds of their own.
+  /// Whether the file has a column tmin or tmax.
   bool has_interval() const { return has_interval_; }
 
-  /// Returns false at the end. Bounds that the file does not have are 0 and infinity.
+  /// Reads the next ray. Returns false at the end. Bounds that the file does not have are 0 and
+  /// infinity.
   Result<bool> next(RayRow& row);
 
  private:
@@ -42,8 +43,8 @@ class CsvRays {
 
   Input input_;
   std::uint64_t line_number_ = 0;
-  std::string first_;                 // the first ray's line, until it is read
-  std::vector<std::size_t> columns_;  // what each value of a line is, as a place in kRayColumns
+  std::string first_;                 // the line of the first ray, until it is read
+  std::vector<std::size_t> columns_;  // for each value of a line, its index in kRayColumns
   bool has_interval_ = false;
 };
 

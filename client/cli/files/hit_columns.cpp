@@ -1,4 +1,4 @@
-// One table of columns.
+// The table of columns, and the rows of a cast of all hits.
 #include "client/cli/files/hit_columns.h"
 
 #include <fmt/format.h>
@@ -7,9 +7,11 @@
 #include <array>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <span>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
@@ -34,7 +36,7 @@ std::optional<HitColumn> column_named(std::string_view name) {
   return {};
 }
 
-// Calls `use` with the value, in the type of the column.
+// Calls `use` with the value in row i, in the type of the column.
 template <class Use>
 void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) {
   switch (column) {
@@ -63,6 +65,16 @@ void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) 
     case HitColumn::kCount:
       return use(hits.count[i]);
   }
+}
+
+constexpr std::uint8_t kBadRay = 2;
+
+template <class T>
+void add_rows(std::span<const T> from, std::size_t begin, std::size_t end, std::size_t width,
+              std::vector<T>& to) {
+  if (from.empty()) return;
+  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin * width),
+            from.begin() + static_cast<std::ptrdiff_t>(end * width));
 }
 
 }  // namespace
@@ -143,7 +155,7 @@ HitFields fields_for(const std::vector<HitColumn>& columns) {
       case HitColumn::kCount:
         fields.count = true;
         break;
-      case HitColumn::kRay:  // by the place of its rows
+      case HitColumn::kRay:  // needs no field: the row tells it
         break;
     }
   }
@@ -158,6 +170,58 @@ void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string&
   // The shortest text that reads back as the same number.
   visit_value(hits, i, column,
               [&](auto value) { fmt::format_to(std::back_inserter(out), "{}", value); });
+}
+
+RowView HitRows::make(std::uint64_t first, const HitView& hits) {
+  ray_.clear();
+  node_.clear();
+  t_.clear();
+  primitive_.clear();
+  work_.clear();
+  barycentric_.clear();
+  normal_.clear();
+  hit_.clear();
+  for (std::size_t i = 0; i + 1 < hits.offsets.size(); ++i) {
+    if (hits.hit[i] == kBadRay) {
+      add_bad_ray();
+    } else {
+      add_hits(hits, i);
+    }
+    hit_.resize(t_.size(), hits.hit[i]);
+    ray_.resize(t_.size(), first + i);
+    if (!hits.work.empty()) work_.resize(t_.size(), hits.work[i]);
+  }
+  RowView rows;
+  rows.ray = ray_;
+  rows.t = t_;
+  rows.node = node_;
+  rows.primitive = primitive_;
+  rows.barycentric = barycentric_;
+  rows.normal = normal_;
+  rows.hit = hit_;
+  rows.work = work_;
+  return rows;
+}
+
+void HitRows::add_bad_ray() {
+  t_.push_back(std::numeric_limits<double>::quiet_NaN());
+  node_.push_back(0);
+  primitive_.push_back(0);
+  barycentric_.insert(barycentric_.end(), 2, 0.0F);
+  normal_.insert(normal_.end(), 3, 0.0F);
+}
+
+void HitRows::add_hits(const HitView& hits, std::size_t i) {
+  const std::size_t begin = hits.offsets[i], end = hits.offsets[i + 1];
+  if (hits.t.empty()) {
+    t_.resize(t_.size() + end - begin);  // counts the rows even if t was not requested
+  } else {
+    add_rows(hits.t, begin, end, 1, t_);
+  }
+  add_rows(hits.node, begin, end, 1, node_);
+  add_rows(hits.primitive, begin, end, 1, primitive_);
+  add_rows(hits.barycentric, begin, end, 2, barycentric_);
+  add_rows(hits.normal, begin, end, 3, normal_);
 }
 
 }  // namespace sightline::client::cli::files

@@ -1,4 +1,4 @@
-// The columns that hits are written in: their names, types and order.
+// The columns of a hit file: names, types, order, and the rows of a cast of all hits.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "client/cast_options.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
 
-/// In the order in which files have them.
+/// The columns, in the order in which files have them.
 enum class HitColumn : std::uint8_t {
   kRay,
   kT,
@@ -32,35 +31,57 @@ enum class HitColumn : std::uint8_t {
 
 struct HitColumnInfo {
   std::string_view name;
-  std::string_view type;  ///< NumPy's.
+  std::string_view type;  ///< as NumPy writes it
   std::size_t bytes;
 };
 const HitColumnInfo& info_of(HitColumn column);
 
-/// All that a closest hit has, `work` left out.
+/// All columns of a closest hit, without `work`.
 std::vector<HitColumn> all_closest_columns();
-/// What an answer of this kind has if nothing is said.
+/// The default columns for an answer of this kind.
 std::vector<HitColumn> standard_columns(QueryKind kind);
-/// Errors: kInvalidArgument, naming the column, if answers of this kind do not have one of them.
+/// Errors: kInvalidArgument, naming the column, if answers of this kind do not have one of the
+/// columns.
 Status check_columns(const std::vector<HitColumn>& columns, QueryKind kind);
 
-/// From names parted by commas, put in the order of files. Errors: kInvalidArgument, naming the
-/// word, for one that is no column or is there twice.
+/// Parses names separated by commas, and sorts them into the order of files. Errors:
+/// kInvalidArgument, naming the word, for an unknown column or one that occurs twice.
 Result<std::vector<HitColumn>> parse_hit_columns(std::string_view names);
 
-/// What has to be asked of the server for these columns.
+/// The fields that must be requested from the server for these columns.
 HitFields fields_for(const std::vector<HitColumn>& columns);
 
-/// Rows of a file: every column has a row for each.
+/// Rows of a file: each column has one value per row.
 struct RowView : HitView {
   RowView() = default;
   RowView(const HitView& hits) : HitView(hits) {}  // NOLINT: answers with a row a ray are rows
 
-  std::span<const std::uint64_t> ray{};  ///< Number of the ray that the row answers.
+  std::span<const std::uint64_t> ray{};  ///< the number of the ray that the row answers
 };
 
-/// Writes the column's value in row i as its bytes, and as text.
+/// Writes the value of the column in row i, as bytes or as text.
 void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out);
 void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out);
+
+/// Makes the rows of a file from a cast of all hits: one row per hit. A bad ray gets one row with t
+/// = NaN and node 0, so that a file tells it from a miss, which has no row. `hit` and `work` of a
+/// ray are repeated in each of its rows. The memory is reused for the next answers.
+class HitRows {
+ public:
+  /// `hits` answers rays from number `first` on, and has offsets and `hit`. The returned view is
+  /// valid until the next call.
+  RowView make(std::uint64_t first, const HitView& hits);
+  std::size_t size() const { return ray_.size(); }
+
+ private:
+  void add_bad_ray();
+  void add_hits(const HitView& hits, std::size_t i);
+
+  std::vector<std::uint64_t> ray_, node_;
+  std::vector<double> t_;
+  std::vector<std::uint32_t> primitive_, work_;
+  std::vector<float> barycentric_, normal_;
+  std::vector<std::uint8_t> hit_;
+};
 
 }  // namespace sightline::client::cli::files

@@ -1,4 +1,4 @@
-// Columns of answers to rows of a file.
+// Converts columns of answers to rows of a file.
 #include "client/cli/files/hit_file.h"
 
 #include <utility>

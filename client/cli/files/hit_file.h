@@ -6,25 +6,25 @@
 #include <string>
 #include <vector>
 
+#include "client/cast_options.h"
 #include "client/cli/files/hit_columns.h"
 #include "client/cli/files/output.h"
-#include "client/rays.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::files {
 
 class HitFile {
  public:
-  /// .npy if the path ends so, else CSV with a line of names; "-" is standard output. `rows` are
-  /// told beforehand where they are known, which lets .npy go to what cannot be written twice.
-  /// Errors: kInvalidArgument.
+  /// Writes .npy if the path ends in .npy, else CSV with a line of names. "-" is standard output.
+  /// If the number of rows is known in advance, `rows` holds it: then .npy can go to an output that
+  /// cannot be written twice. Errors: kInvalidArgument.
   static Result<HitFile> open(const std::string& path, std::vector<HitColumn> columns,
                               std::optional<std::uint64_t> rows);
 
-  /// Adds n rows.
+  /// Appends n rows.
   Status write(const RowView& hits, std::size_t n);
 
-  /// Without it, no file comes to be.
+  /// Completes the file. Without this call, no file is created.
   Status commit();
 
  private:

@@ -1,4 +1,4 @@
-// Reading by system calls: standard input cannot be mapped, and big files should not be copied.
+// Uses system calls: standard input cannot be mapped, and big files should not be copied.
 #include "client/cli/files/input.h"
 
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <cstring>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
@@ -63,8 +63,7 @@ Input::~Input() {
   if (file_ > STDIN_FILENO) ::close(file_);
 }
 
-// Whoever writes to a pipe may be silent for ever. What read() has to say of the file is left to
-// it.
+// The writer of a pipe may be silent forever. Errors of the file are left to read().
 Status Input::wait_for_bytes() const {
   constexpr int kMilliseconds = 100;
   while (stop_.stop_possible()) {

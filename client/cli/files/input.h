@@ -1,4 +1,4 @@
-// A file, or standard input, read from front to back; files may also be looked at as a whole.
+// A file or standard input, read from front to back. Files can also be read as a whole.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,9 @@ namespace sightline::client::cli::files {
 
 class Input {
  public:
-  /// "-": standard input. Errors: kInvalidArgument, with the path and the system's words, here and
-  /// below; kCancelled, below, if a stop is requested while bytes are waited for.
+  /// Opens a file. "-" is standard input. Errors, here and below: kInvalidArgument, with the path
+  /// and the system's message. Errors below: kCancelled, if a stop is requested while waiting for
+  /// bytes.
   static Result<Input> open(const std::string& path, std::stop_token stop = {});
 
   Input(Input&&) noexcept;
@@ -24,15 +25,15 @@ class Input {
 
   const std::string& name() const { return name_; }
 
-  /// Up to n of the next bytes, fewer only at the end; they are still there to be read.
+  /// Returns up to n of the next bytes, fewer only at the end, without consuming them.
   Result<std::string_view> peek(std::size_t n);
 
-  /// The next line without its end (\n or \r\n), valid until the next call. Returns false at the
-  /// end of input.
+  /// Reads the next line without its end (\n or \r\n). It is valid until the next call. Returns
+  /// false at the end of input.
   Result<bool> next_line(std::string_view& line);
 
-  /// All bytes from the start, for as long as this lives: mapped, or read into memory if that
-  /// cannot be. Only before anything was taken by next_line.
+  /// All bytes from the start, valid as long as this object. The file is mapped, or read into
+  /// memory if it cannot be mapped. Allowed only before the first next_line.
   Result<std::span<const std::byte>> whole();
 
  private:
@@ -45,7 +46,7 @@ class Input {
   int file_ = -1;
   std::stop_token stop_;
   bool ended_ = false;
-  std::string buffer_;  // read, not yet taken from `taken_` on
+  std::string buffer_;  // read; consumed up to `taken_`
   std::size_t taken_ = 0;
   std::span<const std::byte> mapped_;
 };

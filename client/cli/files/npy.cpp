@@ -1,4 +1,4 @@
-// The little Python that .npy headers are written in.
+// Parses and writes the Python literals of .npy headers.
 #include "client/cli/files/npy.h"
 
 #include <fmt/format.h>
@@ -8,19 +8,19 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // of the data, as NumPy has it
+constexpr std::size_t kAlignment = 64;  // of the data, as NumPy aligns it
 
-// Walks over a dict literal such as {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }.
+// Parses a dict literal such as {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }.
 class DictParser {
  public:
   explicit DictParser(std::string_view text) : rest_(text) {}
 
-  bool take(char c) {
+  bool accept(char c) {
     skip_space();
     if (!rest_.starts_with(c)) return false;
     rest_.remove_prefix(1);
@@ -47,26 +47,26 @@ class DictParser {
     return {};
   }
 
-  // (), (3,), (3, 4)
+  // Parses (), (3,) or (3, 4).
   std::optional<std::vector<std::uint64_t>> tuple() {
-    if (!take('(')) return {};
+    if (!accept('(')) return {};
     std::vector<std::uint64_t> numbers;
-    while (!take(')')) {
+    while (!accept(')')) {
       skip_space();
       std::uint64_t number = 0;
       const auto [end, error] = std::from_chars(rest_.begin(), rest_.end(), number);
       if (error != std::errc()) return {};
       rest_.remove_prefix(static_cast<std::size_t>(end - rest_.begin()));
       numbers.push_back(number);
-      if (!take(',')) {
-        if (!take(')')) return {};
+      if (!accept(',')) {
+        if (!accept(')')) return {};
         break;
       }
     }
     return numbers;
   }
 
-  // A string, or a list as it stands.
+  // Parses a string, or returns the text of a list.
   std::optional<std::string> dtype() {
     skip_space();
     if (!rest_.starts_with('[')) return string();
@@ -97,10 +97,10 @@ std::optional<NpyHeader> parse_dict(std::string_view text) {
   std::optional<std::string> dtype;
   std::optional<bool> fortran_order;
   std::optional<std::vector<std::uint64_t>> shape;
-  if (!dict.take('{')) return {};
-  while (!dict.take('}')) {
+  if (!dict.accept('{')) return {};
+  while (!dict.accept('}')) {
     const auto key = dict.string();
-    if (!key || !dict.take(':')) return {};
+    if (!key || !dict.accept(':')) return {};
     if (*key == "descr") {
       dtype = dict.dtype();
     } else if (*key == "fortran_order") {
@@ -110,8 +110,8 @@ std::optional<NpyHeader> parse_dict(std::string_view text) {
     } else {
       return {};
     }
-    if (!dict.take(',')) {
-      if (!dict.take('}')) return {};
+    if (!dict.accept(',')) {
+      if (!dict.accept('}')) return {};
       break;
     }
   }

@@ -16,10 +16,10 @@ inline constexpr std::string_view kNpyMagic = "\x93NUMPY";
 
 struct NpyHeader {
   std::string
-      dtype;  ///< As it stands in the file without quotes, e.g. <f8; a list for structured types.
+      dtype;  ///< as written in the file, without quotes, e.g. <f8; a list for structured types
   bool fortran_order = false;
   std::vector<std::uint64_t> shape;
-  std::size_t data_offset = 0;  ///< Bytes from the start of the file.
+  std::size_t data_offset = 0;  ///< bytes from the start of the file
 };
 
 /// Reads the header at the start of a file's bytes, versions 1 to 3.

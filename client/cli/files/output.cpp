@@ -1,4 +1,4 @@
-// Files by system calls, for their words on what went wrong.
+// Uses system calls, because their messages say what went wrong.
 #include "client/cli/files/output.h"
 
 #include <fcntl.h>
@@ -11,12 +11,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
 
-constexpr mode_t kMode = 0666;  // less the umask
+constexpr mode_t kMode = 0666;  // the umask is subtracted
 
 Error system_error(const std::string& path) {
   return local_error(
@@ -31,7 +31,7 @@ Result<Output> Output::open(const std::string& path) {
   const bool is_special = ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
   std::error_code ignored;
   const std::string target =
-      std::filesystem::weakly_canonical(path, ignored).string();  // behind links
+      std::filesystem::weakly_canonical(path, ignored).string();  // follows symbolic links
   std::string written = is_special ? std::string() : fmt::format("{}.part{}", target, ::getpid());
   const int file = is_special
                        ? ::open(path.c_str(), O_WRONLY | O_CLOEXEC)

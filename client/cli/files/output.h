@@ -1,4 +1,4 @@
-// A file that comes to be only when it is whole, or standard output.
+// A file that appears only when it is complete, or standard output.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace sightline::client::cli::files {
 
-/// Writes beside the file and takes its name at the end, so that a failure leaves what was there
-/// before. What is not a regular file (a pipe, /dev/null) is written to as it is. Errors:
-/// kInvalidArgument, with the path and the system's words.
+/// Writes to a temporary file beside the target and renames it at the end, so a failure keeps the
+/// old file. A target that is not a regular file (a pipe, /dev/null) is written directly. Errors:
+/// kInvalidArgument, with the path and the system's message.
 class Output {
  public:
-  /// "-": standard output.
+  /// "-" is standard output.
   static Result<Output> open(const std::string& path);
 
   Output(Output&& other) noexcept;
@@ -22,9 +22,9 @@ class Output {
   ~Output();
 
   Status write(std::string_view bytes);
-  /// Overwrites the start of a file. Errors also where the output has no start to go back to.
+  /// Overwrites the start of the file. Errors: as above, and if the output cannot seek.
   Status write_at_start(std::string_view bytes);
-  /// Makes the file what was written. Without it, nothing has happened.
+  /// Puts the written file in place. Without this call, nothing changes.
   Status commit();
 
  private:
@@ -32,7 +32,7 @@ class Output {
       : path_(std::move(path)), written_(std::move(written)), file_(file) {}
 
   std::string path_;
-  std::string written_;  // the file beside; empty if there is none
+  std::string written_;  // the temporary file; empty if there is none
   int file_ = -1;
 };
 

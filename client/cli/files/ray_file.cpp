@@ -1,4 +1,4 @@
-// Rows of a file to columns of a message.
+// Converts rows of a file to columns of a message.
 #include "client/cli/files/ray_file.h"
 
 #include <fmt/format.h>
@@ -10,15 +10,15 @@
 #include <span>
 #include <utility>
 
-#include "client/cli/exit_code.h"
 #include "client/cli/files/csv.h"
 #include "client/cli/files/input.h"
 #include "client/cli/files/npy.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
 
-// A matrix in a file's bytes. They may start anywhere, so values are copied out.
+// A matrix in the bytes of a file. The bytes may not be aligned, so values are copied out.
 template <class Scalar>
 class Matrix {
  public:

@@ -1,4 +1,4 @@
-// Each key is known, of the right kind and in its range, or named in an error.
+// Checks every key: it must be known, of the right type and in range.
 #include "client/cli/files/update_json.h"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
 namespace {
@@ -21,8 +21,7 @@ const std::map<std::string, Mobility> kMobilities{
     {"deforming", Mobility::kDeforming},  {"MOBILITY_STATIC", Mobility::kStatic},
     {"MOBILITY_RIGID", Mobility::kRigid}, {"MOBILITY_DEFORMING", Mobility::kDeforming}};
 
-// The keys of one object. Remembers the first thing that is wrong; what is asked for after that
-// does not matter.
+// Reads the keys of one object. Stores the first problem; values read after it do not matter.
 class Fields {
  public:
   Fields(const Json& object, std::string name, std::initializer_list<const char*> known)
@@ -78,7 +77,7 @@ class Fields {
     return out;
   }
 
-  // [12 numbers], or the message's own {"matrix": [12 numbers]}.
+  // Reads [12 numbers], or the form of the message, {"matrix": [12 numbers]}.
   Transform transform(const char* key) {
     const Json* value = find(key, false);
     if (value == nullptr) return kIdentity;

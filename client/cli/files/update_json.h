@@ -1,4 +1,4 @@
-// Updates as JSON objects: names as in the messages, arrays as lists of numbers.
+// Updates as JSON objects, with the names of the messages and lists of numbers as arrays.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace sightline::client::cli::files {
 
-/// {"put_node": {...}}, {"set_transforms": {...}}, {"delete_node": {...}} or {"patch_vertices":
-/// {...}}. Errors: kInvalidArgument, naming the key.
+/// Parses {"put_node": {...}}, {"set_transforms": {...}}, {"delete_node": {...}} or
+/// {"patch_vertices": {...}}. Errors: kInvalidArgument, naming the key.
 Result<Update> parse_update(std::string_view text);
 
-/// static, rigid or deforming.
+/// "static", "rigid" or "deforming".
 const char* name_of(Mobility mobility);
 
-/// The same object. Without `positions`, patched vertices are only counted.
+/// The inverse of parse_update. Without `positions`, it writes only the number of patched vertices.
 Json json_of(const Update& update, bool positions);
 
 }  // namespace sightline::client::cli::files

@@ -1,4 +1,4 @@
-// The overview, and cameras of one's own.
+// The default camera shows an overview of the scene.
 #include "client/cli/picture/camera.h"
 
 #include <numbers>
@@ -8,7 +8,7 @@ namespace {
 
 constexpr Vec3 kOverviewFrom{1, 0.7, 0.5};
 constexpr double kOverviewDistance = 1.2;  // in diagonals of the scene
-constexpr double kNearlyParallel = 1e-6;   // sine of the angle to the up axis
+constexpr double kNearlyParallel = 1e-6;   // sine of the angle between the view and the up axis
 
 Vec3 up_of(UpAxis axis) { return axis == UpAxis::kZ ? Vec3{0, 0, 1} : Vec3{0, 1, 0}; }
 
@@ -34,9 +34,9 @@ std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo&
   const Vec3 at = request.at.value_or(center);
   camera.eye =
       request.eye.value_or(add(at, scale(unit(kOverviewFrom), kOverviewDistance * diagonal)));
-  const Vec3 look = sub(at, camera.eye);
-  if (!(length(look) > 0)) return {};
-  camera.forward = unit(look);
+  const Vec3 view = sub(at, camera.eye);
+  if (!(length(view) > 0)) return {};
+  camera.forward = unit(view);
   Vec3 up = up_of(scene.up_axis);
   if (length(cross(camera.forward, up)) < kNearlyParallel) up = {up[2], up[0], up[1]};
   camera.right = unit(cross(camera.forward, up));

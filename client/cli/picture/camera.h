@@ -1,36 +1,55 @@
-// A pinhole camera: where a picture's rays start and go.
+// A pinhole camera: where the rays of a picture start and go.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 
-#include "client/cli/picture/vec3.h"
 #include "client/scene_info.h"
 
 namespace sightline::client::cli::picture {
 
+using Vec3 = std::array<double, 3>;
+
+inline Vec3 add(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vec3 sub(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Vec3 scale(const Vec3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+inline double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline Vec3 unit(const Vec3& a) { return scale(a, 1 / length(a)); }
+/// Linear: a at s = 0, b at s = 1.
+inline Vec3 mix(const Vec3& a, const Vec3& b, double s) {
+  return add(scale(a, 1 - s), scale(b, s));
+}
+
 struct Camera {
   Vec3 eye{};
-  Vec3 forward{0, 0, -1};  ///< Unit, as the next two; the three are at right angles.
+  Vec3 forward{0, 0, -1};  ///< a unit vector, like the next two; all three are orthogonal
   Vec3 right{1, 0, 0};
   Vec3 up{0, 1, 0};
-  double half_height = 1;  ///< Of the picture, at distance 1.
+  double half_height = 1;  ///< of the picture plane at distance 1
 
-  /// The unit direction through a place in the picture: x from 0 at the left to `aspect`, y from 0
-  /// at the top to 1.
+  /// The unit direction through a point of the picture. x runs from 0 at the left to `aspect`, y
+  /// from 0 at the top to 1.
   Vec3 direction(double x, double y, double aspect) const;
 };
 
-inline constexpr double kDefaultFov = 40;  ///< Degrees, from the bottom of the picture to its top.
+inline constexpr double kDefaultFov = 40;  ///< degrees, from the bottom of the picture to its top
 
-/// What of a camera is asked for; the rest is the overview: center + 1.2 diagonals (1, 0.7,
-/// 0.5)/|.|, looking at the center of the scene, up as the scene records it, or y.
+/// The parts of a camera that the user gives. The rest comes from the overview: the eye is at
+/// center + 1.2 diagonals (1, 0.7, 0.5)/|.|, looks at the center of the scene, and up is the axis
+/// that the scene records, or y.
 struct CameraRequest {
   std::optional<Vec3> eye;
   std::optional<Vec3> at;
-  double fov = kDefaultFov;  ///< Degrees, between 0 and 180.
+  double fov = kDefaultFov;  ///< degrees, between 0 and 180
 };
 
-/// Nothing if the eye is where it looks at.
+/// Returns nothing if the eye is the point that it looks at.
 std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo& scene);
 
 }  // namespace sightline::client::cli::picture

@@ -1,19 +1,21 @@
-// Rays out, colours in.
+// Casts the rays of the pixels and sums up their colours.
 #include "client/cli/picture/picture.h"
 
+#include <fmt/format.h>
+#include <png.h>
+
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <utility>
 
-#include "client/cli/picture/palette.h"
-#include "client/cli/picture/sampling.h"
 #include "client/cli/picture/shading.h"
 
 namespace sightline::client::cli::picture {
 namespace {
 
-// The picture's samples are numbered: sample s of the k-th pixel in tile order is k *
-// kSamplesPerPixel + s.
+// The pixels of a picture and their sums of colours. Sample s of the k-th pixel in tile order has
+// the number k * kSamplesPerPixel + s.
 class Film {
  public:
   Film(PictureSize size, const Camera& camera)
@@ -21,7 +23,7 @@ class Film {
 
   std::size_t samples() const { return pixels_.size() * kSamplesPerPixel; }
 
-  // From 0 at the top of the picture to 1.
+  // 0 at the top of the picture, 1 at the bottom.
   double height_of(std::size_t sample) const {
     const auto [x, y] = pixels_[sample / kSamplesPerPixel];
     return (y + kSampleOffsets[sample % kSamplesPerPixel][1]) / size_.height;
@@ -42,8 +44,8 @@ class Film {
   std::vector<std::uint8_t> develop() const {
     std::vector<std::uint8_t> rgb(3 * pixels_.size());
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      const std::size_t place = std::size_t{pixels_[k].y} * size_.width + pixels_[k].x;
-      for (std::size_t c = 0; c < 3; ++c) rgb[3 * place + c] = encode_srgb(sums_[k][c]);
+      const std::size_t index = std::size_t{pixels_[k].y} * size_.width + pixels_[k].x;
+      for (std::size_t c = 0; c < 3; ++c) rgb[3 * index + c] = encode_srgb(sums_[k][c]);
     }
     return rgb;
   }
@@ -79,15 +81,14 @@ HitFields fields_of(PictureMode mode) {
   return fields;
 }
 
-// Takes the answers, a sample each. Some colours are known at once, others when all samples are
-// there.
+// Takes one answer per sample. Some modes know the colour at once, others only after all samples.
 class Painter {
  public:
   Painter(Film& film, const PictureRequest& request) : film_(film), request_(request) {
     if (is_late()) samples_.resize(film.samples());
   }
 
-  void take(std::size_t sample, const HitView& hits, std::size_t row) {
+  void add(std::size_t sample, const HitView& hits, std::size_t row) {
     const bool is_hit = hits.hit[row] == 1;
     Vec3 normal{};
     if (is_hit) {
@@ -136,13 +137,13 @@ class Painter {
 
 }  // namespace
 
-Result<Picture> take_picture(const Client& client, const std::string& scene,
-                             const PictureRequest& request,
-                             const std::function<void(double)>& progress) {
+Result<Picture> render_picture(const Client& client, const std::string& scene,
+                               const PictureRequest& request,
+                               const std::function<void(double)>& progress) {
   Film film(request.size, request.camera);
   Painter painter(film, request);
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {
-    for (std::size_t i = 0; i < count; ++i) painter.take(first + i, hits, i);
+    for (std::size_t i = 0; i < count; ++i) painter.add(first + i, hits, i);
     progress(static_cast<double>(first + count) / static_cast<double>(film.samples()));
     return Status();
   };
@@ -153,6 +154,39 @@ Result<Picture> take_picture(const Client& client, const std::string& scene,
   if (!report) return report.error();
   painter.finish();
   return Picture{film.develop(), *report};
+}
+
+std::vector<Pixel> tiled_pixels(PictureSize size) {
+  constexpr std::uint32_t kTile = 8;
+  std::vector<Pixel> pixels;
+  pixels.reserve(std::size_t{size.width} * size.height);
+  for (std::uint32_t top = 0; top < size.height; top += kTile) {
+    for (std::uint32_t left = 0; left < size.width; left += kTile) {
+      for (std::uint32_t y = top; y < std::min(top + kTile, size.height); ++y) {
+        for (std::uint32_t x = left; x < std::min(left + kTile, size.width); ++x) {
+          pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
+        }
+      }
+    }
+  }
+  return pixels;
+}
+
+Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,
+                               std::uint32_t height) {
+  assert(rgb.size() == std::size_t{3} * width * height);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = PNG_FORMAT_RGB;
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {
+    return Error{Code::kInternal, fmt::format("PNG: {}", image.message), {}};
+  }
+  bytes.resize(size);
+  return bytes;
 }
 
 }  // namespace sightline::client::cli::picture

@@ -1,42 +1,62 @@
-// From what a ray has hit to a colour.
+// The colour of a sample, from what its ray hit. Colours are linear sRGB, 0 to 1.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "client/cli/picture/camera.h"
-#include "client/cli/picture/palette.h"
-#include "client/cli/picture/vec3.h"
 #include "client/scene_info.h"
 
 namespace sightline::client::cli::picture {
 
-/// The normal, turned to the side that the ray comes from.
+using Rgb = std::array<float, 3>;
+
+/// Lightness 0 to 1, chroma 0 to about 0.3, hue in degrees. Colours outside sRGB lose chroma until
+/// they fit. In OKLCh, equal steps look equal.
+Rgb from_oklch(double lightness, double chroma, double hue);
+
+/// From near black through violet and orange to pale yellow. Lightness rises evenly. s runs from 0
+/// to 1.
+Rgb heat_colour(double s);
+
+/// From pale sand (near, 0) through green and blue to deep indigo (far, 1). Lightness falls evenly.
+Rgb depth_colour(double s);
+
+/// Always the same colour for the same id. Consecutive ids get distant hues.
+Rgb node_colour(std::uint64_t id);
+
+/// Applies the gamma of sRGB. Returns 0 to 255.
+std::uint8_t encode_srgb(float linear);
+
+/// The normal, turned to the side from which the ray comes.
 Vec3 facing(const Vec3& normal, const Vec3& direction);
 
-/// Light on a surface from beside and above the camera, 0 to 1. `normal` faces the camera.
+/// Light on a surface from a lamp beside and above the camera, 0 to 1. `normal` faces the camera.
 double light_on(const Vec3& normal, const Camera& camera);
 
-/// A pastel colour for the direction of a normal, lit. The same for "up" whichever axis is up.
+/// A pastel colour for the direction of a normal, with light. The colour of "up" is the same for
+/// both up axes.
 Rgb normal_shade(const Vec3& normal, const Camera& camera, UpAxis up);
 
-/// The node's own colour, lit.
+/// The node's own colour, with light.
 Rgb node_shade(std::uint64_t node, const Vec3& normal, const Camera& camera);
 
-/// Behind the scene, where y runs from 0 at the top of the picture to 1.
+/// The colour behind the scene. y runs from 0 at the top of the picture to 1.
 Rgb backdrop(double y);
 
 /// A sample of a picture whose colours depend on the range of its values.
 struct Sample {
   float value = 0;
-  float light = 0;  ///< Below 0: nothing was hit.
+  float light = 0;  ///< below 0: a miss
   bool unbuilt = false;
 };
 
-/// Distance as colour, between those that all but the outermost hundredths of the samples have.
+/// Colours for distances. The range of colours leaves out the nearest and the farthest hundredth of
+/// the samples.
 std::vector<Rgb> depth_shades(const std::vector<Sample>& samples);
 
-/// Work as colour. What is not built stays dark.
+/// Colours for work. Unbuilt cells stay dark.
 std::vector<Rgb> heat_shades(const std::vector<Sample>& samples);
 
 }  // namespace sightline::client::cli::picture

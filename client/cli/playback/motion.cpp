@@ -1,4 +1,4 @@
-// Both kinds under one face.
+// Reads animations and sequences of frames as motions.
 #include "client/cli/playback/motion.h"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/exit_code.h"
+#include "client/cli/terminal.h"
 #include "client/importer/frame_sequence.h"
 
 namespace sightline::client::cli::playback {
@@ -39,7 +39,7 @@ Result<Motion> open_sequence(const MotionRequest& request,
     return local_error(fmt::format("{}: its {} frames are all alike", request.path, count));
   }
   motion.pose = [sequence, fps = request.fps, count](double seconds) {
-    // A frame's time may come out a rounding below its number.
+    // The time of a frame may be rounded to slightly less than its number.
     const double frame = std::floor(seconds * fps + 1e-6);
     return sequence->frames[std::min(static_cast<std::size_t>(std::max(frame, 0.0)), count - 1)];
   };

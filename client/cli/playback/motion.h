@@ -1,4 +1,4 @@
-// What can be played: an animation of a file, or a folder of frames.
+// A motion that can be played: an animation of a file, or a folder of frames.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,28 @@ namespace sightline::client::cli::playback {
 
 struct Motion {
   importer::ImportedScene scene;
-  std::string name;        ///< Of the animation, may be empty; of a sequence the folder's.
-  double seconds = 0;      ///< Of one round, from 0 on.
-  bool is_cyclic = false;  ///< The end is the next round's begin and no moment of its own.
-  std::vector<std::uint32_t> placed;  ///< Nodes that are moved.
-  std::vector<std::uint32_t> shaped;  ///< Nodes whose vertices are.
-  /// At a time from 0 to seconds.
+  std::string name;    ///< of the animation, may be empty; for a sequence, the name of the folder
+  double seconds = 0;  ///< length of one round, which starts at 0
+  bool is_cyclic = false;             ///< the end of a round is the start of the next
+  std::vector<std::uint32_t> placed;  ///< nodes whose transform changes
+  std::vector<std::uint32_t> shaped;  ///< nodes whose vertices change
+  /// The pose at a time from 0 to `seconds`.
   std::function<importer::Pose(double seconds)> pose;
 
-  /// Of each node: deforming, if its vertices move; rigid, if it is moved or one above it is.
+  /// For each node: deforming if its vertices move, rigid if it or an ancestor is moved, else
+  /// static.
   std::vector<Mobility> mobilities() const;
 };
 
 struct MotionRequest {
-  std::string path;                 ///< A scene file, or a folder of frames.
-  std::string animation{};          ///< Name, or number from 0; empty: the first.
-  double fps = 30;                  ///< Of a folder's frames.
-  importer::ImportOptions frame{};  ///< Which way up, which unit.
+  std::string path;                 ///< a scene file, or a folder of frames
+  std::string animation{};          ///< name, or number from 0; empty: the first
+  double fps = 30;                  ///< of the frames of a folder
+  importer::ImportOptions frame{};  ///< up axis and unit
 };
 
-/// Errors: kInvalidArgument: those of the importer; no animation, or not the one asked for.
+/// Errors: kInvalidArgument: those of the importer; the file has no animation, or not the requested
+/// one.
 Result<Motion> open_motion(const MotionRequest& request,
                            const importer::ImportProgress& progress = {});
 

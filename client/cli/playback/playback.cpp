@@ -1,4 +1,4 @@
-// A schedule, and a clock for each frame on its way.
+// Turns poses into updates and sends them on a schedule.
 #include "client/cli/playback/playback.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// When frames were sent and answered. Answers come on a thread of the stream.
+// Records when frames were sent and answered. Answers arrive on a thread of the stream.
 class Answers {
  public:
   void sent(std::uint64_t sequence, Clock::time_point at) {
@@ -23,7 +23,7 @@ class Answers {
     if (sequence > answered_) {
       waiting_.emplace_back(sequence, at);
     } else {
-      // The answer has overtaken us.
+      // The answer arrived before this call.
       milliseconds_.push_back(milliseconds_since(at, last_answer_));
     }
   }
@@ -40,7 +40,7 @@ class Answers {
     answer_up_to(reject.sequence);
   }
 
-  bool take_afresh() {
+  bool reset_afresh() {
     const std::lock_guard lock(mutex_);
     return std::exchange(afresh_, false);
   }
@@ -75,7 +75,7 @@ class Answers {
   bool afresh_ = false;
 };
 
-// When frames are due.
+// Knows when frames are due.
 class Schedule {
  public:
   explicit Schedule(double fps) : start_(Clock::now()), fps_(fps) {}
@@ -85,7 +85,7 @@ class Schedule {
     return start_ + std::chrono::duration_cast<Clock::duration>(offset);
   }
 
-  // False if a stop is requested before.
+  // Returns false if a stop is requested before the frame is due.
   bool wait_for(std::uint64_t frame, const std::stop_token& stop) const {
     std::mutex mutex;
     std::condition_variable_any stopped;
@@ -135,9 +135,9 @@ class Player {
     return request_.frames > 0 && frame >= request_.frames;
   }
 
-  // After a frame that was dropped the next one says everything.
+  // After a dropped frame, the next one contains the full pose.
   Status show(std::uint64_t frame, PlaybackReport& report) {
-    const bool afresh = answers_.take_afresh() || dropped_;
+    const bool afresh = answers_.reset_afresh() || dropped_;
     const std::vector<Update> updates = source_(frame, afresh);
     if (updates.empty()) {
       ++report.frames_unchanged;
@@ -168,6 +168,39 @@ class Player {
 };
 
 }  // namespace
+
+std::vector<Update> FrameUpdates::make(const importer::Pose& pose) {
+  std::vector<Update> updates;
+  SetTransforms set;
+  for (const importer::Pose::Placed& placed : pose.placed) {
+    const std::uint64_t id = ids_[placed.node];
+    if (id == 0) continue;
+    const auto [known, is_new] = transforms_.try_emplace(id, placed.parent_from_local);
+    if (!is_new && known->second == placed.parent_from_local) continue;
+    known->second = placed.parent_from_local;
+    set.nodes.push_back(static_cast<NodeRef>(id));
+    set.parent_from_local.push_back(placed.parent_from_local);
+  }
+  if (!set.nodes.empty()) updates.emplace_back(std::move(set));
+  for (const importer::Pose::Shaped& shaped : pose.shaped) {
+    PatchVertices patch;
+    for (const std::uint32_t node : shaped.nodes) {
+      if (ids_[node] != 0) patch.nodes.push_back(static_cast<NodeRef>(ids_[node]));
+    }
+    if (patch.nodes.empty()) continue;
+    std::vector<Vertex>& known = vertices_[static_cast<std::uint64_t>(patch.nodes[0])];
+    if (known == shaped.vertices) continue;
+    known = shaped.vertices;
+    patch.positions = shaped.vertices;
+    updates.emplace_back(std::move(patch));
+  }
+  return updates;
+}
+
+void FrameUpdates::forget() {
+  transforms_.clear();
+  vertices_.clear();
+}
 
 Result<PlaybackReport> play(const Client& client, const PlaybackRequest& request,
                             const FrameSource& source,

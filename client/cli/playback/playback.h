@@ -1,4 +1,4 @@
-// Frames sent at a steady rate.
+// Sends the frames of a motion at a steady rate.
 #pragma once
 
 #include <cstdint>
@@ -6,45 +6,70 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "client/client.h"
+#include "client/importer/pose.h"
+#include "client/update.h"
 
 namespace sightline::client::cli::playback {
+
+/// Turns poses into updates that contain only what changed since the frame before.
+class FrameUpdates {
+ public:
+  /// `ids`: for each node of the imported scene, its id in the scene; 0: it does not move.
+  explicit FrameUpdates(std::vector<std::uint64_t> ids) : ids_(std::move(ids)) {}
+
+  /// Returns one SetTransforms for the nodes whose transform changed, and one PatchVertices for
+  /// each mesh whose vertices changed. Returns nothing if the pose did not change.
+  std::vector<Update> make(const importer::Pose& pose);
+
+  /// Call this if the last frames had no effect: the next frame contains the full pose.
+  void forget();
+
+ private:
+  std::vector<std::uint64_t> ids_;
+  std::unordered_map<std::uint64_t, Transform> transforms_;
+  // Key: the first node of the mesh
+  std::unordered_map<std::uint64_t, std::vector<Vertex>> vertices_;
+};
 
 struct PlaybackRequest {
   std::string scene;
   std::string producer;
   double fps = 30;
-  std::uint64_t frames = 0;  ///< How many; 0: until stopped.
+  std::uint64_t frames = 0;  ///< 0: until stopped
   bool latest_wins = false;
   std::stop_token stop{};
 };
 
 struct PlaybackReport {
   std::uint64_t frames_sent = 0;
-  std::uint64_t frames_unchanged = 0;  ///< Nothing was new in them, nothing was sent.
-  std::uint64_t frames_late = 0;       ///< Skipped, as the next one was due already.
-  std::uint64_t frames_dropped = 0;    ///< Skipped, as the server had not answered earlier ones.
-  double seconds = 0;                  ///< From the first frame to the last answer.
-  double fps_achieved = 0;             ///< Of frames sent or unchanged; 0 for a single one.
-  std::vector<double> ack_ms;          ///< From sent to answered, sorted.
+  std::uint64_t frames_unchanged = 0;  ///< the pose did not change, so nothing was sent
+  std::uint64_t frames_late = 0;       ///< skipped, because the next frame was due already
+  /// Skipped, because the server had not answered earlier frames
+  std::uint64_t frames_dropped = 0;
+  double seconds = 0;          ///< from the first frame to the last answer
+  double fps_achieved = 0;     ///< of frames sent or unchanged; 0 for a single frame
+  std::vector<double> ack_ms;  ///< from sending to the answer, sorted
   std::optional<Error> first_reject;
   UpdateStreamState stream;
 };
 
-/// What is to be done in frame k, at k / fps; `afresh` if the frames before did not take effect.
-/// Called in order, on the calling thread, for the frames that are sent.
+/// Returns the updates of frame k, whose time is k / fps. `afresh` is true if earlier frames had no
+/// effect. Called in order, on the calling thread, for the frames that are sent.
 using FrameSource = std::function<std::vector<Update>(std::uint64_t frame, bool afresh)>;
 
-/// Frame k is due k / fps after the first one. One that cannot go out before the next is due is
-/// skipped, but for the last, which is always sent. Ends when all that was sent is answered.
+/// Sends frame k at k / fps after the first one. A frame that cannot be sent before the next is due
+/// is skipped; only the last frame is always sent. Returns when all that was sent is answered.
 /// Errors: those of UpdateStream.
 Result<PlaybackReport> play(const Client& client, const PlaybackRequest& request,
                             const FrameSource& source,
                             const std::function<void(std::uint64_t frame)>& progress);
 
-/// Of sorted values, the least that `part` of them do not exceed; 0 of none.
+/// The least of the sorted values that `part` of the values do not exceed; 0 if there are none.
 double percentile(const std::vector<double>& sorted, double part);
 
 }  // namespace sightline::client::cli::playback

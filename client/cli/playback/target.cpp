@@ -1,36 +1,100 @@
-// Three ways to come to the ids of nodes.
+// Finds, adds or imports the nodes of a motion.
 #include "client/cli/playback/target.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
-#include "client/calls/scene_upload.h"
-#include "client/cli/exit_code.h"
 #include "client/cli/playback/motion.h"
-#include "client/cli/playback/scene_nodes.h"
-#include "client/cli/progress_bar.h"
+#include "client/cli/terminal.h"
+#include "client/scene_upload.h"
 
 namespace sightline::client::cli::playback {
 namespace {
 
-Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const StageRequest& request,
+constexpr std::uint64_t kIdsAtOnce = 4096;
+// The server gives ids in increasing order and never again. After a gap of this length the search
+// ends.
+constexpr std::uint64_t kLongestGap = 1'000'000;
+
+Error mismatch(std::string message) {
+  return {Code::kFailedPrecondition, std::move(message), "SCENE_MISMATCH"};
+}
+
+std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
+  std::string path = scene.nodes[node].name;
+  while ((node = scene.nodes[node].parent) != importer::kNone) {
+    path.insert(0, "/").insert(0, scene.nodes[node].name);
+  }
+  return path;
+}
+
+// For each node, whether the motion needs it: it moves, or a descendant moves.
+std::vector<bool> needed(const Motion& motion) {
+  std::vector<bool> out(motion.scene.nodes.size());
+  for (const auto* list : {&motion.placed, &motion.shaped}) {
+    for (std::uint32_t node : *list) {
+      for (; node != importer::kNone && !out[node]; node = motion.scene.nodes[node].parent)
+        out[node] = true;
+    }
+  }
+  return out;
+}
+
+// Nodes that are not matched yet, by parent and name, in the order of their ids.
+class Candidates {
+ public:
+  explicit Candidates(const std::vector<NodeInfo>& nodes) {
+    for (const NodeInfo& node : nodes) lists_[{node.parent, node.name}].push_back(&node);
+  }
+
+  const NodeInfo* claim(std::uint64_t parent, const std::string& name, bool has_mesh) {
+    const auto list = lists_.find({parent, name});
+    if (list == lists_.end()) return nullptr;
+    const auto found =
+        std::find_if(list->second.begin(), list->second.end(),
+                     [&](const NodeInfo* node) { return node->mesh_digest.empty() != has_mesh; });
+    if (found == list->second.end()) return nullptr;
+    const NodeInfo* const node = *found;
+    list->second.erase(found);
+    return node;
+  }
+
+ private:
+  std::map<std::pair<std::uint64_t, std::string>, std::vector<const NodeInfo*>> lists_;
+};
+
+Status check_meshes(const Motion& motion, const std::vector<const NodeInfo*>& found) {
+  const std::vector<std::string> digests = mesh_digests(motion.scene);
+  for (const std::uint32_t node : motion.shaped) {
+    if (found[node]->mesh_digest == digests[motion.scene.nodes[node].mesh]) continue;
+    return mismatch(fmt::format(
+        "node {} '{}' of the scene carries another mesh than the file has there: it was "
+        "not imported from this file",
+        found[node]->id, path_of(motion.scene, node)));
+  }
+  return {};
+}
+
+Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const TargetRequest& request,
                                               const Motion& motion) {
   const auto nodes = list_nodes(client, request.scene);
   if (!nodes) return nodes.error();
   return match_nodes(motion, *nodes, request.under);
 }
 
-Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const StageRequest& request,
-                                               const Motion& motion, bool exists,
-                                               const std::stop_token& stop) {
+Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetRequest& request,
+                                             const Motion& motion, bool exists,
+                                             const std::stop_token& stop) {
   ProgressBar bar("uploading");
   const auto show = [&](std::uint64_t done, std::uint64_t total) {
     bar.update(static_cast<double>(done) / static_cast<double>(total));
   };
-  const calls::SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
+  const SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
   if (exists) {
     return add_to_scene(client, request.scene, motion.scene, request.under, options, show);
   }
@@ -39,8 +103,8 @@ Result<std::vector<std::uint64_t>> place_nodes(const Client& client, const Stage
   return find_nodes(client, request, motion);
 }
 
-// Takes the ids away from what is not to move.
-Status keep_only(const StageRequest& request, const Motion& motion, Stage& stage) {
+// Sets the ids of nodes that must not move to 0.
+Status keep_only(const TargetRequest& request, const Motion& motion, PlaybackTarget& target) {
   std::set<std::uint32_t> moving(motion.placed.begin(), motion.placed.end());
   moving.insert(motion.shaped.begin(), motion.shaped.end());
   std::set<std::uint32_t> kept;
@@ -48,28 +112,28 @@ Status keep_only(const StageRequest& request, const Motion& motion, Stage& stage
     const std::size_t before = kept.size();
     for (const std::uint32_t node : moving) {
       const bool is_meant =
-          word == motion.scene.nodes[node].name || word == std::to_string(stage.ids[node]);
+          word == motion.scene.nodes[node].name || word == std::to_string(target.ids[node]);
       if (is_meant) kept.insert(node);
     }
     if (kept.size() > before) continue;
     return local_error(fmt::format("the animation moves no node '{}'", word));
   }
   if (request.only.empty()) kept = std::move(moving);
-  for (std::uint32_t i = 0; i < stage.ids.size(); ++i) {
-    if (!kept.contains(i)) stage.ids[i] = 0;
-    if (stage.ids[i] != 0 && (stage.first_moved == 0 || stage.ids[i] < stage.first_moved))
-      stage.first_moved = stage.ids[i];
+  for (std::uint32_t i = 0; i < target.ids.size(); ++i) {
+    if (!kept.contains(i)) target.ids[i] = 0;
+    if (target.ids[i] != 0 && (target.first_moved == 0 || target.ids[i] < target.first_moved))
+      target.first_moved = target.ids[i];
   }
   const auto count = [&](const std::vector<std::uint32_t>& nodes) {
     return static_cast<std::size_t>(
         std::count_if(nodes.begin(), nodes.end(), [&](auto node) { return kept.contains(node); }));
   };
-  stage.placed = count(motion.placed);
-  stage.shaped = count(motion.shaped);
+  target.placed = count(motion.placed);
+  target.shaped = count(motion.shaped);
   return {};
 }
 
-Status check(const StageRequest& request, bool exists) {
+Status check(const TargetRequest& request, bool exists) {
   if (exists && request.must_be_new) {
     return Error{Code::kAlreadyExists, fmt::format("scene {} exists", request.scene),
                  "SCENE_EXISTS"};
@@ -83,6 +147,55 @@ Status check(const StageRequest& request, bool exists) {
 
 }  // namespace
 
+Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene) {
+  const auto info = client.get_scene(scene);
+  if (!info) return info.error();
+  std::vector<NodeInfo> nodes;
+  std::vector<std::uint64_t> ids(kIdsAtOnce);
+  std::uint64_t gap = 0;
+  for (std::uint64_t first = 1; nodes.size() < info->nodes; first += kIdsAtOnce) {
+    std::iota(ids.begin(), ids.end(), first);
+    auto some = client.get_nodes(scene, ids);
+    if (!some) return some.error();
+    const std::size_t before = nodes.size();
+    for (NodeInfo& node : *some) {
+      if (node.id != 0) nodes.push_back(std::move(node));
+    }
+    gap = nodes.size() == before ? gap + kIdsAtOnce : 0;
+    if (gap < kLongestGap) continue;
+    return Error{Code::kAborted,
+                 fmt::format("of the {} nodes of {} only {} could be found", info->nodes, scene,
+                             nodes.size()),
+                 {}};
+  }
+  return nodes;
+}
+
+Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
+                                               const std::vector<NodeInfo>& nodes,
+                                               std::uint64_t under) {
+  const importer::ImportedScene& scene = motion.scene;
+  const std::vector<bool> must_be = needed(motion);
+  Candidates candidates(nodes);
+  std::vector<const NodeInfo*> found(scene.nodes.size(), nullptr);
+  std::vector<std::uint64_t> ids(scene.nodes.size(), 0);
+  for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
+    const importer::ImportedNode& node = scene.nodes[i];
+    const bool is_root = node.parent == importer::kNone;
+    const std::uint64_t parent = is_root ? under : ids[node.parent];
+    if (is_root || parent != 0)
+      found[i] = candidates.claim(parent, node.name, node.mesh != importer::kNone);
+    if (found[i] != nullptr) ids[i] = found[i]->id;
+    if (found[i] != nullptr || !must_be[i]) continue;
+    return mismatch(
+        fmt::format("the scene has no node '{}'{}, which the animation needs: it was not "
+                    "imported from this file, or has changed since",
+                    path_of(scene, i), node.mesh != importer::kNone ? " with a mesh" : ""));
+  }
+  if (const Status same = check_meshes(motion, found); !same) return same.error();
+  return ids;
+}
+
 importer::ImportOptions frame_of(const SceneInfo& scene) {
   importer::ImportOptions options;
   if (scene.up_axis != UpAxis::kUnknown) options.up_axis = scene.up_axis;
@@ -90,15 +203,16 @@ importer::ImportOptions frame_of(const SceneInfo& scene) {
   return options;
 }
 
-Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
-                        bool exists, const std::stop_token& stop) {
+Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request,
+                                      const Motion& motion, bool exists,
+                                      const std::stop_token& stop) {
   if (const Status good = check(request, exists); !good) return good.error();
   auto ids = exists && !request.add ? find_nodes(client, request, motion)
-                                    : place_nodes(client, request, motion, exists, stop);
+                                    : add_nodes(client, request, motion, exists, stop);
   if (!ids) return ids.error();
-  Stage stage{.ids = *std::move(ids), .is_new = !exists};
-  if (const Status kept = keep_only(request, motion, stage); !kept) return kept.error();
-  return stage;
+  PlaybackTarget target{.ids = *std::move(ids), .is_new = !exists};
+  if (const Status kept = keep_only(request, motion, target); !kept) return kept.error();
+  return target;
 }
 
 }  // namespace sightline::client::cli::playback

@@ -1,4 +1,4 @@
-// The scene that a motion is played into, made ready for it.
+// The scene that a motion is played into, and which of its nodes move.
 #pragma once
 
 #include <cstdint>
@@ -16,29 +16,43 @@ namespace sightline::client::cli::playback {
 
 struct Motion;
 
-struct StageRequest {
+/// All nodes of a scene, by id. Errors: those of the calls; kAborted, the scene changes too fast to
+/// be read.
+Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene);
+
+/// For each node of the motion's scene, returns the id of the matching node of the scene on the
+/// server, or 0 if there is none. A node matches if it has the same name and its parent matches;
+/// roots must be children of `under` (0: roots of the scene). Nodes with the same name and parent
+/// match in the order of their ids. Errors: kFailedPrecondition, naming the node: a moving node or
+/// an ancestor of it is missing, or a node whose vertices move carries another mesh.
+Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
+                                               const std::vector<NodeInfo>& nodes,
+                                               std::uint64_t under);
+
+struct TargetRequest {
   std::string scene;
-  bool add = false;               ///< Put the motion's nodes into an existing scene.
-  bool must_be_new = false;       ///< An existing scene is kAlreadyExists.
-  std::uint64_t under = 0;        ///< The node above them; 0: they are roots.
-  std::vector<std::string> only;  ///< Nodes that move, by id or name; empty: all that do.
+  bool add = false;               ///< put the motion's nodes into an existing scene
+  bool must_be_new = false;       ///< an existing scene is an error, kAlreadyExists
+  std::uint64_t under = 0;        ///< the parent of the motion's roots; 0: none
+  std::vector<std::string> only;  ///< the nodes that move, by id or name; empty: all
 };
 
-struct Stage {
-  /// For each node of the motion's scene that of the scene; 0: it is not to move.
+struct PlaybackTarget {
+  /// For each node of the motion's scene, its id on the server; 0: it does not move.
   std::vector<std::uint64_t> ids;
-  bool is_new = false;            ///< The scene was imported.
-  std::uint64_t first_moved = 0;  ///< The least id of a node that moves.
+  bool is_new = false;            ///< the scene was imported
+  std::uint64_t first_moved = 0;  ///< the least id of a node that moves
   std::size_t placed = 0;
   std::size_t shaped = 0;
 };
 
-/// The frame in which a file is to be read so that its numbers are the scene's.
+/// The up axis and unit in which a file must be read to match the scene.
 importer::ImportOptions frame_of(const SceneInfo& scene);
 
-/// Imports the motion's scene if there is none, or adds it, or finds its nodes. Errors: those of
-/// upload_scene and match_nodes; kInvalidArgument: none of `only` moves.
-Result<Stage> set_stage(const Client& client, const StageRequest& request, const Motion& motion,
-                        bool exists, const std::stop_token& stop);
+/// Finds the motion's nodes in the scene, adds them, or imports a new scene. Errors: those of
+/// upload_scene and match_nodes; kInvalidArgument: a word of `only` names no node that moves.
+Result<PlaybackTarget> prepare_target(const Client& client, const TargetRequest& request,
+                                      const Motion& motion, bool exists,
+                                      const std::stop_token& stop);
 
 }  // namespace sightline::client::cli::playback

@@ -1,4 +1,4 @@
-// The spacing of float32 against the size of a scene.
+// Compares the spacing of float32 values with the size of a scene.
 #include "client/cli/verbs/origin_precision.h"
 
 #include <fmt/format.h>
@@ -21,12 +21,12 @@ RaySource<float> watch_reach(RaySource<float> source, float& reach) {
   };
 }
 
-std::string coarse_origins(float reach, const std::array<double, 6>& bounds) {
+std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds) {
   const double diagonal =
       std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
   const auto spacing =
       static_cast<double>(std::nextafter(reach, std::numeric_limits<float>::infinity()) - reach);
-  if (!(spacing > kCoarse * diagonal)) return {};
+  if (!(spacing > kMaxSpacing * diagonal)) return {};
   return fmt::format(
       "rays are float32 and begin up to {:.3g} from the origin, where float32 values are {:.2g} "
       "apart; the scene's diagonal is {:.3g}: write them as float64",

@@ -1,4 +1,4 @@
-// Rays in float32 that begin too far out for the scene that they are cast into.
+// A warning about float32 rays whose origins are too far out for the precision of float32.
 #pragma once
 
 #include <array>
@@ -8,16 +8,16 @@
 
 namespace sightline::client::cli::verbs {
 
-/// Origins are coarse if neighbouring float32 values lie farther apart, where the farthest ray
-/// begins, than this share of the scene's diagonal.
-inline constexpr double kCoarse = 1e-6;
+/// The largest accepted spacing of float32 values at the farthest origin, as a share of the scene's
+/// diagonal.
+inline constexpr double kMaxSpacing = 1e-6;
 
-/// The same rays; `reach`, which must outlive the cast, grows to the largest finite |coordinate| of
-/// their origins.
+/// Returns a source of the same rays. While it is read, `reach` grows to the largest finite
+/// |coordinate| of their origins. `reach` must outlive the cast.
 RaySource<float> watch_reach(RaySource<float> source, float& reach);
 
-/// What to tell of rays that begin as far out as `reach` in a scene of these bounds (min x y z, max
-/// x y z); empty if they are fine.
-std::string coarse_origins(float reach, const std::array<double, 6>& bounds);
+/// The warning for rays with origins as far out as `reach`, in a scene with these bounds (min x y
+/// z, max x y z). Empty if the precision suffices.
+std::string origin_precision_warning(float reach, const std::array<double, 6>& bounds);
 
 }  // namespace sightline::client::cli::verbs

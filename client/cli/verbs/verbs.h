@@ -2,13 +2,17 @@
 // parsing.
 #pragma once
 
-#include <CLI/App.hpp>
-
 #include "client/cli/session.h"
+
+namespace CLI {
+class App;
+}
 
 namespace sightline::client::cli::verbs {
 
 void add_scene_verbs(CLI::App& program, Session& session);
+/// `group` is the verb `scene`.
+void add_import_verb(CLI::App& group, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);

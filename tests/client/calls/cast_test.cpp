@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/client.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 
 namespace sightline::client::calls {

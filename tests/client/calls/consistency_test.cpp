@@ -1,12 +1,12 @@
 // Reads of one's own writes, and of the past.
-#include "client/consistency.h"
+#include "client/types.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 
 namespace sightline::client::calls {

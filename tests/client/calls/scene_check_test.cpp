@@ -21,7 +21,7 @@ importer::ImportedScene chain(std::uint32_t depth) {
   for (std::uint32_t i = 0; i < depth; ++i) {
     importer::ImportedNode node;
     node.name = "node" + std::to_string(i);
-    node.parent = i == 0 ? kNone : i - 1;
+    node.parent = i == 0 ? importer::kNone : i - 1;
     scene.nodes.push_back(node);
   }
   return scene;

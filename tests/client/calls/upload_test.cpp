@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/calls/channel.h"
+#include "client/calls/connection.h"
 #include "client/client.h"
 #include "sightline/v1/blob.grpc.pb.h"
 #include "tests/client/support/live_client.h"

@@ -1,5 +1,5 @@
 // Following a scene, from then and from now, through broken connections.
-#include "client/calls/watch.h"
+#include "client/update.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "client/calls/mesh_blob.h"
 #include "client/importer/assimp_import.h"
+#include "client/mesh_blob.h"
 #include "tests/client/support/temp_dir.h"
 #include "tests/support/random.h"
 
@@ -134,7 +134,7 @@ TEST(Lattice, MeshesThatTouchAndMeshesThatAreEqualStaySo) {
   EXPECT_EQ(scene.meshes[0].vertices[1], scene.meshes[1].vertices[0]);
   EXPECT_EQ(scene.meshes[0].vertices[2], scene.meshes[1].vertices[2]);
   const auto digest = [&](std::size_t i) {
-    return calls::MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
+    return MeshBlob(scene.meshes[i].vertices, scene.meshes[i].faces).digest();
   };
   EXPECT_EQ(digest(0), digest(3));
   EXPECT_NE(digest(0), digest(2));

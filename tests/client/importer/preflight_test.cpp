@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "client/importer/gltf_nodes.h"
 #include "tests/client/support/temp_dir.h"
 
 namespace sightline::client::importer {
@@ -59,24 +58,24 @@ std::string chain(int nodes, int copies) {
 
 TEST(Damage, AGoodFileHasNone) {
   const TempDir dir;
-  EXPECT_EQ(error_of(check_damage(dir.write("good.ply", kPly))), "");
+  EXPECT_EQ(error_of(preflight(dir.write("good.ply", kPly))), "");
   EXPECT_EQ(
-      error_of(check_damage(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
+      error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
       "");
   EXPECT_EQ(
-      error_of(check_damage(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
+      error_of(preflight(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
       "");
-  EXPECT_EQ(error_of(check_damage(dir.write("good.glb", glb(2, "{}")))), "");
-  EXPECT_EQ(error_of(check_damage(dir.write("good.gltf", chain(3, 1)))), "");
-  EXPECT_EQ(error_of(check_damage(dir.write("other.obj", "v 0 0 0\n"))), "");
-  EXPECT_EQ(error_of(check_damage(dir.write("empty.glb", ""))), "");
+  EXPECT_EQ(error_of(preflight(dir.write("good.glb", glb(2, "{}")))), "");
+  EXPECT_EQ(error_of(preflight(dir.write("good.gltf", chain(3, 1)))), "");
+  EXPECT_EQ(error_of(preflight(dir.write("other.obj", "v 0 0 0\n"))), "");
+  EXPECT_EQ(error_of(preflight(dir.write("empty.glb", ""))), "");
 }
 
 TEST(Damage, APlyHeaderHasAnEnd) {
   const TempDir dir;
   for (const char* end :
        {"", "end_headers", "the_end_header", "end", "list end_header", "comment end_header"}) {
-    const auto status = check_damage(dir.write("cut.ply", changed(kPly, "end_header", end)));
+    const auto status = preflight(dir.write("cut.ply", changed(kPly, "end_header", end)));
     EXPECT_NE(error_of(status).find("without end_header"), std::string::npos) << end;
   }
 }
@@ -86,7 +85,7 @@ TEST(Damage, APlyFileHasRoomForItsElements) {
   const auto check = [&](const std::string& count) {
     const std::string element = "element vertex ";
     return error_of(
-        check_damage(dir.write("long.ply", changed(kPly, element + "3", element + count))));
+        preflight(dir.write("long.ply", changed(kPly, element + "3", element + count))));
   };
   EXPECT_EQ(check("100"), "");
   EXPECT_NE(check("4000000000").find("4000000001 elements"), std::string::npos);
@@ -96,16 +95,16 @@ TEST(Damage, APlyFileHasRoomForItsElements) {
 TEST(Damage, AGlbChunkEndsWithinTheFile) {
   const TempDir dir;
   for (const std::uint32_t length : {3U, 0x7FFFFFFFU, 0xFFFFFFFFU})
-    EXPECT_NE(error_of(check_damage(dir.write("long.glb", glb(length, "{}")))), "") << length;
-  EXPECT_EQ(error_of(check_damage(dir.write("cut.glb", glb(2, "{}") + "abcd"))), "");
+    EXPECT_NE(error_of(preflight(dir.write("long.glb", glb(length, "{}")))), "") << length;
+  EXPECT_EQ(error_of(preflight(dir.write("cut.glb", glb(2, "{}") + "abcd"))), "");
 }
 
 TEST(Damage, NodesOfGltfAndGlbAreCounted) {
   const TempDir dir;
   const std::string json = chain(40, 2);
-  EXPECT_NE(error_of(check_damage(dir.write("many.gltf", json))), "");
+  EXPECT_NE(error_of(preflight(dir.write("many.gltf", json))), "");
   const std::string file = glb(static_cast<std::uint32_t>(json.size()), json);
-  EXPECT_NE(error_of(check_damage(dir.write("many.glb", file))), "");
+  EXPECT_NE(error_of(preflight(dir.write("many.glb", file))), "");
 }
 
 TEST(GltfNodes, AFewWithTwoParentsAreFine) {

@@ -184,7 +184,7 @@ FileReport check_file(std::span<const std::uint8_t> bytes) {
   static const Folder folder;
   static Taster taster(folder.path());
   const fs::path file = folder.put(ending_of(bytes), bytes.empty() ? bytes : bytes.subspan(1));
-  if (client::importer::check_damage(file) && !taster.survives(file))
+  if (client::importer::preflight(file) && !taster.survives(file))
     return {FileOutcome::kAssimpDied, {}};
   return import(file);
 }

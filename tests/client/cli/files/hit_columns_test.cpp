@@ -1,9 +1,11 @@
-// Names of columns.
-#include "client/cli/files/hit_columns.h"
-
+// Columns of hits by name, and rows of a cast of all hits.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <vector>
+
+#include "client/cli/files/hit_columns.h"
 
 namespace sightline::client::cli::files {
 namespace {
@@ -52,5 +54,61 @@ TEST(HitColumns, AskTheServerForNoMoreThanTheyNeed) {
   EXPECT_FALSE(fields.t || fields.node || fields.primitive || fields.hit || fields.work);
 }
 
+// Two hits, a miss, a bad ray, one hit of a ray that was cut off.
+struct Answers {
+  std::vector<std::uint32_t> offsets{0, 2, 2, 2, 3};
+  std::vector<std::uint8_t> hit{1, 0, 2, kCutOff};
+  std::vector<std::uint32_t> work{10, 11, 0, 13};
+  std::vector<double> t{1, 2, 3};
+  std::vector<std::uint64_t> node{4, 5, 6};
+  std::vector<float> barycentric{0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F};
+
+  HitView view() const {
+    HitView hits;
+    hits.offsets = offsets;
+    hits.hit = hit;
+    hits.work = work;
+    hits.t = t;
+    hits.node = node;
+    hits.barycentric = barycentric;
+    return hits;
+  }
+};
+
+template <class T>
+std::vector<T> copy(std::span<const T> rows) {
+  return {rows.begin(), rows.end()};
+}
+
+TEST(HitRows, AreAHitEachAndOneForABadRay) {
+  const Answers answers;
+  HitRows rows;
+  for (int twice = 0; twice < 2; ++twice) {
+    const RowView view = rows.make(100, answers.view());
+    ASSERT_EQ(rows.size(), 4U);
+    EXPECT_EQ(copy(view.ray), (std::vector<std::uint64_t>{100, 100, 102, 103}));
+    EXPECT_EQ(copy(view.node), (std::vector<std::uint64_t>{4, 5, 0, 6}));
+    EXPECT_EQ(copy(view.hit), (std::vector<std::uint8_t>{1, 1, 2, 3}));
+    EXPECT_EQ(copy(view.work), (std::vector<std::uint32_t>{10, 10, 0, 13}));
+    EXPECT_EQ(view.t[1], 2);
+    EXPECT_TRUE(std::isnan(view.t[2]));
+    EXPECT_EQ(view.t[3], 3);
+    EXPECT_EQ(view.barycentric[6], 0.5F);
+  }
+}
+
+TEST(HitRows, AreCountedThoughTheirTIsNotAskedFor) {
+  const Answers answers;
+  HitView hits;
+  hits.offsets = answers.offsets;
+  hits.hit = answers.hit;
+  HitRows rows;
+  const RowView view = rows.make(0, hits);
+  EXPECT_EQ(rows.size(), 4U);
+  EXPECT_EQ(view.ray[3], 3U);
+  EXPECT_EQ(view.hit[3], kCutOff);
+}
+
 }  // namespace
+
 }  // namespace sightline::client::cli::files

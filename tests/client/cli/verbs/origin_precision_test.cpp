@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-#include "client/calls/scene_upload.h"
 #include "client/cli/files/npy.h"
 #include "client/cli/program.h"
+#include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
 #include "tests/client/support/temp_dir.h"
 
@@ -21,15 +21,15 @@ constexpr std::array<double, 6> kMetre{0, 0, 0, 1, 0, 0};
 
 TEST(CoarseOrigins, TheSpacingIsHeldAgainstAMillionthOfTheDiagonal) {
   // From 8 to 16 floats are 2^-20 = 0.95e-6 apart, from 16 on twice that.
-  EXPECT_EQ(coarse_origins(0, kMetre), "");
-  EXPECT_EQ(coarse_origins(std::nextafter(16.0f, 0.0f), kMetre), "");
-  EXPECT_NE(coarse_origins(16, kMetre), "");
-  EXPECT_EQ(coarse_origins(16, {-1, 0, 0, 1, 0, 0}), "");
-  EXPECT_EQ(coarse_origins(1e7f, {0, 0, 0, 1e6, 1e6, 0}), "");
+  EXPECT_EQ(origin_precision_warning(0, kMetre), "");
+  EXPECT_EQ(origin_precision_warning(std::nextafter(16.0f, 0.0f), kMetre), "");
+  EXPECT_NE(origin_precision_warning(16, kMetre), "");
+  EXPECT_EQ(origin_precision_warning(16, {-1, 0, 0, 1, 0, 0}), "");
+  EXPECT_EQ(origin_precision_warning(1e7f, {0, 0, 0, 1e6, 1e6, 0}), "");
 }
 
 TEST(CoarseOrigins, ThePlaceOfTheSceneDoesNotMatterItsSizeDoes) {
-  EXPECT_EQ(coarse_origins(1e7f, {1e7, 0, 0, 1e7 + 1, 0, 0}),
+  EXPECT_EQ(origin_precision_warning(1e7f, {1e7, 0, 0, 1e7 + 1, 0, 0}),
             "rays are float32 and begin up to 1e+07 from the origin, where float32 values are 1 "
             "apart; the scene's diagonal is 1: write them as float64");
 }

@@ -1,0 +1,122 @@
+// Channels with retries, errors from gRPC, random request ids.
+#include "client/calls/connection.h"
+
+#include <fmt/format.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
+#include <cstdint>
+#include <random>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace sightline::client::calls {
+namespace {
+
+// Only calls that are safe to repeat. A stream of rays is not: after some answers have come, a
+// second attempt could be answered at another revision.
+constexpr const char* kServiceConfig = R"({
+  "methodConfig": [{
+    "name": [
+      {"service": "sightline.v1.RayQueryService", "method": "CastRays"},
+      {"service": "sightline.v1.RayQueryService", "method": "Prefetch"},
+      {"service": "sightline.v1.SceneService", "method": "GetScene"},
+      {"service": "sightline.v1.SceneService", "method": "ListScenes"},
+      {"service": "sightline.v1.SceneService", "method": "BatchGetNodes"},
+      {"service": "sightline.v1.SceneService", "method": "GetSceneStats"},
+      {"service": "sightline.v1.BlobService", "method": "FindMissingBlobs"},
+      {"service": "sightline.v1.BlobService", "method": "GetUploadStatus"},
+      {"service": "sightline.v1.ServerService"}
+    ],
+    "retryPolicy": {
+      "maxAttempts": 4,
+      "initialBackoff": "0.1s",
+      "maxBackoff": "2s",
+      "backoffMultiplier": 2,
+      "retryableStatusCodes": ["UNAVAILABLE"]
+    }
+  }]
+})";
+
+Code code_of(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::CANCELLED:
+      return Code::kCancelled;
+    case grpc::INVALID_ARGUMENT:
+      return Code::kInvalidArgument;
+    case grpc::DEADLINE_EXCEEDED:
+      return Code::kDeadlineExceeded;
+    case grpc::NOT_FOUND:
+      return Code::kNotFound;
+    case grpc::ALREADY_EXISTS:
+      return Code::kAlreadyExists;
+    case grpc::PERMISSION_DENIED:
+      return Code::kPermissionDenied;
+    case grpc::RESOURCE_EXHAUSTED:
+      return Code::kResourceExhausted;
+    case grpc::FAILED_PRECONDITION:
+      return Code::kFailedPrecondition;
+    case grpc::ABORTED:
+      return Code::kAborted;
+    case grpc::OUT_OF_RANGE:
+      return Code::kOutOfRange;
+    case grpc::UNIMPLEMENTED:
+      return Code::kUnimplemented;
+    case grpc::INTERNAL:
+      return Code::kInternal;
+    case grpc::UNAVAILABLE:
+      return Code::kUnavailable;
+    case grpc::DATA_LOSS:
+      return Code::kDataLoss;
+    case grpc::UNAUTHENTICATED:
+      return Code::kUnauthenticated;
+    default:
+      return Code::kUnknown;
+  }
+}
+
+std::string reason_of(const grpc::Status& status) {
+  google::rpc::Status details;
+  if (!details.ParseFromString(status.error_details())) return {};
+  google::rpc::ErrorInfo info;
+  for (const auto& detail : details.details()) {
+    if (detail.UnpackTo(&info)) return info.reason();
+  }
+  return {};
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint) {
+  grpc::ChannelArguments arguments;
+  arguments.SetServiceConfigJSON(kServiceConfig);
+  // When a server returns, gRPC must find it within the pauses of our own attempts.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);
+  return grpc::CreateCustomChannel(endpoint, grpc::InsecureChannelCredentials(), arguments);
+}
+
+void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout) {
+  if (timeout) context.set_deadline(std::chrono::system_clock::now() + *timeout);
+}
+
+Error rpc_error(const grpc::Status& status) {
+  return {code_of(status.error_code()), status.error_message(), reason_of(status)};
+}
+
+Error rpc_error(int code, const std::string& message, const std::string& reason) {
+  return {code_of(static_cast<grpc::StatusCode>(code)), message, reason};
+}
+
+std::string random_request_id() {
+  std::random_device device;
+  const auto word = [&device] { return std::uint64_t{device()} << 32U | device(); };
+  const std::uint64_t high = (word() & ~std::uint64_t{0xf000}) | 0x4000U;
+  const std::uint64_t low = (word() & ~(std::uint64_t{3} << 62U)) | std::uint64_t{1} << 63U;
+  return fmt::format("{:016x}{:016x}", high, low);
+}
+
+}  // namespace sightline::client::calls

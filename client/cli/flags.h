@@ -1,0 +1,50 @@
+// Parsers of arguments (numbers, vectors, sizes, names of scenes), and flags that verbs share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "client/types.h"
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
+
+namespace sightline::client::cli {
+
+/// Parses the whole text as a decimal number. inf, nan and a leading + are allowed.
+std::optional<double> parse_number(std::string_view text);
+
+/// Parses "x,y,z", all finite.
+std::optional<std::array<double, 3>> parse_vector(std::string_view text);
+
+struct PictureSize {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+};
+inline constexpr std::uint32_t kMaxPictureSide = 8192;
+/// Parses "WxH", both from 1 to kMaxPictureSide.
+std::optional<PictureSize> parse_size(std::string_view text);
+
+/// Returns the full name of a scene. A short name SCENE means projects/default/scenes/SCENE; a full
+/// name is returned as it is. Returns nothing for any other text.
+std::optional<std::string> parse_scene_name(std::string_view text);
+
+/// Makes it a usage error if `app` is called without a verb, or with an unknown one.
+void require_verb(CLI::App& app);
+
+/// Adds the positional argument SCENE. `name` receives the full resource name.
+void add_scene_argument(CLI::App& verb, std::string& name);
+
+/// A check for options that take a number above 0.
+CLI::Validator positive_number();
+
+/// Adds --at-least and --revision. `consistency` receives their values, and must live until the
+/// program has been parsed.
+void add_consistency_flags(CLI::App& verb, Consistency& consistency);
+
+}  // namespace sightline::client::cli

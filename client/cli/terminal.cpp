@@ -1,0 +1,169 @@
+// Exit codes and messages, the signal handler, the bar, and number formats.
+#include "client/cli/terminal.h"
+
+#include <fmt/format.h>
+#include <semaphore.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <utility>
+
+namespace sightline::client::cli {
+namespace {
+
+sem_t woken;
+std::atomic<bool> caught{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "it is written by a signal handler");
+
+void handle(int) {
+  const int kept = errno;
+  caught.store(true, std::memory_order_relaxed);
+  sem_post(&woken);
+  errno = kept;
+}
+
+constexpr std::size_t kBarWidth = 32;
+constexpr std::size_t kBarWidthBesideDetail = 16;
+constexpr std::chrono::milliseconds kBetweenDrawings{50};
+constexpr std::chrono::milliseconds kBetweenLines{1000};
+
+// A line that wraps could not be erased.
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+// A part below the whole is never printed as 100 %, and a part above 0 never as 0 %.
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  const double share = 100 * static_cast<double>(part) / static_cast<double>(whole);
+  if (part < whole && share > 99.9) return "99.9 %";
+  if (part > 0 && share < 0.1) return "below 0.1 %";
+  return fmt::format("{:.{}f} %", share, part == whole || part == 0 ? 0 : 1);
+}
+
+}  // namespace
+
+ExitCode exit_code(Code code) {
+  switch (code) {
+    case Code::kNotFound:
+      return kNotFound;
+    case Code::kAlreadyExists:
+    case Code::kFailedPrecondition:
+    case Code::kAborted:
+      return kConflict;
+    case Code::kUnavailable:
+    case Code::kDeadlineExceeded:
+      return kUnavailable;
+    case Code::kUnauthenticated:
+    case Code::kPermissionDenied:
+      return kAuth;
+    case Code::kResourceExhausted:
+      return kResourceLimit;
+    default:
+      return kFailed;
+  }
+}
+
+ExitCode fail(const Error& error) {
+  const char* what = error.code == Code::kUnavailable        ? "server not available: "
+                     : error.code == Code::kDeadlineExceeded ? "out of time: "
+                                                             : "";
+  fmt::print(stderr, "sightline: {}{}\n", what, error.message.empty() ? "failed" : error.message);
+  return exit_code(error.code);
+}
+
+ExitCode say_interrupted() {
+  fmt::print(stderr, "sightline: interrupted\n");
+  return kInterrupted;
+}
+
+Error local_error(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
+
+Interrupt::Interrupt() {
+  sem_init(&woken, 0, 0);
+  caught.store(false, std::memory_order_relaxed);
+  waiter_ = std::thread([this] { wait(); });
+  struct sigaction action {};
+  action.sa_handler = handle;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, &before_);
+}
+
+Interrupt::~Interrupt() {
+  sigaction(SIGINT, &before_, nullptr);
+  sem_post(&woken);
+  waiter_.join();
+  sem_destroy(&woken);
+}
+
+void Interrupt::wait() {
+  while (sem_wait(&woken) != 0) {
+  }
+  if (caught.load(std::memory_order_relaxed)) stop_.request_stop();
+}
+
+ProgressBar::ProgressBar(std::string label, Elsewhere elsewhere)
+    : label_(std::move(label)), elsewhere_(elsewhere), is_terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+ProgressBar::~ProgressBar() {
+  if (shown_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void ProgressBar::update(double fraction, std::string_view detail) {
+  if (!is_terminal_ && elsewhere_ == Elsewhere::kNothing) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + (is_terminal_ ? kBetweenDrawings : kBetweenLines);
+  if (is_terminal_) {
+    draw(fraction, detail);
+  } else {
+    fmt::print(stderr, "{}: {}\n", label_, detail);
+  }
+  std::fflush(stderr);
+}
+
+void ProgressBar::draw(double fraction, std::string_view detail) {
+  shown_ = true;
+  const double part = std::clamp(fraction, 0.0, 1.0);
+  const std::size_t width = detail.empty() ? kBarWidth : kBarWidthBesideDetail;
+  const auto full = static_cast<std::size_t>(part * static_cast<double>(width));
+  std::string line = fmt::format("{} [{}{}] {:3.0f} %", label_, std::string(full, '#'),
+                                 std::string(width - full, ' '), 100 * part);
+  if (!detail.empty()) line += fmt::format("  {}", detail);
+  line.resize(std::min(line.size(), terminal_width() - 1));
+  fmt::print(stderr, "\r{}\x1b[K", line);
+}
+
+std::string format_count(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t position = text.size(); position > 3;) {
+    position -= 3;
+    text.insert(position, ",");
+  }
+  return text;
+}
+
+std::string format_share(std::uint64_t part, std::uint64_t whole) {
+  std::string text = format_count(part) + " of " + format_count(whole);
+  if (whole > 0) text += " (" + percent(part, whole) + ")";
+  return text;
+}
+
+std::string format_bytes(std::uint64_t bytes) {
+  if (bytes < 1000) return fmt::format("{} B", bytes);
+  constexpr std::array<const char*, 4> kUnits{"kB", "MB", "GB", "TB"};
+  double amount = static_cast<double>(bytes) / 1000;
+  std::size_t unit = 0;
+  for (; amount >= 999.95 && unit + 1 < kUnits.size(); ++unit) amount /= 1000;
+  return fmt::format("{:.1f} {}", amount, kUnits[unit]);
+}
+
+}  // namespace sightline::client::cli

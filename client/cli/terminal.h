@@ -1,0 +1,93 @@
+// The command's side of the terminal: exit codes, Ctrl-C, a progress bar, and numbers as text.
+#pragma once
+
+#include <signal.h>
+
+#include <chrono>
+#include <cstdint>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "client/result.h"
+
+namespace sightline::client::cli {
+
+enum ExitCode : int {
+  kOk = 0,
+  kFailed = 1,  ///< or a local file cannot be read or written
+  kUsage = 2,
+  kNotFound = 3,  ///< the server does not know a scene or node
+  kConflict = 4,
+  kUnavailable = 5,  ///< or the deadline has passed
+  kAuth = 6,
+  kResourceLimit = 7,
+  kInterrupted = 130,  ///< by Ctrl-C
+};
+
+ExitCode exit_code(Code code);
+
+/// Prints the error on stderr, and returns its exit code.
+ExitCode fail(const Error& error);
+
+/// Prints that the command was interrupted, and returns kInterrupted.
+ExitCode say_interrupted();
+
+/// An error about a file of this machine, as kInvalidArgument.
+Error local_error(std::string message);
+
+/// While an object exists, the first SIGINT requests a stop instead of ending the process. A second
+/// SIGINT ends the process. Only one object may exist at a time.
+class Interrupt {
+ public:
+  Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+  ~Interrupt();
+
+  std::stop_token token() const { return stop_.get_token(); }
+  bool happened() const { return stop_.stop_requested(); }
+
+ private:
+  void wait();
+
+  std::stop_source stop_;
+  struct sigaction before_ {};
+  std::thread waiter_;
+};
+
+class ProgressBar {
+ public:
+  /// What is printed if stderr is not a terminal: nothing, or one line per second.
+  enum class Elsewhere { kNothing, kLines };
+
+  explicit ProgressBar(std::string label, Elsewhere elsewhere = Elsewhere::kNothing);
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  ~ProgressBar();  ///< erases the line
+
+  /// `fraction` runs from 0 to 1. `detail` is printed behind the bar, and is the text of a plain
+  /// line. Cheap, so it may be called often.
+  void update(double fraction, std::string_view detail = {});
+
+ private:
+  void draw(double fraction, std::string_view detail);
+
+  std::string label_;
+  Elsewhere elsewhere_;
+  bool shown_ = false;
+  bool is_terminal_ = false;
+  std::chrono::steady_clock::time_point next_{};
+};
+
+/// Formats 1234567 as "1,234,567".
+std::string format_count(std::uint64_t number);
+
+/// Formats "1,234 of 75,730 (1.6 %)". The percentage is left out if `whole` is 0.
+std::string format_share(std::uint64_t part, std::uint64_t whole);
+
+/// Formats "12.3 MB", in steps of 1,000. Below 1,000: "321 B".
+std::string format_bytes(std::uint64_t bytes);
+
+}  // namespace sightline::client::cli

@@ -1,0 +1,212 @@
+// sightline prefetch: builds trees before rays come.
+#include "client/cli/verbs/prefetch.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "client/cli/files/ray_file.h"
+#include "client/cli/flags.h"
+#include "client/cli/terminal.h"
+#include "client/cli/verbs/verbs.h"
+
+namespace sightline::client::cli::verbs {
+namespace {
+
+struct PrefetchArguments {
+  std::string scene;
+  std::vector<std::uint64_t> under;
+  std::vector<std::uint64_t> exclude;
+  std::string rays;
+  std::string kind;
+};
+
+const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
+                                              {"any", QueryKind::kAny},
+                                              {"all", QueryKind::kAll},
+                                              {"count", QueryKind::kCount}};
+
+/// What was built until the end, or until the interruption.
+struct Outcome {
+  PrefetchReport report;
+  std::optional<SceneStats> stats;  // nothing if the server did not answer
+  bool complete = true;
+  double seconds = 0;
+};
+
+PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_token& stop) {
+  if (arguments.rays.empty() && !arguments.kind.empty())
+    throw CLI::ValidationError("--kind", "only --rays has it");
+  if (!arguments.rays.empty() && arguments.under.size() > 1)
+    throw CLI::ValidationError("--under", "with --rays it takes one node");
+  PrefetchOptions options{.roots = arguments.under, .exclude = arguments.exclude, .stop = stop};
+  if (!arguments.kind.empty()) options.kind = kKinds.at(arguments.kind);
+  return options;
+}
+
+// `last` receives the last report. It says what was built if the call fails.
+Result<PrefetchReport> build(const Client& client, const PrefetchArguments& arguments,
+                             const PrefetchOptions& options, PrefetchReport& last) {
+  const auto follow = [&last](BuildingBar& bar) {
+    return [&last, &bar](const PrefetchReport& report) { bar.show(last = report); };
+  };
+  if (arguments.rays.empty()) {
+    BuildingBar bar;
+    return client.prefetch(arguments.scene, options, follow(bar));
+  }
+  const auto rays = files::open_rays(arguments.rays, options.stop);
+  if (!rays) return rays.error();
+  BuildingBar bar(rays->count.value_or(0));
+  return std::visit(
+      [&](const auto& source) {
+        return client.prefetch_rays(arguments.scene, source, rays->shape, options, follow(bar));
+      },
+      rays->source);
+}
+
+// Uses a short deadline: the prefetch is done, and the statistics are not worth a long wait.
+std::optional<SceneStats> ask_stats(const Session& session, const std::string& scene) {
+  constexpr double kPatience = 5;
+  Session impatient = session;
+  impatient.deadline = std::min(session.deadline.value_or(kPatience), kPatience);
+  const auto client = impatient.connect();
+  if (!client) return {};
+  const auto stats = client->scene_stats(scene);
+  return stats ? std::optional(*stats) : std::nullopt;
+}
+
+Json json_of(const std::string& scene, const Outcome& outcome) {
+  const PrefetchReport& report = outcome.report;
+  Json json{{"scene", scene},
+            {"revision", report.revision},
+            {"complete", outcome.complete},
+            {"meshes_done", report.meshes_done},
+            {"meshes_total", report.meshes_total},
+            {"rays", report.rays_done},
+            {"cells_expanded", report.cells_expanded}};
+  if (outcome.stats) {
+    json["trees_built"] = outcome.stats->trees_built;
+    json["triangles_built"] = outcome.stats->triangles_built;
+    json["triangles_total"] = outcome.stats->triangles_total;
+    json["bytes_trees"] = outcome.stats->bytes_trees;
+  }
+  json["build_ms"] = static_cast<double>(report.build_us) / 1000;
+  json["seconds"] = outcome.seconds;
+  return json;
+}
+
+void print_table(std::FILE* to, const std::string& scene, const Outcome& outcome) {
+  const PrefetchReport& report = outcome.report;
+  fmt::print(to, "{} at revision {}: {} in {:.2f} s\n", scene, report.revision,
+             outcome.complete ? "built" : "interrupted, and what is built stays,", outcome.seconds);
+  if (report.meshes_total > 0)
+    fmt::print(to, "  meshes     {}\n", format_share(report.meshes_done, report.meshes_total));
+  if (report.rays_done > 0) fmt::print(to, "  rays       {}\n", format_count(report.rays_done));
+  fmt::print(to, "  cells      {} expanded\n", format_count(report.cells_expanded));
+  if (!outcome.stats) return;
+  fmt::print(to, "  triangles  {} of the scene built\n",
+             format_share(outcome.stats->triangles_built, outcome.stats->triangles_total));
+  fmt::print(to, "  trees      {}\n", format_bytes(outcome.stats->bytes_trees));
+}
+
+ExitCode run(const Session& session, const PrefetchArguments& arguments) {
+  const Interrupt interrupt;
+  const PrefetchOptions options = options_of(arguments, interrupt.token());
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  Outcome outcome;
+  const auto start = std::chrono::steady_clock::now();
+  const auto built = build(*client, arguments, options, outcome.report);
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.complete = built.ok();
+  if (!built && !interrupt.happened()) return fail(built.error());
+  // Interrupted before the building began
+  if (!built && outcome.report.elapsed_us == 0) return say_interrupted();
+  if (built) outcome.report = *built;
+  outcome.stats = ask_stats(session, arguments.scene);
+  if (session.json) print_json(json_of(arguments.scene, outcome));
+  if (!outcome.complete) {
+    print_table(stderr, arguments.scene, outcome);
+    return kInterrupted;
+  }
+  if (!session.json) print_table(stdout, arguments.scene, outcome);
+  return kOk;
+}
+
+constexpr const char* kFooter =
+    R"(Without this, trees grow where rays enter, and those rays pay for it. What is built stays, also after
+Ctrl-C, which ends with exit code 130. Queries go on meanwhile.
+
+Examples:
+  sightline prefetch engine
+  sightline prefetch hall --under 12 40 --exclude 41
+  sightline prefetch engine --rays rays.npy --json)";
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string of(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? format_count(part) : format_count(part) + " of " + format_count(whole);
+}
+
+}  // namespace
+
+void add_prefetch_verb(CLI::App& program, Session& session) {
+  CLI::App& verb = *program.add_subcommand("prefetch", "Build trees before rays come");
+  const auto arguments = std::make_shared<PrefetchArguments>();
+  add_scene_argument(verb, arguments->scene);
+  verb.add_option("--under", arguments->under,
+                  "Only the trees of these nodes and those under them (default: of all)")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("NODE ...");
+  verb.add_option("--exclude", arguments->exclude, "Not of these nodes and those under them")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("NODE ...");
+  verb.add_option("--rays", arguments->rays,
+                  "Only what casting these rays would build; a file as cast takes it")
+      ->type_name("FILE");
+  verb.add_option("--kind", arguments->kind,
+                  "What the rays will be cast for: all and count build all that is on their way "
+                  "(default closest)")
+      ->check(CLI::IsMember(kKinds).description(""))
+      ->type_name("closest|any|all|count");
+  verb.footer(kFooter);
+  verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
+}
+
+void BuildingBar::show(const PrefetchReport& report) {
+  // The most important numbers come first, because a terminal may be too narrow for all.
+  const std::string cells = format_count(report.cells_expanded) + " cells";
+  if (report.triangles_total > 0) {
+    bar_.update(share(report.triangles_done, report.triangles_total),
+                fmt::format("{} triangles, {} of trees, {} meshes, {}",
+                            of(report.triangles_done, report.triangles_total),
+                            format_bytes(report.bytes_trees),
+                            of(report.meshes_done, report.meshes_total), cells));
+  } else {
+    bar_.update(share(report.rays_done, rays_),
+                fmt::format("{} rays, {}", of(report.rays_done, rays_), cells));
+  }
+}
+
+Result<PrefetchReport> build_all(const Client& client, const std::string& scene,
+                                 const std::stop_token& stop) {
+  BuildingBar bar;
+  auto built = client.prefetch(scene, {.stop = stop},
+                               [&](const PrefetchReport& report) { bar.show(report); });
+  if (built) return built;
+  const Error& error = built.error();
+  const bool has_no_room = error.reason == "TOO_MANY_PREFETCHES";
+  if (has_no_room || error.code == Code::kUnimplemented) return PrefetchReport{};
+  return built;
+}
+
+}  // namespace sightline::client::cli::verbs

@@ -1,0 +1,303 @@
+// sightline scene ls, show, nodes and rm; sightline stats; sightline watch.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/cli/files/update_json.h"
+#include "client/cli/flags.h"
+#include "client/cli/playback/target.h"
+#include "client/cli/terminal.h"
+#include "client/cli/verbs/verbs.h"
+
+namespace sightline::client::cli::verbs {
+namespace {
+
+constexpr const char* kDefaultProject = "projects/default";
+
+Json json_of(const SceneInfo& scene) {
+  return {{"scene", scene.name},
+          {"revision", scene.revision},
+          {"nodes", scene.nodes},
+          {"instances", scene.instances},
+          {"meshes", scene.meshes},
+          {"triangles_unique", scene.triangles_unique},
+          {"triangles_instanced", scene.triangles_instanced},
+          {"triangles_nonfinite", scene.triangles_nonfinite},
+          {"bounds", scene.bounds ? Json(*scene.bounds) : Json(nullptr)},
+          {"bytes_geometry", scene.bytes_geometry},
+          {"up_axis", json_of_axis(scene.up_axis)},
+          {"meters_per_unit", json_of_unit(scene.meters_per_unit)}};
+}
+
+const char* axis_name(UpAxis axis) {
+  if (axis == UpAxis::kY) return "y";
+  if (axis == UpAxis::kZ) return "z";
+  return "unknown";
+}
+
+void print_table(const SceneInfo& scene) {
+  fmt::print("{} at revision {}\n", scene.name, scene.revision);
+  fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
+  fmt::print("  meshes     {}\n", scene.meshes);
+  fmt::print("  triangles  {} unique, {} instanced", scene.triangles_unique,
+             scene.triangles_instanced);
+  if (scene.triangles_nonfinite > 0)
+    fmt::print(", {} with a vertex that is not finite", scene.triangles_nonfinite);
+  fmt::print("\n  bytes      {} geometry\n", scene.bytes_geometry);
+  if (scene.bounds) {
+    const auto& b = *scene.bounds;
+    fmt::print("  bounds     {:.12g} {:.12g} {:.12g} to {:.12g} {:.12g} {:.12g}\n", b[0], b[1],
+               b[2], b[3], b[4], b[5]);
+  }
+  fmt::print("  up         {}\n", axis_name(scene.up_axis));
+  if (scene.meters_per_unit > 0) {
+    fmt::print("  unit       {:g} m\n", scene.meters_per_unit);
+  } else {
+    fmt::print("  unit       unknown\n");
+  }
+}
+
+// The short name of a scene of the default project, the full name of any other scene.
+std::string short_name(const std::string& name) {
+  const std::string prefix = std::string(kDefaultProject) + "/scenes/";
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+ExitCode list(const Session& session) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto scenes = client->list_scenes(kDefaultProject);
+  if (!scenes) return fail(scenes.error());
+  if (session.json) {
+    Json rows = Json::array();
+    for (const SceneInfo& scene : *scenes) rows.push_back(json_of(scene));
+    print_json({{"scenes", rows}});
+    return kOk;
+  }
+  fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", "SCENE", "REVISION", "NODES", "INSTANCES",
+             "UNIQUE", "INSTANCED");
+  for (const SceneInfo& scene : *scenes) {
+    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", short_name(scene.name), scene.revision,
+               scene.nodes, scene.instances, scene.triangles_unique, scene.triangles_instanced);
+  }
+  return kOk;
+}
+
+ExitCode show(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto scene = client->get_scene(name);
+  if (!scene) return fail(scene.error());
+  if (session.json) {
+    print_json(json_of(*scene));
+  } else {
+    print_table(*scene);
+  }
+  return kOk;
+}
+
+Json json_of(const NodeInfo& node) {
+  return {{"id", node.id},
+          {"parent", node.parent},
+          {"name", node.name},
+          {"transform", node.parent_from_local},
+          {"mobility", files::name_of(node.mobility)},
+          {"mask", node.mask},
+          {"mesh_digest", node.mesh_digest},
+          {"patched", node.patched}};
+}
+
+ExitCode show_nodes(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto nodes = playback::list_nodes(*client, name);
+  if (!nodes) return fail(nodes.error());
+  if (session.json) {
+    Json rows = Json::array();
+    for (const NodeInfo& node : *nodes) rows.push_back(json_of(node));
+    print_json({{"scene", name}, {"nodes", rows}});
+    return kOk;
+  }
+  fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", "NODE", "PARENT", "MOBILITY", "MESH", "NAME");
+  for (const NodeInfo& node : *nodes) {
+    const char* const mesh = node.mesh_digest.empty() ? "-" : node.patched ? "patched" : "yes";
+    fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent,
+               files::name_of(node.mobility), mesh, node.name);
+  }
+  return kOk;
+}
+
+ExitCode remove(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  if (const Status gone = client->delete_scene(name); !gone) return fail(gone.error());
+  if (session.json) {
+    print_json({{"scene", name}, {"deleted", true}});
+  } else {
+    fmt::print("{} deleted\n", name);
+  }
+  return kOk;
+}
+
+CLI::App& add_verb_of_one_scene(CLI::App& group, const std::string& name, const std::string& help,
+                                Session& session,
+                                ExitCode (*run)(const Session&, const std::string&)) {
+  CLI::App& verb = *group.add_subcommand(name, help);
+  const auto scene = std::make_shared<std::string>();
+  add_scene_argument(verb, *scene);
+  verb.callback([&session, scene, run] { session.exit = run(session, *scene); });
+  return verb;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Json json_of(const std::string& scene, const SceneStats& stats) {
+  return {{"scene", scene},
+          {"revision", stats.revision},
+          {"instances_total", stats.instances_total},
+          {"instances_entered", stats.instances_entered},
+          {"trees_built", stats.trees_built},
+          {"cells_deferred", stats.cells_deferred},
+          {"cells_expanded", stats.cells_expanded},
+          {"triangles_built", stats.triangles_built},
+          {"triangles_total", stats.triangles_total},
+          {"bytes_geometry", stats.bytes_geometry},
+          {"bytes_trees", stats.bytes_trees},
+          {"static_instances", stats.static_instances},
+          {"dynamic_instances", stats.dynamic_instances},
+          {"static_share", share(stats.static_instances, stats.instances_total)},
+          {"dynamic_share", share(stats.dynamic_instances, stats.instances_total)}};
+}
+
+void print_table(const std::string& scene, const SceneStats& stats) {
+  fmt::print("{} at revision {}\n", scene, stats.revision);
+  fmt::print("  triangles  {} built\n", format_share(stats.triangles_built, stats.triangles_total));
+  fmt::print("  instances  {} entered\n",
+             format_share(stats.instances_entered, stats.instances_total));
+  fmt::print("  trees      {} begun: {} cells expanded, {} deferred\n",
+             format_count(stats.trees_built), format_count(stats.cells_expanded),
+             format_count(stats.cells_deferred));
+  fmt::print("  memory     {} of geometry, {} of trees\n", format_bytes(stats.bytes_geometry),
+             format_bytes(stats.bytes_trees));
+  fmt::print("  mobility   {} static, {} dynamic\n", format_count(stats.static_instances),
+             format_count(stats.dynamic_instances));
+}
+
+ExitCode show_stats(const Session& session, const std::string& scene) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto stats = client->scene_stats(scene);
+  if (!stats) return fail(stats.error());
+  if (session.json) {
+    print_json(json_of(scene, *stats));
+  } else {
+    print_table(scene, *stats);
+  }
+  return kOk;
+}
+
+struct WatchArguments {
+  std::string scene;
+  std::optional<std::uint64_t> from;
+  std::uint64_t count = 0;
+  bool positions = false;
+};
+
+// Returns false if the reader of stdout is gone.
+bool print_line(const SceneChange& change, bool positions) {
+  Json updates = Json::array();
+  for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));
+  const Json line{
+      {"revision", change.revision}, {"token", change.token}, {"updates", std::move(updates)}};
+  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
+         std::fflush(stdout) == 0;
+}
+
+ExitCode watch(const Session& session, const WatchArguments& arguments) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const Interrupt interrupt;
+  std::uint64_t seen = 0;
+  const SceneChangeSink sink = [&](const SceneChange& change) {
+    if (change.is_progress) return true;
+    return print_line(change, arguments.positions) && ++seen != arguments.count;
+  };
+  const Status watched = client->watch(arguments.scene, arguments.from, sink, interrupt.token());
+  if (interrupt.happened()) return say_interrupted();
+  return watched ? kOk : fail(watched.error());
+}
+
+constexpr const char* kWatchFooter =
+    R"(A line is {"revision": N, "token": ..., "updates": [...]}, with updates as `sightline update` takes them; of patched
+vertices only the number, unless --positions asks for them. Goes on until Ctrl-C, which ends with exit code 130, and
+through broken connections. A revision that is no longer kept is an error: begin anew, from what `scene show` says.
+
+Examples:
+  sightline watch hall
+  sightline watch hall --from 0 --count 10 | jq -c .updates[])";
+
+}  // namespace
+
+void add_scene_verbs(CLI::App& program, Session& session) {
+  CLI::App& group = *program.add_subcommand("scene", "Import, list, show and remove scenes");
+  require_verb(group);
+  group.footer(
+      "Examples:\n"
+      "  sightline scene import engine 2CylinderEngine.glb\n"
+      "  sightline scene show engine");
+  add_import_verb(group, session);
+
+  CLI::App& ls = *group.add_subcommand("ls", "List the scenes of the default project");
+  ls.footer(
+      "Examples:\n  sightline scene ls\n  sightline scene ls --json | jq -r '.scenes[].scene'");
+  ls.callback([&session] { session.exit = list(session); });
+
+  add_verb_of_one_scene(group, "show", "What a scene holds", session, show)
+      .footer(
+          "Examples:\n  sightline scene show engine\n  sightline scene show engine --json | jq "
+          ".bounds");
+  add_verb_of_one_scene(group, "nodes", "The nodes of a scene, by id", session, show_nodes)
+      .footer(
+          "Examples:\n  sightline scene nodes engine\n  sightline scene nodes engine --json | jq "
+          "'.nodes[] | select(.name == \"piston\") | .id'");
+  add_verb_of_one_scene(group, "rm", "Remove a scene", session, remove)
+      .footer("Examples:\n  sightline scene rm engine");
+}
+
+void add_stats_verb(CLI::App& program, Session& session) {
+  CLI::App& verb = *program.add_subcommand("stats", "How much of a scene's trees is built");
+  const auto scene = std::make_shared<std::string>();
+  add_scene_argument(verb, *scene);
+  verb.footer(
+      "Built are triangles in finished leaves; a deferred cell is one that no ray has needed to "
+      "split "
+      "yet.\n\n"
+      "Examples:\n"
+      "  sightline stats engine\n"
+      "  sightline stats engine --json | jq .triangles_built");
+  verb.callback([&session, scene] { session.exit = show_stats(session, *scene); });
+}
+
+void add_watch_verb(CLI::App& program, Session& session) {
+  CLI::App& verb = *program.add_subcommand("watch", "Follow what happens to a scene");
+  const auto arguments = std::make_shared<WatchArguments>();
+  add_scene_argument(verb, arguments->scene);
+  verb.add_option("--from", arguments->from,
+                  "Tell of all revisions after this one (default: after the current one)")
+      ->type_name("N");
+  verb.add_option("--count", arguments->count, "End after so many revisions")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("N");
+  verb.add_flag("--positions", arguments->positions, "Print the vertices that are patched");
+  verb.footer(kWatchFooter);
+  verb.callback([&session, arguments] { session.exit = watch(session, *arguments); });
+}
+
+}  // namespace sightline::client::cli::verbs

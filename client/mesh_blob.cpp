@@ -1,0 +1,81 @@
+// The layout of mesh blobs (proto/sightline/v1/blob.proto) and their digests.
+#include "client/mesh_blob.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+#include <memory>
+#include <new>
+
+namespace sightline::client {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are sent as they are in memory");
+static_assert(sizeof(Vertex) == 12 && sizeof(Face) == 12);
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+      throw std::bad_alloc();
+    }
+  }
+  void add(std::span<const std::byte> bytes) {
+    EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size());
+  }
+  std::string hex() {
+    std::array<unsigned char, 32> sum{};
+    EVP_DigestFinal_ex(context_.get(), sum.data(), nullptr);
+    return fmt::format("{:02x}", fmt::join(sum, ""));
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+std::array<std::byte, 24> make_header(std::uint32_t copy_number, std::uint64_t vertices,
+                                      std::uint64_t faces) {
+  std::array<std::byte, 24> header{};
+  std::memcpy(header.data(), "SLM1", 4);
+  std::memcpy(header.data() + 4, &copy_number, 4);
+  std::memcpy(header.data() + 8, &vertices, 8);
+  std::memcpy(header.data() + 16, &faces, 8);
+  return header;
+}
+
+}  // namespace
+
+MeshBlob::MeshBlob(std::span<const Vertex> vertices, std::span<const Face> faces,
+                   std::uint32_t copy_number)
+    : header_(make_header(copy_number, vertices.size(), faces.size())),
+      positions_(std::as_bytes(vertices)),
+      indices_(std::as_bytes(faces)) {}
+
+void MeshBlob::copy(std::uint64_t offset, std::span<std::byte> out) const {
+  assert(offset + out.size() <= size());
+  for (const std::span<const std::byte> part :
+       {std::span<const std::byte>(header_), positions_, indices_}) {
+    if (offset >= part.size()) {
+      offset -= part.size();
+      continue;
+    }
+    const std::size_t n = std::min<std::size_t>(part.size() - offset, out.size());
+    std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(offset), n, out.begin());
+    out = out.subspan(n);
+    offset = 0;
+  }
+}
+
+std::string MeshBlob::digest() const {
+  Sha256 sha;
+  sha.add(header_);
+  sha.add(positions_);
+  sha.add(indices_);
+  return fmt::format("sha256:{}/{}", sha.hex(), size());
+}
+
+}  // namespace sightline::client

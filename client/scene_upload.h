@@ -1,0 +1,54 @@
+// Uploads an imported scene to the server: each mesh once, then the nodes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "client/result.h"
+
+namespace sightline::client::importer {
+struct ImportedScene;
+}
+
+namespace sightline::client {
+
+struct SceneUploadOptions {
+  Mobility mobility = Mobility::kStatic;  ///< of every node
+  std::vector<Mobility> by_node{};        ///< of each node; overrides `mobility` if not empty
+  /// Deletes a scene of that name first; otherwise the error is kAlreadyExists.
+  bool replace = false;
+  /// Ends the upload with kCancelled. Ignored once the scene is being created, which is short.
+  std::stop_token stop{};
+};
+
+/// Called with the number of uploaded bytes, and the number of bytes of all meshes that the server
+/// lacked, on the calling thread.
+using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
+
+/// Checks everything that can be checked, uploads the meshes that the server lacks, and only then
+/// replaces or creates the scene. If something fails after that, the half-made scene is deleted
+/// again. Node ids follow the order of scene.nodes. Errors: kAlreadyExists, before anything is
+/// sent; kInvalidArgument or kResourceExhausted, naming a node or mesh, if the scene is beyond the
+/// server's limits; those of the calls.
+Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
+                               const importer::ImportedScene& scene,
+                               const SceneUploadOptions& options,
+                               const SceneUploadProgress& progress = {});
+
+/// Adds the imported scene's nodes to a scene, its roots under `parent` (0: as roots). Returns
+/// their ids, in the order of scene.nodes. Ignores `options.replace`. Errors: kNotFound; as
+/// above for a scene beyond the limits; those of the calls.
+Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
+                                                const importer::ImportedScene& scene,
+                                                std::uint64_t parent,
+                                                const SceneUploadOptions& options,
+                                                const SceneUploadProgress& progress = {});
+
+/// The digests that upload_scene gives to the meshes; empty for a mesh that no node carries.
+std::vector<std::string> mesh_digests(const importer::ImportedScene& scene);
+
+}  // namespace sightline::client

@@ -1,0 +1,231 @@
+// Number formats, exit codes, and Ctrl-C in a running command.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <condition_variable>
+#include <limits>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/cli/terminal.h"
+#include "client/scene_upload.h"
+#include "tests/client/importer/gltf_file.h"
+#include "tests/client/support/live_client.h"
+#include "tests/client/support/silent_port.h"
+#include "tests/client/support/temp_dir.h"
+#include "tests/support/child_process.h"
+
+namespace sightline::client::cli {
+namespace {
+
+TEST(Amounts, DigitsAreInThrees) {
+  EXPECT_EQ(format_count(0), "0");
+  EXPECT_EQ(format_count(999), "999");
+  EXPECT_EQ(format_count(1000), "1,000");
+  EXPECT_EQ(format_count(1234567), "1,234,567");
+  EXPECT_EQ(format_count(std::numeric_limits<std::uint64_t>::max()), "18,446,744,073,709,551,615");
+}
+
+TEST(Amounts, SharesNeverReadAsNoneOrAllUnlessTheyAre) {
+  EXPECT_EQ(format_share(0, 0), "0 of 0");
+  EXPECT_EQ(format_share(0, 5000), "0 of 5,000 (0 %)");
+  EXPECT_EQ(format_share(1, 75730), "1 of 75,730 (below 0.1 %)");
+  EXPECT_EQ(format_share(1211, 75730), "1,211 of 75,730 (1.6 %)");
+  EXPECT_EQ(format_share(75729, 75730), "75,729 of 75,730 (99.9 %)");
+  EXPECT_EQ(format_share(75730, 75730), "75,730 of 75,730 (100 %)");
+}
+
+TEST(Amounts, BytesGoInThousands) {
+  EXPECT_EQ(format_bytes(0), "0 B");
+  EXPECT_EQ(format_bytes(999), "999 B");
+  EXPECT_EQ(format_bytes(1000), "1.0 kB");
+  EXPECT_EQ(format_bytes(999'949), "999.9 kB");
+  EXPECT_EQ(format_bytes(999'950), "1.0 MB");
+  EXPECT_EQ(format_bytes(81'036'012), "81.0 MB");
+  EXPECT_EQ(format_bytes(12'000'000'000'000'000), "12000.0 TB");
+}
+
+TEST(ExitCode, IsTheContract) {
+  EXPECT_EQ(exit_code(Code::kNotFound), 3);
+  EXPECT_EQ(exit_code(Code::kAlreadyExists), 4);
+  EXPECT_EQ(exit_code(Code::kAborted), 4);
+  EXPECT_EQ(exit_code(Code::kFailedPrecondition), 4);
+  EXPECT_EQ(exit_code(Code::kUnavailable), 5);
+  EXPECT_EQ(exit_code(Code::kDeadlineExceeded), 5);
+  EXPECT_EQ(exit_code(Code::kUnauthenticated), 6);
+  EXPECT_EQ(exit_code(Code::kPermissionDenied), 6);
+  EXPECT_EQ(exit_code(Code::kResourceExhausted), 7);
+  for (const Code code :
+       {Code::kCancelled, Code::kUnknown, Code::kInvalidArgument, Code::kOutOfRange,
+        Code::kUnimplemented, Code::kInternal, Code::kDataLoss}) {
+    EXPECT_EQ(exit_code(code), 1);
+  }
+}
+
+TEST(ExitCode, AnUnreadableLocalFileIsAFailure) {
+  EXPECT_EQ(exit_code(local_error("no file").code), kFailed);
+}
+
+struct ChildProgram : tests::ChildProcess {
+  explicit ChildProgram(const std::vector<std::string>& arguments)
+      : ChildProcess(SIGHTLINE, arguments) {}
+};
+
+constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+TEST(Interrupt, RequestsAStopOnce) {
+  for (int round = 0; round < 3; ++round) {
+    const Interrupt interrupt;
+    EXPECT_FALSE(interrupt.happened());
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool stopped = false;
+    const std::stop_callback callback(interrupt.token(), [&] {
+      const std::lock_guard lock(mutex);
+      stopped = true;
+      changed.notify_all();
+    });
+    raise(SIGINT);
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return stopped; });
+    EXPECT_TRUE(interrupt.happened());
+  }
+}
+
+TEST(Interrupt, ASecondOneEndsTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        const Interrupt interrupt;
+        raise(SIGINT);
+        raise(SIGINT);
+      },
+      testing::KilledBySignal(SIGINT), "");
+}
+
+TEST(Interrupt, LeavesTheSignalAsItWas) {
+  struct sigaction before {
+  }, after{};
+  sigaction(SIGINT, nullptr, &before);
+  { const Interrupt interrupt; }
+  sigaction(SIGINT, nullptr, &after);
+  EXPECT_EQ(before.sa_handler, after.sa_handler);
+}
+
+TEST(InterruptedProgram, EndsThoughTheServerSaysNothing) {
+  const tests::SilentPort port;
+  tests::TempDir dir;
+  const std::string rays = dir.write("rays.csv", "0,0,1,0,0,-1\n");
+  const std::string out = dir.path("hits.csv");
+  const std::vector<std::vector<std::string>> verbs{
+      {"prefetch", "s"},
+      {"prefetch", "s", "--rays", rays},
+      {"cast", "s", "--in", rays, "--out", out, "--build", "full"},
+      {"cast", "s", "--in", rays, "--out", out, "--build", "lazy"},
+      {"cast", "s", "--in", "-", "--out", out}};
+  for (std::vector<std::string> arguments : verbs) {
+    arguments.insert(arguments.end(), {"--endpoint", port.endpoint()});
+    ChildProgram program(arguments);
+    ASSERT_TRUE(program.catches(SIGINT)) << program.output();
+    program.signal(SIGINT);
+    EXPECT_EQ(program.wait(), 130) << arguments[0];
+    EXPECT_EQ(program.output(), "sightline: interrupted\n");
+  }
+  EXPECT_EQ(dir.names(), "rays.csv") << "no half of a file is left";
+}
+
+// A sheet of n x n squares, waved so that no two rows are alike.
+importer::ImportedScene large_sheet(std::uint32_t n) {
+  importer::ImportedScene scene;
+  importer::ImportedMesh mesh;
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x) {
+      const auto z = static_cast<float>((x * 7 + y * 13) % 11) * 0.01F;
+      mesh.vertices.push_back({static_cast<float>(x), static_cast<float>(y), z});
+    }
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t v = y * (n + 1) + x;
+      mesh.faces.push_back({v, v + 1, v + n + 2});
+      mesh.faces.push_back({v, v + n + 2, v + n + 1});
+    }
+  }
+  mesh.triangles = mesh.faces.size();
+  scene.meshes.push_back(std::move(mesh));
+  scene.nodes.push_back({.name = "sheet", .mesh = 0});
+  return scene;
+}
+
+class InterruptedBuild : public tests::LiveClient {
+ protected:
+  // Two million triangles: building goes on for long after it has been heard of.
+  InterruptedBuild() { EXPECT_TRUE(upload_scene(client_, tests::kScene, large_sheet(1000), {})); }
+
+  void expect_right_hits() {
+    const tests::DownwardRays rays(10, 10);
+    std::vector<double> t(10);
+    const auto cast = client_.cast_stream(tests::kScene, rays.columns(), {.t = t});
+    ASSERT_TRUE(cast) << cast.error().message;
+    EXPECT_EQ(cast->hits, 10U);
+    for (const double each : t) EXPECT_NEAR(each, 5, 0.2);
+  }
+
+  tests::TempDir dir_;
+};
+
+TEST_F(InterruptedBuild, PrefetchSaysWhatIsBuiltAndTheSceneIsUsable) {
+  ChildProgram program({"prefetch", "test", "--endpoint", endpoint()});
+  ASSERT_TRUE(program.writes("building: ")) << program.output();
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_NE(program.output().find("interrupted, and what is built stays"), std::string::npos);
+  EXPECT_NE(program.output().find("of 2,000,000"), std::string::npos) << program.output();
+  expect_right_hits();
+  ChildProgram again({"prefetch", "test", "--endpoint", endpoint()});
+  EXPECT_EQ(again.wait(), 0) << again.output();
+  EXPECT_EQ(client_.scene_stats(tests::kScene)->triangles_built, 2'000'000U);
+  expect_right_hits();
+}
+
+using InterruptedStream = tests::LiveClient;
+
+TEST_F(InterruptedStream, EndsWithAllThatWasSentAnswered) {
+  tests::TempDir dir;
+  const std::string file = dir.write("strip.gltf", tests::bending_strip().text());
+  ChildProgram program({"stream", "test", "--animate", file, "--loops", "0", "--fps", "200",
+                        "--json", "--endpoint", endpoint()});
+  const auto at_work = [&] {
+    const auto scene = client_.get_scene(tests::kScene);
+    return scene && scene->revision > 10;
+  };
+  while (!at_work()) std::this_thread::yield();
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_NE(program.output().find("\"complete\": false"), std::string::npos);
+  const std::uint64_t revision = client_.get_scene(tests::kScene)->revision;
+  EXPECT_NE(program.output().find("at revision " + std::to_string(revision)), std::string::npos)
+      << program.output();
+}
+
+TEST_F(InterruptedBuild, CastThatBuildsEverythingLeavesNoFile) {
+  const std::string rays = dir_.write("rays.csv", "0.5,0.25,5,0,0,-1\n");
+  const std::string out = dir_.path("hits.csv");
+  const std::vector<std::string> cast{"cast", "test",    "--in", rays,         "--out",
+                                      out,    "--build", "full", "--endpoint", endpoint()};
+  ChildProgram program(cast);
+  ASSERT_TRUE(program.writes("building: ")) << program.output();
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 130) << program.output();
+  EXPECT_EQ(dir_.names(), "rays.csv");
+  ChildProgram again(cast);
+  EXPECT_EQ(again.wait(), 0) << again.output();
+  EXPECT_EQ(dir_.names(), "hits.csv rays.csv");
+  expect_right_hits();
+}
+
+}  // namespace
+
+}  // namespace sightline::client::cli

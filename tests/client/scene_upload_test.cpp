@@ -1,0 +1,139 @@
+// Imported scenes on the server.
+#include "client/scene_upload.h"
+
+#include <gtest/gtest.h>
+
+#include <stop_token>
+#include <string>
+
+#include "tests/client/support/live_client.h"
+
+namespace sightline::client {
+namespace {
+
+using SceneUpload = tests::LiveClient;
+using tests::kScene;
+
+TEST_F(SceneUpload, CountsAreTheScenes) {
+  importer::ImportedScene scene = tests::row_of_sheets(5);
+  scene.up_axis = UpAxis::kZ;
+  scene.meters_per_unit = 0.5;
+  const auto info = upload_scene(client_, kScene, scene, {});
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->revision, 1U);
+  EXPECT_EQ(info->nodes, 6U);
+  EXPECT_EQ(info->instances, 5U);
+  EXPECT_EQ(info->meshes, 1U);
+  EXPECT_EQ(info->triangles_unique, 4U);
+  EXPECT_EQ(info->triangles_instanced, 20U);
+  EXPECT_EQ(info->up_axis, UpAxis::kZ);
+  EXPECT_EQ(info->meters_per_unit, 0.5);
+  ASSERT_TRUE(info->bounds);
+  EXPECT_NEAR((*info->bounds)[3], 41, 1e-3);
+}
+
+TEST_F(SceneUpload, EqualMeshesOfAFileStaySeveralAndUnusedOnesAreNotSent) {
+  importer::ImportedScene scene = tests::row_of_sheets(2);
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes.push_back(tests::sheets(9));
+  scene.nodes[2].mesh = 1;
+  std::uint64_t total = 0;
+  const auto info = upload_scene(client_, kScene, scene, {},
+                                 [&](std::uint64_t, std::uint64_t all) { total = all; });
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->meshes, 2U);
+  EXPECT_EQ(info->triangles_unique, 8U);
+  EXPECT_EQ(total, 2 * MeshBlob(scene.meshes[0].vertices, scene.meshes[0].faces).size());
+}
+
+TEST_F(SceneUpload, WhatTheServerHasIsNotSentAgain) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  bool sent = false;
+  const auto again = upload_scene(client_, "projects/default/scenes/other", tests::row_of_sheets(2),
+                                  {}, [&](std::uint64_t, std::uint64_t) { sent = true; });
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_FALSE(sent);
+}
+
+TEST_F(SceneUpload, AnExistingSceneIsAConflictUnlessReplaced) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  importer::ImportedScene other = tests::row_of_sheets(3);
+  other.meshes[0] = tests::sheets(7);
+  bool sent = false;
+  const auto refused =
+      upload_scene(client_, kScene, other, {}, [&](std::uint64_t, std::uint64_t) { sent = true; });
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kAlreadyExists);
+  EXPECT_FALSE(sent);
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
+  const auto replaced = upload_scene(client_, kScene, other, {.replace = true});
+  ASSERT_TRUE(replaced) << replaced.error().message;
+  EXPECT_EQ(replaced->instances, 3U);
+  EXPECT_EQ(replaced->revision, 1U);
+}
+
+TEST_F(SceneUpload, ASceneThatCannotBeIsRefusedWithTheOldOneInPlace) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  importer::ImportedScene flat = tests::row_of_sheets(1);
+  flat.nodes[1].parent_from_local[0] = 0;
+  EXPECT_FALSE(upload_scene(client_, kScene, flat, {.replace = true}));
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
+}
+
+TEST_F(SceneUpload, AHalfMadeSceneIsDeletedAgain) {
+  importer::ImportedScene scene = tests::row_of_sheets(3);
+  scene.nodes[3].name = std::string(2000, 'x');  // longer than servers take
+  const auto refused = upload_scene(client_, kScene, scene, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kInvalidArgument);
+  EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
+}
+
+TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  importer::ImportedScene other = tests::row_of_sheets(3);
+  other.meshes[0] = tests::sheets(9);
+  for (const char* name : {kScene, "projects/default/scenes/new"}) {
+    std::stop_source stop;
+    const auto stopped =
+        upload_scene(client_, name, other, {.replace = true, .stop = stop.get_token()},
+                     [&](std::uint64_t, std::uint64_t) { stop.request_stop(); });
+    ASSERT_FALSE(stopped) << "the mesh is on its way, or has just arrived";
+    EXPECT_EQ(stopped.error().code, Code::kCancelled);
+    other.meshes[0] = tests::sheets(11);  // for the server may have the other by now
+  }
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
+  EXPECT_EQ(client_.get_scene("projects/default/scenes/new").error().code, Code::kNotFound);
+}
+
+TEST_F(SceneUpload, NodesMayBeAddedToWhatThereIs) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  importer::ImportedScene more = tests::row_of_sheets(1);
+  more.meshes[0] = tests::sheets(9);
+  SceneUploadOptions options;
+  options.by_node = {Mobility::kRigid, Mobility::kDeforming};
+  const auto ids = add_to_scene(client_, kScene, more, 1, options);
+  ASSERT_TRUE(ids) << ids.error().message;
+  EXPECT_EQ(*ids, (std::vector<std::uint64_t>{4, 5}));
+  const auto nodes = client_.get_nodes(kScene, *ids);
+  ASSERT_TRUE(nodes);
+  EXPECT_EQ((*nodes)[0].parent, 1U);
+  EXPECT_EQ((*nodes)[0].mobility, Mobility::kRigid);
+  EXPECT_EQ((*nodes)[1].parent, 4U);
+  EXPECT_EQ((*nodes)[1].mobility, Mobility::kDeforming);
+  EXPECT_EQ((*nodes)[1].mesh_digest, mesh_digests(more)[0]);
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 3U);
+  EXPECT_EQ(add_to_scene(client_, "projects/default/scenes/none", more, 0, options).error().code,
+            Code::kNotFound);
+  EXPECT_EQ(add_to_scene(client_, kScene, more, 77, options).error().code, Code::kNotFound);
+}
+
+TEST_F(SceneUpload, AnEmptySceneIsAScene) {
+  const auto info = upload_scene(client_, kScene, {}, {});
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->nodes, 0U);
+  EXPECT_FALSE(info->bounds);
+}
+
+}  // namespace
+}  // namespace sightline::client
