@@ -57,7 +57,8 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   dropped.push_back(std::move(unsettled));
   dropped.push_back(std::move(before));
   // Freeing old revisions and settling may take long, and no reply waits for them.
-  compute.enqueue_background([self = shared_from_this(), settle = applied && applied->rebuild_static,
+  compute.enqueue_background([self = shared_from_this(),
+                              settle = applied && applied->rebuild_static,
                               dropped = std::move(dropped)]() mutable {
     dropped.clear();
     if (settle) self->scene_.rebuild_static();

@@ -72,7 +72,7 @@ ExitCode run(const Session& session, RenderArguments& arguments) {
   auto picture = [&] {
     ProgressBar bar("casting");
     return render_picture(*client, arguments.scene, arguments.picture,
-                        [&](double part) { bar.update(part); });
+                          [&](double part) { bar.update(part); });
   }();
   if (!picture) return fail(picture.error());
   const Status wrote = write_png(arguments.out, *picture, arguments.picture.size);

@@ -59,12 +59,10 @@ std::string chain(int nodes, int copies) {
 TEST(Damage, AGoodFileHasNone) {
   const TempDir dir;
   EXPECT_EQ(error_of(preflight(dir.write("good.ply", kPly))), "");
-  EXPECT_EQ(
-      error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
-      "");
-  EXPECT_EQ(
-      error_of(preflight(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
-      "");
+  EXPECT_EQ(error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
+            "");
+  EXPECT_EQ(error_of(preflight(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
+            "");
   EXPECT_EQ(error_of(preflight(dir.write("good.glb", glb(2, "{}")))), "");
   EXPECT_EQ(error_of(preflight(dir.write("good.gltf", chain(3, 1)))), "");
   EXPECT_EQ(error_of(preflight(dir.write("other.obj", "v 0 0 0\n"))), "");
