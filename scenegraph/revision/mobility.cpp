@@ -1,4 +1,4 @@
-// ChangeClassifier nodes as moving.
+// Sorts changed nodes into the static and the dynamic tree.
 #include "scenegraph/revision/mobility.h"
 
 #include <algorithm>
