@@ -1,9 +1,11 @@
-// The name of a blob: "sha256:<64 hex digits>/<size in bytes>".
+// The name of a blob, "sha256:<64 hex digits>/<size in bytes>", and the checksum in it.
 #include "server/blobs/blob_digest.h"
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 
 #include <charconv>
+#include <new>
 
 #include "server/exec/quote.h"
 
@@ -36,6 +38,24 @@ bool parse_size(std::string_view digits, std::uint64_t& size) {
 }
 
 }  // namespace
+
+void Sha256::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
+  if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+    throw std::bad_alloc();
+  }
+}
+
+void Sha256::update(std::span<const std::byte> bytes) {
+  EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size());
+}
+
+Sha256Sum Sha256::finish() {
+  Sha256Sum sum{};
+  EVP_DigestFinal_ex(context_.get(), sum.data(), nullptr);
+  return sum;
+}
 
 Result<BlobDigest> BlobDigest::parse(std::string_view text) {
   constexpr std::size_t kHex = 2 * std::tuple_size_v<Sha256Sum>;

@@ -14,7 +14,6 @@
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/blob_digest.h"
 #include "server/blobs/mesh_blob.h"
-#include "server/blobs/sha256.h"
 
 namespace sightline::server::blobs {
 

@@ -1,8 +1,5 @@
 // Meshes as the bytes that clients upload.
 #include "tests/server/blobs/blob_of.h"
-
-#include "server/blobs/sha256.h"
-
 namespace sightline::tests {
 namespace {
 
