@@ -9,6 +9,7 @@
 
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
+#include "server/queries/prefetch_job.h"
 
 namespace sightline::server::queries {
 namespace {

@@ -8,6 +8,8 @@
 
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
+#include "server/queries/cast_job.h"
+#include "server/scenes/revision_wait.h"
 
 namespace sightline::server::queries {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
+#include "server/scenes/revision_wait.h"
 #include "server/updates/scene_codec.h"
 
 namespace sightline::server::updates {
