@@ -24,16 +24,17 @@ scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances accel/result accel/kdtree
-scenegraph/trace_options    scenegraph/instances accel/result accel/geometry
-scenegraph/query            scenegraph/trace_options scenegraph/model scenegraph/instances scenegraph/revision
+scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision
                             accel/result accel/geometry accel/kdtree accel/lazy accel/mesh
+scenegraph/trace_options    scenegraph/query
 scenegraph/trace            scenegraph/* accel/result accel/geometry
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/blobs
-                            scenegraph/scene scenegraph/model scenegraph/instances scenegraph/revision accel/result
+                            scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
+                            scenegraph/revision accel/result
 server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry
 server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split

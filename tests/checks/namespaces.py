@@ -89,7 +89,13 @@ def named(namespace):
     return re.sub(r"(^|::)(\(unnamed\)|HWY_NAMESPACE)(::.*)?$", "", namespace)
 
 
+# Result and Error belong to all folders of the server side.
+SHARED = {"accel/result.h": "sightline"}
+
+
 def may_define(file, namespace):
+    if namespace == SHARED.get(file):
+        return True
     if namespace == own_namespace(file.removeprefix("tests/")):
         return True
     return not file.startswith(PRODUCT) and re.match(r"sightline::(tests|bench)(::|$)", namespace) is not None
