@@ -6,7 +6,7 @@ namespace sightline::accel::lazy {
 Stage::Stage(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
 Stage::~Stage() {
-  for (std::atomic<SliceResult*>& result : results_) delete result.load(std::memory_order_relaxed);
+  for (const std::atomic<SliceResult*>& result : results_) delete result.load(std::memory_order_relaxed);
 }
 
 std::size_t Stage::help(kdtree::BuildCounters& counters) {
@@ -33,7 +33,7 @@ void Stage::run(std::size_t slice, kdtree::BuildCounters& counters) {
   SliceResult* none = nullptr;
   if (!results_[slice].compare_exchange_strong(none, result.get(), std::memory_order_acq_rel))
     return;
-  result.release();
+  (void)result.release();
   done_.fetch_add(1, std::memory_order_acq_rel);
 }
 
