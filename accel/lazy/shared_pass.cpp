@@ -6,7 +6,8 @@ namespace sightline::accel::lazy {
 Stage::Stage(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
 Stage::~Stage() {
-  for (const std::atomic<SliceResult*>& result : results_) delete result.load(std::memory_order_relaxed);
+  for (const std::atomic<SliceResult*>& result : results_)
+    delete result.load(std::memory_order_relaxed);
 }
 
 std::size_t Stage::help(kdtree::BuildCounters& counters) {

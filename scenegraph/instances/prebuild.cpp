@@ -51,8 +51,9 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
       return;
     }
     if (!slot.is_binary()) return;
-    const bool right = point[slot.axis()] >= static_cast<double>(slot.position());
-    at = &tree.tree().children(slot)[right ? 1 : 0];
+    const bool right =
+        point[static_cast<std::size_t>(slot.axis())] >= static_cast<double>(slot.position());
+    at = &tree.tree().children(slot)[right ? 1u : 0u];
   }
 }
 
