@@ -143,12 +143,12 @@ TEST_P(BrokenConnections, EveryBatchIsAppliedOnce) {
   tests::Relay relay(server_->port());
   relay.cut_each_after(GetParam().first, GetParam().second);
   const Client through = connect(relay.endpoint());
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   UpdateStreamOptions options;
   options.on_ack = [&](const StreamAck& ack) {
     for (const StreamAck::Put& each : ack.put) {
       EXPECT_EQ(each.nodes, std::vector<std::uint64_t>{each.sequence});
-      told.push_back(each.sequence);
+      reported.push_back(each.sequence);
     }
   };
   UpdateStream stream = open(through, options);
@@ -163,8 +163,8 @@ TEST_P(BrokenConnections, EveryBatchIsAppliedOnce) {
   EXPECT_EQ(client_.get_scene(kScene)->nodes, kBatches);
   const auto names_now = names(kBatches);
   for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(std::stoul(names_now[k]), k + 1);
-  ASSERT_EQ(told.size(), kBatches) << "the ids of every batch were told, once";
-  for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(told[k], k + 1);
+  ASSERT_EQ(reported.size(), kBatches) << "the ids of every batch were told, once";
+  for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(reported[k], k + 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cuts, BrokenConnections,

@@ -244,7 +244,7 @@ TEST_P(KindsTest, AgreeWithEachOtherAndWithBruteForce) {
   const auto scene = bench::load_scene(file_.string());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   ASSERT_NO_FATAL_FAILURE(set_masks(scene->nodes.size()));
-  std::vector<PlacedMesh> placed = place(*scene);
+  std::vector<PlacedMesh> placed = placed_meshes(*scene);
   for (PlacedMesh& mesh : placed) mesh.mask = mask_of(mesh.node);
   const double diagonal = diagonal_of(placed);
   const BruteForce oracle(std::move(placed));

@@ -20,7 +20,7 @@ struct LargeScene {
   /// The id of the n-th node with a mesh, in a scene that these nodes were put into first.
   scenegraph::model::NodeId id(std::size_t n) const;
   /// Of that node, and how far it stands from there in a step.
-  scenegraph::model::Affine place(std::size_t n, std::uint64_t step) const;
+  scenegraph::model::Affine transform(std::size_t n, std::uint64_t step) const;
   /// The nodes from number `first` on, groups before what is in them, in batches of `most` at most;
   /// empty when there are none left. Ids of nodes put by batches before are taken for granted.
   std::vector<scenegraph::model::Update> batch(std::size_t first, std::size_t most,

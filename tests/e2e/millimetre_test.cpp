@@ -28,7 +28,7 @@ constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;
 constexpr std::size_t kRays = 20'000;
 
-client::importer::ImportedScene plate_at(const Vec3d& place) {
+client::importer::ImportedScene plate_at(const Vec3d& position) {
   const TestMesh plate = ridged_plate();
   client::importer::ImportedMesh mesh;
   for (const accel::geometry::Vec3f& v : plate.vertices) mesh.vertices.push_back({v.x, v.y, v.z});
@@ -38,7 +38,7 @@ client::importer::ImportedScene plate_at(const Vec3d& place) {
   scene.meshes.push_back(std::move(mesh));
   scene.nodes.push_back(
       {.name = "plate",
-       .parent_from_local = {1, 0, 0, place.x, 0, 1, 0, place.y, 0, 0, 1, place.z},
+       .parent_from_local = {1, 0, 0, position.x, 0, 1, 0, position.y, 0, 0, 1, position.z},
        .mesh = 0});
   return scene;
 }

@@ -110,7 +110,7 @@ TEST_P(OracleTest, HitsThroughTheServerEqualBruteForceLazyAndFull) {
   EXPECT_EQ(report.rays, rays.size());
   EXPECT_EQ(report.invalid, 0u);
 
-  const BruteForce oracle(place(*scene));
+  const BruteForce oracle(placed_meshes(*scene));
   const Comparison result = compare(rays, lazy.hits(), oracle, {.surface = true});
   EXPECT_EQ(result.mismatches, 0u) << result.report();
   EXPECT_EQ(result.edges, 0u) << result.report();

@@ -38,7 +38,7 @@ void ServedScene::serve(const std::string& file) {
   ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
 }
 
-std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
+std::vector<PlacedMesh> placed_meshes(const bench::SceneSource& scene) {
   std::vector<PlacedMesh> placed;
   std::vector<scenegraph::model::Affine> world;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {

@@ -32,7 +32,7 @@ class ServedScene : public testing::Test {
 
 /// The scene as its file says, placed without any help from the product's scene graph. The server
 /// gives ids from 1 upward in the order of the file's nodes.
-std::vector<PlacedMesh> place(const bench::SceneSource& scene);
+std::vector<PlacedMesh> placed_meshes(const bench::SceneSource& scene);
 
 /// Half overview, half random.
 std::vector<accel::geometry::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count);

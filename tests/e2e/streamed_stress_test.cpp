@@ -44,7 +44,7 @@ class Producer {
       if (sent == batches_.size()) draw();
       {
         std::unique_lock lock(mutex_);
-        room_.wait(lock, [&] {
+        answered_changed_.wait(lock, [&] {
           return over_ || testing::Test::HasFailure() || sent < answered_ + reply.opened().window();
         });
         if (over_) ADD_FAILURE() << "the call has ended";
@@ -96,11 +96,11 @@ class Producer {
       const std::lock_guard lock(mutex_);
       if (reply.has_ack()) check(reply.ack());
       if (reply.has_reject()) check(reply.reject());
-      room_.notify_all();
+      answered_changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);
     over_ = true;
-    room_.notify_all();
+    answered_changed_.notify_all();
   }
 
   void check(const v1::UpdateAck& ack) {
@@ -128,7 +128,7 @@ class Producer {
   Api api_;
   RandomEdits edits_;
   std::mutex mutex_;
-  std::condition_variable room_;
+  std::condition_variable answered_changed_;
   std::vector<Batch> batches_;
   std::uint64_t answered_ = 0;
   bool over_ = false;

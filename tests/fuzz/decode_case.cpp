@@ -86,7 +86,7 @@ class Steps {
   }
 
  private:
-  Vec3f& vertex(std::uint8_t place) { return hard_.vertex[place % 16 % hard_.vertex_count]; }
+  Vec3f& vertex(std::uint8_t index) { return hard_.vertex[index % 16 % hard_.vertex_count]; }
 
   /// A part of sixteenths.
   static double share(const Step& step) { return static_cast<double>(step.to >> 4) * 0x1p-4; }

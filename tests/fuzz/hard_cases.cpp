@@ -32,7 +32,7 @@ int HardCases::integer(int low, int high) {
 }
 
 HardCase HardCases::next() {
-  choose_place();
+  choose_frame();
   HardCase hard;
   hard.direction = choose_direction();
   hard.connect(static_cast<Patch>(random_.below(kPatches)),
@@ -40,7 +40,7 @@ HardCase HardCases::next() {
   if (hard.patch == Patch::kFan) {
     surround_hub(hard);
   } else {
-    for (std::size_t i = 0; i < hard.vertex_count; ++i) hard.vertex[i] = place(local_point());
+    for (std::size_t i = 0; i < hard.vertex_count; ++i) hard.vertex[i] = to_world(local_point());
   }
   if (chance(0.3)) spoil(hard);
   shuffle_faces(hard);
@@ -55,7 +55,7 @@ HardCase HardCases::next() {
   return hard;
 }
 
-void HardCases::choose_place() {
+void HardCases::choose_frame() {
   lattice_ = chance(0.4);
   // Floats end at 2^128 and become denormal below 2^-126.
   const double kind = random_.uniform();
@@ -72,7 +72,7 @@ void HardCases::choose_place() {
   }
 }
 
-Vec3f HardCases::place(const Vec3d& local) const { return Vec3f(center_ + local * size_); }
+Vec3f HardCases::to_world(const Vec3d& local) const { return Vec3f(center_ + local * size_); }
 
 Vec3d HardCases::local_point() {
   Vec3d p;
@@ -114,7 +114,7 @@ void HardCases::surround_hub(HardCase& hard) {
     if (std::fabs(hard.direction[axis]) > std::fabs(hard.direction[depth])) depth = axis;
   }
   const Vec3d hub = local_point() * 0.5;
-  hard.vertex[0] = place(hub);
+  hard.vertex[0] = to_world(hub);
   const std::size_t rim = hard.vertex_count - 1;
   for (std::size_t i = 0; i < rim; ++i) {
     const double jitter = lattice_ ? 0 : random_.uniform(-0.4, 0.4);
@@ -125,7 +125,7 @@ void HardCases::surround_hub(HardCase& hard) {
     p[(depth + 1) % 3] += x * reach;
     p[(depth + 2) % 3] += y * reach;
     p[depth] += lattice_ ? integer(-1, 1) * 0.125 : random_.uniform(-0.1, 0.1);
-    hard.vertex[1 + i] = place(p);
+    hard.vertex[1 + i] = to_world(p);
   }
 }
 

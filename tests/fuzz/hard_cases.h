@@ -23,8 +23,8 @@ class HardCases {
   double sign() { return chance(0.5) ? 1 : -1; }
 
   // What the case is made in: coordinates of about `size_` around `center_`.
-  void choose_place();
-  accel::geometry::Vec3f place(const accel::geometry::Vec3d& local) const;
+  void choose_frame();
+  accel::geometry::Vec3f to_world(const accel::geometry::Vec3d& local) const;
   accel::geometry::Vec3d local_point();
 
   accel::geometry::Vec3d choose_direction();

@@ -177,11 +177,12 @@ std::vector<scenegraph::model::Update> row_of_balls(
 std::vector<scenegraph::model::Update> step(std::uint64_t revision) {
   scenegraph::model::SetTransforms set;
   for (int i = 0; i < 20; ++i) {
-    scenegraph::model::Affine place;
-    place.m[3] = 3 * i;
-    place.m[7] = 0.01 * static_cast<double>((revision * 7 + static_cast<std::uint64_t>(i)) % 100);
+    scenegraph::model::Affine transform;
+    transform.m[3] = 3 * i;
+    transform.m[7] =
+        0.01 * static_cast<double>((revision * 7 + static_cast<std::uint64_t>(i)) % 100);
     set.nodes.push_back(i + 1);
-    set.parent_from_local.push_back(place);
+    set.parent_from_local.push_back(transform);
   }
   return {set};
 }

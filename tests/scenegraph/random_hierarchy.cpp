@@ -59,7 +59,7 @@ std::shared_ptr<const Mesh> to_mesh(const TestMesh& mesh) {
   return *Mesh::make(mesh.vertices, mesh.faces);
 }
 
-std::shared_ptr<const Mesh> some_mesh(std::uint64_t place) {
+std::shared_ptr<const Mesh> some_mesh(std::uint64_t index) {
   const auto not_finite = [] {
     TestMesh mesh = single_triangle();
     for (accel::geometry::Vec3f& v : mesh.vertices) v.x = std::numeric_limits<float>::quiet_NaN();
@@ -69,7 +69,7 @@ std::shared_ptr<const Mesh> some_mesh(std::uint64_t place) {
       to_mesh(icosphere(1)), to_mesh(single_triangle()),
       to_mesh(cube()),       to_mesh(random_soup(60, 0.3, 3)),
       to_mesh(TestMesh{}),   to_mesh(not_finite())};
-  return kMeshes[place % std::size(kMeshes)];
+  return kMeshes[index % std::size(kMeshes)];
 }
 
 std::vector<Update> random_hierarchy(int nodes, Frames frames, std::uint64_t seed) {

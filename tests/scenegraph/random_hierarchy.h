@@ -26,7 +26,7 @@ scenegraph::model::Affine random_frame(Random& random, Frames frames, double rea
 std::shared_ptr<const scenegraph::model::Mesh> to_mesh(const TestMesh& mesh);
 
 /// A few small meshes, one without triangles and one with only such as are not finite. By place.
-std::shared_ptr<const scenegraph::model::Mesh> some_mesh(std::uint64_t place);
+std::shared_ptr<const scenegraph::model::Mesh> some_mesh(std::uint64_t index);
 
 /// One update that puts a node under any node put before it, or a root; a chain now and then. About
 /// half of the nodes carry a mesh. Aliases are -1, -2, ...

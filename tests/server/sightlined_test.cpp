@@ -66,10 +66,10 @@ TEST_F(Sightlined, ServesWritesItsPortAndEndsOnSigterm) {
 
 TEST_F(Sightlined, TellsWhyItDoesNotStart) {
   const auto expect_end = [](const std::vector<std::string>& flags, int code,
-                             const std::string& told) {
+                             const std::string& message) {
     ChildServer child(flags);
     EXPECT_EQ(child.wait(), code) << child.output();
-    EXPECT_NE(child.output().find(told), std::string::npos) << child.output();
+    EXPECT_NE(child.output().find(message), std::string::npos) << child.output();
   };
   expect_end({"--policy", "sometimes"}, 2, "sometimes");
   expect_end({"--listen", "0.0.0.0:0"}, 2, "--insecure");

@@ -37,15 +37,15 @@ scenegraph::model::Affine compose_in_double(const scenegraph::model::Affine& out
   return product;
 }
 
-void place_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
-                   const scenegraph::model::Affine& world_from_parent,
-                   std::vector<PlacedMesh>& placed) {
+void collect_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
+                     const scenegraph::model::Affine& world_from_parent,
+                     std::vector<PlacedMesh>& placed) {
   const scenegraph::model::Node* node = snapshot.find(id);
   const scenegraph::model::Affine world_from_local =
       compose_in_double(world_from_parent, node->parent_from_local);
   if (node->mesh) placed.push_back({node->mesh->view(), world_from_local, id, node->mask});
   for (const scenegraph::model::NodeId child : node->children) {
-    place_subtree(snapshot, child, world_from_local, placed);
+    collect_subtree(snapshot, child, world_from_local, placed);
   }
 }
 
@@ -95,7 +95,7 @@ bool is_valid(const accel::geometry::Ray& ray) {
 std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot) {
   std::vector<PlacedMesh> placed;
   for (const scenegraph::model::NodeId root : snapshot.roots()) {
-    place_subtree(snapshot, root, scenegraph::model::Affine{}, placed);
+    collect_subtree(snapshot, root, scenegraph::model::Affine{}, placed);
   }
   return placed;
 }

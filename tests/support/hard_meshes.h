@@ -14,11 +14,11 @@ namespace sightline::tests {
 
 /// What is bounded of a tree.
 enum class Bound : std::uint8_t {
-  kReferences,  ///< In leaves, a triangle.
-  kDepth,       ///< Levels beyond 8 + 1.3 log2 n, the depth of a good tree over n triangles.
-  kTouches,     ///< Of building, a triangle, over those of a compact mesh as large.
-  kWork,        ///< Steps and one and a half tests, a ray, over those of the exact sweep's tree.
-  kGivenUp,     ///< Cells that are never finished for want of room; none is allowed.
+  kReferences,   ///< In leaves, a triangle.
+  kDepth,        ///< Levels beyond 8 + 1.3 log2 n, the depth of a good tree over n triangles.
+  kTouches,      ///< Of building, a triangle, over those of a compact mesh as large.
+  kWork,         ///< Steps and one and a half tests, a ray, over those of the exact sweep's tree.
+  kFailedCells,  ///< Cells that are never finished for want of room; none is allowed.
 };
 inline constexpr std::size_t kBounds = 5;
 std::string_view bound_name(Bound bound);
@@ -44,7 +44,7 @@ std::string_view design_failure(std::string_view mesh, std::string_view builder,
 /// What a tree over a hard mesh has come to, in the units of Bound; NaN where it is not known.
 struct TreeCost {
   double references = kUnknown, depth = kUnknown, touches = kUnknown, work = kUnknown,
-         given_up = kUnknown;
+         failed_cells = kUnknown;
 
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   double of(Bound bound) const;

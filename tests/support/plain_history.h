@@ -26,7 +26,7 @@ class PlainHistory {
   /// Waits until somebody has told of it. Null: no longer kept.
   std::shared_ptr<const PlainScene> at(std::uint64_t revision) const {
     std::unique_lock lock(mutex_);
-    told_.wait(lock, [&] { return revisions_.rbegin()->first >= revision; });
+    added_.wait(lock, [&] { return revisions_.rbegin()->first >= revision; });
     const auto found = revisions_.find(revision);
     return found == revisions_.end() ? nullptr : found->second;
   }
@@ -36,14 +36,14 @@ class PlainHistory {
     const std::uint64_t revision = scene.revision();
     revisions_[revision] = std::make_shared<const PlainScene>(std::move(scene));
     if (revisions_.size() > kKept) revisions_.erase(revisions_.begin());
-    told_.notify_all();
+    added_.notify_all();
   }
 
  private:
   static constexpr std::size_t kKept = 512;
 
   mutable std::mutex mutex_;
-  mutable std::condition_variable told_;
+  mutable std::condition_variable added_;
   std::map<std::uint64_t, std::shared_ptr<const PlainScene>> revisions_;
 };
 

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kFewNodes = 12, kManyNodes = 40;
 constexpr int kDeep = 7;
 constexpr double kReach = 5;
-constexpr NodeRef kNobody = 1'000'000'000'000;
+constexpr NodeRef kUnknownNode = 1'000'000'000'000;
 
 PutNode same_again(const PlainScene& scene, NodeId id) {
   const PlainNode& node = scene.nodes().at(id);
@@ -212,8 +212,8 @@ void RandomEdits::patch(Batch& batch) {
   if (!id) return;
   const PlainNode& node = batch.scene.nodes().at(*id);
   scenegraph::model::PatchVertices patch;
-  for (const auto& [other, twin] : batch.scene.nodes()) {
-    const bool shares = twin.mesh && twin.same_mesh(node);
+  for (const auto& [other, other_node] : batch.scene.nodes()) {
+    const bool shares = other_node.mesh && other_node.same_mesh(node);
     if (other == *id || (shares && random_.below(2) == 0))
       patch.nodes.push_back(batch.scene.refer(other));
   }
@@ -237,7 +237,7 @@ Code RandomEdits::spoil(Batch& batch) {
   const auto id = pick(batch.scene, true);
   const std::uint64_t what = id ? random_.below(6) : 0;
   if (what == 0) {
-    batch.updates.push_back(scenegraph::model::SetTransforms{{kNobody}, {Affine{}}});
+    batch.updates.push_back(scenegraph::model::SetTransforms{{kUnknownNode}, {Affine{}}});
     return Code::kNotFound;
   }
   const NodeRef ref = batch.scene.refer(*id);

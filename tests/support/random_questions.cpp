@@ -23,8 +23,8 @@ Vec3d point_on(const PlacedMesh& placed, Random& random) {
 }
 
 NodeId any_node(const PlainScene& scene, Random& random) {
-  const auto place = static_cast<std::ptrdiff_t>(random.below(scene.nodes().size()));
-  return std::next(scene.nodes().begin(), place)->first;
+  const auto index = static_cast<std::ptrdiff_t>(random.below(scene.nodes().size()));
+  return std::next(scene.nodes().begin(), index)->first;
 }
 
 }  // namespace

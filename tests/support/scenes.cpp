@@ -163,13 +163,13 @@ TestMesh icosphere(int level) {
   for (int step = 0; step < level; ++step) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, is_new] =
+      const auto [entry, is_new] =
           middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices.size()));
       if (is_new) {
         const Vec3d sum = Vec3d(mesh.vertices[a]) + Vec3d(mesh.vertices[b]);
         mesh.vertices.push_back(Vec3f(sum * (1 / length(sum))));
       }
-      return place->second;
+      return entry->second;
     };
     std::vector<Face> finer;
     finer.reserve(mesh.faces.size() * 4);

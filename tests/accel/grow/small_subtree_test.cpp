@@ -103,7 +103,7 @@ TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
   for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
 }
 
-TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
+TEST_P(SmallGrowth, DefersCellsBeyondTheCapacity) {
   const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
   kdtree::KdTree tree(cell, refs.size());  // nothing reserved

@@ -120,8 +120,8 @@ struct ManyBoxes {
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.coarsest = [places = refs->size()](kdtree::BuildCounters&) {
-      return ReferenceSource::Coarsest{.places = places};
+    source.coarsest = [count = refs->size()](kdtree::BuildCounters&) {
+      return ReferenceSource::Coarsest{.places = count};
     };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
                                                      kdtree::BoxRef* out, kdtree::BuildCounters&) {
@@ -178,7 +178,7 @@ TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   EXPECT_EQ(cells(*together), cells(*alone));
 }
 
-TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
+TEST(Expansion, AThreadStoppedInASliceDoesNotDelayOthers) {
   for (int stopped_at : {0, 7, 40}) {
     auto gate = std::make_shared<Gate>();
     ManyBoxes boxes(200'000);
@@ -217,7 +217,7 @@ bool happens(Condition condition) {
 }
 
 TEST(Expansion, OutlivesItsTree) {
-  std::atomic<bool> helper_stopped{false}, go_on{false}, helped{true};
+  std::atomic<bool> helper_stopped{false}, may_continue{false}, helped{true};
   std::weak_ptr<const void> source;
   const auto caller = std::this_thread::get_id();
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
@@ -230,7 +230,7 @@ TEST(Expansion, OutlivesItsTree) {
       if (std::this_thread::get_id() == caller) {
         helped = helped && happens([&] { return helper_stopped.load(); });
       } else if (!helper_stopped.exchange(true)) {
-        while (!go_on) std::this_thread::yield();
+        while (!may_continue) std::this_thread::yield();
       }
     };
     const auto tree = boxes.tree();
@@ -239,7 +239,7 @@ TEST(Expansion, OutlivesItsTree) {
   ASSERT_TRUE(helped) << "no thread was called";
   kdtree::reclaim();
   EXPECT_FALSE(source.expired()) << "the stopped thread still reads it";
-  go_on = true;
+  may_continue = true;
   EXPECT_TRUE(happens([&] {
     kdtree::reclaim();
     return source.expired();

@@ -29,7 +29,7 @@ namespace {
 using tests::TestMesh;
 
 std::atomic<bool> suspended{false};
-int go_on_pipe[2];
+int resume_pipe[2];
 
 #if defined(__x86_64__)
 constexpr bool kKnowsProgramCounter = true;
@@ -55,7 +55,7 @@ void suspend(int, siginfo_t*, void* context) {
   if (at < begin || at >= end) return;
   if (suspended.exchange(true)) return;  // a second signal was on its way
   char byte = 0;
-  while (read(go_on_pipe[0], &byte, 1) != 1) {
+  while (read(resume_pipe[0], &byte, 1) != 1) {
   }
 }
 
@@ -119,7 +119,7 @@ bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& ra
   EXPECT_TRUE(others_finish(finished, 3)) << "a stopped thread is waited for";
   const char byte = 0;
   if (stopped) {
-    EXPECT_EQ(write(go_on_pipe[1], &byte, 1), 1);
+    EXPECT_EQ(write(resume_pipe[1], &byte, 1), 1);
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
@@ -128,7 +128,7 @@ bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& ra
 
 TEST(Suspended, NoThreadIsWaitedFor) {
   if (!kKnowsProgramCounter) GTEST_SKIP() << "on this processor";
-  ASSERT_EQ(pipe(go_on_pipe), 0);
+  ASSERT_EQ(pipe(resume_pipe), 0);
   struct sigaction action {};
   action.sa_sigaction = suspend;
   action.sa_flags = SA_SIGINFO | SA_RESTART;
@@ -151,8 +151,8 @@ TEST(Suspended, NoThreadIsWaitedFor) {
     }
   }
   ASSERT_EQ(sigaction(SIGUSR2, &before, nullptr), 0);
-  close(go_on_pipe[0]);
-  close(go_on_pipe[1]);
+  close(resume_pipe[0]);
+  close(resume_pipe[1]);
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ FirstScans unscanned(const geometry::Aabb& cell, const kdtree::Plane& plane,
 }
 
 /// By the definition.
-Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-              const kdtree::Plane& plane, std::uint32_t samples) {
+Divided separate_passes(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+                        const kdtree::Plane& plane, std::uint32_t samples) {
   Divided d{.left = std::vector<kdtree::BoxRef>(refs.size()),
             .right = std::vector<kdtree::BoxRef>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
@@ -69,7 +69,7 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
 /// Over itself, as growth does, then piece by piece into one pair of lists.
 void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, std::uint32_t samples = kdtree::kFirstPlanes) {
-  const Divided expected = apart(refs, cell, plane, samples);
+  const Divided expected = separate_passes(refs, cell, plane, samples);
   const auto expect_lists = [&](std::span<const kdtree::BoxRef> left,
                                 std::span<const kdtree::BoxRef> right, const FirstScans& scans) {
     EXPECT_TRUE(same(left, expected.left));
@@ -97,7 +97,7 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   expect_lists(std::span(left).first(sum.left), std::span(right).first(sum.right), summed);
 }
 
-TEST_P(FirstScanning, IsSiftingAndScanningApart) {
+TEST_P(FirstScanning, EqualsASeparateSiftAndScan) {
   for (std::size_t n = 0; n <= 70; ++n) {
     SCOPED_TRACE(n);
     const auto refs = tests::random_boxes(n, 0.3, n);

@@ -33,7 +33,7 @@ Seen look(const TestMesh& mesh, std::span<const accel::geometry::Ray> rays,
 }
 
 TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
-  const tbb::global_control room(tbb::global_control::max_allowed_parallelism, 4);
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism, 4);
   // Long enough that lists are cut into slices and subtrees become tasks.
   for (const std::string_view name : {"shell", "wall"}) {
     for (const std::string_view builder : accel::published::builder_names()) {

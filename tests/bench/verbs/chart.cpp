@@ -38,7 +38,7 @@ Error no_file(const fs::path& path, const std::string& why) {
   return {Code::kFailedPrecondition, fmt::format("{}: {}", path.string(), why), "OUT"};
 }
 
-// Written aside and moved into its place: whoever reads it finds all of one study.
+// Written to a temporary file and then renamed, so that a reader never sees half of a study.
 Status write_whole(const fs::path& path, const std::string& text) {
   fs::path aside = path;
   aside += ".new";
@@ -50,7 +50,7 @@ Status write_whole(const fs::path& path, const std::string& text) {
   return error ? Status(no_file(path, error.message())) : Status();
 }
 
-// Minutes before there is anything to write.
+// Checks the output folder before minutes of work.
 Status check_writable(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

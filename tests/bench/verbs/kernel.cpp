@@ -1,5 +1,4 @@
-// kernel: how many boxes a second the inner loops of building pass over, alone, from L2 and from
-// memory.
+// kernel: the throughput of the builder's inner loops in boxes a second, from L2 and from memory.
 #include <algorithm>
 #include <functional>
 
@@ -21,7 +20,7 @@ using accel::split::kScanWidth;
 using tests::Random;
 
 constexpr double kSecondsPerRun = 0.05;
-// What a loop over 16 planes of 3 axes does from L2 on the machine of docs/benchmarks.md.
+// Throughput of a loop over 16 planes of 3 axes from L2 on the machine of docs/benchmarks.md.
 constexpr double kBestComparisons = 490e6 * 16 * 3;
 
 // Small boxes all over the unit cube.
@@ -39,7 +38,7 @@ std::vector<BoxRef> random_boxes(std::size_t count, std::uint64_t seed) {
   return boxes;
 }
 
-// One loop over the boxes, and whether its outcome is what plain counting gives.
+// One loop over the boxes, and a check of its result against plain counting.
 struct Pass {
   const char* name;
   std::size_t planes = 0, axes = 0;
@@ -88,9 +87,9 @@ class Bench {
              [this] { return counts_right(boxes_, 0, few_[0], one_); }},
             {"scan-wide-axis", kScanWidth, 1, [this] { scan_wide(); },
              [this] { return counts_right(boxes_, 0, wide_, many_) && neighbours_right(); }},
-            {"sift", 1, 1, [this] { sift(); }, [this] { return sifted_right(); }},
+            {"sift", 1, 1, [this] { sift(); }, [this] { return sift_is_right(); }},
             {"sift-and-scan", kFirstPlanes, 3, [this] { sift_and_scan(); },
-             [this] { return sifted_right() && scans_right(); }}};
+             [this] { return sift_is_right() && scans_right(); }}};
   }
 
   std::size_t size() const { return boxes_.size(); }
@@ -111,10 +110,10 @@ class Bench {
     near_ = {};
     accel::split::scan_wide_axis(boxes_, 0, wide_, many_, near_);
   }
-  void sift() { sifted_ = accel::kdtree::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
+  void sift() { counts_ = accel::kdtree::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
   void sift_and_scan() {
     scans_.left = scans_.right = {};
-    sifted_ = accel::split::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
+    counts_ = accel::split::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
   }
 
   bool neighbours_right() const {
@@ -131,20 +130,20 @@ class Bench {
     return near == near_;
   }
 
-  bool sifted_right() const {
+  bool sift_is_right() const {
     std::size_t left = 0, right = 0;
     for (const BoxRef& box : boxes_) {
-      if (box.lo[0] < kCut && (left == sifted_.left || left_[left++].id != box.id)) return false;
-      if (box.hi[0] > kCut && (right == sifted_.right || right_[right++].id != box.id)) {
+      if (box.lo[0] < kCut && (left == counts_.left || left_[left++].id != box.id)) return false;
+      if (box.hi[0] > kCut && (right == counts_.right || right_[right++].id != box.id)) {
         return false;
       }
     }
-    return left == sifted_.left && right == sifted_.right;
+    return left == counts_.left && right == counts_.right;
   }
 
   bool scans_right() const {
-    const std::span<const BoxRef> left(left_.data(), sifted_.left);
-    const std::span<const BoxRef> right(right_.data(), sifted_.right);
+    const std::span<const BoxRef> left(left_.data(), counts_.left);
+    const std::span<const BoxRef> right(right_.data(), counts_.right);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!counts_right(left, a, scans_.left_planes.at[a], scans_.left.axes[a]) ||
           !counts_right(right, a, scans_.right_planes.at[a], scans_.right.axes[a])) {
@@ -161,11 +160,11 @@ class Bench {
   PlaneCounts<kFirstPlanes> one_;
   PlaneCounts<kScanWidth> many_;
   accel::split::PlaneNeighbours near_;
-  accel::kdtree::Sifted sifted_;
+  accel::kdtree::Sifted counts_;
   accel::split::FirstScans scans_{};
 };
 
-// Boxes a second of many passes one after the other.
+// Boxes a second over many passes in sequence.
 double measure(const Pass& pass, std::size_t boxes) {
   std::size_t passes = 0;
   const Stopwatch clock;

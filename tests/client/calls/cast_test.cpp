@@ -193,11 +193,11 @@ TEST_F(Cast, ListsOfManyRepliesReachASinkInOrder) {
     return {};
   };
   int messages = 0;
-  const RaySource<double> source = [&](const RayColumns<double>& room) -> Result<std::size_t> {
+  const RaySource<double> source = [&](const RayColumns<double>& buffer) -> Result<std::size_t> {
     if (++messages > 6) return std::size_t{0};
-    std::copy(rays.origins.begin(), rays.origins.end(), room.origins.begin());
-    std::copy(rays.directions.begin(), rays.directions.end(), room.directions.begin());
-    return room.size();
+    std::copy(rays.origins.begin(), rays.origins.end(), buffer.origins.begin());
+    std::copy(rays.directions.begin(), rays.directions.end(), buffer.directions.begin());
+    return buffer.size();
   };
   ASSERT_TRUE(client_.cast_stream(kScene, source, {}, {.t = true}, sink,
                                   {.kind = QueryKind::kAll, .max_hits = 16384}));
@@ -311,11 +311,11 @@ TEST_F(Cast, AStopCancels) {
 
 // Endless rays down onto the first copy.
 RaySource<double> endless() {
-  return [](const RayColumns<double>& room) -> Result<std::size_t> {
-    const DownwardRays rays(room.size(), 1);
-    std::copy(rays.origins.begin(), rays.origins.end(), room.origins.begin());
-    std::copy(rays.directions.begin(), rays.directions.end(), room.directions.begin());
-    return room.size();
+  return [](const RayColumns<double>& buffer) -> Result<std::size_t> {
+    const DownwardRays rays(buffer.size(), 1);
+    std::copy(rays.origins.begin(), rays.origins.end(), buffer.origins.begin());
+    std::copy(rays.directions.begin(), rays.directions.end(), buffer.directions.begin());
+    return buffer.size();
   };
 }
 
@@ -337,9 +337,9 @@ TEST_F(Cast, ASinkThatFailsEndsTheCast) {
 TEST_F(Cast, ASourceThatFailsEndsTheCast) {
   int calls = 0;
   const RaySource<double> all = endless();
-  const RaySource<double> source = [&](const RayColumns<double>& room) -> Result<std::size_t> {
+  const RaySource<double> source = [&](const RayColumns<double>& buffer) -> Result<std::size_t> {
     if (++calls == 6) return Error{Code::kInvalidArgument, "line 7", {}};
-    return all(room);
+    return all(buffer);
   };
   const HitSink sink = [](std::uint64_t, std::size_t, const HitView&) { return Status(); };
   const auto report = client_.cast_stream(kScene, source, {}, {.t = true}, sink);

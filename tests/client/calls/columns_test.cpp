@@ -31,9 +31,9 @@ TEST(Columns, LengthsMustAgree) {
 
 TEST(Columns, ABoundLeftOutIsFilledIn) {
   std::vector<double> origins(3), directions(3), tmin(1), tmax(1);
-  const RayColumns<double> room{origins, directions, tmin, tmax};
+  const RayColumns<double> buffer{origins, directions, tmin, tmax};
   const RayColumns<const double> with_tmin{.origins = kSix, .directions = kSix, .tmin = kTwo};
-  copy_rays(with_tmin, 1, room);
+  copy_rays(with_tmin, 1, buffer);
   EXPECT_EQ(origins, (std::vector<double>{4, 5, 6}));
   EXPECT_EQ(tmin[0], 8);
   EXPECT_EQ(tmax[0], std::numeric_limits<double>::infinity());

@@ -66,15 +66,15 @@ TEST_F(Prefetch, RootsAndExclusionsLeaveTreesOut) {
 TEST_F(Prefetch, RaysOfManyMessagesAddUp) {
   const std::size_t n = 2 * kRaysPerMessage + 17;
   const DownwardRays rays(n, kCopies);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   const auto grown = client_.prefetch_rays(
       kScene, rays.columns(), {},
-      [&](const PrefetchReport& report) { told.push_back(report.rays_done); });
+      [&](const PrefetchReport& report) { reported.push_back(report.rays_done); });
   ASSERT_TRUE(grown) << grown.error().message;
   EXPECT_EQ(grown->rays_done, n);
   EXPECT_GT(grown->cells_expanded, 0U);
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-  EXPECT_EQ(told.back(), n);
+  EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
+  EXPECT_EQ(reported.back(), n);
   EXPECT_EQ(cells_of_cast(rays), 0U);
 }
 

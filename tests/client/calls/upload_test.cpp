@@ -32,11 +32,11 @@ TEST_F(Upload, ABigMeshGoesInChunks) {
   const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   ASSERT_GT(blob.size(), 3 * kChunkBytes);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   ASSERT_TRUE(client_.upload_mesh(blob, blob.digest(),
-                                  [&](std::uint64_t bytes) { told.push_back(bytes); }));
-  EXPECT_EQ(told.front(), kChunkBytes);
-  EXPECT_EQ(told.back(), blob.size());
+                                  [&](std::uint64_t bytes) { reported.push_back(bytes); }));
+  EXPECT_EQ(reported.front(), kChunkBytes);
+  EXPECT_EQ(reported.back(), blob.size());
   EXPECT_TRUE(client_.upload_mesh(blob, blob.digest())) << "again";
 }
 

@@ -121,13 +121,13 @@ TEST(Pose, RootsAreTurnedAsTheSceneWas) {
 TEST(Pose, ASkinnedStripBends) {
   const AnimatedScene scene = import(tests::bending_strip());
   ASSERT_EQ(scene.animations.size(), 1U);
-  const Pose at_rest = pose(scene, scene.animations[0], 0);
-  ASSERT_EQ(at_rest.shaped.size(), 1U);
+  const Pose rest_pose = pose(scene, scene.animations[0], 0);
+  ASSERT_EQ(rest_pose.shaped.size(), 1U);
   const ImportedMesh& mesh = scene.scene.meshes[0];
   for (std::size_t v = 0; v < 6; ++v) {
     const Vertex& p = mesh.vertices[v];
     // The strip stands where its joints are, not where the node that carries it is.
-    expect_near(at_rest.shaped[0].vertices[v], {point(p)[0] - 10, point(p)[1], point(p)[2]});
+    expect_near(rest_pose.shaped[0].vertices[v], {point(p)[0] - 10, point(p)[1], point(p)[2]});
   }
   const Pose bent = pose(scene, scene.animations[0], 1);
   const std::array<Point, 6> expected{

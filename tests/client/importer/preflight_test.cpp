@@ -56,7 +56,7 @@ std::string chain(int nodes, int copies) {
   return json + "{}]}";
 }
 
-TEST(Damage, AGoodFileHasNone) {
+TEST(Preflight, AGoodFileHasNone) {
   const TempDir dir;
   EXPECT_EQ(error_of(preflight(dir.write("good.ply", kPly))), "");
   EXPECT_EQ(error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
@@ -69,7 +69,7 @@ TEST(Damage, AGoodFileHasNone) {
   EXPECT_EQ(error_of(preflight(dir.write("empty.glb", ""))), "");
 }
 
-TEST(Damage, APlyHeaderHasAnEnd) {
+TEST(Preflight, APlyHeaderHasAnEnd) {
   const TempDir dir;
   for (const char* end :
        {"", "end_headers", "the_end_header", "end", "list end_header", "comment end_header"}) {
@@ -78,7 +78,7 @@ TEST(Damage, APlyHeaderHasAnEnd) {
   }
 }
 
-TEST(Damage, APlyFileHasRoomForItsElements) {
+TEST(Preflight, APlyFileHasRoomForItsElements) {
   const TempDir dir;
   const auto check = [&](const std::string& count) {
     const std::string element = "element vertex ";
@@ -90,14 +90,14 @@ TEST(Damage, APlyFileHasRoomForItsElements) {
   EXPECT_NE(check("18446744073709551615"), "");
 }
 
-TEST(Damage, AGlbChunkEndsWithinTheFile) {
+TEST(Preflight, AGlbChunkEndsWithinTheFile) {
   const TempDir dir;
   for (const std::uint32_t length : {3U, 0x7FFFFFFFU, 0xFFFFFFFFU})
     EXPECT_NE(error_of(preflight(dir.write("long.glb", glb(length, "{}")))), "") << length;
   EXPECT_EQ(error_of(preflight(dir.write("cut.glb", glb(2, "{}") + "abcd"))), "");
 }
 
-TEST(Damage, NodesOfGltfAndGlbAreCounted) {
+TEST(Preflight, NodesOfGltfAndGlbAreCounted) {
   const TempDir dir;
   const std::string json = chain(40, 2);
   EXPECT_NE(error_of(preflight(dir.write("many.gltf", json))), "");

@@ -113,14 +113,14 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   return answer;
 }
 
-Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool has_room) {
+Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool within_capacity) {
   const accel::kdtree::EpochPin pin;
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
     return fmt::format("depth {}", metrics.max_depth);
   if (metrics.unbuilt_cells != metrics.given_up_cells)
     return fmt::format("{} unbuilt cells", metrics.unbuilt_cells);
-  if (has_room && metrics.given_up_cells != 0)
+  if (within_capacity && metrics.given_up_cells != 0)
     return fmt::format("{} cells without room", metrics.given_up_cells);
   if (finite > 0 && metrics.unbuilt_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
@@ -167,18 +167,19 @@ Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
   const AnyBuilder builder = builder_for(soup);
   // Builders of the papers may cut until there is no room; ours have a budget of references.
-  const bool has_room =
+  const bool within_capacity =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
   MeshTree full(view, survey, builder, soup.references);
   accel::kdtree::BuildCounters counters;
   full.expand_all(counters);
-  if (auto wrong = check_metrics(full, survey.finite_triangles, has_room)) return "full: " + *wrong;
+  if (auto wrong = check_metrics(full, survey.finite_triangles, within_capacity))
+    return "full: " + *wrong;
   if (auto wrong = check_answers(full, soup, asked)) return "full: " + *wrong;
 
   MeshTree lazy(view, survey, builder, soup.references);
   if (auto wrong = check_answers(lazy, soup, asked)) return "lazy: " + *wrong;
   lazy.expand_all(counters);
-  if (auto wrong = check_metrics(lazy, survey.finite_triangles, has_room))
+  if (auto wrong = check_metrics(lazy, survey.finite_triangles, within_capacity))
     return "completed: " + *wrong;
   if (auto wrong = check_answers(lazy, soup, asked)) return "completed: " + *wrong;
   return {};

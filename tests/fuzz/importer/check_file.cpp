@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPatienceMs = 5000;
+constexpr int kTimeoutMs = 5000;
 
 /// A folder of this process, removed at its end.
 class Folder {
@@ -99,7 +99,7 @@ class Taster {
     char answer = 0;
     pollfd ready{answers_, POLLIN, 0};
     if (write(questions_, name.data(), name.size()) == static_cast<ssize_t>(name.size()) &&
-        poll(&ready, 1, kPatienceMs) == 1 && read(answers_, &answer, 1) == 1)
+        poll(&ready, 1, kTimeoutMs) == 1 && read(answers_, &answer, 1) == 1)
       return true;
     stop();
     return false;

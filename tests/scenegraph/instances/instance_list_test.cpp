@@ -101,14 +101,14 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
 
 TEST(Instances, BoxesHoldWhateverTheConditions) {
   // Each alone is fine, and so is the whole: what is squeezed is stretched again below.
-  for (const double squeeze : {1e-3, 1e-6, 1e-9}) {
+  for (const double thickness : {1e-3, 1e-6, 1e-9}) {
     std::vector<model::Update> updates;
     tests::Random random(8);
     for (int i = 1; i <= 40; ++i) {
       model::PutNode put;
       put.node = -i;
       put.parent = i == 1 ? 0 : -i + 1;
-      const double scale = i % 2 == 0 ? squeeze : 1 / squeeze;
+      const double scale = i % 2 == 0 ? thickness : 1 / thickness;
       put.parent_from_local =
           model::Affine{{1, 0, 0, random.uniform(-3, 3), 0, 1, 0, random.uniform(-3, 3), 0, 0,
                          scale, random.uniform(-3, 3)}};
@@ -152,12 +152,12 @@ std::vector<model::Update> many_groups(int count) {
   std::vector<model::Update> updates;
   tests::Random random(9);
   model::NodeRef last = 0;
-  const auto add = [&](model::NodeRef parent, double apart, bool mesh) {
+  const auto add = [&](model::NodeRef parent, double extent, bool mesh) {
     model::PutNode put;
     put.node = --last;
     put.parent = parent;
-    put.parent_from_local.m[3] = random.uniform(0, apart);
-    put.parent_from_local.m[7] = random.uniform(0, apart);
+    put.parent_from_local.m[3] = random.uniform(0, extent);
+    put.parent_from_local.m[7] = random.uniform(0, extent);
     if (mesh) put.mesh = tests::some_mesh(random.below(2));
     updates.emplace_back(put);
     return put.node;

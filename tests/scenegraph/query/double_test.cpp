@@ -122,14 +122,14 @@ TEST(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
 
 TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
   const auto cube = to_mesh(tests::cube());
-  for (const model::Affine& stretch :
+  for (const model::Affine& scale :
        {scaling(1, 1, 1), scaling(1024, 0x1p-10, 1), scaling(3, 7, 0.1), scaling(1e5, 1e-5, 1)}) {
-    const auto snapshot = scene_of({put(-1, 0, cube, stretch)});
+    const auto snapshot = scene_of({put(-1, 0, cube, scale)});
     for (const double speed : {1.0, 0.25, 100.0}) {
       // Down onto the top of the cube, whose height is the stretch of z.
-      const double top = stretch.m[10];
+      const double top = scale.m[10];
       const Hit hit =
-          cast(*snapshot, Ray{{0.25 * stretch.m[0], 0.125 * stretch.m[5], 50}, {0, 0, -speed}});
+          cast(*snapshot, Ray{{0.25 * scale.m[0], 0.125 * scale.m[5], 50}, {0, 0, -speed}});
       ASSERT_EQ(hit.state, HitState::kHit);
       EXPECT_NEAR(hit.t, (50 - top) / speed, 1e-12 * 50 / speed);
       EXPECT_EQ(hit.normal, (accel::geometry::Vec3f{0, 0, 1}));

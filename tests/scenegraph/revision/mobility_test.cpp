@@ -56,7 +56,7 @@ void expect_as_oracle(const std::shared_ptr<const Snapshot>& snapshot, std::uint
   EXPECT_TRUE(compared.clean()) << compared.report();
 }
 
-TEST(Movers, BeginWhereTheirMobilitySays) {
+TEST(DynamicRoots, BeginWhereTheirMobilitySays) {
   Scene scene;
   ASSERT_TRUE(scene.apply({mesh_node(-1, 0), mesh_node(-2, 10, model::Mobility::kRigid),
                            mesh_node(-3, 20, model::Mobility::kDeforming),
@@ -71,7 +71,7 @@ TEST(Movers, BeginWhereTheirMobilitySays) {
   expect_as_oracle(snapshot, 1);
 }
 
-TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
+TEST(DynamicRoots, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
   Scene scene;
   add_row(scene, 100);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{3}, {at(35)}}}));
@@ -89,7 +89,7 @@ TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
   expect_as_oracle(scene.snapshot(), 4);
 }
 
-TEST(Movers, LeaveTheStaticTreeAlone) {
+TEST(DynamicRoots, LeaveTheStaticTreeAlone) {
   Scene scene;
   add_row(scene, 500);
   ASSERT_TRUE(scene.apply({mesh_node(-1, 0, model::Mobility::kRigid)}));
@@ -99,11 +99,11 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   TraceStats stats;
   cast(*scene.snapshot(), rays, &stats);
   EXPECT_GT(stats.touches, stats.dynamic_touches);
-  const auto still = scene.snapshot()->shared_trees().static_tree;
+  const auto static_tree = scene.snapshot()->shared_trees().static_tree;
   for (int frame = 1; frame < 20; ++frame) {
     ASSERT_TRUE(scene.apply({model::SetTransforms{{id}, {at(3.0 * frame)}}}));
     cast(*scene.snapshot(), rays, &stats);
-    EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, still);
+    EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, static_tree);
     EXPECT_EQ(stats.touches + stats.touches_prepare, stats.dynamic_touches);
     cast(*scene.snapshot(), rays, &stats);
     EXPECT_EQ(stats.touches, 0u);
@@ -111,7 +111,7 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   expect_as_oracle(scene.snapshot(), 5);
 }
 
-TEST(Movers, OfAGroupTakeAllBelowAlong) {
+TEST(DynamicRoots, OfAGroupTakeAllBelowAlong) {
   Scene scene;
   model::PutNode group;
   group.node = -1;
@@ -135,7 +135,7 @@ TEST(Movers, OfAGroupTakeAllBelowAlong) {
   expect_as_oracle(scene.snapshot(), 8);
 }
 
-TEST(Movers, ChangesOfNameAloneMoveNothing) {
+TEST(DynamicRoots, ChangesOfNameAloneMoveNothing) {
   Scene scene;
   add_row(scene, 10);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});

@@ -56,19 +56,19 @@ TEST(MeshBlob, RefusesWhatIsNoMesh) {
   expect_bad(other);
 }
 
-TEST(MeshBlob, TheTwinNumberMeansNothing) {
-  std::string twin = blob_of(tests::cube());
-  twin[4] = 1;
-  const auto mesh = read(twin, 1000);
+TEST(MeshBlob, ReservedBytesAreIgnored) {
+  std::string blob = blob_of(tests::cube());
+  blob[4] = 1;
+  const auto mesh = read(blob, 1000);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ((*mesh)->faces(), 12u);
 }
 
 TEST(MeshBlob, RefusesCountsThatDisagreeWithItsSize) {
   const std::string blob = blob_of(tests::cube());
-  for (const std::size_t place : {8u, 15u, 16u, 23u}) {
+  for (const std::size_t index : {8u, 15u, 16u, 23u}) {
     std::string wrong = blob;
-    wrong[place] = static_cast<char>(wrong[place] + 1);
+    wrong[index] = static_cast<char>(wrong[index] + 1);
     expect_bad(wrong);
   }
   expect_bad(blob + "x");

@@ -316,18 +316,18 @@ TEST_F(PrefetchRpcTest, QueriesAndPrefetchesOfOneSceneGoTogether) {
   EXPECT_EQ(api_.stats(kScene).cells_deferred(), 0u);
 }
 
-server::ServerConfig config_without_room() {
+server::ServerConfig config_of_no_prefetches() {
   server::ServerConfig config = test_config();
   config.max_prefetches = 0;
   return config;
 }
 
-class PrefetchWithoutRoomTest : public PrefetchRpcTest {
+class NoPrefetchesTest : public PrefetchRpcTest {
  protected:
-  PrefetchWithoutRoomTest() : PrefetchRpcTest(config_without_room()) {}
+  NoPrefetchesTest() : PrefetchRpcTest(config_of_no_prefetches()) {}
 };
 
-TEST_F(PrefetchWithoutRoomTest, IsRefusedWithTheLimit) {
+TEST_F(NoPrefetchesTest, IsRefusedWithTheLimit) {
   api_.make_scene(kScene, cube());
   const grpc::Status status = prefetch(prefetch_of(kScene));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);

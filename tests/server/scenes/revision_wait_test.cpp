@@ -17,10 +17,10 @@ class RevisionWaitTest : public testing::Test {
               std::size_t bytes = 1) {
     v1::Consistency consistency;
     consistency.set_at_least(scene_->token(scene_->snapshot()->revision() + ahead).text());
-    auto promise = std::make_shared<std::promise<Result<RevisionWait::SnapshotPointer>>>();
+    auto result = std::make_shared<std::promise<Result<RevisionWait::SnapshotPointer>>>();
     wait.read(scene_, consistency, std::chrono::system_clock::now() + time, bytes,
-              [promise](auto answer) { promise->set_value(std::move(answer)); });
-    return promise->get_future();
+              [result](auto answer) { result->set_value(std::move(answer)); });
+    return result->get_future();
   }
   std::shared_ptr<RevisionWait> wait() {
     return std::make_shared<RevisionWait>(compute_, admission_, waits_);

@@ -126,11 +126,11 @@ TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
 TEST_F(ProducerSessionTest, EndsWhereAnotherCallHasTakenOver) {
   ProducerSession older(*scene_, producer_, &call_, compute_, false);
   older.take_over();
-  int newer_call = 0, told = 0;
-  const auto listener = scene_->events().subscribe([&] { ++told; });
+  int newer_call = 0, events = 0;
+  const auto listener = scene_->events().subscribe([&] { ++events; });
   ProducerSession newer(*scene_, producer_, &newer_call, compute_, false);
   newer.take_over();
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(events, 1);
   scene_->events().unsubscribe(listener);
   add_pose(1, 1);
   const auto refused = older.apply_some(batches_);

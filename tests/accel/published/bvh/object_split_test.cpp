@@ -70,7 +70,7 @@ TEST(CenterLists, DoNotDependOnTheOrderOfTheInput) {
   }
 }
 
-TEST(CenterLists, AreDividedAtAPlaceInTheirOrder) {
+TEST(CenterLists, AreDividedAtAnIndexInTheirOrder) {
   for (const std::size_t n : {2u, 3u, 50u, 9000u}) {
     for (const std::size_t axis : {0u, 1u, 2u}) {
       for (const std::size_t left : {std::size_t{1}, n / 2, n - 1}) {

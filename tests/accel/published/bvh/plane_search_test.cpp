@@ -139,16 +139,17 @@ TEST(PlaneSearch, FindsTheCheapestOfAllPlanes) {
         }
       }
       kdtree::BuildCounters counters;
-      ListCorners room;
-      const SpatialSplit split = best_spatial_split(
-          mesh.view(), sorted.lists, bins, std::numeric_limits<double>::infinity(), room, counters);
+      ListCorners corners;
+      const SpatialSplit split =
+          best_spatial_split(mesh.view(), sorted.lists, bins,
+                             std::numeric_limits<double>::infinity(), corners, counters);
       ASSERT_TRUE(split.found());
       EXPECT_NEAR(split.sum, least, 1e-5 * least);
       EXPECT_NEAR(split.sum,
                   clipped_sum(mesh.view(), sorted.lists.along[0], split.axis, split.position),
                   1e-5 * least);
       EXPECT_FALSE(
-          best_spatial_split(mesh.view(), sorted.lists, bins, 0.999 * least, room, counters)
+          best_spatial_split(mesh.view(), sorted.lists, bins, 0.999 * least, corners, counters)
               .found());
     }
   }
@@ -158,9 +159,9 @@ TEST(PlaneSearch, LooksAtLongListsInSlices) {
   const TestMesh mesh = tests::random_soup(20'000, 0.2, 8);
   const SortedFragments sorted(tests::face_refs(mesh));
   kdtree::BuildCounters counters;
-  ListCorners room;
+  ListCorners corners;
   const SpatialSplit split = best_spatial_split(
-      mesh.view(), sorted.lists, 64, std::numeric_limits<double>::infinity(), room, counters);
+      mesh.view(), sorted.lists, 64, std::numeric_limits<double>::infinity(), corners, counters);
   ASSERT_TRUE(split.found());
   EXPECT_NEAR(split.sum,
               clipped_sum(mesh.view(), sorted.lists.along[0], split.axis, split.position),
@@ -172,9 +173,9 @@ TEST(PlaneSearch, NothingIsFoundInANodeWithoutExtent) {
   const TestMesh mesh{{{1, 1, 1}}, {{0, 0, 0}, {0, 0, 0}}};
   const SortedFragments sorted(tests::face_refs(mesh));
   kdtree::BuildCounters counters;
-  ListCorners room;
+  ListCorners corners;
   EXPECT_FALSE(best_spatial_split(mesh.view(), sorted.lists, 256,
-                                  std::numeric_limits<double>::infinity(), room, counters)
+                                  std::numeric_limits<double>::infinity(), corners, counters)
                    .found());
 }
 

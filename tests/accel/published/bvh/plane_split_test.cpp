@@ -102,9 +102,10 @@ TEST(PlaneSplit, ChildrenHoldAllOfEveryTriangle) {
     SortedFragments sorted(tests::face_refs(mesh));
     const PlaneSplit split = plan(mesh, sorted.lists, seed % 3, seed % 2 == 0);
     EXPECT_TRUE(split.reduces(sorted.lists));
-    std::vector<Fragment> room(3 * split.right);
+    std::vector<Fragment> fragments(3 * split.right);
     const std::size_t size = sorted.lists.size();
-    const ListHalves halves = divide_by_plane(sorted.lists, split, room.data(), sorted.counters);
+    const ListHalves halves =
+        divide_by_plane(sorted.lists, split, fragments.data(), sorted.counters);
     EXPECT_EQ(halves.left.size() + halves.right.size(), size + split.added(size));
     std::map<std::uint32_t, std::vector<geometry::Aabb>> parts;
     for (const CenterLists* half : {&halves.left, &halves.right}) {

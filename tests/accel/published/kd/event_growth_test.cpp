@@ -106,7 +106,7 @@ TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
   return mesh;
 }
 
-TestMesh room() {
+TestMesh furnished_mesh() {
   TestMesh mesh = tests::planar_sheet(6);
   for (std::uint32_t i = 0; i < 7; ++i) {
     const auto x = static_cast<float>(i);
@@ -129,7 +129,7 @@ std::vector<Case> cases() {
       {"walls", [] { return tests::flat_walls(30); }},
       {"duplicates", [] { return tests::duplicates(40); }},
       {"fan", [] { return tests::fan(32); }},
-      {"room", room},
+      {"room", furnished_mesh},
       {"soup", [] { return tests::random_soup(300, 0.1, 1); }},
       {"large_soup", [] { return tests::random_soup(60, 0.8, 2); }},
       {"lattice", [] { return lattice_soup(150, 3); }},

@@ -11,7 +11,7 @@ namespace {
 using tests::bounds_of;
 using tests::box_ref;
 
-TEST(SpatialMedian, CutsTheMiddleOfTheAxesInTurn) {
+TEST(SpatialMedian, CyclesThroughTheAxesAndCutsTheMiddle) {
   const auto refs = tests::random_boxes(100, 0.01, 1);
   const geometry::Aabb cell{{0, 0, 0}, {1, 2, 4}};
   kdtree::BuildCounters counters;

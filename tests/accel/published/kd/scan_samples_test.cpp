@@ -220,7 +220,7 @@ TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
 
 // A segment with the share s of the rise is cut into at least n s pieces: the larger a
 // discontinuity, the narrower the segment that it is caught in.
-TEST(ScanSamples, CrowdAtADiscontinuity) {
+TEST(ScanSamples, AreDenseAtADiscontinuity) {
   for (const double wall : {0.05, 0.31, 0.5, 0.77}) {
     for (const int weight : {100, 1000, 10000}) {
       std::vector<kdtree::BoxRef> refs;

@@ -23,7 +23,7 @@ const std::vector<std::uint32_t> kPrimitive{3, 0, 0};
 const std::vector<float> kUv{0.25F, 0.5F, 0, 0, 0, 0};
 const std::vector<float> kNormal{0, 0, 1, 0, 0, 0, 0, 0, 0};
 const std::vector<std::uint8_t> kHit{1, 0, 2};
-const std::vector<std::uint32_t> kWork{5 | kMetUnbuilt, 2, 0};
+const std::vector<std::uint32_t> kWork{5 | kSawDeferred, 2, 0};
 const HitView kHits{kT, kNode, kPrimitive, kUv, kNormal, kHit, kWork};
 
 void write(const std::string& path, std::vector<HitColumn> columns,

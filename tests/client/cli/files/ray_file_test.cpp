@@ -33,14 +33,14 @@ std::string npy_of(const char* dtype, std::size_t rows, std::size_t columns, boo
 }
 
 template <class T>
-std::vector<T> read_rows(RayFile& file, std::size_t room_rows) {
+std::vector<T> read_rows(RayFile& file, std::size_t batch_rows) {
   auto* source = std::get_if<RaySource<T>>(&file.source);
   EXPECT_NE(source, nullptr) << "another precision";
   if (source == nullptr) return {};
-  std::vector<T> origins(3 * room_rows), directions(3 * room_rows), tmin, tmax, all;
+  std::vector<T> origins(3 * batch_rows), directions(3 * batch_rows), tmin, tmax, all;
   if (file.shape.interval) {
-    tmin.resize(room_rows);
-    tmax.resize(room_rows);
+    tmin.resize(batch_rows);
+    tmax.resize(batch_rows);
   }
   while (true) {
     const auto n = (*source)(RayColumns<T>{origins, directions, tmin, tmax});

@@ -78,8 +78,8 @@ TEST(Motion, AnimationsAreChosenByNameOrNumber) {
 
 TEST(Motion, WhatDoesNotMoveIsRefused) {
   const TempDir dir;
-  const std::string still = dir.write("still.gltf", tests::triangle_under_root().text());
-  EXPECT_EQ(error_of(open_motion({.path = still})), still + ": holds no animation");
+  const std::string unanimated = dir.write("still.gltf", tests::triangle_under_root().text());
+  EXPECT_EQ(error_of(open_motion({.path = unanimated})), unanimated + ": holds no animation");
   dir.write("frames.obj", "");
   const TempDir alike;
   for (const char* name : {"a.obj", "b.obj"})

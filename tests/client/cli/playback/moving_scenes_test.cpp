@@ -214,8 +214,8 @@ TEST_F(StreamVerb, PlaysAFolderOfFrames) {
 }
 
 TEST_F(StreamVerb, SaysWhatIsWrong) {
-  const std::string still = dir_.write("still.gltf", tests::triangle_under_root().text());
-  const ProgramOutcome none = run_program({"stream", "s", "--animate", still});
+  const std::string unanimated = dir_.write("still.gltf", tests::triangle_under_root().text());
+  const ProgramOutcome none = run_program({"stream", "s", "--animate", unanimated});
   EXPECT_EQ(none.exit, 1);
   EXPECT_NE(none.err.find("holds no animation"), std::string::npos);
   EXPECT_EQ(run_program({"stream", "s", "--animate", dir_.path("none")}).exit, 1);

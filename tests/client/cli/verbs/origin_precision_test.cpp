@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<double, 6> kMetre{0, 0, 0, 1, 0, 0};
 
-TEST(CoarseOrigins, TheSpacingIsHeldAgainstAMillionthOfTheDiagonal) {
+TEST(OriginPrecision, TheSpacingIsHeldAgainstAMillionthOfTheDiagonal) {
   // From 8 to 16 floats are 2^-20 = 0.95e-6 apart, from 16 on twice that.
   EXPECT_EQ(origin_precision_warning(0, kMetre), "");
   EXPECT_EQ(origin_precision_warning(std::nextafter(16.0f, 0.0f), kMetre), "");
@@ -28,31 +28,31 @@ TEST(CoarseOrigins, TheSpacingIsHeldAgainstAMillionthOfTheDiagonal) {
   EXPECT_EQ(origin_precision_warning(1e7f, {0, 0, 0, 1e6, 1e6, 0}), "");
 }
 
-TEST(CoarseOrigins, ThePlaceOfTheSceneDoesNotMatterItsSizeDoes) {
+TEST(OriginPrecision, ThePlaceOfTheSceneDoesNotMatterItsSizeDoes) {
   EXPECT_EQ(origin_precision_warning(1e7f, {1e7, 0, 0, 1e7 + 1, 0, 0}),
             "rays are float32 and begin up to 1e+07 from the origin, where float32 values are 1 "
             "apart; the scene's diagonal is 1: write them as float64");
 }
 
-TEST(CoarseOrigins, AreWatchedAsTheyAreRead) {
+TEST(OriginPrecision, AreWatchedAsTheyAreRead) {
   const float inf = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::vector<float>> batches{{1, -2, 0}, {nan, -inf, -30, 4, 5, 6}, {}};
   float reach = 0;
   std::size_t next = 0;
   const RaySource<float> source = watch_reach(
-      [&](const RayColumns<float>& room) -> Result<std::size_t> {
+      [&](const RayColumns<float>& buffer) -> Result<std::size_t> {
         const std::vector<float>& batch = batches[next++];
-        std::copy(batch.begin(), batch.end(), room.origins.begin());
+        std::copy(batch.begin(), batch.end(), buffer.origins.begin());
         return batch.size() / 3;
       },
       reach);
   std::vector<float> origins(12, 99.0f), directions(12);
-  const RayColumns<float> room{origins, directions};
-  EXPECT_EQ(*source(room), 1U);
+  const RayColumns<float> buffer{origins, directions};
+  EXPECT_EQ(*source(buffer), 1U);
   EXPECT_EQ(reach, 2);
-  EXPECT_EQ(*source(room), 2U);
-  EXPECT_EQ(*source(room), 0U);
+  EXPECT_EQ(*source(buffer), 2U);
+  EXPECT_EQ(*source(buffer), 0U);
   EXPECT_EQ(reach, 30);
 }
 
