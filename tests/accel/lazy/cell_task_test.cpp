@@ -1,4 +1,4 @@
-// Threads that expand one cell together: equal cuts, little work twice, and nobody waits for a
+// Threads that expand one cell together: equal cuts, little duplicate work, and no waiting for a
 // thread that has stopped.
 #include "accel/lazy/cell_task.h"
 
@@ -45,7 +45,7 @@ TEST(Stage, KeepsTheFirstResultOfASlice) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling.all, i + 10 * i);
 }
 
-/// Holds up whoever comes to the gate first, until it is opened.
+/// Stops the first thread that passes the gate, until the gate is opened.
 class Gate {
  public:
   void pass() {
@@ -63,7 +63,7 @@ class Gate {
   std::atomic<bool> taken_{false}, open_{false};
 };
 
-TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
+TEST(Stage, FinishesWithoutAStoppedThread) {
   Gate gate;
   Stage stage(8, [&](std::size_t slice, kdtree::BuildCounters&) {
     gate.pass();
@@ -84,7 +84,7 @@ TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling.all, i);
 }
 
-TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
+TEST(Expansion, AReplayFindsFinishedStages) {
   auto* expansion = new Expansion(nullptr);
   std::atomic<int> runs{0};
   const auto follow = [&](kdtree::BuildCounters& counters) {
@@ -125,7 +125,7 @@ struct ManyBoxes {
     };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
                                                      kdtree::BoxRef* out, kdtree::BuildCounters&) {
-      if (end - begin > 1) at_slice();  // or a sample is taken, by one thread
+      if (end - begin > 1) at_slice();  // Or one thread takes a sample
       std::copy(refs->data() + begin, refs->data() + end, out);
       return end - begin;
     };
@@ -135,7 +135,7 @@ struct ManyBoxes {
   }
 };
 
-/// Expands what lies on the way to the first reference, as a ray would.
+/// Expands the cells on the way to the first reference, as a ray would.
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
@@ -160,7 +160,7 @@ std::uint64_t descend_with(int threads, LazyTree& tree, const geometry::Vec3f& p
   return touches;
 }
 
-TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
+TEST(Expansion, SixteenThreadsInOneColdCellDuplicateLittleWork) {
   const ManyBoxes boxes(400'000);
   const geometry::Vec3f point = (*boxes.refs)[0].lo;
   const auto alone = boxes.tree(), together = boxes.tree();
@@ -197,7 +197,7 @@ TEST(Expansion, AThreadStoppedInASliceDoesNotDelayOthers) {
         through.notify_all();
       });
     }
-    // All but the one at the gate; the test would hang otherwise.
+    // All but the thread at the gate; otherwise the test would hang.
     for (int now = through; now < 3; now = through) through.wait(now);
     gate->open();
     for (std::thread& t : threads) t.join();
@@ -205,7 +205,7 @@ TEST(Expansion, AThreadStoppedInASliceDoesNotDelayOthers) {
   }
 }
 
-/// Waits for what happens sooner or later, or never: the limit only ends a test that fails.
+/// Waits for a condition that becomes true, or never does: the limit only ends a failing test.
 template <class Condition>
 bool happens(Condition condition) {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -225,7 +225,7 @@ TEST(Expansion, OutlivesItsTree) {
   arena.execute([&] {
     ManyBoxes boxes(70'000);
     source = boxes.refs;
-    // A called thread stops in its first slice; the caller does none before.
+    // A helper thread stops in its first slice; the caller runs none before.
     boxes.at_slice = [&] {
       if (std::this_thread::get_id() == caller) {
         helped = helped && happens([&] { return helper_stopped.load(); });

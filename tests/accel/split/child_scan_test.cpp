@@ -1,4 +1,4 @@
-// The fused pass against sifting and scanning apart, on every SIMD target of this machine.
+// The fused pass against separate sift and scan passes, on every SIMD target of this machine.
 #include "accel/split/child_scan.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ Divided separate_passes(const std::vector<kdtree::BoxRef>& refs, const geometry:
   return d;
 }
 
-/// Over itself, as growth does, then piece by piece into one pair of lists.
+/// In place, as growth does, then piece by piece into one pair of lists.
 void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, std::uint32_t samples = kdtree::kFirstPlanes) {
   const Divided expected = separate_passes(refs, cell, plane, samples);
@@ -103,7 +103,7 @@ TEST_P(FirstScanning, EqualsASeparateSiftAndScan) {
     const auto refs = tests::random_boxes(n, 0.3, n);
     const int axis = static_cast<int>(n % 3);
     expect_same(refs, {{0, 0, 0}, {1, 1, 1}}, {axis, 0.4f});
-    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // straddlers
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // Straddlers
   }
 }
 

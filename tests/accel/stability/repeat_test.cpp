@@ -1,4 +1,5 @@
-// One input, one tree and one answer, whatever the number of threads and however often.
+// The same input gives the same tree and the same answers, for any number of threads and every
+// time.
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
@@ -41,7 +42,7 @@ TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
       const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, 2);
       tbb::task_arena first(1);
       const Seen expected = first.execute([&] { return look(mesh, rays, builder); });
-      // The min-max builder divides the tree among the threads that there are.
+      // The min-max builder divides the tree among the available threads.
       const bool tree_depends_on_threads = builder == "min-max-bins";
       for (const int threads : {2, 4, 4}) {
         tbb::task_arena arena(threads);

@@ -56,7 +56,7 @@ TEST(MeshBlob, RefusesWhatIsNoMesh) {
   expect_bad(other);
 }
 
-TEST(MeshBlob, ReservedBytesAreIgnored) {
+TEST(MeshBlob, TheCopyNumberIsIgnored) {
   std::string blob = blob_of(tests::cube());
   blob[4] = 1;
   const auto mesh = read(blob, 1000);
