@@ -1,4 +1,4 @@
-// Mesh blobs, whole and in pieces, right and wrong.
+// Mesh blobs, whole and in pieces, valid and invalid.
 #include "server/blobs/mesh_blob.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ void expect_bad(const std::string& blob) {
   EXPECT_EQ(mesh.error().code, Code::kInvalidArgument) << mesh.error().message;
 }
 
-TEST(MeshBlob, RefusesWhatIsNoMesh) {
+TEST(MeshBlob, RefusesOtherBytes) {
   expect_bad(std::string(1000, 'x'));
   std::string other = blob_of(tests::cube());
   other[3] = '2';
@@ -81,14 +81,14 @@ TEST(MeshBlob, RefusesCountsWhoseSumWrapsAround) {
   expect_bad(blob);
 }
 
-TEST(MeshBlob, RefusesMoreThanItsSize) {
+TEST(MeshBlob, RefusesExtraBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob)));
   EXPECT_FALSE(reader.append(bytes_of("x")));
 }
 
-TEST(MeshBlob, RefusesLess) {
+TEST(MeshBlob, RefusesMissingBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob).first(blob.size() - 1)));

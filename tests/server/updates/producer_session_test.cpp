@@ -1,4 +1,4 @@
-// Batches of one producer, applied: alone, together, and where one of them is bad.
+// A producer's batches: applied alone, together, and with an invalid one among them.
 #include "server/updates/producer_session.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ class ProducerSessionTest : public testing::Test {
   double x(scenegraph::model::NodeId node) const {
     return scene_->snapshot()->find(node)->parent_from_local.m[3];
   }
-  /// Of all batches, in order.
+  /// The answers to all batches, in order.
   std::vector<BatchOutcome> apply_all(ProducerSession& session) {
     std::vector<BatchOutcome> all;
     while (!batches_.empty()) {
@@ -89,7 +89,7 @@ TEST_F(ProducerSessionTest, TheLatestPosesWin) {
   EXPECT_EQ(x(2), 3);
 }
 
-TEST_F(ProducerSessionTest, OnlyTheBadOneOfAGroupIsRejected) {
+TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
   ProducerSession session(*scene_, producer_, &call_, compute_, true);
   session.take_over();
   add_pose(1, 1);
@@ -110,7 +110,7 @@ TEST_F(ProducerSessionTest, OnlyTheBadOneOfAGroupIsRejected) {
   EXPECT_EQ(session.coalesced(), 1u) << "together again";
 }
 
-TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
+TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
   ProducerSession session(*scene_, producer_, &call_, compute_, true);
   session.take_over();
   add_pose(1, 1);
@@ -123,7 +123,7 @@ TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
   EXPECT_EQ(x(1), 2);
 }
 
-TEST_F(ProducerSessionTest, EndsWhereAnotherCallHasTakenOver) {
+TEST_F(ProducerSessionTest, EndsWhenAnotherCallTakesOver) {
   ProducerSession older(*scene_, producer_, &call_, compute_, false);
   older.take_over();
   int newer_call = 0, events = 0;

@@ -36,7 +36,7 @@ TEST(Motion, OfASkinMovesABoneAndAMesh) {
   }
 }
 
-TEST(Motion, WhatHangsBelowAMovedNodeMovesWithIt) {
+TEST(Motion, DescendantsOfAMovedNodeMoveWithIt) {
   const TempDir dir;
   tests::GltfFile file = tests::triangle_under_root();
   file.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
@@ -45,7 +45,7 @@ TEST(Motion, WhatHangsBelowAMovedNodeMovesWithIt) {
   EXPECT_EQ(motion->mobilities(), std::vector<Mobility>(2, Mobility::kRigid));
 }
 
-TEST(Motion, OfAFolderShowsAFrameAtATime) {
+TEST(Motion, OfAFolderShowsOneFrameAtATime) {
   const TempDir dir;
   for (int k = 0; k < 4; ++k)
     dir.write(fmt::format("f{}.obj", k),
@@ -76,7 +76,7 @@ TEST(Motion, AnimationsAreChosenByNameOrNumber) {
   }
 }
 
-TEST(Motion, WhatDoesNotMoveIsRefused) {
+TEST(Motion, AFileWithoutAnimationIsRefused) {
   const TempDir dir;
   const std::string unanimated = dir.write("still.gltf", tests::triangle_under_root().text());
   EXPECT_EQ(error_of(open_motion({.path = unanimated})), unanimated + ": holds no animation");
