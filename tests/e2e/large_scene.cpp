@@ -1,4 +1,4 @@
-// A raster of nodes, group by group.
+// A grid of nodes, group by group.
 #include "tests/e2e/large_scene.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using scenegraph::model::NodeRef;
 
 namespace {
 
-constexpr double kSpacing = 4;  // a mesh is about two units wide
+constexpr double kSpacing = 4;  // A mesh is about two units wide
 
 std::size_t side_of(std::size_t count) {
   return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
@@ -24,10 +24,10 @@ Affine moved(double x, double y, double z) { return {{1, 0, 0, x, 0, 1, 0, y, 0,
 
 }  // namespace
 
-// Groups come first.
+// Groups are first.
 NodeId LargeScene::id(std::size_t n) const { return groups + n + 1; }
 
-// Nodes stand on a raster within their group, groups on a raster of such rasters.
+// Nodes are on a grid within their group, groups on a grid of such grids.
 struct LargeScene::Raster {
   explicit Raster(const LargeScene& scene)
       : in_group(scene.groups == 0 ? scene.nodes : (scene.nodes + scene.groups - 1) / scene.groups),
@@ -88,7 +88,7 @@ scenegraph::model::SetTransforms LargeScene::move(std::size_t moving, bool rando
   Random draw(step);
   scenegraph::model::SetTransforms set;
   for (std::size_t k = 0; k < std::min(moving, nodes); ++k) {
-    // The same nodes are spread over all groups, too.
+    // These nodes, too, are spread over all groups.
     const std::size_t n = random ? draw.below(nodes) : k * (nodes / std::min(moving, nodes));
     set.nodes.push_back(static_cast<NodeRef>(id(n)));
     set.parent_from_local.push_back(transform(n, step + 1));

@@ -1,5 +1,5 @@
-// Millimetres ten thousand kilometres out, through client, wire and server; and a scene that its
-// importer has brought near, beside the same one that it has not.
+// Millimeters at ten thousand kilometers from the origin, through client, wire and server; and a
+// far scene with and without the importer's rebase.
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
@@ -94,7 +94,7 @@ class Millimetres : public testing::Test {
   std::optional<client::Client> client_;
 };
 
-TEST_F(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
+TEST_F(Millimetres, AreHitTenThousandKilometersAwayAsAtTheOrigin) {
   const Vec3d far{1e7 + 1.0 / 3, -1e7 - 0.7, 1e7 + 0.1};
   ASSERT_NO_FATAL_FAILURE(upload(kHere, plate_at({0, 0, 0})));
   ASSERT_NO_FATAL_FAILURE(upload(kThere, plate_at(far)));
@@ -108,8 +108,9 @@ TEST_F(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
   std::cout << d.report() << "\n";
 }
 
-// What a file of this plate a kilometre out would hold: floats, an eighth of a millimetre apart.
-TEST_F(Millimetres, AFileBroughtNearAnswersAsItStood) {
+// The content of a file of this plate at one kilometer: floats with a spacing of an eighth of a
+// millimeter.
+TEST_F(Millimetres, ARebasedFileGivesTheSameAnswers) {
   const Vec3d far{1024, 0, -1024};
   client::importer::ImportedScene stood = plate_at({0, 0, 0});
   for (client::Vertex& v : stood.meshes[0].vertices) {

@@ -1,5 +1,5 @@
-// A producer streams updates of every kind, is cut off and resumes, while others cast: every batch
-// is applied once, and every answer is that of brute force at the revision it names.
+// A producer streams updates of every kind, is disconnected and resumes, while others cast: every
+// batch is applied once, and every answer equals brute force at the revision it names.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
@@ -19,13 +19,13 @@ namespace {
 
 constexpr int kClients = 3;
 
-// Draws batches ahead of the server's answers, and knows what each of them must come to.
+// Draws batches ahead of the server's answers, with the expected result of each.
 class Producer {
  public:
   Producer(ServedStress& stress, int port)
       : stress_(stress), api_(connect(port)), edits_(stress.meshes, 77) {}
 
-  /// Until `count` batches are answered, or if `cut`, sent: then the call is given up.
+  /// Streams until `count` batches are answered, or, if `cut`, sent: then the call is cancelled.
   void stream(std::uint64_t count, bool cut) {
     grpc::ClientContext context;
     const auto call = api_.scenes->StreamUpdates(&context);
@@ -69,7 +69,7 @@ class Producer {
   struct Batch {
     v1::StreamUpdatesRequest message;
     std::optional<Code> refusal;
-    std::uint64_t revision = 0;  // the scene's, after it
+    std::uint64_t revision = 0;  // The scene's revision after the batch
     std::vector<scenegraph::model::NodeId> put_nodes;
   };
 
@@ -136,7 +136,7 @@ class Producer {
 
 class StreamedStress : public LiveServer {};
 
-TEST_F(StreamedStress, EveryBatchIsAppliedOnceThoughTheCallIsCutOff) {
+TEST_F(StreamedStress, EveryBatchIsAppliedOnceThroughBrokenCalls) {
   ServedStress stress(stress_updates(150));
   ASSERT_NO_FATAL_FAILURE(begin(api_, stress));
   std::atomic<bool> over{false};

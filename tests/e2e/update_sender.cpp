@@ -100,7 +100,7 @@ class StreamSender final : public UpdateSender {
   std::mutex mutex_;
   std::condition_variable acked_changed_;
   std::uint64_t sent_ = 0;
-  std::uint64_t window_ = 0;  // until the call is opened
+  std::uint64_t window_ = 0;  // Until the call is opened
   bool over_ = false;
   std::string complaint_;
   std::vector<Time> acked_;

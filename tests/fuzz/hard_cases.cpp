@@ -1,4 +1,4 @@
-// Rays and triangles on which methods that round lose hits.
+// Rays and triangles on which methods with rounding lose hits.
 #include "tests/fuzz/hard_cases.h"
 
 #include <algorithm>
@@ -165,7 +165,7 @@ void HardCases::aim(HardCase& hard) {
   const Vec3d target = beside(point_on_border(hard));
   const double away = stand_off(hard.direction);
   hard.origin = target - hard.direction * away;
-  // As users aim: at a point, from a point.
+  // As users aim: from a point at a point.
   if (chance(0.5) && target != hard.origin) hard.direction = target - hard.origin;
 }
 
@@ -210,7 +210,7 @@ Vec3d HardCases::beside(Vec3d point) {
   return is_finite(point) ? point : Vec3d{0, 0, 0};
 }
 
-/// How many directions before the target the ray begins; behind it for negative numbers.
+/// How many direction lengths before the target the ray begins; after it for negative numbers.
 double HardCases::stand_off(const Vec3d& direction) {
   const double unit = std::ldexp(size_, -std::ilogb(largest(direction)));
   const double kind = random_.uniform();
@@ -221,7 +221,7 @@ double HardCases::stand_off(const Vec3d& direction) {
   return sign() * std::ldexp(unit, integer(24, 70));
 }
 
-/// A ray in the plane of a face, as far as rounding lets it: along an edge, from a vertex, across.
+/// A ray in the plane of a face, up to rounding: along an edge, from a vertex, across.
 void HardCases::lie_in_plane(HardCase& hard) {
   const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
@@ -230,7 +230,7 @@ void HardCases::lie_in_plane(HardCase& hard) {
   hard.direction = (b - a) * weight() + (c - a) * (chance(0.4) ? 0 : weight());
 }
 
-/// A direction by which a face is seen nearly edge-on.
+/// A direction that sees a face nearly edge-on.
 void HardCases::graze(HardCase& hard) {
   const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
@@ -242,7 +242,7 @@ void HardCases::graze(HardCase& hard) {
 
 void HardCases::rescale_direction(HardCase& hard) {
   const int exponent = std::ilogb(largest(hard.direction));
-  // Sizes of any kind, and not too small for the products above to be normal.
+  // Sizes of any magnitude, but large enough for the products above to be normal.
   const int wanted = chance(0.7) ? std::clamp(exponent, -300, 300) : integer(-300, 300);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double& d = hard.direction[axis];

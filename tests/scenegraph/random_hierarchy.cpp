@@ -37,7 +37,7 @@ Affine random_shear(Random& random) {
   }
 }
 
-/// Far from what Scene::apply refuses.
+/// Far from the limits of Scene::apply.
 bool is_moderate(const Affine& a) {
   const auto back = inverse(a);
   return back && condition(a, *back) < 1e8;
@@ -153,7 +153,7 @@ std::shared_ptr<const Snapshot> tiled_plane(std::size_t leaves, std::size_t fan)
   };
   std::size_t side = 1;
   while (side * side < leaves) side *= 2;
-  // Halves by turns along x and y, so that a subtree is a rectangle.
+  // Splits into halves along x and y alternately, so that a subtree is a rectangle.
   const std::function<void(NodeRef, std::size_t, std::size_t, std::size_t, std::size_t, int)>
       split = [&](NodeRef parent, std::size_t x, std::size_t y, std::size_t count,
                   std::size_t parts, int axis) {

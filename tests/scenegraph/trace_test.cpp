@@ -50,7 +50,7 @@ model::Affine random_affine(tests::Random& random, double reach) {
   }
 }
 
-/// Two meshes, many instances: turned, sheared, mirrored, overlapping, some under a moved parent.
+/// Two meshes, many instances: rotated, sheared, mirrored, overlapping, some under a moved parent.
 std::shared_ptr<const revision::Snapshot> random_scene(int instances, double reach = 4) {
   tests::Random random(21);
   const auto sphere = to_mesh(tests::icosphere(3)), soup = to_mesh(tests::random_soup(500, 0.2, 5));
@@ -110,7 +110,7 @@ TEST(Trace, EqualsTheOracleOverInstances) {
   EXPECT_GT(comparison.hits, 500u);
 }
 
-TEST(Trace, LazyFullAndSearchedAnswerAlikeForAnyThreadsAndBatches) {
+TEST(Trace, LazyFullAndScannedAgreeForAnyThreadsAndBatches) {
   const std::vector<Ray> rays = rays_through(*random_scene(60), 4000, 2);
   TraceOptions full;
   full.growth = Growth::kFull;
@@ -124,7 +124,7 @@ TEST(Trace, LazyFullAndSearchedAnswerAlikeForAnyThreadsAndBatches) {
   none.growth = Growth::kNone;
   const std::vector<Ray> few(rays.begin(), rays.begin() + 200);
   expect_same(cast(*random_scene(60), few, none), {expected.begin(), expected.begin() + 200});
-  // One by one, backwards, against a tree that grows another way.
+  // One by one, in reverse, against a tree that grows differently.
   const auto snapshot = random_scene(60);
   for (std::size_t i = rays.size(); i-- > rays.size() - 500;) {
     ASSERT_TRUE(same(cast(*snapshot, {rays[i]})[0], expected[i]));
@@ -143,11 +143,12 @@ TEST(Trace, AnyAgreesWithClosest) {
   }
 }
 
-TEST(Trace, TheSameRaysAgainExpandNothing) {
+TEST(Trace, RepeatedRaysExpandNothing) {
   const auto snapshot = random_scene(40);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 4);
   std::vector<Hit> hits(rays.size());
-  // On one thread: a ray that comes second to a cell searches its list, and leaves it for later.
+  // On one thread: with several, a ray that comes second to a busy cell would scan its list and
+  // leave it deferred.
   tbb::task_arena arena(1);
   arena.execute([&] {
     EXPECT_GT(trace(*snapshot, rays, hits, {})->cells_expanded, 0u);
@@ -172,13 +173,13 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
   EXPECT_GT(s.triangles_built, 0u);
   EXPECT_LT(s.triangles_built, sphere->triangles());
   EXPECT_TRUE(other->tree().untouched());
-  // What was grown stays when the scene changes.
+  // Grown cells are kept when the scene changes.
   ASSERT_TRUE(scene.apply(
       {model::SetTransforms{{2}, {model::Affine{{1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}}}}));
   EXPECT_EQ(summarize_build(*scene.snapshot()).triangles_built, s.triangles_built);
 }
 
-TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
+TEST(Trace, BuiltOnlySkipsDeferredCells) {
   const auto snapshot = random_scene(10);
   const std::vector<Ray> rays = rays_through(*snapshot, 200, 6);
   TraceOptions sketch;
@@ -192,7 +193,7 @@ TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
   expect_same(cast(*snapshot, rays, sketch), cast(*snapshot, rays));
 }
 
-TEST(Trace, MarksBadRaysAndAnswersTheRest) {
+TEST(Trace, MarksBadRaysAndAnswersTheOthers) {
   const auto snapshot = random_scene(5);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = accel::geometry::kInfinity;
   std::vector<Ray> rays = rays_through(*snapshot, 7, 7);

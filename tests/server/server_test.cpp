@@ -159,7 +159,7 @@ TEST_F(ServerTest, DrainsOnceAndRefusesCallsAfterwards) {
   EXPECT_EQ(cast_one().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST(Server, CancelsOpenCallsWhenDrainingEnds) {
+TEST(Server, CancelsRemainingCallsWhenDrainingEnds) {
   server::ServerConfig config = test_config();
   config.drain = std::chrono::milliseconds(0);
   const auto server = server::Server::start(config);

@@ -1,4 +1,4 @@
-// Where methods of the literature go beyond the bounds of hard meshes, and why they must.
+// Where methods of the literature exceed the bounds of hard meshes, and why.
 #include <algorithm>
 #include <vector>
 
@@ -8,7 +8,7 @@ namespace sightline::tests {
 namespace {
 
 struct Rule {
-  std::vector<std::string_view> builders, meshes;  // no meshes: all
+  std::vector<std::string_view> builders, meshes;  // No meshes: all
   std::vector<Bound> bounds;
   std::string_view why;
 

@@ -1,4 +1,4 @@
-// Hard shapes of flat triangles along the axes.
+// Hard shapes of flat axis-aligned triangles.
 #include <algorithm>
 #include <numbers>
 
@@ -47,8 +47,8 @@ TestMesh tiled_cube(std::uint32_t triangles) {
 
 TestMesh rooms(std::uint32_t triangles, std::uint64_t seed) {
   constexpr double kShare = 0.7;
-  // Over k cells an axis there are 3 k k (k + 1) quads. An odd number: over 2^k cells every middle
-  // would be a wall, which makes cuts in the middle look better than they are.
+  // With k cells an axis there are 3 k k (k + 1) quads. An odd number: with 2^k cells every middle
+  // would be a wall, which makes median cuts look better than they are.
   std::uint32_t cells = 1;
   const auto expected = [](double k) { return kShare * 6 * k * k * (k + 1); };
   while (expected(cells + 2) <= triangles) cells += 2;

@@ -1,4 +1,4 @@
-// What hard shapes are put together from.
+// Building blocks of hard shapes.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ inline void add_triangle(TestMesh& mesh, const accel::geometry::Vec3d& a,
 }
 
 /// A lattice over the parallelogram at `corner`, exactly `triangles` faces, row by row.
-/// `place(point, i, j)` moves a lattice point.
+/// `displace(point, i, j)` moves a lattice point.
 template <class Displace>
 void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::geometry::Vec3d& corner,
                  const accel::geometry::Vec3d& u, const accel::geometry::Vec3d& v,
@@ -51,7 +51,7 @@ inline void add_lattice(TestMesh& mesh, std::uint32_t triangles,
               [](const accel::geometry::Vec3d& p, std::uint32_t, std::uint32_t) { return p; });
 }
 
-/// Triangles of a size that leaves room between them, in the cube of this width at `corner`.
+/// Triangles small enough not to touch, in the cube of this width at `corner`.
 inline void add_scattered(TestMesh& mesh, std::uint32_t triangles,
                           const accel::geometry::Vec3d& corner, double width, Random& random) {
   const double size = 0.5 * width / std::cbrt(1.0 + triangles);

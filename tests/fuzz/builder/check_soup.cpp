@@ -1,4 +1,4 @@
-// Every ray is asked of both trees, thrice.
+// Traces every ray three times through both trees.
 #include "tests/fuzz/builder/check_soup.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ struct Answer {
   double t = accel::geometry::kInfinity;
   std::uint32_t primitive = 0;
   bool any = false;
-  std::vector<std::uint32_t> primitives;  ///< All that are hit, ascending.
+  std::vector<std::uint32_t> primitives;  ///< All primitives that are hit, ascending.
 
   bool operator==(const Answer&) const = default;
 };
@@ -70,7 +70,8 @@ Answer search(const SoupCase& soup, const Ray& ray, const LocalRay& local) {
   return answer;
 }
 
-/// What any t gets that is no double is not settled: a ray without limits alone is judged.
+/// Which limits apply is not defined if t is no finite double: only rays without limits are
+/// checked.
 Wrong judge_all(const SoupCase& soup, const LocalRay& local) {
   const RationalRay exact(local.origin, local.direction);
   for (const accel::geometry::Face& f : soup.faces) {
@@ -166,7 +167,7 @@ Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   const MeshView view = soup.view();
   const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
   const AnyBuilder builder = builder_for(soup);
-  // Builders of the papers may cut until there is no room; ours have a budget of references.
+  // Builders of the papers may cut until capacity ends; ours have a budget of references.
   const bool within_capacity =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
   MeshTree full(view, survey, builder, soup.references);

@@ -1,4 +1,4 @@
-// Every promise of imported_scene.h and animation.h, one by one.
+// Checks every guarantee of imported_scene.h and animation.h, one by one.
 #include "tests/fuzz/importer/check_imported.h"
 
 #include <fmt/format.h>

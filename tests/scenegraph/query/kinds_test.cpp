@@ -1,4 +1,4 @@
-// Closest, any, count and all see the same hits, whatever is asked beside.
+// Closest, any, count and all see the same hits, for all options.
 #include <gtest/gtest.h>
 
 #include <tbb/task_arena.h>
@@ -44,7 +44,7 @@ model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> 
   return p;
 }
 
-/// Small triangles, and some that reach through all of them: these lie in very many leaves.
+/// Small triangles, and some large ones across all of them, which are in very many leaves.
 tests::TestMesh straddled(std::uint32_t triangles, std::uint64_t seed) {
   tests::TestMesh mesh = tests::random_soup(triangles, 0.08, seed);
   mesh.append(tests::random_soup(20, 3, seed + 1));
@@ -62,8 +62,8 @@ model::Affine random_affine(tests::Random& random, double reach) {
   }
 }
 
-/// Node 1 is a group with the even nodes under it, node 2 lies under 1 and carries a mesh and every
-/// fourth node. Masks go around.
+/// Node 1 is a group with the even nodes below it; node 2 lies under 1 and has a mesh and every
+/// fourth node. Masks cycle.
 std::shared_ptr<const revision::Snapshot> random_scene(
     int nodes, const accel::published::AnyBuilder& builder) {
   tests::Random random(31);
@@ -108,7 +108,7 @@ std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
   return rays;
 }
 
-/// Nodes of crowd() that a selection hides, by what crowd() says of their parents.
+/// Nodes of random_scene() that a selection hides, from the parents that random_scene() gives them.
 std::vector<std::uint64_t> hidden_by(int nodes, model::NodeId root,
                                      const std::vector<model::NodeId>& excluded) {
   std::vector<std::uint64_t> hidden;
@@ -143,7 +143,7 @@ void expect_same(const KindAnswers& a, const KindAnswers& b) {
   }
 }
 
-TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
+TEST(Kinds, AgreeWithEachOtherAndTheOracleForAllExclusions) {
   constexpr int kNodes = 30;
   const tests::BruteForce oracle(random_scene(kNodes));
   struct Selected {
@@ -174,7 +174,7 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   EXPECT_GT(hits, 3000u);
 }
 
-TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
+TEST(Kinds, GiveTheSameAnswersForEveryBuilderLazyFullAndScanned) {
   const std::vector<Ray> rays = rays_through(*random_scene(20), 400, 7);
   const KindAnswers expected = ask_all_kinds(*random_scene(20), rays, {});
   EXPECT_EQ(contradiction(expected, TraceOptions{}.max_hits), "");
@@ -190,7 +190,7 @@ TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
   }
 }
 
-TEST(Kinds, AnswerAlikeInEveryBatchAndOrderOnAnyThreads) {
+TEST(Kinds, GiveTheSameAnswersForAnyBatchesOrderAndThreads) {
   const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1500, 8);
   const KindAnswers expected = ask_all_kinds(*snapshot, rays, {});
@@ -213,7 +213,7 @@ TEST(Kinds, AnswerAlikeInEveryBatchAndOrderOnAnyThreads) {
   }
 }
 
-TEST(Kinds, AListKeepsTheNearestAndSaysThatItWasCutOff) {
+TEST(Kinds, AListKeepsTheNearestHitsAndMarksTheCut) {
   const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 500, 9);
   const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
@@ -237,7 +237,7 @@ TEST(Kinds, AListKeepsTheNearestAndSaysThatItWasCutOff) {
   EXPECT_GT(cut, 100u);
 }
 
-TEST(Kinds, AListMayStopBetweenBlocksAndGoOn) {
+TEST(Kinds, AListMayPauseBetweenBlocks) {
   const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 10);
   const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
@@ -262,7 +262,7 @@ TEST(Kinds, AListMayStopBetweenBlocksAndGoOn) {
   for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(tallies[i].count, whole.lists[i].count);
 }
 
-TEST(Kinds, CoincidentTrianglesAreEachAHit) {
+TEST(Kinds, CoincidentTrianglesAreSeparateHits) {
   const auto mesh = to_mesh(tests::duplicates(300));
   Scene scene;
   ASSERT_TRUE(scene.apply({put_mesh(-1, mesh), put_mesh(-2, mesh)}));
@@ -278,7 +278,7 @@ TEST(Kinds, CoincidentTrianglesAreEachAHit) {
   }
 }
 
-// Walls in no order, so that searching a list meets far ones first.
+// Walls in no order, so that scanning a list meets far ones first.
 tests::TestMesh shuffled_walls(std::uint32_t count) {
   tests::TestMesh walls = tests::flat_walls(count);
   tests::Random random(15);
@@ -287,7 +287,7 @@ tests::TestMesh shuffled_walls(std::uint32_t count) {
   return walls;
 }
 
-TEST(Kinds, ThousandsOfHitsOfOneRay) {
+TEST(Kinds, OneRayMayHaveThousandsOfHits) {
   const auto mesh = to_mesh(shuffled_walls(5000));
   const Ray ray{{-0.5, 0.3, 0.6}, {1, 0, 0}};
   for (const Growth growth : {Growth::kNone, Growth::kFirstTouch, Growth::kFull}) {
@@ -308,7 +308,7 @@ TEST(Kinds, ThousandsOfHitsOfOneRay) {
   }
 }
 
-TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
+TEST(Kinds, CullingUsesTheWindingInSceneCoordinates) {
   const model::Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
   for (const model::Affine& where : {model::Affine{}, mirror}) {
     Scene scene;
@@ -321,7 +321,7 @@ TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
       EXPECT_EQ(contradiction(answers, options.max_hits), "");
       return answers.closest[0];
     };
-    // The normal is that of the winding in scene coordinates: a front is what faces the ray.
+    // The normal follows the winding in scene coordinates: a front faces the ray.
     const bool outward = ask(Culling::kNone).normal.z > 0;
     EXPECT_EQ(outward, where == model::Affine{});
     EXPECT_EQ(ask(Culling::kBack).t, outward ? 2 : 3);
@@ -329,7 +329,7 @@ TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
   }
 }
 
-TEST(Kinds, FrontsAndBacksAreAllThereIs) {
+TEST(Kinds, EveryHitIsAFrontOrABack) {
   const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 11);
   const auto counts = [&](Culling culling) {
@@ -345,7 +345,7 @@ TEST(Kinds, FrontsAndBacksAreAllThereIs) {
     ASSERT_EQ(all[i].count, fronts[i].count + backs[i].count) << i;
 }
 
-TEST(Kinds, AnOddCountIsInside) {
+TEST(Kinds, AnOddCountMeansInside) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put_mesh(-1, to_mesh(tests::icosphere(4)))}));
   tests::Random random(12);
@@ -353,7 +353,7 @@ TEST(Kinds, AnOddCountIsInside) {
   for (int i = 0; i < 4000; ++i) {
     const double radius = i % 2 == 0 ? random.uniform(0, 0.98) : random.uniform(1.001, 3);
     rays.push_back({random.direction() * radius, random.direction()});
-    // Along the axes, where vertices and edges are met.
+    // Along the axes, where rays meet vertices and edges.
     if (i % 4 < 2) rays.back().direction = {0, i % 8 < 4 ? 1.0 : -1.0, 0};
   }
   rays.push_back({{0, 0, 0}, {0, 0, 1}});
@@ -378,7 +378,7 @@ TEST(Kinds, ABadRayIsMarkedInEveryKind) {
   }
 }
 
-TEST(Kinds, WhatCannotBeAskedIsRefused) {
+TEST(Kinds, InvalidQueriesAreRefused) {
   const auto snapshot = random_scene(3);
   const std::vector<Ray> rays(4);
   std::vector<RayTally> tallies(3);
