@@ -98,7 +98,7 @@ TEST_F(SceneUpload, AStopDoesNotChangeTheScene) {
     const auto stopped =
         upload_scene(client_, name, other, {.replace = true, .stop = stop.get_token()},
                      [&](std::uint64_t, std::uint64_t) { stop.request_stop(); });
-    ASSERT_FALSE(stopped) << "the mesh is on its way, or has just arrived";
+    ASSERT_FALSE(stopped) << "the mesh is being sent, or has just arrived";
     EXPECT_EQ(stopped.error().code, Code::kCancelled);
     other.meshes[0] = tests::sheets(11);  // As the server may already have the first mesh
   }

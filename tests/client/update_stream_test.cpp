@@ -84,7 +84,7 @@ TEST_F(UpdateStreamTest, ReportsAnswers) {
   EXPECT_EQ(refused.error().code, Code::kNotFound);
   EXPECT_NE(refused.error().message.find("77"), std::string::npos);
   EXPECT_TRUE(stream.wait(3));
-  ASSERT_TRUE(stream.close()) << "a reject leaves the stream alive";
+  ASSERT_TRUE(stream.close()) << "a reject does not end the stream";
   ASSERT_EQ(rejects.size(), 1U);
   EXPECT_EQ(rejects[0].sequence, 2U);
   std::vector<std::uint64_t> ids;
@@ -163,7 +163,7 @@ TEST_P(BrokenConnections, EveryBatchIsAppliedOnce) {
   EXPECT_EQ(client_.get_scene(kScene)->nodes, kBatches);
   const auto names_now = names(kBatches);
   for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(std::stoul(names_now[k]), k + 1);
-  ASSERT_EQ(reported.size(), kBatches) << "the ids of every batch were told, once";
+  ASSERT_EQ(reported.size(), kBatches) << "the ids of every batch are reported once";
   for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(reported[k], k + 1);
 }
 
@@ -189,7 +189,7 @@ TEST_F(UpdateStreamTest, AFullWindowRefusesUpdatesUntilAnswersArrive) {
   relay.hold(false);
   const auto sent = stream.send(put("z"));
   ASSERT_TRUE(sent);
-  EXPECT_EQ(*sent, window + 1) << "what was refused has no number";
+  EXPECT_EQ(*sent, window + 1) << "a refused batch has no number";
   EXPECT_TRUE(stream.close());
   EXPECT_EQ(client_.get_scene(kScene)->nodes, window + 1);
 }

@@ -81,10 +81,10 @@ void begin(Api& api, ServedStress& stress) {
     updates.push_back(sightline::tests::to_message(update));
   const grpc::Status applied = api.apply(kMovingScene, updates);
   ASSERT_TRUE(applied.ok()) << applied.error_message();
-  stress.history.tell(std::move(first.after));
+  stress.history.add(std::move(first.after));
 }
 
-void CastingClient::knows(const v1::SceneRevision& revision) {
+void CastingClient::record_revision(const v1::SceneRevision& revision) {
   if (revision.revision() > known_.revision()) known_ = revision;
 }
 
@@ -133,7 +133,7 @@ void CastingClient::cast() {
   } else {
     // No answer is older than a revision that the server has reported to this client.
     ASSERT_GE(reply.served().revision(), known_.revision());
-    knows(reply.served());
+    record_revision(reply.served());
   }
   const auto plain = stress_.history.at(reply.served().revision());
   ASSERT_NE(plain, nullptr) << "revision " << reply.served().revision() << " is not kept";

@@ -42,7 +42,7 @@ class CastingClient {
   void cast();
 
   /// Reports a revision that this client has made.
-  void knows(const v1::SceneRevision& revision);
+  void record_revision(const v1::SceneRevision& revision);
 
  protected:
   ServedStress& stress_;

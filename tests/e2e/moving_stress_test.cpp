@@ -56,8 +56,8 @@ class Actor : public CastingClient {
     ASSERT_EQ(reply.revision().revision(), edit.after.revision());
     ASSERT_EQ(std::vector<std::uint64_t>(reply.nodes().begin(), reply.nodes().end()),
               edit.put_nodes);
-    knows(reply.revision());
-    stress_.history.tell(std::move(edit.after));
+    record_revision(reply.revision());
+    stress_.history.add(std::move(edit.after));
     ++stress_.applied;
     if (random_.below(8) == 0) repeat(request, reply);
   }

@@ -86,7 +86,7 @@ class Producer {
       ++stress_.refused;
     } else {
       batch.revision = edit.after.revision();
-      stress_.history.tell(std::move(edit.after));
+      stress_.history.add(std::move(edit.after));
     }
   }
 

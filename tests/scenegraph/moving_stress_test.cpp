@@ -77,7 +77,7 @@ class Actor {
     }
     ASSERT_EQ(applied->revision, edit.after.revision());
     ASSERT_EQ(applied->nodes, edit.put_nodes);
-    stress_.history.tell(std::move(edit.after));
+    stress_.history.add(std::move(edit.after));
     ++stress_.applied;
     if (applied->rebuild_static || random_.below(50) == 0) {
       stress_.scene.rebuild_static();
@@ -140,7 +140,7 @@ TEST(MovingStress, EveryAnswerEqualsBruteForceAtItsRevision) {
   Stress stress(stress_updates(200));
   RandomEdit begin = ground(stress.meshes);
   ASSERT_TRUE(stress.scene.apply(begin.updates));
-  stress.history.tell(std::move(begin.after));
+  stress.history.add(std::move(begin.after));
   std::vector<std::jthread> threads;
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&stress, i] { Actor(stress, static_cast<std::uint64_t>(i)).run(); });

@@ -128,7 +128,7 @@ TEST(BruteForce, TransformsMeshes) {
   ASSERT_NE(hit.closest(), nullptr);
   EXPECT_DOUBLE_EQ(hit.closest()->t, 5);
   EXPECT_DOUBLE_EQ(hit.closest()->u, 0.25);
-  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "the winding of the mirrored corners counts";
+  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "follows the winding of the mirrored corners";
 }
 
 TEST(BruteForce, MasksHideInstances) {

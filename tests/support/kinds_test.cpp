@@ -52,7 +52,7 @@ TEST(Oracle, ListsEveryCandidateExceptExclusions) {
   EXPECT_EQ(seen({.culling = accel::geometry::Culling::kFront}), std::vector<double>{6});
   EXPECT_EQ(seen({.hidden = {1}}), std::vector<double>{});
   EXPECT_EQ(seen({.hidden = {2}}), (std::vector<double>{4, 6}));
-  EXPECT_EQ(one.oracle.trace(one.ray).candidates.size(), 1u) << "the nearest alone";
+  EXPECT_EQ(one.oracle.trace(one.ray).candidates.size(), 1u) << "only the nearest";
 }
 
 TEST(Contradiction, IsEmptyIfKindsAgree) {
@@ -93,13 +93,13 @@ TEST(CompareKinds, FindsDifferencesFromTheOracle) {
               a.listed.resize(1);
             }),
             1u)
-      << "a hit is left out";
+      << "a hit is missing";
   EXPECT_EQ(mismatches([](KindAnswers& a) {
               a.lists[0] = {.count = 1, .state = HitState::kHit, .cut_off = true};
               a.listed.resize(1);
             }),
             0u)
-      << "and said so";
+      << "and it is marked";
   EXPECT_EQ(OneRay().mismatches({.culling = accel::geometry::Culling::kFront}), 3u)
       << "any is right";
 }

@@ -17,7 +17,7 @@ namespace sightline::tests {
 /// Revisions are added without gaps, and the last kKept of them are kept. Threads: any.
 class PlainHistory {
  public:
-  PlainHistory() { tell(PlainScene()); }
+  PlainHistory() { add(PlainScene()); }
 
   std::shared_ptr<const PlainScene> latest() const {
     const std::lock_guard lock(mutex_);
@@ -32,7 +32,7 @@ class PlainHistory {
     return found == revisions_.end() ? nullptr : found->second;
   }
 
-  void tell(PlainScene scene) {
+  void add(PlainScene scene) {
     const std::lock_guard lock(mutex_);
     const std::uint64_t revision = scene.revision();
     revisions_[revision] = std::make_shared<const PlainScene>(std::move(scene));

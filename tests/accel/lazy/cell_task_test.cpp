@@ -236,7 +236,7 @@ TEST(Expansion, OutlivesItsTree) {
     const auto tree = boxes.tree();
     descend(*tree, (*boxes.refs)[0].lo);
   });
-  ASSERT_TRUE(helped) << "no thread was called";
+  ASSERT_TRUE(helped) << "no helper thread ran";
   kdtree::reclaim();
   EXPECT_FALSE(source.expired()) << "the stopped thread still reads it";
   may_continue = true;

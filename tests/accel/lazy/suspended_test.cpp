@@ -116,7 +116,7 @@ bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& ra
     std::this_thread::yield();
   }
   const bool stopped = suspended;
-  EXPECT_TRUE(others_finish(finished, 3)) << "a stopped thread is waited for";
+  EXPECT_TRUE(others_finish(finished, 3)) << "a thread waits for the stopped one";
   const char byte = 0;
   if (stopped) {
     EXPECT_EQ(write(resume_pipe[1], &byte, 1), 1);

@@ -134,7 +134,8 @@ TEST_F(Apply, ARepeatedRequestIsAppliedOnce) {
   EXPECT_EQ(again->revision, first->revision);
   EXPECT_EQ(again->token, first->token);
   EXPECT_EQ(again->nodes, first->nodes);
-  EXPECT_FALSE(client_.apply(kScene, updates)->replayed) << "each has an id of its own otherwise";
+  EXPECT_FALSE(client_.apply(kScene, updates)->replayed)
+      << "by default each request has its own id";
   EXPECT_EQ(client_.get_scene(kScene)->nodes, 2U);
 }
 

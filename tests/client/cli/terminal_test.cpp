@@ -133,7 +133,7 @@ TEST(InterruptedProgram, EndsWithASilentServer) {
     EXPECT_EQ(program.wait(), 130) << arguments[0];
     EXPECT_EQ(program.output(), "sightline: interrupted\n");
   }
-  EXPECT_EQ(dir.names(), "rays.csv") << "no half of a file is left";
+  EXPECT_EQ(dir.names(), "rays.csv") << "no partial file is left";
 }
 
 // A wavy sheet of n x n squares, without equal rows.

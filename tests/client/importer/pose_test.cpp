@@ -285,7 +285,7 @@ TEST_F(RealAnimations, TheRobotsSkinsDoNotTear) {
   }
   EXPECT_GT(low, -0.3) << "it stands on the ground";
   EXPECT_GT(high - low, 1.4);
-  EXPECT_LT(high - low, 2.2) << "as tall as it is at rest";
+  EXPECT_LT(high - low, 2.2) << "as tall as in its rest pose";
 }
 
 TEST_F(RealAnimations, TheDroneMovesItsPartsAndBlendsAShape) {

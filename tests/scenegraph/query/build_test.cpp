@@ -45,7 +45,7 @@ TEST(Build, SelectsEachNodeOnce) {
   EXPECT_EQ(ids_under({3, 1, 3, 4}, {}), (Ids{2, 4})) << "roots under roots";
   EXPECT_EQ(ids_under({4, 5}, {}), (Ids{4, 5}));
   EXPECT_EQ(ids_under({}, {3}), (Ids{2, 5}));
-  EXPECT_EQ(ids_under({4, 5}, {1}), (Ids{5})) << "a root under what is left out";
+  EXPECT_EQ(ids_under({4, 5}, {1}), (Ids{5})) << "a root under an excluded node";
   EXPECT_EQ(ids_under({3}, {3}), Ids{});
   EXPECT_EQ(ids_under({6}, {}), Ids{});
 }

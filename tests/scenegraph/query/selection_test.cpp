@@ -47,7 +47,7 @@ TEST(Selection, IsASubtreeWithoutSomeSubtrees) {
   EXPECT_EQ(selected(0, {1}), (Nodes{5}));
   EXPECT_EQ(selected(0, {5, 3, 3}), (Nodes{2}));
   EXPECT_EQ(selected(1, {3}), (Nodes{2}));
-  EXPECT_EQ(selected(3, {1}), Nodes{}) << "a root that is left out";
+  EXPECT_EQ(selected(3, {1}), Nodes{}) << "an excluded root";
 }
 
 TEST(Selection, NamesAnUnknownNode) {

@@ -133,7 +133,7 @@ TEST_F(BlobRpcTest, RefusesWrongUploads) {
       send({chunk(digest_of(bad_index).text(), 0, bad_index, true)}, &reply);
   EXPECT_EQ(status.error_code(), invalid);
   EXPECT_NE(status.error_message().find("7"), std::string::npos) << status.error_message();
-  EXPECT_EQ(status_of(digest_).committed_size(), 0u) << "nothing that failed is kept";
+  EXPECT_EQ(status_of(digest_).committed_size(), 0u) << "a failed upload is dropped";
 }
 
 TEST_F(BlobRpcTest, NamesTheMemoryBudget) {

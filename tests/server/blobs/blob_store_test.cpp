@@ -143,7 +143,8 @@ TEST(BlobStore, BoundsTheNumberOfUploads) {
   const auto second = blobs.begin(digest_of(sheet_blob(1)), 0);
   EXPECT_EQ(blobs.begin(digest_of(sheet_blob(2)), 0).error().reason, "TOO_MANY_UPLOADS");
   blobs.set_aside(*first);
-  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0)) << "one that was set aside makes room";
+  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0))
+      << "a set-aside upload is dropped for a new one";
 }
 
 TEST(BlobStore, ReleasesTheBytesOfAnAbandonedUpload) {
@@ -175,7 +176,7 @@ TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
     });
   }
   for (auto& thread : threads) thread.join();
-  for (const auto& mesh : meshes) EXPECT_EQ(mesh, meshes[0]) << "all got the one that is kept";
+  for (const auto& mesh : meshes) EXPECT_EQ(mesh, meshes[0]) << "all threads got the stored mesh";
   EXPECT_EQ(blobs.bytes_used(), meshes[0]->bytes());
 }
 

@@ -68,7 +68,7 @@ class PrefetchRpcTest : public LiveServer {
     v1::PrefetchResponse before, now;
     bool done = false;
     while (reader->Read(&now)) {
-      EXPECT_FALSE(done) << "nothing comes after the last report";
+      EXPECT_FALSE(done) << "no report follows the last one";
       expect_grown(before, now);
       done = now.done();
       before = now;

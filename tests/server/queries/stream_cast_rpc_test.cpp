@@ -145,7 +145,7 @@ TEST_F(StreamCastRpcTest, AClientThatNeverReadsDoesNotBlockOthers) {
   context.TryCancel();
   writer.join();
   stream->Finish();
-  EXPECT_LT(accepted, 500) << "what the connection's windows hold, and not what a queue would take";
+  EXPECT_LT(accepted, 500) << "only the connection's windows hold requests, there is no queue";
   expect_serving();
 }
 

@@ -37,7 +37,7 @@ TEST(RecentRevisions, KeepsALimitedNumberOfBytes) {
   EXPECT_EQ(publish(2, 1), 1u);
   EXPECT_EQ(publish(3, 60), 1u);
   EXPECT_EQ(recent.find(2)->revision(), 2u);
-  EXPECT_EQ(publish(4, 1000), 3u) << "one that alone is too large is not kept either";
+  EXPECT_EQ(publish(4, 1000), 3u) << "a revision that is too large by itself is not kept";
   EXPECT_EQ(publish(5, 100), 0u);
   EXPECT_EQ(recent.find(5)->revision(), 5u);
 }

@@ -90,7 +90,7 @@ TEST_F(RevisionWaitTest, LimitsTheNumberAndTheBytesOfWaitingReads) {
   const auto a = wait(), b = wait(), c = wait(), d = wait();
   auto first = read(*a, 1), second = read(*b, 1);
   EXPECT_EQ(read(*c, 1).get().error().reason, "TOO_MANY_WAITING");
-  EXPECT_EQ(admission_.in_flight().bytes, 2u) << "one that was refused holds no place";
+  EXPECT_EQ(admission_.in_flight().bytes, 2u) << "a refused read is not counted";
   EXPECT_EQ(read(*d, 1, kLong, 5000).get().error().code, Code::kResourceExhausted);
   publish();
   EXPECT_TRUE(first.get());

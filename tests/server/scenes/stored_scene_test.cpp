@@ -34,7 +34,7 @@ TEST_F(StoredSceneTest, AnUpdateIsInTheLogBeforeListenersAreNotified) {
   EXPECT_EQ(seen, 1u);
   EXPECT_EQ(std::get<PutNode>((*scene_->log().find(1))->front()).node, 1);
   EXPECT_FALSE(apply({tests::put_node(99, 0, nullptr)}));
-  EXPECT_EQ(scene_->log().last(), 1u) << "what failed is not in it";
+  EXPECT_EQ(scene_->log().last(), 1u) << "a failed update is not in the log";
   scene_->events().unsubscribe(listener);
   ASSERT_TRUE(apply({}));
   EXPECT_EQ(seen, 1u);

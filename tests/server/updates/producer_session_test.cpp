@@ -107,7 +107,7 @@ TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
   add_pose(1, 5);
   add_pose(1, 6);
   EXPECT_EQ(apply_all(session).size(), 2u);
-  EXPECT_EQ(session.coalesced(), 1u) << "together again";
+  EXPECT_EQ(session.coalesced(), 1u) << "coalesced again";
 }
 
 TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
@@ -137,7 +137,7 @@ TEST_F(ProducerSessionTest, EndsWhenAnotherCallTakesOver) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kAborted);
   older.leave();
-  EXPECT_EQ(apply_all(newer).size(), 1u) << "whose place is kept";
+  EXPECT_EQ(apply_all(newer).size(), 1u) << "its sequence number was kept";
   scene_->remove();
   add_pose(1, 2);
   EXPECT_EQ(newer.apply_some(batches_).error().code, Code::kNotFound);

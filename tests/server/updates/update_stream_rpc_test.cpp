@@ -88,7 +88,8 @@ TEST_F(UpdateStreamRpcTest, ARejectAnswersItsBatchAndTheStreamContinues) {
   UpdateStream again(api_);
   EXPECT_EQ(again.open(kScene).last_committed(), 4u);
   again.send(4, {put_node(-1)});
-  EXPECT_EQ(again.read_up_to(4).back().ack().up_to_sequence(), 4u) << "is not tried again";
+  EXPECT_EQ(again.read_up_to(4).back().ack().up_to_sequence(), 4u)
+      << "a rejected batch is not applied again";
   EXPECT_EQ(api_.get(kScene).nodes(), 2u);
 }
 
@@ -287,7 +288,7 @@ TEST_F(UpdateStreamRpcTest, CoalescesPosesAndKeepsTheLast) {
   const v1::UpdateAck& last = answers.back().ack();
   EXPECT_EQ(last.up_to_sequence(), kPoses);
   EXPECT_EQ(last.revision().revision(), 1 + kPoses - last.coalesced())
-      << "each batch makes a revision, or goes with a newer one";
+      << "each batch makes a revision, or is coalesced with a newer one";
   EXPECT_EQ(x_of(api_, kScene, node), kPoses);
 }
 
