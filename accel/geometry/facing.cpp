@@ -17,12 +17,12 @@ double max_norm(const Vec3d& v) {
 }
 
 int exact_facing(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  Expansion plus, minus;
+  ExactSum plus, minus;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    const Expansion d(ray.direction[i]);
-    plus.add_product(Expansion::difference(b[j], a[j]), Expansion::difference(c[k], a[k]), d);
-    minus.add_product(Expansion::difference(b[k], a[k]), Expansion::difference(c[j], a[j]), d);
+    const ExactSum d(ray.direction[i]);
+    plus.add_product(ExactSum::difference(b[j], a[j]), ExactSum::difference(c[k], a[k]), d);
+    minus.add_product(ExactSum::difference(b[k], a[k]), ExactSum::difference(c[j], a[j]), d);
   }
   plus.subtract(minus);
   return plus.sign();

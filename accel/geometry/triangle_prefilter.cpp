@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-std::uint64_t possible_hits(const MeshView&, const ShearedRay&, std::span<const std::uint32_t>) {
+std::uint64_t candidate_mask(const MeshView&, const ShearedRay&, std::span<const std::uint32_t>) {
   return ~std::uint64_t{0};
 }
 
@@ -31,11 +31,11 @@ constexpr float kTiny = 0x1p-100f;
 
 /// A corner of each of many triangles, as seen.
 template <class D>
-struct Seen {
+struct Projected {
   hn::Vec<D> x, y;
 
   HWY_INLINE hn::Vec<D> size() const { return hn::Max(hn::Abs(x), hn::Abs(y)); }
-  HWY_INLINE hn::Vec<D> edge(const Seen& to) const {
+  HWY_INLINE hn::Vec<D> edge(const Projected& to) const {
     return hn::Sub(hn::Mul(x, to.y), hn::Mul(y, to.x));
   }
 };
@@ -74,8 +74,8 @@ class Triangles {
     const D d;
     if (reads_last(mesh, faces)) return (std::uint64_t{1} << kLanes) - 1;
     V n = hn::Zero(d);
-    const Seen<D> a = see(mesh, faces, 0, n), b = see(mesh, faces, 1, n),
-                  c = see(mesh, faces, 2, n);
+    const Projected<D> a = project(mesh, faces, 0, n), b = project(mesh, faces, 1, n),
+                       c = project(mesh, faces, 2, n);
     const V off = hn::MulAdd(n, hn::Set(d, 0x1p-21f), hn::Set(d, ray_.error));
     const V m = hn::Max(hn::Max(a.size(), b.size()), c.size());
     const V rounding = hn::MulAdd(hn::Mul(m, m), hn::Set(d, 0x1p-21f), hn::Set(d, kTiny));
@@ -104,8 +104,8 @@ class Triangles {
   }
 
   /// n grows to the largest coordinate.
-  HWY_INLINE Seen<D> see(const MeshView& mesh, const std::uint32_t* faces, std::size_t corner,
-                         V& n) const {
+  HWY_INLINE Projected<D> project(const MeshView& mesh, const std::uint32_t* faces,
+                                  std::size_t corner, V& n) const {
     const D d;
     const V r0 = load_fours(d, mesh, faces, corner), r1 = load_fours(d, mesh, faces + 1, corner),
             r2 = load_fours(d, mesh, faces + 2, corner),
@@ -159,8 +159,8 @@ HWY_INLINE void fetch(const MeshView& mesh, std::span<const std::uint32_t> faces
   }
 }
 
-std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
-                            std::span<const std::uint32_t> faces) {
+std::uint64_t candidate_mask(const MeshView& mesh, const ShearedRay& ray,
+                             std::span<const std::uint32_t> faces) {
   if (faces.size() <= 4) return possible<hn::CappedTag<float, 4>>(mesh, ray, faces);
   if (faces.size() <= 8) return possible<hn::CappedTag<float, 8>>(mesh, ray, faces);
   if (faces.size() > 16) fetch(mesh, faces);
@@ -176,7 +176,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sightline::accel::geometry {
 
-HWY_EXPORT(possible_hits);
+HWY_EXPORT(candidate_mask);
 
 ShearedRay sheared(const LocalRay& ray) {
   constexpr double kMost = std::numeric_limits<float>::max();
@@ -202,10 +202,10 @@ ShearedRay sheared(const LocalRay& ray) {
   return out;
 }
 
-std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
-                            std::span<const std::uint32_t> faces) {
-  const std::uint64_t found = HWY_DYNAMIC_DISPATCH(possible_hits)(mesh, ray, faces);
-  return found & (~std::uint64_t{0} >> (kMissBatch - faces.size()));
+std::uint64_t candidate_mask(const MeshView& mesh, const ShearedRay& ray,
+                             std::span<const std::uint32_t> faces) {
+  const std::uint64_t found = HWY_DYNAMIC_DISPATCH(candidate_mask)(mesh, ray, faces);
+  return found & (~std::uint64_t{0} >> (kPrefilterBatch - faces.size()));
 }
 
 }  // namespace sightline::accel::geometry

@@ -24,11 +24,11 @@ struct ShearedRay {
 ShearedRay sheared(const LocalRay& ray);
 
 /// At most so many triangles at once.
-inline constexpr std::size_t kMissBatch = 64;
+inline constexpr std::size_t kPrefilterBatch = 64;
 
 /// Bit i: the i-th of `faces` is not certainly missed. Where it is not set, `intersect` says that
-/// there is no hit. Faces: 1 to kMissBatch, with finite vertices.
-std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
-                            std::span<const std::uint32_t> faces);
+/// there is no hit. Faces: 1 to kPrefilterBatch, with finite vertices.
+std::uint64_t candidate_mask(const MeshView& mesh, const ShearedRay& ray,
+                             std::span<const std::uint32_t> faces);
 
 }  // namespace sightline::accel::geometry

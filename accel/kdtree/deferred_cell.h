@@ -8,7 +8,7 @@
 
 #include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/epoch.h"
-#include "accel/kdtree/first_scan.h"
+#include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference_list.h"
 
 namespace sightline::accel::kdtree {
@@ -35,7 +35,7 @@ struct alignas(8) DeferredCell : Retirable {
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
   ~DeferredCell() {
-    if (SharedWork* work = expansion.load(std::memory_order_acquire)) work->leave();
+    if (SharedWork* work = task.load(std::memory_order_acquire)) work->leave();
   }
 
   static void* operator new(std::size_t bytes) {
@@ -49,17 +49,17 @@ struct alignas(8) DeferredCell : Retirable {
   CellPath path;
   /// The root's list is made from the geometry by whoever expands it; until then `list` is empty
   /// and readers search all of the geometry.
-  bool listed = true;
+  bool has_list = true;
   /// Some references of the list may be openable.
   bool openable = false;
   CellList list;
   std::size_t size = 0;      ///< References in the cell, listed or not.
   std::uint64_t weight = 0;  ///< Of them all.
-  FirstScan first;           ///< Of the list, if it was made when the list was written.
+  ChildScan first;           ///< Of the list, if it was made when the list was written.
   /// Expanding failed for want of memory: the cell stays as it is and is searched.
-  std::atomic<bool> given_up{false};
+  std::atomic<bool> failed{false};
   /// Of a large cell that somebody has begun to expand.
-  std::atomic<SharedWork*> expansion{nullptr};
+  std::atomic<SharedWork*> task{nullptr};
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };

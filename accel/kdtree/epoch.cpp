@@ -12,16 +12,16 @@ constexpr std::uint64_t kIdle = 0;
 constexpr std::uint64_t kReclaimObjects = 256;
 constexpr std::uint64_t kReclaimBytes = std::uint64_t{1} << 20;
 
-/// A thread's place; places are never freed, only handed on.
-struct alignas(64) Place {
+/// A thread's slot; slots are never freed, only handed on.
+struct alignas(64) ThreadSlot {
   std::atomic<std::uint64_t> epoch{kIdle};
   std::atomic<bool> taken{true};
-  Place* next = nullptr;
+  ThreadSlot* next = nullptr;
 };
 
 struct Domain {
   std::atomic<std::uint64_t> epoch{1};
-  std::atomic<Place*> places{nullptr};
+  std::atomic<ThreadSlot*> slots{nullptr};
   std::atomic<Retirable*> waiting{nullptr};
   std::atomic<std::uint64_t> objects{0}, bytes{0};  // waiting
   // From so many on somebody looks what can be freed.
@@ -34,23 +34,23 @@ Domain& domain() {
   return *kDomain;
 }
 
-Place* claim_place() {
+ThreadSlot* claim_slot() {
   Domain& d = domain();
-  for (Place* p = d.places.load(std::memory_order_acquire); p != nullptr; p = p->next) {
+  for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
     bool free = false;
     if (p->taken.compare_exchange_strong(free, true, std::memory_order_acq_rel)) return p;
   }
-  auto* fresh = new Place;
-  fresh->next = d.places.load(std::memory_order_relaxed);
-  while (!d.places.compare_exchange_weak(fresh->next, fresh, std::memory_order_release)) {
+  auto* fresh = new ThreadSlot;
+  fresh->next = d.slots.load(std::memory_order_relaxed);
+  while (!d.slots.compare_exchange_weak(fresh->next, fresh, std::memory_order_release)) {
   }
   return fresh;
 }
 
 struct ThisThread {
-  Place* place = claim_place();
+  ThreadSlot* slot = claim_slot();
   int depth = 0;
-  ~ThisThread() { place->taken.store(false, std::memory_order_release); }
+  ~ThisThread() { slot->taken.store(false, std::memory_order_release); }
 };
 
 ThisThread& this_thread() {
@@ -69,7 +69,7 @@ std::uint64_t oldest_epoch(Domain& d) {
   // Whoever pins from here on sees the new epoch, and cannot find what was retired before.
   d.epoch.fetch_add(1, std::memory_order_seq_cst);
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
-  for (Place* p = d.places.load(std::memory_order_acquire); p != nullptr; p = p->next) {
+  for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
     const std::uint64_t e = p->epoch.load(std::memory_order_seq_cst);
     if (e != kIdle) oldest = std::min(oldest, e);
   }
@@ -121,7 +121,7 @@ EpochPin::EpochPin() {
   // first, and then the second read makes its unlinking visible here.
   std::uint64_t epoch = d.epoch.load(std::memory_order_seq_cst);
   for (;;) {
-    t.place->epoch.store(epoch, std::memory_order_seq_cst);
+    t.slot->epoch.store(epoch, std::memory_order_seq_cst);
     const std::uint64_t now = d.epoch.load(std::memory_order_seq_cst);
     if (now == epoch) return;
     epoch = now;
@@ -130,7 +130,7 @@ EpochPin::EpochPin() {
 
 EpochPin::~EpochPin() {
   ThisThread& t = this_thread();
-  if (--t.depth == 0) t.place->epoch.store(kIdle, std::memory_order_release);
+  if (--t.depth == 0) t.slot->epoch.store(kIdle, std::memory_order_release);
 }
 
 void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes) {

@@ -1,4 +1,4 @@
-// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its unbuilt slots
+// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its deferred slots
 // while it is read.
 #pragma once
 
@@ -59,12 +59,13 @@ class KdTree {
   std::optional<std::uint32_t> allocate_pair();
 
   /// A leaf over these references, or nothing if the reservation is used up. Threads: any.
-  std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
+  std::optional<Slot> make_leaf(std::span<const Reference> refs);
 
   /// A slot to be expanded later, whose list is made already; an empty leaf if that is empty.
   /// Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
-  Slot defer(BoxList list, const geometry::Aabb& box, const CellPath& path, bool given_up = false);
+  Slot defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
+             bool failed = false);
 
   /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
   void retire_cell(DeferredCell& cell);
@@ -76,14 +77,14 @@ class KdTree {
   std::uint64_t bytes() const;
 
  private:
-  struct Room {
-    Reservation<AtomicSlot> pairs;
-    Reservation<std::uint32_t> ids;
+  struct Arrays {
+    ReservedArray<AtomicSlot> pairs;
+    ReservedArray<std::uint32_t> ids;
   };
 
   geometry::Aabb bounds_;
   AtomicSlot root_;
-  std::atomic<Room*> room_{nullptr};
+  std::atomic<Arrays*> arrays_{nullptr};
   // The same, nearer to the walk.
   std::atomic<AtomicSlot*> pairs_{nullptr};
   std::atomic<std::uint32_t*> ids_{nullptr};

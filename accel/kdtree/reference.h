@@ -20,7 +20,7 @@ namespace sightline::accel::kdtree {
 inline constexpr std::uint32_t kOpenable = std::uint32_t{1} << 31;
 
 /// 32 bytes, read in order by every pass. `bounds` went through widen_flat.
-struct BoxRef {
+struct Reference {
   geometry::Vec3f lo;
   std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance. Or see kOpenable.
   geometry::Vec3f hi;
@@ -30,11 +30,11 @@ struct BoxRef {
   geometry::Aabb bounds() const { return {lo, hi}; }
   bool openable() const { return (id & kOpenable) != 0; }
 };
-static_assert(sizeof(BoxRef) == 32);
+static_assert(sizeof(Reference) == 32);
 
-inline double total_weight(std::span<const BoxRef> refs) {
+inline double total_weight(std::span<const Reference> refs) {
   std::uint64_t sum = 0;
-  for (const BoxRef& ref : refs) sum += ref.weight;
+  for (const Reference& ref : refs) sum += ref.weight;
   return static_cast<double>(sum);
 }
 
@@ -63,49 +63,49 @@ struct Plane {
 
 /// A plane, and on which side of it the boxes go that lie flat in it. By the rule of membership
 /// (is_member) that is the right; builders that follow Wald and Havran choose.
-struct Cut {
+struct Split {
   Plane plane;
   bool planar_left = false;
   bool at_a_loss = false;  ///< A leaf would be cheaper: cut in the hope of better cuts below.
-  bool operator==(const Cut&) const = default;
+  bool operator==(const Split&) const = default;
 };
 
 /// Whether a box lies flat in a plane, at ref.lo: widen_flat gave it the least extent there is.
-inline bool is_planar(const BoxRef& ref, std::size_t axis) {
+inline bool is_planar(const Reference& ref, std::size_t axis) {
   return ref.hi[axis] == geometry::least_above(ref.lo[axis]);
 }
 
 /// What a cell inherits from the cells above it.
 struct CellPath {
   int depth = 0;           ///< Of the root: 0.
-  int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Cut::at_a_loss).
+  int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Split::at_a_loss).
   /// How many references the cuts of this cell and below may add (reference_budget.h).
-  double spare = std::numeric_limits<double>::infinity();
+  double references_left = std::numeric_limits<double>::infinity();
   /// Of how many references one of the root's has become on this path: the product of what its cuts
   /// left on both sides over what they found. Kept only where spare is not infinite.
-  double swell = 1;
+  double duplication = 1;
 
-  CellPath below(const Cut& cut) const {
-    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), spare, swell};
+  CellPath below(const Split& cut) const {
+    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), references_left, duplication};
   }
   bool operator==(const CellPath&) const = default;
 };
 
-struct FirstScan;  // first_scan.h
+struct ChildScan;  // plane_counts.h
 
 /// A cell as a builder is asked about it.
 struct CellRefs {
-  std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
+  std::span<const Reference> refs;  ///< Members of the cell; they may reach beyond it.
   geometry::Aabb box;
   CellPath path;
   std::size_t size = refs.size();  ///< How many members there are.
-  /// Runs a pass over the list (RunPass, list_pass.h) where it is not at hand: `refs` may then be
+  /// Runs a pass over the list (RunPass, scan_pass.h) where it is not at hand: `refs` may then be
   /// empty. For builders that `runs_passes`, and lists longer than kMaxBoundScan. Equal lists get
   /// equal passes in the same order.
   const std::function<split::PassResult(
-      const std::function<split::PassResult(std::span<const BoxRef>)>&)>* run = nullptr;
-  /// What the first pass over the list would find, where that is known (first_scan.h).
-  const FirstScan* first = nullptr;
+      const std::function<split::PassResult(std::span<const Reference>)>&)>* run = nullptr;
+  /// What the first pass over the list would find, where that is known (plane_counts.h).
+  const ChildScan* first = nullptr;
 };
 
 }  // namespace sightline::accel::kdtree

@@ -15,10 +15,10 @@ namespace sightline::accel::kdtree {
 /// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the
 /// kernel backs page by page on first use. Throws std::bad_alloc.
 template <class T>
-class Reservation {
+class ReservedArray {
  public:
-  Reservation() = default;
-  explicit Reservation(std::size_t capacity) : capacity_(capacity) {
+  ReservedArray() = default;
+  explicit ReservedArray(std::size_t capacity) : capacity_(capacity) {
     const std::size_t bytes = capacity * sizeof(T);
     if (bytes >= kMapFrom) {
       void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
@@ -33,14 +33,14 @@ class Reservation {
       if (data_ == nullptr) throw std::bad_alloc();
     }
   }
-  Reservation(Reservation&& o) noexcept
+  ReservedArray(ReservedArray&& o) noexcept
       : data_(std::exchange(o.data_, nullptr)), capacity_(std::exchange(o.capacity_, 0)) {}
-  Reservation& operator=(Reservation&& o) noexcept {
+  ReservedArray& operator=(ReservedArray&& o) noexcept {
     std::swap(data_, o.data_);
     std::swap(capacity_, o.capacity_);
     return *this;
   }
-  ~Reservation() {
+  ~ReservedArray() {
     if (data_ == nullptr) return;
     if (capacity_ * sizeof(T) >= kMapFrom) {
       ::munmap(data_, capacity_ * sizeof(T));

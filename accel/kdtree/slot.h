@@ -62,7 +62,7 @@ class Slot {
   constexpr bool is_binary() const { return (bits_ & 4) != 0; }
   constexpr bool is_leaf() const { return tag() == Tag::kLeaf; }
   /// Deferred or expanding: there is a cell to ask.
-  constexpr bool is_unbuilt() const { return (bits_ & 7) <= 1; }
+  constexpr bool is_deferred() const { return (bits_ & 7) <= 1; }
 
   int axis() const { return static_cast<int>(bits_ & 3); }
   float position() const { return std::bit_cast<float>(static_cast<std::uint32_t>(bits_ >> 32)); }

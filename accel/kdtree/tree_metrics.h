@@ -20,9 +20,9 @@ struct TreeMetrics {
   std::uint64_t nonempty_leaves = 0;
   std::uint64_t references = 0;  ///< In leaves.
   int max_depth = 0;             ///< Of a leaf; a lone root has 0.
-  std::uint64_t unbuilt_cells = 0;
-  std::uint64_t given_up_cells =
-      0;  ///< Of the unbuilt ones: for want of room, and searched for good.
+  std::uint64_t deferred_cells = 0;
+  std::uint64_t failed_cells =
+      0;  ///< Of the deferred ones: for want of room, and searched for good.
   double expected_traversals = 0;     ///< Inner nodes met (E_T).
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).

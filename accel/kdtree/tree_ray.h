@@ -17,7 +17,7 @@ namespace sightline::accel::kdtree {
 /// Work done for rays, in the units of docs/benchmarks.md.
 struct WalkCounters {
   std::uint64_t steps = 0;  ///< Inner nodes visited.
-  std::uint64_t tests = 0;  ///< Triangles tested, scans of unbuilt cells included.
+  std::uint64_t tests = 0;  ///< Triangles tested, scans of deferred cells included.
 };
 
 /// A ray prepared for one tree.

@@ -16,11 +16,11 @@ namespace sightline::accel::kdtree {
 ///
 /// `visit` supplies:
 ///   bool leaf(span<const uint32_t> references)          true: stop the walk
-///   Unbuilt unbuilt(AtomicSlot&, const DeferredCell&)   what to do at an unbuilt slot
+///   DeferredAction deferred(AtomicSlot&, const DeferredCell&)   what to do at a deferred slot
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
-enum class Unbuilt {
-  kAgain,  ///< It is built now: look again.
+enum class DeferredAction {
+  kRetry,  ///< It is built now: look again.
   kDone,   ///< Dealt with: go on with the next cell.
   kStop,   ///< Stop the walk.
 };
@@ -65,9 +65,9 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
       std::uint32_t storage;
       if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
     } else {
-      const Unbuilt next = visit.unbuilt(*at, *slot.cell());
-      if (next == Unbuilt::kAgain) continue;
-      if (next == Unbuilt::kStop) return;
+      const DeferredAction next = visit.deferred(*at, *slot.cell());
+      if (next == DeferredAction::kRetry) continue;
+      if (next == DeferredAction::kStop) return;
     }
     const double limit = visit.limit();
     do {

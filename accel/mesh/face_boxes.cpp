@@ -22,7 +22,7 @@ bool grow_finite(const geometry::MeshView&, std::size_t, std::size_t, geometry::
 }
 
 std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                       kdtree::BoxRef* out) {
+                       kdtree::Reference* out) {
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (const std::optional<geometry::Aabb> box = face_bounds(mesh, i))
@@ -147,7 +147,7 @@ bool grow_finite(const geometry::MeshView& mesh, std::size_t begin, std::size_t 
 }
 
 std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                       kdtree::BoxRef* out) {
+                       kdtree::Reference* out) {
   const Faces::Tag d;
   const Faces faces(mesh);
   std::size_t n = 0;
@@ -233,7 +233,7 @@ FaceSum sum_faces(const geometry::MeshView& mesh, std::size_t begin, std::size_t
 }
 
 std::size_t face_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                            kdtree::BoxRef* out) {
+                            kdtree::Reference* out) {
   return HWY_DYNAMIC_DISPATCH(references)(mesh, begin, end, out);
 }
 

@@ -33,6 +33,6 @@ FaceSum sum_faces(const geometry::MeshView& mesh, std::size_t begin, std::size_t
 /// Writes a reference of weight one for every face from `begin` to `end` that has bounds; there is
 /// room for all. Returns how many. Their indices are good.
 std::size_t face_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                            kdtree::BoxRef* out);
+                            kdtree::Reference* out);
 
 }  // namespace sightline::accel::mesh

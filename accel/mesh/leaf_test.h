@@ -27,7 +27,7 @@ struct LeafTest {
   MeshQuery& query;
   const kdtree::TreeRay& ray;
   kdtree::WalkCounters& walked;
-  std::optional<geometry::ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
+  std::optional<geometry::ShearedRay> sheared_ray{};  ///< query.ray, once a leaf is long enough.
 
   double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
@@ -76,11 +76,11 @@ struct LeafTest {
 
   /// All at once, then one by one those that are not certainly missed.
   bool long_leaf(std::span<const std::uint32_t> ids) {
-    if (!seen) seen = sheared(query.ray);
+    if (!sheared_ray) sheared_ray = sheared(query.ray);
     while (!ids.empty()) {
-      const auto batch = ids.first(std::min(ids.size(), geometry::kMissBatch));
+      const auto batch = ids.first(std::min(ids.size(), geometry::kPrefilterBatch));
       ids = ids.subspan(batch.size());
-      std::uint64_t possible = possible_hits(mesh, *seen, batch);
+      std::uint64_t possible = candidate_mask(mesh, *sheared_ray, batch);
       walked.tests += batch.size() - static_cast<std::size_t>(std::popcount(possible));
       for (; possible != 0; possible &= possible - 1) {
         if (test(batch[static_cast<std::size_t>(std::countr_zero(possible))])) return true;

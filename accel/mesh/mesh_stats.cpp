@@ -45,7 +45,7 @@ std::optional<geometry::Aabb> bounds_in_parallel(std::span<const geometry::Vec3f
 }
 
 /// Where nothing is odd.
-std::optional<MeshSurvey> survey_arrays(const geometry::MeshView& mesh) {
+std::optional<MeshStats> stats_of_arrays(const geometry::MeshView& mesh) {
   const std::size_t faces = mesh.faces.size();
   if (faces == 0 || greatest_index_in_parallel(mesh.faces) >= mesh.vertices.size())
     return std::nullopt;
@@ -58,13 +58,13 @@ std::optional<MeshSurvey> survey_arrays(const geometry::MeshView& mesh) {
   } else if (half_area(sampled) < kShareOfSurface * half_area(*bounds)) {
     return std::nullopt;
   }
-  return MeshSurvey{.triangles = faces, .finite_triangles = faces, .bounds = widen_flat(*bounds)};
+  return MeshStats{.triangles = faces, .finite_triangles = faces, .bounds = widen_flat(*bounds)};
 }
 
 }  // namespace
 
-MeshSurvey survey_mesh(const geometry::MeshView& mesh) {
-  if (const auto survey = survey_arrays(mesh)) return *survey;
+MeshStats compute_mesh_stats(const geometry::MeshView& mesh) {
+  if (const auto stats = stats_of_arrays(mesh)) return *stats;
   const FaceSum all = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.faces.size(), kPerTask), FaceSum{},
       [&](const auto& range, FaceSum sum) {

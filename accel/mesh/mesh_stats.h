@@ -11,7 +11,7 @@
 
 namespace sightline::accel::mesh {
 
-struct MeshSurvey {
+struct MeshStats {
   std::uint64_t triangles = 0;         ///< Faces that hold one.
   std::uint64_t finite_triangles = 0;  ///< With finite vertices: what can be hit.
   /// The first face with an index out of range; it and its like count as triangles, never as
@@ -25,6 +25,6 @@ struct MeshSurvey {
 /// Streams through the arrays once, and looks at single faces only where something is odd: an index
 /// out of range, a vertex that is not finite, vertices far from the faces. Parallel in the caller's
 /// arena; the result does not depend on it.
-MeshSurvey survey_mesh(const geometry::MeshView& mesh);
+MeshStats compute_mesh_stats(const geometry::MeshView& mesh);
 
 }  // namespace sightline::accel::mesh

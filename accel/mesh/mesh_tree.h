@@ -34,9 +34,9 @@ enum class References : std::uint8_t {
 };
 
 /// What a walk does at a cell that is not built.
-enum class AtUnbuilt : std::uint8_t {
+enum class OnDeferred : std::uint8_t {
   kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
-  kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
+  kScan,    ///< Test the triangles of its list whose boxes the ray meets.
   kSkip,    ///< Pass it over.
 };
 
@@ -50,8 +50,8 @@ struct MeshQuery {
   geometry::LocalRay ray;
   double tmin = 0, tmax = geometry::kInfinity;
   geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
-  AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
-  lazy::AtBusy at_busy = lazy::AtBusy::kWait;
+  OnDeferred on_deferred = OnDeferred::kExpand;
+  lazy::WhenPending when_pending = lazy::WhenPending::kWait;
   bool any = false;  ///< Stop at the first hit found.
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's; goes with the node.
@@ -60,13 +60,13 @@ struct MeshQuery {
   std::uint32_t best_primitive = 0;
   std::uint32_t best_instance = 0;
   bool found = false;
-  bool met_unbuilt = false;  ///< A cell was passed over or searched.
-  /// With AtBusy::kLeave: the walk met a large cell that others are building, and was broken off.
-  /// Ask again, with a fresh query, when `progress` has grown.
-  bool put_aside = false;
+  bool saw_deferred = false;  ///< A cell was passed over or searched.
+  /// With WhenPending::kReturn: the walk met a large cell that others are building, and was broken
+  /// off. Ask again, with a fresh query, when `progress` has grown.
+  bool suspended = false;
   std::uint64_t progress = 0;
-  Distinct<ListedHit>* list = nullptr;
-  Distinct<std::uint32_t>* primitives = nullptr;
+  UniqueHits<ListedHit>* list = nullptr;
+  UniqueHits<std::uint32_t>* primitives = nullptr;
 
   bool collects() const { return list != nullptr || primitives != nullptr; }
 };
@@ -78,7 +78,7 @@ class MeshTree {
  public:
   /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
   /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
-  MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
+  MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
   /// Looks for hits and updates the query.
@@ -99,7 +99,7 @@ class MeshTree {
  private:
   using Tree = std::variant<lazy::LazyTree, std::unique_ptr<WholeTree>>;
   static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                   const MeshSurvey& survey, const TreeBuilder& builder, References references,
+                   const MeshStats& stats, const TreeBuilder& builder, References references,
                    std::shared_ptr<const void> alive);
   void query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built);
 

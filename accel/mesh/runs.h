@@ -26,15 +26,15 @@ inline std::size_t count_runs(const geometry::MeshView& mesh) {
 /// Writes a reference for every run from `begin` to `end` that has a triangle to be hit; there is
 /// room for all. Returns how many. A reference's weight counts triangles.
 std::size_t run_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                           kdtree::BoxRef* out, kdtree::BuildCounters& counters);
+                           kdtree::Reference* out, kdtree::BuildCounters& counters);
 
 /// Appends what a run stands for: shorter runs, or faces.
-void open_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run,
-              std::vector<kdtree::BoxRef>& out, kdtree::BuildCounters& counters);
+void open_run(const geometry::MeshView& mesh, const kdtree::Reference& run,
+              std::vector<kdtree::Reference>& out, kdtree::BuildCounters& counters);
 
 struct FaceRange {
   std::size_t begin = 0, end = 0;
 };
-FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run);
+FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::Reference& run);
 
 }  // namespace sightline::accel::mesh

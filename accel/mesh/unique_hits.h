@@ -14,9 +14,10 @@ namespace sightline::accel::mesh {
 /// Collects values and keeps the `limit` least distinct ones. Its memory, at most twice of what it
 /// keeps, is used again after clear(). Amortised cost of an add: the logarithm of what is kept.
 template <class T>
-class Distinct {
+class UniqueHits {
  public:
-  explicit Distinct(std::size_t limit = std::numeric_limits<std::size_t>::max()) : limit_(limit) {}
+  explicit UniqueHits(std::size_t limit = std::numeric_limits<std::size_t>::max())
+      : limit_(limit) {}
 
   void clear() {
     values_.clear();

@@ -66,7 +66,7 @@ const Parameters<split::ScanSplit>& parameters(const split::ScanSplit&) {
       {"retry_above", [](B& b) -> double& { return b.retry_above; }},
       {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
       {"clip", [](B& b) -> bool& { return b.clip; }},
-      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
+      {"clip_crowds", [](B& b) -> bool& { return b.clip_dense; }},
       {"budget", [](B& b) -> double& { return b.budget; }},
   };
   return kParameters;

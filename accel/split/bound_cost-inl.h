@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 struct BoundCosts {
   BoundCosts(const geometry::Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : lo(cell.lo[axis]), hi(cell.hi[axis]), bonus(static_cast<float>(empty_bonus)) {
-    const CutAreas areas(cell, static_cast<int>(axis), per_whole);
+    const SplitAreas areas(cell, static_cast<int>(axis), per_whole);
     ends = static_cast<float>(areas.ends() * per_whole);
     slope = static_cast<float>(areas.slope() * per_whole);
   }

@@ -24,21 +24,21 @@ inline int longest_axis(const geometry::Aabb& cell) {
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
-/// 1 / SA(cell), half areas as in CutAreas; 0 for a cell without area.
+/// 1 / SA(cell), half areas as in SplitAreas; 0 for a cell without area.
 inline double per_area(const geometry::Aabb& cell) {
   const double whole = half_area(cell);
   return whole > 0 ? 1 / whole : 0;
 }
 
 /// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
-class CutAreas {
+class SplitAreas {
  public:
-  CutAreas(const geometry::Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
+  SplitAreas(const geometry::Aabb& cell, int axis) : SplitAreas(cell, axis, 0) {
     const double whole = ends_ + slope_ * (hi_ - lo_);
     per_whole_ = whole > 0 ? 1 / whole : 0;
   }
   /// Where 1 / SA(cell) is known already.
-  CutAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
+  SplitAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
     const auto a = static_cast<std::size_t>(axis);
     const auto extent = [&](std::size_t i) {
       return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
@@ -60,8 +60,8 @@ class CutAreas {
 };
 
 /// Cost of cutting at x with these weights on the sides.
-inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left,
-                       double right) {
+inline double split_cost(const SahConstants& c, const SplitAreas& areas, double x, double left,
+                         double right) {
   double children = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
   if (left == 0 || right == 0) children *= c.empty_bonus;
   return c.traverse + c.intersect * children;
@@ -69,7 +69,7 @@ inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, d
 
 /// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of
 /// the method.
-struct BestCut {
+struct BestSplit {
   kdtree::Plane plane;
   double cost = 0;
   bool found = false;

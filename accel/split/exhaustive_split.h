@@ -33,12 +33,12 @@ inline constexpr std::size_t kSmallList = 8;
 
 /// The rule's cut, or nothing. The same on every SIMD target. refs: 1 to kMaxBoundScan. Touches: a
 /// pass over the list for every kScanWidth candidates of an axis.
-std::optional<kdtree::Cut> choose_bound(std::span<const kdtree::BoxRef> refs,
-                                        const geometry::Aabb& cell, const BoundRule& rule,
-                                        kdtree::BuildCounters& counters);
+std::optional<kdtree::Split> choose_bound(std::span<const kdtree::Reference> refs,
+                                          const geometry::Aabb& cell, const BoundRule& rule,
+                                          kdtree::BuildCounters& counters);
 
 /// The best of the bounds strictly inside a cell.
-struct BoundCut {
+struct BoundSplit {
   kdtree::Plane plane;
   /// Cost of the two children in units of weight, relative to the cell's area; infinite if no
   /// bound lies inside.
@@ -48,19 +48,19 @@ struct BoundCut {
   double cost(const SahConstants& c) const {
     return c.traverse + c.intersect * static_cast<double>(children);
   }
-  void offer(const BoundCut& other) {
+  void offer(const BoundSplit& other) {
     if (other.children < children) *this = other;
   }
 };
 
 /// Tries the axes of the rule in its order. `best_of(AxisRange)` returns the best cut on them.
 template <class BestOf>
-BoundCut best_bound(const BoundRule& rule, const geometry::Aabb& cell, std::size_t size,
-                    double weight, const BestOf& best_of) {
+BoundSplit best_bound(const BoundRule& rule, const geometry::Aabb& cell, std::size_t size,
+                      double weight, const BestOf& best_of) {
   if (!(rule.cost.traverse < rule.cost.intersect * weight)) return {};  // a leaf costs no more
   if (size <= rule.all_axes_up_to) return best_of(AxisRange{});
   const int longest = longest_axis(cell);
-  BoundCut best = best_of(AxisRange{longest, longest + 1});
+  BoundSplit best = best_of(AxisRange{longest, longest + 1});
   const bool may_retry = rule.retry_above < std::numeric_limits<double>::infinity();
   if (may_retry && !(best.cost(rule.cost) < rule.retry_above * rule.cost.intersect * weight)) {
     for (const int axis : {(longest + 1) % 3, (longest + 2) % 3})

@@ -13,7 +13,8 @@ namespace sightline::accel::split {
 /// How a list is cut when counts guide where it is looked at.
 struct GuidedRule {
   SahConstants cost;
-  /// Planes an axis in the first pass, the cell's faces included. Range 2 to kdtree::kFirstPlanes.
+  /// Planes an axis in the first pass, the cell's faces included. Range 2 to
+  /// kdtree::kUniformPlanes.
   std::uint32_t uniform_samples = 8;
   bool refine_all_axes = false;  ///< In the second pass; else the most promising.
   bool once = false;             ///< No second pass.
@@ -26,7 +27,7 @@ struct GuidedRule {
 /// bounds the cost within. The second pass looks at kScanWidth planes in the segments that may beat
 /// the best plane known, more in those that may by more; each of them then moves, at no cost, to
 /// the bound beside it on its cheaper side: between bounds the cost is linear.
-std::optional<kdtree::Cut> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
-                                         kdtree::BuildCounters& counters);
+std::optional<kdtree::Split> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::split

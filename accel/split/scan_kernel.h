@@ -9,13 +9,13 @@
 #include <span>
 #include <string_view>
 
-#include "accel/kdtree/first_scan.h"
+#include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference.h"
 
 namespace sightline::accel::split {
 
 /// Most planes of one axis that a pass looks at.
-inline constexpr std::size_t kScanWidth = 2 * kdtree::kFirstPlanes;
+inline constexpr std::size_t kScanWidth = 2 * kdtree::kUniformPlanes;
 
 /// How far the planes of one axis can move while what was counted there holds: down to the next
 /// bound nothing more lies above a plane, up to the next nothing more lies below it. Infinite where
@@ -45,19 +45,20 @@ struct AxisRange {
 };
 
 /// Planes in any order; unused places repeat a used one.
-using FirstAxis = std::array<float, kdtree::kFirstPlanes>;
+using UniformAxis = std::array<float, kdtree::kUniformPlanes>;
 using WideAxis = std::array<float, kScanWidth>;
 
 /// Adds what one pass over three axes counts.
-void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                     std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts);
+void scan_three_axes(std::span<const kdtree::Reference> refs,
+                     const std::array<UniformAxis, 3>& planes,
+                     std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>& counts);
 
 /// Adds what one pass over one axis counts.
-void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
-                   kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts);
+void scan_one_axis(std::span<const kdtree::Reference> refs, int axis, const UniformAxis& planes,
+                   kdtree::PlaneCounts<kdtree::kUniformPlanes>& counts);
 
 /// Adds what one pass over one axis counts and which bounds it finds next to the planes.
-void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
+void scan_wide_axis(std::span<const kdtree::Reference> refs, int axis, const WideAxis& planes,
                     kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near);
 
 /// What the kernels run on here, e.g. "AVX3".

@@ -18,9 +18,9 @@ namespace sightline::accel::split {
 /// What a pass found in some of a list's boxes. Adds up over disjoint pieces of the list, in any
 /// order, to what a pass over the whole finds.
 struct PassResult {
-  std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> few;  ///< At few planes, axis by axis.
-  std::array<kdtree::PlaneCounts<kScanWidth>, 3> many;           ///< At many.
-  std::array<PlaneNeighbours, 3> near;                           ///< Beside the many.
+  std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3> few;  ///< At few planes, axis by axis.
+  std::array<kdtree::PlaneCounts<kScanWidth>, 3> many;             ///< At many.
+  std::array<PlaneNeighbours, 3> near;                             ///< Beside the many.
 
   PassResult& operator+=(const PassResult& o) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -35,7 +35,7 @@ static_assert(std::is_trivially_copyable_v<PassResult>);
 
 /// Passes once over some of a list's boxes. Holds all it needs: it may outlive who made it, run on
 /// any thread, on several at once, and more than once over the same boxes, with equal results.
-using PassKernel = std::function<PassResult(std::span<const kdtree::BoxRef>)>;
+using PassKernel = std::function<PassResult(std::span<const kdtree::Reference>)>;
 
 /// Runs a kernel over the whole of one list, and returns the sum.
 using RunPass = std::function<PassResult(const PassKernel&)>;
@@ -44,7 +44,7 @@ using RunPass = std::function<PassResult(const PassKernel&)>;
 inline constexpr std::size_t kScanSlice = 32768;
 
 /// Over a list of at least 2 kScanSlice boxes at hand.
-PassResult run_in_slices(std::span<const kdtree::BoxRef> refs, const PassKernel& kernel);
+PassResult run_in_slices(std::span<const kdtree::Reference> refs, const PassKernel& kernel);
 
 /// One pass over the list of a cell: through `list.run` where there is one, else over `list.refs`,
 /// long ones in parallel slices in the caller's arena. Sums of integers, greatest and least: the

@@ -15,7 +15,7 @@ namespace sightline::accel::split {
 /// A builder is a value: parameters, `check()`, and one decision.
 struct ScanSplit {
   /// Sample planes an axis in the first pass, the cell's faces included. Range 2 to
-  /// kdtree::kFirstPlanes.
+  /// kdtree::kUniformPlanes.
   std::uint32_t uniform_samples = 8;
   /// Lists up to this length are cut at the best of their bounds. Longer ones cost fewer touches
   /// and no more time by two passes. Range 0 to kMaxBoundScan.
@@ -30,9 +30,9 @@ struct ScanSplit {
   /// Perfect splits: straddlers shrink to the part of their triangle in the child
   /// (grow/clip_straddlers.h).
   bool clip = false;
-  /// The same, but only where one in four references of a list straddles (kCrowd): triangles that
-  /// are long against their cells, so that their boxes say little.
-  bool clip_crowds = false;
+  /// The same, but only where one in four references of a list straddles (kStraddleShare):
+  /// triangles that are long against their cells, so that their boxes say little.
+  bool clip_dense = false;
   /// References a triangle that cuts may reach; where that is too few, each subtree gets its share
   /// (grow/reference_budget.h). Good trees over compact meshes have four to eight. 0: no limit.
   /// Range 0, 1 to 64.
@@ -46,8 +46,8 @@ struct ScanSplit {
 
   /// The cheapest plane found strictly inside the cell, or nothing if no cut is cheaper than
   /// testing every box, or no plane fits. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   /// See SplitSearch::clips.
   bool clips(const kdtree::CellPath& path, std::size_t straddlers, std::size_t references) const;

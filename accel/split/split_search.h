@@ -28,8 +28,8 @@ class SplitSearch {
   SplitSearch& operator=(const SplitSearch&) = delete;
 
   /// The cut, or nothing for a leaf.
-  virtual std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                            kdtree::BuildCounters& counters) const = 0;
+  virtual std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                              kdtree::BuildCounters& counters) const = 0;
 
   /// Whether the straddlers of a cut are clipped that leaves `straddlers` of a cell's `references`
   /// on both sides. `references` is 0 where only a slice of the list is known.
@@ -50,11 +50,11 @@ class SplitSearch {
   virtual bool takes_runs() const { return true; }
 
   /// Whether the lists that result from sifting a list of `references` are counted meanwhile
-  /// (sift_and_scan), and passed to `choose` as CellRefs::first.
+  /// (sift_and_count), and passed to `choose` as CellRefs::first.
   virtual bool scans_children(std::size_t /*references*/) const { return false; }
 
   /// For rules that scan children: where the first pass over that child's list counts.
-  virtual FirstPlanes first_planes(const geometry::Aabb& /*child*/) const { return {}; }
+  virtual ChildPlanes child_planes(const geometry::Aabb& /*child*/) const { return {}; }
 
   /// How every list of at most kSmallList references is cut, if `choose` always does so by its
   /// bounds and never clips: such subtrees are grown in registers (grow/small_subtree.h).
@@ -71,7 +71,7 @@ class SplitSearch {
   /// The subtree under a cell, for rules that have a faster way than cell by cell. It must equal
   /// what `choose` leads to. Nothing: grow cell by cell.
   virtual std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& /*context*/,
-                                                   std::span<const kdtree::BoxRef> /*refs*/,
+                                                   std::span<const kdtree::Reference> /*refs*/,
                                                    const geometry::Aabb& /*cell*/,
                                                    const kdtree::CellPath& /*path*/,
                                                    kdtree::BuildCounters& /*counters*/) const {

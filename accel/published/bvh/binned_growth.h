@@ -16,7 +16,7 @@ namespace sightline::accel::published::bvh {
 ///
 /// Touches: a pass to bin and a pass to divide a list. Parallel in the caller's arena; the result
 /// does not depend on it.
-BvhChild grow_binned(std::span<kdtree::BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
+BvhChild grow_binned(std::span<kdtree::Reference> refs, const BvhLeafRule& leaf, std::uint32_t bins,
                      BvhGrowth& growth, kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -22,7 +22,7 @@ std::optional<std::string> BvhBuilder::check() const {
 }
 
 Bvh BvhBuilder::build(const geometry::MeshView& mesh, kdtree::BuildCounters& counters) const {
-  std::vector<kdtree::BoxRef> refs(mesh.faces.size());
+  std::vector<kdtree::Reference> refs(mesh.faces.size());
   refs.resize(mesh::face_references(mesh, 0, mesh.faces.size(), refs.data()));
   counters.touches_prepare += mesh.faces.size();
   if (refs.empty()) return {};

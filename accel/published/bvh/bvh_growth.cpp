@@ -40,11 +40,11 @@ class Flattening {
 BvhGrowth::BvhGrowth(std::size_t references, bool repeats)
     : nodes_(references), ids_(references), repeats_(repeats) {}
 
-BvhChild BvhGrowth::leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box) {
+BvhChild BvhGrowth::leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& box) {
   const std::size_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
   std::uint32_t* const begin = ids_.data() + first;
   std::uint32_t* end = begin;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     if (repeats_ || std::find(begin, end, ref.id) == end) *end++ = ref.id;
   }
   return {.box = box,

@@ -44,7 +44,7 @@ class BvhGrowth {
 
   /// A leaf over these references, in that order; one that is listed twice is named once, unless
   /// with `repeats`.
-  BvhChild leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box);
+  BvhChild leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& box);
 
   /// An inner node; its box is the union of its children's.
   BvhChild inner(const BvhChild& left, const BvhChild& right);
@@ -54,16 +54,16 @@ class BvhGrowth {
   Bvh finish(const BvhChild& root) const;
 
  private:
-  kdtree::Reservation<BvhNode> nodes_;
-  kdtree::Reservation<std::uint32_t> ids_;
+  kdtree::ReservedArray<BvhNode> nodes_;
+  kdtree::ReservedArray<std::uint32_t> ids_;
   bool repeats_;
   std::atomic<std::size_t> nodes_used_{0}, ids_used_{0};
 };
 
 /// The box around references; empty for none.
-inline geometry::Aabb bounds_of(std::span<const kdtree::BoxRef> refs) {
+inline geometry::Aabb bounds_of(std::span<const kdtree::Reference> refs) {
   geometry::Aabb box;
-  for (const kdtree::BoxRef& ref : refs) box.grow(ref.bounds());
+  for (const kdtree::Reference& ref : refs) box.grow(ref.bounds());
   return box;
 }
 

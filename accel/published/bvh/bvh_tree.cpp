@@ -29,7 +29,7 @@ void BvhTree::query(mesh::LeafTest& test) const { walk(*built(), test.ray, test.
 
 kdtree::TreeMetrics BvhTree::metrics() const {
   if (is_built()) return measure(*built());
-  return {.unbuilt_cells = 1};
+  return {.deferred_cells = 1};
 }
 
 }  // namespace sightline::accel::published::bvh

@@ -13,7 +13,7 @@ Lanes middle(Lanes lo, Lanes hi) { return lo * all_lanes(0.5f) + hi * all_lanes(
 
 }  // namespace
 
-void ListSpan::add(const kdtree::BoxRef& ref) {
+void ListSpan::add(const kdtree::Reference& ref) {
   const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
   boxes.grow(lo, hi);
   centers.grow(middle(lo, hi));
@@ -35,8 +35,8 @@ CenterBins::CenterBins(const LaneBox& centers, std::uint32_t bins)
   }
 }
 
-void CenterBins::add(std::span<const kdtree::BoxRef> refs) {
-  for (const kdtree::BoxRef& ref : refs) {
+void CenterBins::add(std::span<const kdtree::Reference> refs) {
+  for (const kdtree::Reference& ref : refs) {
     const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!(per_width_[a] > 0)) continue;
@@ -87,7 +87,7 @@ BinSplit CenterBins::best() const {
   return best;
 }
 
-bool CenterBins::goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const {
+bool CenterBins::goes_left(const kdtree::Reference& ref, const BinSplit& split) const {
   return bin(center(ref, split.axis), split.axis) <= split.last_left;
 }
 

@@ -15,7 +15,7 @@ namespace sightline::accel::published::bvh {
 struct ListSpan {
   LaneBox boxes, centers;
 
-  void add(const kdtree::BoxRef& ref);
+  void add(const kdtree::Reference& ref);
   void grow(const ListSpan& o) {
     boxes.grow(o.boxes);
     centers.grow(o.centers);
@@ -38,12 +38,12 @@ class CenterBins {
   /// none.
   CenterBins(const LaneBox& centers, std::uint32_t bins);
 
-  void add(std::span<const kdtree::BoxRef> refs);
+  void add(std::span<const kdtree::Reference> refs);
   CenterBins& operator+=(const CenterBins& o);
 
   /// The cheapest boundary that leaves something on both sides.
   BinSplit best() const;
-  bool goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const;
+  bool goes_left(const kdtree::Reference& ref, const BinSplit& split) const;
 
  private:
   struct Bin {

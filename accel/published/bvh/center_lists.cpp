@@ -42,7 +42,7 @@ void sort_places(std::vector<Place>& places) {
 }
 
 /// The places of references by ascending id, equal ids as they stand.
-std::vector<std::uint32_t> by_id(std::span<const kdtree::BoxRef> refs) {
+std::vector<std::uint32_t> by_id(std::span<const kdtree::Reference> refs) {
   std::vector<std::uint32_t> order(refs.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return refs[a].id < refs[b].id; };
@@ -91,7 +91,7 @@ void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& fir
 
 }  // namespace
 
-CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack& stack,
+CenterLists sort_by_centers(std::span<const kdtree::Reference> refs, FragmentStack& stack,
                             kdtree::BuildCounters& counters) {
   const std::vector<std::uint32_t> order = by_id(refs);
   CenterLists lists;
@@ -102,12 +102,12 @@ CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack&
   for_each_axis(refs.size(), [&](std::size_t axis) {
     std::vector<Place> places(refs.size());
     for (std::uint32_t i = 0; i < refs.size(); ++i) {
-      const kdtree::BoxRef& ref = refs[order[i]];
+      const kdtree::Reference& ref = refs[order[i]];
       places[i] = {ordered_bits(0.5f * ref.lo[axis] + 0.5f * ref.hi[axis]), i};
     }
     sort_places(places);
     std::transform(places.begin(), places.end(), lists.along[axis].begin(), [&](const Place& p) {
-      const kdtree::BoxRef& ref = refs[order[p.order]];
+      const kdtree::Reference& ref = refs[order[p.order]];
       return Fragment(ref.bounds(), ref.id, p.order);
     });
   });

@@ -54,7 +54,7 @@ inline geometry::Aabb box_around(std::span<const Fragment> fragments) {
 }
 
 /// All references, on the stack. Touches: a sort an axis.
-CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack& stack,
+CenterLists sort_by_centers(std::span<const kdtree::Reference> refs, FragmentStack& stack,
                             kdtree::BuildCounters& counters);
 
 struct ListHalves {

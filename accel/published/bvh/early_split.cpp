@@ -34,7 +34,7 @@ double size_of(const geometry::Aabb& box) {
 
 class EarlySplit {
  public:
-  EarlySplit(const geometry::MeshView& mesh, const std::vector<kdtree::BoxRef>& refs)
+  EarlySplit(const geometry::MeshView& mesh, const std::vector<kdtree::Reference>& refs)
       : mesh_(mesh), refs_(refs) {}
 
   SplitPiece<BoxPiece> operator()(const BoxPiece& piece) const {
@@ -57,14 +57,15 @@ class EarlySplit {
   }
 
   const geometry::MeshView& mesh_;
-  const std::vector<kdtree::BoxRef>& refs_;
+  const std::vector<kdtree::Reference>& refs_;
 };
 
 }  // namespace
 
-std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters) {
+std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters) {
   std::vector<BoxPiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) pieces.push_back({refs[i].bounds(), i});
@@ -77,10 +78,10 @@ std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
         counters.touches_prepare += 2;
         return split(piece);
       });
-  std::vector<kdtree::BoxRef> out;
+  std::vector<kdtree::Reference> out;
   out.reserve(pieces.size());
   for (const BoxPiece& piece : pieces) {
-    const kdtree::BoxRef& ref = refs[piece.source];
+    const kdtree::Reference& ref = refs[piece.source];
     out.push_back({piece.box.lo, ref.id, piece.box.hi, ref.weight});
   }
   return out;

@@ -18,8 +18,9 @@ namespace sightline::accel::published::bvh {
 /// where a hierarchy is built over them, as in the paper; BvhGrowth::leaf names it once in a leaf.
 ///
 /// Touches_prepare: a box made. Deterministic. Throws std::bad_alloc.
-std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters);
+std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -78,9 +78,10 @@ double volume_of(const geometry::Aabb& box) {
 
 }  // namespace
 
-std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters) {
+std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters) {
   std::vector<TrianglePiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) {
@@ -90,10 +91,10 @@ std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
   }
   const double least = rule.budget > 0 ? 0 : rule.threshold * volume_of(bounds_of(refs));
   split_largest_first(pieces, least, rule.most_pieces(refs.size()), size_of, split);
-  std::vector<kdtree::BoxRef> out;
+  std::vector<kdtree::Reference> out;
   out.reserve(pieces.size());
   for (const TrianglePiece& piece : pieces) {
-    const kdtree::BoxRef& ref = refs[piece.source];
+    const kdtree::Reference& ref = refs[piece.source];
     // A triangle that stayed whole has bounds already.
     const geometry::Aabb box = piece.depth > 0 ? box_of(piece, ref.bounds()) : ref.bounds();
     counters.touches_prepare += piece.depth > 0 ? 1 : 0;

@@ -16,8 +16,9 @@ namespace sightline::accel::published::bvh {
 ///
 /// In, out, touches: as split_early (early_split.h). Pieces are boxes around parts of triangles,
 /// which are bounded by their corners, computed in double and rounded outward.
-std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters);
+std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

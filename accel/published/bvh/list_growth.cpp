@@ -61,7 +61,7 @@ BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScr
 }
 
 BvhChild ListGrowth::leaf(const CenterLists& node) const {
-  std::array<kdtree::BoxRef, kMostInLeaf> refs;
+  std::array<kdtree::Reference, kMostInLeaf> refs;
   std::size_t n = 0;
   for (const Fragment& f : node.along[0]) {
     const geometry::Aabb box = f.bounds();
@@ -69,7 +69,7 @@ BvhChild ListGrowth::leaf(const CenterLists& node) const {
   }
   const auto end = refs.begin() + static_cast<std::ptrdiff_t>(n);
   std::sort(refs.begin(), end,
-            [](const kdtree::BoxRef& a, const kdtree::BoxRef& b) { return a.id < b.id; });
+            [](const kdtree::Reference& a, const kdtree::Reference& b) { return a.id < b.id; });
   return growth_.leaf({refs.data(), n}, node.box);
 }
 

@@ -11,7 +11,7 @@ std::size_t sweep_room(std::size_t references, const SpatialRule& spatial) {
   return spatial.splits() ? 2 * spatial.most_references(references) : references;
 }
 
-BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::Reference> refs,
                        const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
                        kdtree::BuildCounters& counters) {
   const std::size_t budget = spatial.most_references(refs.size()) - refs.size();

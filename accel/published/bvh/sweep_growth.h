@@ -27,7 +27,7 @@ std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
 /// that is dropped because the budget does not suffice is not counted, as it depends on threads.
 /// Cost: O(n log n), and up to 250 bytes a reference while it grows. Parallel in the caller's
 /// arena; the result does not depend on it. Throws std::bad_alloc.
-BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::Reference> refs,
                        const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
                        kdtree::BuildCounters& counters);
 

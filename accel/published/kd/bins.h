@@ -55,7 +55,7 @@ class AxisBins {
 };
 
 /// Bounds of the boxes' parts in the cell. Parallel for long lists.
-geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell);
+geometry::Aabb content_bounds(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell);
 
 /// Every reference, or one of every `stride` consecutive ones, drawn from them by a hash: lists
 /// come in regular orders, and every l-th of "object, floor, object, floor" may be floor
@@ -75,10 +75,10 @@ struct Sampling {
 
 /// Counts the sampled references on all three axes in one pass. Whole numbers: the same however the
 /// work is cut. Parallel for long lists.
-void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
+void count_bins(std::span<const kdtree::Reference> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes);
 
 /// Counts all references on one axis.
-void count_bins(std::span<const kdtree::BoxRef> refs, std::size_t axis, AxisBins& bins);
+void count_bins(std::span<const kdtree::Reference> refs, std::size_t axis, AxisBins& bins);
 
 }  // namespace sightline::accel::published::kd

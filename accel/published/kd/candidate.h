@@ -24,7 +24,7 @@ struct ExactCosts {
 /// order, so that every way of looking for the best candidate finds the same one.
 struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
-  kdtree::Cut cut;
+  kdtree::Split cut;
   std::uint32_t left = 0, right = 0;  ///< Weight on either side.
 
   bool operator<(const Candidate& o) const {
@@ -72,7 +72,7 @@ class AxisCuts {
 
  private:
   const ExactCosts& costs_;
-  split::CutAreas areas_;
+  split::SplitAreas areas_;
   float lo_, hi_;
   bool flat_;
   int axis_;

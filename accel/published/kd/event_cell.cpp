@@ -35,7 +35,7 @@ Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_
 
 }  // namespace
 
-std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::Cut& cut) {
+std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::Split& cut) {
   const float x = cut.plane.position;
   const std::size_t size = events.size();
   std::uint8_t* side = side_.get();
@@ -70,7 +70,7 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
 }
 
 void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
-                        std::span<const kdtree::BoxRef> refs, const geometry::MeshView& mesh) {
+                        std::span<const kdtree::Reference> refs, const geometry::MeshView& mesh) {
   for (Room& room : fresh) room.clear(2 * straddling_);
   for (const std::uint32_t reference : std::span(straddlers_).first(straddling_)) {
     const std::optional<geometry::Aabb> box =
@@ -117,8 +117,8 @@ std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh,
   return {out, size};
 }
 
-EventHalves EventDivider::divide(const EventCell& cell, const EventCut& cut,
-                                 std::span<const kdtree::BoxRef> refs,
+EventHalves EventDivider::divide(const EventCell& cell, const EventSplit& cut,
+                                 std::span<const kdtree::Reference> refs,
                                  const geometry::MeshView* mesh, kdtree::BuildCounters& counters) {
   const kdtree::Plane& plane = cut.cut.plane;
   const geometry::HalvedCell boxes = halve(cell.box, plane.axis, plane.position);

@@ -29,8 +29,8 @@ struct EventHalves {
 };
 
 /// What a cut knows of itself before anything is divided: see Candidate.
-struct EventCut {
-  kdtree::Cut cut;
+struct EventSplit {
+  kdtree::Split cut;
   std::uint32_t left = 0, right = 0;
 };
 
@@ -47,8 +47,8 @@ class EventDivider {
   /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to either
   /// half; who does not reach into a half is left out of it. `refs` says by index which face a
   /// reference is, and what it weighs.
-  EventHalves divide(const EventCell& cell, const EventCut& cut,
-                     std::span<const kdtree::BoxRef> refs, const geometry::MeshView* mesh,
+  EventHalves divide(const EventCell& cell, const EventSplit& cut,
+                     std::span<const kdtree::Reference> refs, const geometry::MeshView* mesh,
                      kdtree::BuildCounters& counters);
 
  private:
@@ -66,10 +66,10 @@ class EventDivider {
   };
   /// Writes side_ for every reference of the cell, and straddlers_. Returns how many are on the
   /// left only.
-  std::size_t classify(std::span<const Event> events, const kdtree::Cut& cut);
+  std::size_t classify(std::span<const Event> events, const kdtree::Split& cut);
   /// Makes the events of all straddlers in one half, and takes those out of its counts that only
   /// touch it.
-  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const kdtree::BoxRef> refs,
+  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const kdtree::Reference> refs,
             const geometry::MeshView& mesh);
   /// Divides the events of one axis by side_, in order.
   void splice(std::span<const Event> events);

@@ -26,7 +26,7 @@ namespace sightline::accel::published::kd {
 /// At most Event::kMaxReferences references. Throws std::bad_alloc. Large subtrees become tasks in
 /// the caller's arena.
 kdtree::Slot grow_by_events(const grow::GrowContext& context, const ExactBuilder& builder,
-                            std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                            std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                             const kdtree::CellPath& path, kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::kd

@@ -47,21 +47,21 @@ struct ExactBuilder {
   ///
   /// Touches: naive, the list for every candidate; sort, an axis: the list, the sort, and the list
   /// for the sweep. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   bool clips() const { return clip; }
 
   /// Sweep only: the subtree under a cell from one sorted list of events; nothing for other
   /// searches, or if there are more references than events can name. As `grow` of grow.h otherwise.
   std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
-                                           std::span<const kdtree::BoxRef> refs,
+                                           std::span<const kdtree::Reference> refs,
                                            const geometry::Aabb& cell, const kdtree::CellPath& path,
                                            kdtree::BuildCounters& counters) const;
 
   /// The cut to make in a cell of this weight, given its best candidate.
-  std::optional<kdtree::Cut> decide(const Candidate& best, std::uint32_t weight,
-                                    std::size_t references, const kdtree::CellPath& path) const;
+  std::optional<kdtree::Split> decide(const Candidate& best, std::uint32_t weight,
+                                      std::size_t references, const kdtree::CellPath& path) const;
 };
 
 }  // namespace sightline::accel::published::kd

@@ -26,7 +26,7 @@ enum class ScanAxes : std::uint8_t {
 struct HuntScan {
   ScanAxes axes = ScanAxes::kAll;
   /// Sample planes an axis in the first, uniform stage, the cell's faces included: a pass for every
-  /// kFirstPlanes. Range 2 to kMostSamples.
+  /// kUniformPlanes. Range 2 to kMostSamples.
   std::uint32_t uniform_samples = 8;
   /// Sample planes an axis in the second stage, placed along the range of C_L - C_R: as many
   /// passes. Range 0 to kMostSamples.
@@ -59,14 +59,14 @@ struct HuntScan {
   /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing
   /// every box, or no plane fits. Threads: any. Large lists are scanned in parallel in the caller's
   /// arena; the answer does not depend on how.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   /// Whether lists that come of sifting one of `references` boxes are worth counting meanwhile
   /// (CellRefs::first). Not for short ones, most of whose children are cut by their bounds, and not
   /// with clipping, which changes what was counted.
   bool scans_children(std::size_t references) const {
-    return !clip && uniform_samples <= kdtree::kFirstPlanes &&
+    return !clip && uniform_samples <= kdtree::kUniformPlanes &&
            references >= 2 * std::size_t{exact_below};
   }
 

@@ -35,8 +35,8 @@ struct SpatialMedianBuilder {
   int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
 
   /// Touches: one pass. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };
@@ -54,8 +54,8 @@ struct ObjectMedianBuilder {
 
   /// Touches, an axis: one pass for the centres, two for selecting the median, one to count the
   /// sides. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };

@@ -36,8 +36,8 @@ struct MinMaxBuilder {
   /// Touches: one pass for the bounds of the contents, one over the sample; at the bottom, an axis,
   /// one for every kScanWidth candidates. Threads: any. Long lists are counted in parallel in the
   /// caller's arena.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   /// Boxes are left as they are: a straddler keeps its bounds on both sides.
   bool clips() const { return false; }
@@ -52,9 +52,9 @@ struct MinMaxBuilder {
   /// Threads of the decomposition that share a cell at this depth.
   std::uint32_t threads_at(int depth) const;
   /// The best boundary of the bins.
-  std::optional<kdtree::Cut> choose_boundary(std::span<const kdtree::BoxRef> refs,
-                                             const geometry::Aabb& cell,
-                                             kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose_boundary(std::span<const kdtree::Reference> refs,
+                                               const geometry::Aabb& cell,
+                                               kdtree::BuildCounters& counters) const;
 };
 
 }  // namespace sightline::accel::published::kd

@@ -6,8 +6,8 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using AxisPlanes = std::array<split::FirstAxis, 3>;
-using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>;
+using AxisPlanes = std::array<split::UniformAxis, 3>;
+using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>;
 
 /// Planes of one stage, on three axes; unused places repeat the last.
 struct StagePlanes {
@@ -15,14 +15,14 @@ struct StagePlanes {
   std::array<std::size_t, 3> used{};
 
   std::size_t passes() const {
-    return (std::max({used[0], used[1], used[2]}) + kdtree::kFirstPlanes - 1) /
-           kdtree::kFirstPlanes;
+    return (std::max({used[0], used[1], used[2]}) + kdtree::kUniformPlanes - 1) /
+           kdtree::kUniformPlanes;
   }
   AxisPlanes of_pass(std::size_t pass) const {
     AxisPlanes planes;
     for (std::size_t a = 0; a < 3; ++a)
-      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kdtree::kFirstPlanes),
-                  kdtree::kFirstPlanes, planes[a].begin());
+      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kdtree::kUniformPlanes),
+                  kdtree::kUniformPlanes, planes[a].begin());
     return planes;
   }
 };
@@ -47,7 +47,7 @@ AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
                         const AxisPlanes& planes, kdtree::BuildCounters& counters) {
   counters.touches += list.size;
   return split::run_pass(list,
-                         [range, planes](std::span<const kdtree::BoxRef> refs) {
+                         [range, planes](std::span<const kdtree::Reference> refs) {
                            split::PassResult found;
                            const auto axis = static_cast<std::size_t>(range.begin);
                            if (range.all()) {
@@ -71,7 +71,8 @@ std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRan
                                   : count_planes(list, range, planes.of_pass(pass), counters);
     for (std::size_t a = 0; a < 3; ++a) {
       Samples& s = samples[a];
-      for (std::size_t i = 0; i < kdtree::kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
+      for (std::size_t i = 0; i < kdtree::kUniformPlanes && s.size < planes.used[a];
+           ++i, ++s.size) {
         s.at[s.size] = {static_cast<double>(planes.at[a][s.size]),
                         static_cast<double>(counts[a].left[i]),
                         static_cast<double>(counts[a].right[i])};
@@ -122,7 +123,7 @@ std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRang
                                    std::uint32_t uniform, std::uint32_t adaptive,
                                    kdtree::BuildCounters& counters) {
   const bool known =
-      list.first != nullptr && uniform <= kdtree::kFirstPlanes && list.first->covers(list.size);
+      list.first != nullptr && uniform <= kdtree::kUniformPlanes && list.first->covers(list.size);
   std::array<Samples, 3> samples =
       sample_stage(list, range, uniform_planes(list.box, range, uniform),
                    known ? &list.first->axes : nullptr, counters);

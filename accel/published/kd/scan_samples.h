@@ -37,14 +37,14 @@ std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<fl
 Samples merge(const Samples& a, const Samples& b);
 
 /// The whole of section 5.2: uniform samples, then adaptive ones, over the axes in range; the
-/// others stay empty. For every kFirstPlanes of either a pass is made, but for those uniform ones
+/// others stay empty. For every kUniformPlanes of either a pass is made, but for those uniform ones
 /// of which it is known what it finds (CellRefs::first).
 std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRange range,
                                    std::uint32_t uniform, std::uint32_t adaptive,
                                    kdtree::BuildCounters& counters);
 
 /// The same for a list at hand.
-inline std::array<Samples, 3> sample_axes(std::span<const kdtree::BoxRef> refs,
+inline std::array<Samples, 3> sample_axes(std::span<const kdtree::Reference> refs,
                                           const geometry::Aabb& cell, split::AxisRange range,
                                           std::uint32_t uniform, std::uint32_t adaptive,
                                           kdtree::BuildCounters& counters) {

@@ -9,7 +9,7 @@
 
 namespace sightline::accel::published::kd {
 
-Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::Reference> refs,
                         const geometry::Aabb& cell, std::uint32_t weight,
                         kdtree::BuildCounters& counters) {
   Candidate best;

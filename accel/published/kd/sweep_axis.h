@@ -16,7 +16,7 @@ struct UnitWeights {
 };
 
 struct ListWeights {
-  std::span<const kdtree::BoxRef> refs;
+  std::span<const kdtree::Reference> refs;
   std::uint32_t operator()(std::uint32_t reference) const { return refs[reference].weight; }
 };
 

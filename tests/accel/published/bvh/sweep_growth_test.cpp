@@ -28,7 +28,7 @@ struct Grown {
 
 Grown grow(const TestMesh& mesh, const SpatialRule& spatial, const BvhLeafRule& leaf = {}) {
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   Grown grown;
   grown.references = refs.size();
   BvhGrowth growth(sweep_room(refs.size(), spatial));
@@ -121,7 +121,7 @@ TEST(SweepGrowth, IsTheSameForAnyNumberOfThreads) {
 TEST(SweepGrowth, IsTheSameInWhateverOrderReferencesAre) {
   const TestMesh mesh = tests::random_soup(5000, 0.1, 3);
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   const Grown straight = grow(mesh, {});
   std::reverse(refs.begin(), refs.end());
   kdtree::BuildCounters counters;

@@ -9,7 +9,7 @@
 namespace sightline::accel::kdtree {
 
 /// Most planes an axis of a cell's first, uniform pass, and of any pass over three axes.
-inline constexpr std::size_t kFirstPlanes = 8;
+inline constexpr std::size_t kUniformPlanes = 8;
 
 /// What a pass counted at the planes of one axis.
 template <std::size_t kPlanes>
@@ -28,20 +28,20 @@ struct PlaneCounts {
 };
 
 /// What the first pass found in some of a cell's list. Adds up over disjoint pieces of it.
-struct FirstScan {
+struct ChildScan {
   std::size_t references = 0;  ///< How many boxes were counted.
-  std::array<PlaneCounts<kFirstPlanes>, 3> axes;
+  std::array<PlaneCounts<kUniformPlanes>, 3> axes;
 
   /// Whether it stands for the whole of a list of that many boxes. Who changes a list after it was
   /// counted (boxes opened, clipped, left out) has to forget the counts.
   bool covers(std::size_t size) const { return size > 0 && references == size; }
 
-  FirstScan& operator+=(const FirstScan& o) {
+  ChildScan& operator+=(const ChildScan& o) {
     references += o.references;
     for (std::size_t a = 0; a < 3; ++a) axes[a] += o.axes[a];
     return *this;
   }
-  bool operator==(const FirstScan&) const = default;
+  bool operator==(const ChildScan&) const = default;
 };
 
 }  // namespace sightline::accel::kdtree
