@@ -2,8 +2,8 @@
 // first, whose unevaluated sum is the value. Source: Shewchuk 1997, "Adaptive Precision
 // Floating-Point Arithmetic and Fast Robust Geometric Predicates", sections 2.3 to 2.7.
 //
-// Exact as long as nothing overflows or falls below the smallest normal double; LocalRay keeps its
-// numbers in a range where neither can happen. For rare use: clarity over speed.
+// Exact unless a value overflows or falls below the smallest normal double; LocalRay keeps its
+// numbers in a range where neither can happen. Rarely used, so written for clarity, not speed.
 #pragma once
 
 #include <array>

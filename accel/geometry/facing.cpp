@@ -1,4 +1,5 @@
-// The sign of a determinant: by doubles with a proven bound, then exactly.
+// The sign of a determinant: in doubles with a proven error bound, exactly where that does not
+// decide.
 #include "accel/geometry/facing.h"
 
 #include <cmath>
@@ -8,8 +9,8 @@
 namespace sightline::accel::geometry {
 namespace {
 
-// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2| in
-// the maximum norm, |d| < 2.
+// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2|
+// (maximum norm), and |d| < 2.
 constexpr double kSignError = 0x1p-46;
 
 double max_norm(const Vec3d& v) {

@@ -1,4 +1,5 @@
-// The hit rule: signs first by doubles with a proven bound, then exactly.
+// The hit rule: signs are computed in doubles with a proven error bound, exactly where that does
+// not decide.
 #include "accel/geometry/intersect.h"
 
 #include <algorithm>
@@ -69,7 +70,7 @@ double exact_t(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d&
          dot(normal, exactly(ray.direction)).estimate();
 }
 
-/// The shares of det[d, c - o, a - o] and det[d, a - o, b - o] in N . d, likewise.
+/// det[d, c - o, a - o] and det[d, a - o, b - o] divided by N . d, computed exactly.
 Barycentric exact_weights(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const auto d = exactly(ray.direction);
   const auto pa = difference(a, ray.origin), pb = difference(b, ray.origin),
@@ -103,8 +104,9 @@ double intersect_survivor(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf,
                         const Vec3f& cf) {
   const Vec3d a(af), b(bf), c(cf);
-  // Around the hit point the numbers are of the triangle's size, not of the ray's length. By way of
-  // the origin, so that the distance from the frame's zero does not count either.
+  // Relative to the hit point, coordinates are as large as the triangle, not as the ray's length.
+  // The origin is subtracted first, so that the distance from the frame's zero does not matter
+  // either.
   const Vec3d p = ray.direction * t;
   const Vec3d pa = (a - ray.origin) - p, pb = (b - ray.origin) - p, pc = (c - ray.origin) - p;
   const double wa = dot(ray.direction, cross(pb, pc));

@@ -1,4 +1,4 @@
-// A ray query and its answer, as the scene level and the wire see them.
+// A ray query and its answer, as used by the scene level and the wire.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct Hit {
   HitState state = HitState::kMiss;
 };
 
-/// Set in Hit::work when the ray met a cell that is not built yet.
+/// Flag in Hit::work: the ray met a cell that is not built yet.
 inline constexpr std::uint32_t kWorkDeferred = 0x80000000u;
 
 }  // namespace sightline::accel::geometry

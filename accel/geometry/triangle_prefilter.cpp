@@ -26,10 +26,10 @@ std::uint64_t candidate_mask(const MeshView&, const ShearedRay&, std::span<const
 
 #else
 
-/// Numbers too small to be normal are off by less than this.
+/// Bounds the error of numbers too small to be normal.
 constexpr float kTiny = 0x1p-100f;
 
-/// A corner of each of many triangles, as seen.
+/// One corner of each of several triangles, projected.
 template <class D>
 struct Projected {
   hn::Vec<D> x, y;
@@ -40,7 +40,7 @@ struct Projected {
   }
 };
 
-/// A corner of many faces, by fours: of faces 0, 4, 8, ... three coordinates and what is behind.
+/// Loads one corner of faces 0, 4, 8, ...: three coordinates and the float behind them.
 template <class D>
 HWY_INLINE hn::Vec<D> load_fours(D d, const MeshView& mesh, const std::uint32_t* faces,
                                  std::size_t corner) {
@@ -53,7 +53,7 @@ HWY_INLINE hn::Vec<D> load_fours(D d, const MeshView& mesh, const std::uint32_t*
   }
 }
 
-/// As many triangles as D has lanes, which are a multiple of four. kZ: ShearedRay::z.
+/// One triangle for each lane of D; the lane count is a multiple of four. kZ: ShearedRay::z.
 template <std::size_t kZ, class D>
 class Triangles {
  public:
@@ -62,14 +62,14 @@ class Triangles {
 
   explicit Triangles(const ShearedRay& ray) : ray_(ray) {}
 
-  /// Bit i: not certainly missed.
+  /// Bit i is set if triangle i is not certainly missed.
   ///
-  /// The bound, with u = 2^-24 and all sizes taken as computed: a vertex relative to the origin is
-  /// off by error / 2 and its rounding; as it is seen, by `error` and six roundings of the largest
-  /// coordinate n, so by E = error + 8 u n. Of the two products of an edge function, each is off by
-  /// 2 E m + E^2 where m is the largest coordinate as seen, and they and their difference are
-  /// rounded by 4 u m^2. 4.25 E (m + E) + 8 u m^2 is above the sum. Numbers too large make it
-  /// infinite or NaN, and then nothing is a miss.
+  /// The error bound, with u = 2^-24 and all sizes as computed. A vertex relative to the origin is
+  /// off by error / 2 and its rounding. A projected vertex is off by `error` and six roundings of
+  /// the largest coordinate n, so by E = error + 8 u n. Each of the two products of an edge
+  /// function is off by 2 E m + E^2, where m is the largest projected coordinate; rounding them and
+  /// their difference adds 4 u m^2. 4.25 E (m + E) + 8 u m^2 is above the sum. Numbers that are too
+  /// large make the bound infinite or NaN, and then no triangle is a miss.
   HWY_INLINE std::uint64_t possible(const MeshView& mesh, const std::uint32_t* faces) const {
     const D d;
     if (reads_last(mesh, faces)) return (std::uint64_t{1} << kLanes) - 1;
@@ -92,7 +92,7 @@ class Triangles {
   }
 
  private:
-  /// Behind the last vertex there may be nothing to read.
+  /// The memory behind the last vertex may not be readable.
   static HWY_INLINE bool reads_last(const MeshView& mesh, const std::uint32_t* faces) {
     const std::size_t last = mesh.vertices.size() - 1;
     bool reads = false;
@@ -103,7 +103,7 @@ class Triangles {
     return reads;
   }
 
-  /// n grows to the largest coordinate.
+  /// Raises n to the largest coordinate.
   HWY_INLINE Projected<D> project(const MeshView& mesh, const std::uint32_t* faces,
                                   std::size_t corner, V& n) const {
     const D d;
@@ -126,7 +126,7 @@ class Triangles {
   const ShearedRay& ray_;
 };
 
-/// Whole vectors: what is beyond the end stands in for the last face.
+/// Works on whole vectors: lanes beyond the end repeat the last face.
 template <std::size_t kZ, class D>
 HWY_INLINE std::uint64_t possible(const MeshView& mesh, const ShearedRay& ray,
                                   std::span<const std::uint32_t> faces) {
@@ -151,7 +151,7 @@ HWY_INLINE std::uint64_t possible(const MeshView& mesh, const ShearedRay& ray,
   return possible<2, D>(mesh, ray, faces);
 }
 
-/// So that the memory's answers are waited for together.
+/// Prefetches all of them, so that cache misses overlap.
 HWY_INLINE void fetch(const MeshView& mesh, std::span<const std::uint32_t> faces) {
   for (const std::uint32_t face : faces) hwy::Prefetch(mesh.faces.data() + face);
   for (const std::uint32_t face : faces) {
@@ -195,7 +195,8 @@ ShearedRay sheared(const LocalRay& ray) {
   }
   out.shear_x = static_cast<float>(d[x] / d[out.z]);
   out.shear_y = static_cast<float>(d[y] / d[out.z]);
-  // Twice: that of x, and of the share of z that is taken from it. Rounded up by the last term.
+  // Twice the error: that of x, and that of the multiple of z subtracted from it. The last term
+  // rounds up.
   constexpr float kTiny = 0x1p-100f;
   out.error = error < kMost / 3 ? static_cast<float>(2.001 * error) + kTiny
                                 : std::numeric_limits<float>::infinity();

@@ -9,7 +9,7 @@
 namespace sightline::accel::kdtree {
 namespace {
 
-// Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells
+// Far more than the surface area heuristic needs. A tree that needs more keeps its last cells
 // deferred.
 constexpr std::size_t kPairsPerReference = 32;
 constexpr std::size_t kIdsPerReference = 64;
@@ -57,7 +57,7 @@ void KdTree::reserve(std::size_t references) {
     if (arrays_.compare_exchange_strong(arrays, fresh.get(), std::memory_order_acq_rel))
       arrays = fresh.release();
   }
-  // By everybody: whoever was first may have been stopped before coming to this.
+  // Every thread stores them: the thread that made the arrays may be suspended before this line.
   pairs_.store(arrays->pairs.data(), std::memory_order_relaxed);
   ids_.store(arrays->ids.data(), std::memory_order_relaxed);
 }

@@ -1,5 +1,5 @@
-// What the first pass over a cell's list counts: kept with a deferred cell, so that the pass need
-// not be made again.
+// Weights counted at a few planes by the first pass over a cell's list. They are kept with a
+// deferred cell, so that the pass is not made again.
 #pragma once
 
 #include <array>
@@ -8,10 +8,11 @@
 
 namespace sightline::accel::kdtree {
 
-/// Most planes an axis of a cell's first, uniform pass, and of any pass over three axes.
+/// Largest number of planes per axis in a cell's first, uniform pass, and in any pass over three
+/// axes.
 inline constexpr std::size_t kUniformPlanes = 8;
 
-/// What a pass counted at the planes of one axis.
+/// Weights counted at the planes of one axis.
 template <std::size_t kPlanes>
 struct PlaneCounts {
   std::array<std::uint32_t, kPlanes> left{};   ///< Weight with lo < plane.
@@ -27,13 +28,13 @@ struct PlaneCounts {
   bool operator==(const PlaneCounts&) const = default;
 };
 
-/// What the first pass found in some of a cell's list. Adds up over disjoint pieces of it.
+/// Counts of the first pass over some of a cell's list. Counts of disjoint pieces add up.
 struct ChildScan {
-  std::size_t references = 0;  ///< How many boxes were counted.
+  std::size_t references = 0;  ///< Number of references counted.
   std::array<PlaneCounts<kUniformPlanes>, 3> axes;
 
-  /// Whether it stands for the whole of a list of that many boxes. Who changes a list after it was
-  /// counted (boxes opened, clipped, left out) has to forget the counts.
+  /// Whether the counts are of a whole list of `size` references. Code that changes a list after it
+  /// was counted (opens, clips or removes references) must reset the counts.
   bool covers(std::size_t size) const { return size > 0 && references == size; }
 
   ChildScan& operator+=(const ChildScan& o) {

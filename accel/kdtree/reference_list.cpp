@@ -1,4 +1,4 @@
-// Cutting long lists into slices.
+// Divides long lists into slices.
 #include "accel/kdtree/reference_list.h"
 
 #include <cassert>

@@ -1,5 +1,5 @@
-// Lists of references as they are kept: short ones whole, long ones in pieces that several threads
-// work on.
+// Lists of references. Short lists are one array, long lists are slices that several threads work
+// on.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@
 
 namespace sightline::accel::kdtree {
 
-/// An owned list of references whose unused end can be given back.
+/// An owned array of references whose unused end can be freed.
 class ReferenceList {
  public:
   ReferenceList() = default;
-  /// Room for `size` boxes, uninitialised. Throws std::bad_alloc.
+  /// Allocates `size` references, uninitialised. Throws std::bad_alloc.
   explicit ReferenceList(std::size_t size) : data_(allocate(nullptr, size)), size_(size) {}
   /// A copy.
   explicit ReferenceList(std::span<const Reference> refs) : ReferenceList(refs.size()) {
@@ -32,7 +32,7 @@ class ReferenceList {
   std::size_t size() const { return size_; }
   std::uint64_t bytes() const { return size_ * sizeof(Reference); }
 
-  /// Keeps the first `size` boxes.
+  /// Keeps the first `size` references, and frees the others' memory.
   void shrink(std::size_t size) {
     if (size == size_) return;
     data_.reset(allocate(data_.release(), size));
@@ -65,24 +65,25 @@ class SlicedList {
   std::size_t slice_size(std::size_t slice) const;
   std::span<const std::span<const Reference>> slice(std::size_t slice) const;
   std::span<const std::span<const Reference>> all() const { return spans_; }
-  /// The reference at an index in the list.
+  /// The reference at an index of the list.
   const Reference& operator[](std::size_t index) const;
   std::uint64_t bytes() const { return size_ * sizeof(Reference); }
 
  private:
   std::vector<Piece> pieces_;
   std::vector<std::span<const Reference>> spans_;
-  std::vector<std::size_t> slice_ends_;  // places in spans_
+  std::vector<std::size_t> slice_ends_;  // indices into spans_
   std::size_t size_ = 0;
 };
 
-/// What a thread does at a time: with what comes of it, it stays in a core's second cache.
+/// References in a slice, which one thread works on at a time. A slice and its results fit in a
+/// core's second-level cache.
 inline constexpr std::size_t kReferencesPerSlice = 4096;
 
-/// Copies spans one behind the other.
+/// Copies spans into one list of `size` references.
 ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_t size);
 
-/// The list of a cell that is not built.
+/// The list of a deferred cell: short or long.
 class CellList {
  public:
   CellList() = default;
@@ -92,12 +93,12 @@ class CellList {
   std::size_t size() const { return long_ ? long_->size() : short_.size(); }
   std::uint64_t bytes() const { return long_ ? long_->bytes() : short_.bytes(); }
 
-  /// Null for a short one.
+  /// Null for a short list.
   const std::shared_ptr<const SlicedList>& sliced() const { return long_; }
-  /// Of a short one.
+  /// The references of a short list.
   std::span<const Reference> whole() const { return short_.all(); }
 
-  /// Calls visit(span) for every part, until it returns true; returns whether it did.
+  /// Calls visit(span) for every part until one call returns true. Returns whether one did.
   template <class Visit>
   bool any_part(const Visit& visit) const {
     if (!long_) return visit(short_.all());

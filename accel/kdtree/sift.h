@@ -1,4 +1,4 @@
-// Sifting: dividing a cell's list by a plane; a straddler goes to both sides. Source: Hunt et al.
+// Sifting: divides a cell's list by a plane; a straddler goes to both sides. Source: Hunt et al.
 // 2006, section 6.3.1. Differs: lists hold the boxes, not pointers to them (docs/decisions/0002).
 #pragma once
 
@@ -14,7 +14,7 @@ struct PartitionCounts {
   std::size_t right = 0;
 };
 
-/// Where cut.planar_left is not set: by the rule of membership alone.
+/// As below, for splits without planar_left: by the rule of membership alone.
 inline PartitionCounts sift(std::span<const Reference> refs, const Plane& plane, Reference* left,
                             Reference* right) {
   const auto axis = static_cast<std::size_t>(plane.axis);
@@ -22,7 +22,7 @@ inline PartitionCounts sift(std::span<const Reference> refs, const Plane& plane,
   Reference *end_of_left = left, *end_of_right = right;
   for (const Reference& ref : refs) {
     const bool in_left = ref.lo[axis]<x, in_right = ref.hi[axis]> x;
-    const Reference copy = ref;  // `ref` may lie where `left` is written
+    const Reference copy = ref;  // `ref` may be in the memory that `left` writes
     *end_of_right = copy;
     *end_of_left = copy;
     end_of_left += in_left;
@@ -33,8 +33,9 @@ inline PartitionCounts sift(std::span<const Reference> refs, const Plane& plane,
 }
 
 /// Writes the members of the left cell to `left` and those of the right cell to `right`, in order.
-/// Each has room for refs.size() boxes; `left` may be refs.data() itself. Without branches on the
-/// boxes: both sides are always written, and the place moves on only if the box belongs there.
+/// Each has capacity for refs.size() references; `left` may be refs.data(). There is no branch per
+/// reference: both sides are always written, and an end advances only if the reference belongs
+/// there.
 inline PartitionCounts sift(std::span<const Reference> refs, const Split& cut, Reference* left,
                             Reference* right) {
   if (!cut.planar_left) return sift(refs, cut.plane, left, right);

@@ -1,4 +1,4 @@
-// Walking whole trees to sum them up.
+// Walks whole trees to compute their metrics.
 #include "accel/kdtree/tree_metrics.h"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ TreeMetrics measure(const KdTree& tree) {
 GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids) {
   GrowthMetrics g;
   const Slot root = load(tree.root());
-  // An untouched tree is not worth a bit a reference.
+  // An untouched tree needs no bit for each reference.
   std::vector<bool> seen(root.is_deferred() ? 0 : ids);
   grow_below(tree, root, seen, g);
   return g;

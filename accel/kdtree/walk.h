@@ -1,4 +1,5 @@
-// Walking a ray through a kd-tree: the one traversal loop, for both levels and all kinds of query.
+// The traversal of a kd-tree by a ray: one loop for scene trees and mesh trees, and for all kinds
+// of query.
 #pragma once
 
 #include <array>
@@ -20,9 +21,9 @@ namespace sightline::accel::kdtree {
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
 enum class DeferredAction {
-  kRetry,  ///< It is built now: look again.
-  kDone,   ///< Dealt with: go on with the next cell.
-  kStop,   ///< Stop the walk.
+  kRetry,  ///< The cell is built now: read the slot again.
+  kDone,   ///< The cell is searched or skipped: continue with the next cell.
+  kStop,   ///< Stop the traversal.
 };
 
 template <class Visit>
@@ -45,8 +46,8 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
           (static_cast<double>(slot.position()) - ray.local->origin[axis]) * ray.inverse[axis];
       AtomicSlot* children = tree.children(slot);
       const std::size_t first = ray.first[axis];
-      // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its
-      // interval.
+      // A ray in the plane has t = NaN, which fails both tests: both sides are visited with the
+      // whole interval.
       const bool skip_near = t + ray.slack < t_in;
       const bool skip_far = t - ray.slack > t_out;
       if (skip_near) {

@@ -1,4 +1,4 @@
-// Making references of faces.
+// References of faces, or of runs of faces.
 #include "accel/mesh/face_references.h"
 
 #include <atomic>
@@ -9,7 +9,7 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// A mesh's faces, or runs of them: decided by whoever asks first.
+/// A mesh's faces or runs of them; the first call decides which.
 class Faces {
  public:
   Faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds, bool may_run)

@@ -1,4 +1,4 @@
-// Asking a mesh's tree, and building it where it is asked.
+// Queries of a mesh's tree, which build it where rays need it.
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// What a walk through a kd-tree asks, at cells that are not built, too.
+/// The visitor of a kd-tree: at leaves and at deferred cells.
 struct KdVisit : LeafTest {
   lazy::LazyTree& lazy;
   kdtree::BuildCounters& built;

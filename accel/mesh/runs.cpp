@@ -1,4 +1,4 @@
-// Runs, and whether they are worth beginning with.
+// Runs of faces, and the test whether they are compact.
 #include "accel/mesh/runs.h"
 
 #include <algorithm>
@@ -9,21 +9,23 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// Fewer are opened as soon as they are looked at.
+/// With fewer runs, the root would open them at once.
 constexpr std::size_t kFewestRuns = 64;
-/// Of so many runs the shape is looked at.
+/// Number of runs in the sample that is measured.
 constexpr std::size_t kSampled = 256;
-/// Longest mean extent of compact runs, as a share of the mesh's: so many of them a plane cuts.
+/// Largest mean extent of compact runs, as a share of the mesh's extent. A plane cuts about this
+/// share of the runs.
 constexpr double kCompact = 1.0 / 5;
 
-/// In the id of a short run, beside kdtree::kOpenable and its index.
+/// Flag in the id of a short run, with kdtree::kOpenable and the index of the run.
 constexpr std::uint32_t kShort = std::uint32_t{1} << 30;
 
 FaceRange faces_at(const geometry::MeshView& mesh, std::size_t index, std::size_t length) {
   return {index * length, std::min((index + 1) * length, mesh.faces.size())};
 }
 
-/// Writes the reference of a run, if it has a triangle; returns how many that are.
+/// Writes the reference of a run if it has a finite triangle; returns the number of references, 0
+/// or 1.
 std::size_t run_reference(const geometry::MeshView& mesh, FaceRange faces, std::uint32_t id,
                           kdtree::Reference* out) {
   const FaceSum sum = sum_faces(mesh, faces.begin, faces.end);

@@ -1,4 +1,4 @@
-// Sifting and counting at once, compiled once per SIMD target and chosen at run time.
+// Sifting and counting in one pass, compiled once per SIMD target and chosen at run time.
 #include "accel/split/child_scan.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Both cells' planes of an axis share registers: those of the left cell in the lower half.
+/// The planes of both cells along an axis share registers: the left cell's are in the lower half.
 using Floats = hn::CappedTag<float, kScanWidth>;
 using Counts = hn::RebindToUnsigned<Floats>;
 using Box = hn::CappedTag<std::uint32_t, sizeof(kdtree::Reference) / sizeof(std::uint32_t)>;
@@ -23,7 +23,8 @@ constexpr std::size_t kParts = kScanWidth / kLanes;
 constexpr std::size_t kBoxLanes = hn::MaxLanes(Box());
 constexpr std::size_t kBoxParts = sizeof(kdtree::Reference) / sizeof(std::uint32_t) / kBoxLanes;
 
-/// Which lanes a box is counted in: row 1 for the left cell's, 2 for the right cell's, 3 for both.
+/// Mask of the lanes that count a box: row 1 for boxes in the left cell, 2 for the right cell, 3
+/// for both.
 struct alignas(64) Sides {
   std::uint32_t row[4][kScanWidth];
 };
@@ -39,7 +40,7 @@ constexpr Sides sides() {
 }
 constexpr Sides kSides = sides();
 
-/// One axis of both cells.
+/// Planes and counts of one axis, for both cells.
 struct Axis {
   hn::Vec<Floats> at[kParts];
   hn::Vec<Counts> left[kParts], right[kParts];
@@ -91,7 +92,7 @@ kdtree::PartitionCounts sift(std::span<const kdtree::Reference> refs, const kdtr
                              kdtree::Reference* left, kdtree::Reference* right, ChildScans& scans) {
   const auto cut = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
-  Axis along_x, along_y, along_z;  // by name: they have to stay in registers
+  Axis along_x, along_y, along_z;  // separate variables, so that they stay in registers
   load(scans, 0, along_x);
   load(scans, 1, along_y);
   load(scans, 2, along_z);
@@ -134,7 +135,7 @@ HWY_EXPORT(sift);
 
 namespace {
 
-/// Where the i-th of n planes stands between the faces: row n, place i.
+/// Position of plane i of n between the faces, from 0 to 1: row n, column i.
 using Shares = std::array<std::array<double, kdtree::kUniformPlanes>, kdtree::kUniformPlanes + 1>;
 constexpr Shares shares() {
   Shares all{};

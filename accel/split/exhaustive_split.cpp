@@ -22,7 +22,7 @@ using Floats = hn::CappedTag<float, kScanWidth>;
 using Counts = hn::RebindToUnsigned<Floats>;
 constexpr std::size_t kLanes = hn::MaxLanes(Floats());
 
-/// No bound at all: fails every comparison, so it is no candidate and cannot be the best.
+/// Fills unused entries: NaN fails every comparison, so it is never a candidate.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// The bounds of one axis that lie strictly inside the cell, in list order, then kNone.
@@ -31,7 +31,7 @@ struct Candidates {
   alignas(64) float at[2 * kMaxBoundScan + kScanWidth];
 };
 
-/// Read as floats, a box is two groups of four: x, y, z of a bound and something else.
+/// As floats, a reference is two groups of four: x, y, z of a bound, and one other value.
 static_assert(sizeof(kdtree::Reference) == 8 * sizeof(float));
 
 template <int kAxes>
@@ -53,7 +53,7 @@ HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int firs
 template <int kAxes>
 HWY_INLINE void collect(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                         int first_axis, Candidates* out) {
-  constexpr std::size_t kBoxes = (kLanes + 1) / 2;  // in a register's worth of groups
+  constexpr std::size_t kBoxes = (kLanes + 1) / 2;  // that fill a register
   const std::size_t whole = refs.size() / kBoxes * kBoxes;
   const auto append_all = [&](const kdtree::Reference* begin, const kdtree::Reference* end) {
     const auto* last = reinterpret_cast<const float*>(end);

@@ -1,4 +1,4 @@
-// Bounds on the cost between planes, and the planes that follow from them.
+// Bounds on the cost between planes, and the planes of the second pass that follow from them.
 #include "accel/split/guided_scan.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostSegments = kdtree::kUniformPlanes - 1;
 
-/// What cuts along one axis of a cell cost, in weight: tests to expect in the children.
+/// Cost of splits along one axis of a cell, in weight: expected tests in the children.
 struct AxisCost {
   AxisCost(const geometry::Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : areas(cell, static_cast<int>(axis), per_whole),
@@ -24,7 +24,7 @@ struct AxisCost {
 
   double children(double x, double left, double right) const {
     const double sum = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
-    const bool one_empty = (left == 0) | (right == 0);  // no branch: seldom, and unforeseen
+    const bool one_empty = (left == 0) | (right == 0);  // no branch: rare, and hard to predict
     return sum * (one_empty ? bonus : 1.0);
   }
   bool inside(float x) const { return x > lo && x < hi; }
@@ -34,7 +34,7 @@ struct AxisCost {
   float lo, hi;
 };
 
-/// The cheapest cut so far; the first of equal ones.
+/// The cheapest split so far; of equal ones the first.
 struct Best {
   kdtree::Plane plane;
   double children = kNever;
@@ -46,15 +46,17 @@ struct Best {
   }
 };
 
-/// What one axis may have between the planes of the first pass.
+/// Bounds on the cost of splits between the planes of the first pass, along one axis.
 struct SegmentBounds {
-  std::array<double, kMostSegments> least;  ///< No cut within the segment costs less.
-  double estimate = kNever;                 ///< What the best of them may be hoped to cost.
+  std::array<double, kMostSegments>
+      least;                 ///< Lower bound: no split within the segment costs less.
+  double estimate = kNever;  ///< Estimated cost of the best split in any segment.
 };
 
 double share(double a, double b, double t) { return a + (b - a) * t; }
 
-/// From the least a segment can cost to what it costs if counts rise evenly; measured.
+/// Estimate = lower bound + this share of the distance to the cost with evenly rising counts.
+/// Measured.
 constexpr double kEstimateBlend = 0.75;
 
 SegmentBounds bound_segments(const AxisCost& cost, const UniformAxis& planes,
@@ -76,9 +78,9 @@ SegmentBounds bound_segments(const AxisCost& cost, const UniformAxis& planes,
   return bounds;
 }
 
-/// Planes over the segments that may cost less than `limit`, the same number in each but for
-/// rounding, evenly within; and `known`, which may gain by moving. False if there is no such
-/// segment.
+/// Spreads planes over the segments that may cost less than `limit`: the same number in each, up to
+/// rounding, evenly spaced. Adds `known`, which snapping may improve. Returns false if there is no
+/// such segment.
 bool spread_refined_planes(const SegmentBounds& bounds, const UniformAxis& planes,
                            std::size_t samples, double limit, std::optional<float> known,
                            WideAxis& placed) {
@@ -103,7 +105,8 @@ bool spread_refined_planes(const SegmentBounds& bounds, const UniformAxis& plane
   return count > 0;
 }
 
-/// Every plane moves as far as its counts hold, toward the side with more on it.
+/// Offers every plane, snapped to the next bound on the side with more weight; its counts hold up
+/// to there.
 void offer_snapped(const AxisCost& cost, std::size_t axis, const WideAxis& planes,
                    const kdtree::PlaneCounts<kScanWidth>& n, const PlaneNeighbours& near,
                    Best& best) {
@@ -115,17 +118,17 @@ void offer_snapped(const AxisCost& cost, std::size_t axis, const WideAxis& plane
   }
 }
 
-/// One pass over some axes: a stretch of the list that stays in the cache is read for one axis
+/// One pass over some axes. A block of the list, small enough for the cache, is read for one axis
 /// after the other.
 PassResult refine_pass(std::span<const kdtree::Reference> refs, const std::array<bool, 3>& axes,
                        const std::array<WideAxis, 3>& planes) {
-  constexpr std::size_t kStretch = 256;
+  constexpr std::size_t kBlock = 256;
   PassResult found;
-  for (std::size_t i = 0; i < refs.size(); i += kStretch) {
-    const auto stretch = refs.subspan(i, std::min(kStretch, refs.size() - i));
+  for (std::size_t i = 0; i < refs.size(); i += kBlock) {
+    const auto block = refs.subspan(i, std::min(kBlock, refs.size() - i));
     for (std::size_t a = 0; a < 3; ++a) {
       if (axes[a])
-        scan_wide_axis(stretch, static_cast<int>(a), planes[a], found.many[a], found.near[a]);
+        scan_wide_axis(block, static_cast<int>(a), planes[a], found.many[a], found.near[a]);
     }
   }
   return found;
@@ -156,7 +159,7 @@ std::optional<kdtree::Split> choose_guided(const kdtree::CellRefs& list, const G
   const auto along = [&](std::size_t a) {
     return AxisCost(list.box, a, per_whole, rule.cost.empty_bonus);
   };
-  // Children that cost as much make a cut as dear as a leaf.
+  // A split whose children cost this much costs the same as a leaf.
   const double of_leaf = counts[0].left[samples - 1] - rule.cost.traverse / rule.cost.intersect;
   Best best;
   std::array<SegmentBounds, 3> bounds;

@@ -12,8 +12,8 @@ namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The planes of one axis and what is counted there, in registers until the pass ends. The n-th
-/// lane belongs to the n-th plane.
+/// The planes of one axis and their counts, in registers until the pass ends. Lane n belongs to
+/// plane n.
 template <std::size_t kPlanes>
 class Planes {
  public:
@@ -45,8 +45,8 @@ class Planes {
       right_[p] = hn::IfThenElse(in_right, hn::Add(right_[p], more), right_[p]);
     }
   }
-  /// A box that ends below the plane has its upper bound nearest, one that begins above it the
-  /// lower one.
+  /// The nearest bound of a box that ends below the plane is its upper one; of a box that begins
+  /// above the plane, its lower one.
   HWY_INLINE void update_neighbours(float lo, float hi) {
     const auto lower = hn::Set(Floats(), lo), upper = hn::Set(Floats(), hi);
     for (std::size_t p = 0; p < kParts; ++p) {
@@ -81,7 +81,7 @@ class Planes {
 void three_axes(std::span<const kdtree::Reference> refs, const std::array<UniformAxis, 3>& planes,
                 std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>& counts) {
   Planes<kdtree::kUniformPlanes> along_x, along_y,
-      along_z;  // by name: they have to stay in registers
+      along_z;  // separate variables, so that they stay in registers
   along_x.load(planes[0], counts[0]);
   along_y.load(planes[1], counts[1]);
   along_z.load(planes[2], counts[2]);

@@ -1,4 +1,4 @@
-// Running a pass over a long list at hand.
+// Runs a pass over a long list in parallel.
 #include "accel/split/scan_pass.h"
 
 #include <tbb/blocked_range.h>

@@ -1,4 +1,4 @@
-// The product's rule: bounds for short lists, a guided scan for the others.
+// The product's rule: exhaustive search for short lists, a guided scan for the others.
 #include "accel/split/scan_split.h"
 
 #include "accel/split/guided_scan.h"
@@ -8,11 +8,11 @@
 namespace sightline::accel::split {
 namespace {
 
-/// Straddlers are clipped in a list of at least kClipFrom references, below kClipBelow, if one in
-/// kStraddleShare straddles; where triangles are long, one in kLongStraddleShare.
+/// Straddlers are clipped in lists of kClipFrom to kClipBelow - 1 references, if at least one in
+/// kStraddleShare straddles; with long triangles, one in kLongStraddleShare.
 constexpr std::size_t kClipFrom = 32, kClipBelow = 8192, kStraddleShare = 4, kLongStraddleShare = 5;
 
-/// Lists up to this length are always cut at their bounds: that is cheaper than a scan.
+/// Lists up to this length are always searched exhaustively: that is cheaper than a scan.
 constexpr std::size_t kExactAnyway = 12;
 
 class ScanSearch final : public SplitSearch {
@@ -29,8 +29,8 @@ class ScanSearch final : public SplitSearch {
   }
   bool runs_passes() const override { return true; }
   bool takes_samples() const override { return !rule_.clip; }
-  /// Not short lists, most of whose children are cut at their bounds, and not with clipping, which
-  /// changes what was counted.
+  /// Not for short lists, most of whose children are searched exhaustively, and not with clipping,
+  /// which changes the counted boxes.
   bool scans_children(std::size_t references) const override {
     return !rule_.clip && references >= 2 * std::size_t{rule_.exact_below};
   }
@@ -89,7 +89,7 @@ std::optional<kdtree::Split> ScanSplit::choose(const kdtree::CellRefs& list,
 }
 
 ScanSplit scan_fast() {
-  constexpr double kPoorCut = 0.85;  // above this share of a leaf's cost no cut is good
+  constexpr double kPoorCut = 0.85;  // a split above this share of a leaf's cost is poor
   return {.retry_above = kPoorCut, .clip_dense = true};
 }
 

@@ -56,7 +56,7 @@ class ScratchPool {
     free_.pop_back();
     return scratch;
   }
-  void give_back(std::unique_ptr<SplitScratch> scratch) {
+  void put_back(std::unique_ptr<SplitScratch> scratch) {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(scratch));
   }
@@ -95,7 +95,7 @@ class BestFirstGrowth {
     tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t i) {
       std::unique_ptr<SplitScratch> scratch = scratches_.take();
       made[i] = step(nodes_[wave[i]], *scratch, counted[i]);
-      scratches_.give_back(std::move(scratch));
+      scratches_.put_back(std::move(scratch));
     });
     std::vector<std::size_t> next;
     for (std::size_t i = 0; i < wave.size(); ++i) {
@@ -134,18 +134,18 @@ class BestFirstGrowth {
 
   std::unique_ptr<Children> divide(PlanNode& node, bool by_plane, SplitScratch& scratch,
                                    kdtree::BuildCounters& counters) const {
-    Storage room = node.storage;
+    Storage storage = node.storage;
     ListHalves halves;
     if (by_plane) {
-      room = Storage(new Fragment[3 * node.plane.right]);
-      halves = divide_by_plane(node.lists, node.plane, room.get(), counters);
+      storage = Storage(new Fragment[3 * node.plane.right]);
+      halves = divide_by_plane(node.lists, node.plane, storage.get(), counters);
     } else {
       halves = divide_by_centers(node.lists, node.object.axis, node.object.left, scratch.lists,
                                  counters);
     }
     auto children = std::make_unique<Children>();
     children->left = PlanNode(halves.left, node.storage, node.depth + 1);
-    children->right = PlanNode(halves.right, std::move(room), node.depth + 1);
+    children->right = PlanNode(halves.right, std::move(storage), node.depth + 1);
     drop(node, State::kDivided);
     return children;
   }

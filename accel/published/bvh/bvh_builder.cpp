@@ -34,7 +34,7 @@ Bvh BvhBuilder::build(const geometry::MeshView& mesh, kdtree::BuildCounters& cou
     return growth.finish(grow_binned(refs, leaf, bins, growth, counters));
   }
   const SpatialRule rule = method == BvhMethod::kSpatial ? spatial : SpatialRule{.alpha = 1};
-  BvhGrowth growth(sweep_room(refs.size(), rule), repeats);
+  BvhGrowth growth(sweep_capacity(refs.size(), rule), repeats);
   return growth.finish(grow_by_sweep(&mesh, std::move(refs), leaf, rule, growth, counters));
 }
 

@@ -26,13 +26,13 @@ void ChoppedAxis::add(const Fragment& f, const Span& span, std::span<const Lanes
 
 void ChoppedAxis::chop(std::span<const Lanes> corners, const Span& span) {
   if (corners.empty()) return;
-  const auto place_of = [&](Lanes p) {
-    return std::clamp(place_above(p[axis_]), span.first, span.last);
+  const auto bin_of = [&](Lanes p) {
+    return std::clamp(bin_above(p[axis_]), span.first, span.last);
   };
   Lanes p = corners.back();
-  std::size_t from = place_of(p);
+  std::size_t from = bin_of(p);
   for (const Lanes q : corners) {
-    const std::size_t to = place_of(q);
+    const std::size_t to = bin_of(q);
     inside_[to].grow(q);
     if (from != to) {
       const bool rises = from < to;

@@ -59,8 +59,8 @@ class ChoppedAxis {
     bool is_cut() const { return first < last; }
   };
   Span span(const Fragment& f) const {
-    const std::size_t first = place_above(f.lo[axis_]);
-    return {first, std::max(first, place_below(f.hi[axis_]))};
+    const std::size_t first = bin_above(f.lo[axis_]);
+    return {first, std::max(first, bin_below(f.hi[axis_]))};
   }
   /// Adds a fragment that meets the bins; `corners` of the part of its triangle, not looked at if
   /// it is not cut.
@@ -79,17 +79,17 @@ class ChoppedAxis {
 
  private:
   /// Of what begins at x, and of what ends there.
-  std::size_t place_above(float x) const {
-    std::size_t place = guess(x);
-    while (place > 0 && x < planes_[place - 1]) --place;
-    while (place <= bins_ && x >= planes_[place]) ++place;
-    return place;
+  std::size_t bin_above(float x) const {
+    std::size_t bin = guess(x);
+    while (bin > 0 && x < planes_[bin - 1]) --bin;
+    while (bin <= bins_ && x >= planes_[bin]) ++bin;
+    return bin;
   }
-  std::size_t place_below(float x) const {
-    std::size_t place = guess(x);
-    while (place > 0 && x <= planes_[place - 1]) --place;
-    while (place <= bins_ && x > planes_[place]) ++place;
-    return place;
+  std::size_t bin_below(float x) const {
+    std::size_t bin = guess(x);
+    while (bin > 0 && x <= planes_[bin - 1]) --bin;
+    while (bin <= bins_ && x > planes_[bin]) ++bin;
+    return bin;
   }
   std::size_t guess(float x) const {
     const float at = (x - planes_[0]) * per_width_ + 1;
@@ -100,9 +100,9 @@ class ChoppedAxis {
   std::size_t axis_, bins_;
   float per_width_, most_;
   std::array<float, kMostBins + 1> planes_;
-  std::array<LaneBox, kMostBins + 2> inside_;  ///< Of corners and of whole fragments, by place.
+  std::array<LaneBox, kMostBins + 2> inside_;  ///< Of corners and of whole fragments, by bin.
   std::array<LaneBox, kMostBins + 1> cuts_;    ///< Of edges, by plane.
-  std::array<std::uint32_t, kMostBins + 2> enter_{}, leave_{};  ///< By place.
+  std::array<std::uint32_t, kMostBins + 2> enter_{}, leave_{};  ///< By bin.
 };
 
 }  // namespace sightline::accel::published::bvh

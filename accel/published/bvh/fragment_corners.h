@@ -71,9 +71,9 @@ class ListCorners {
       end_.push_back(corners_.size());
     }
   }
-  std::span<const Lanes> of(std::size_t place) const {
-    const std::size_t begin = place > 0 ? end_[place - 1] : 0;
-    return std::span(corners_).subspan(begin, end_[place] - begin);
+  std::span<const Lanes> of(std::size_t index) const {
+    const std::size_t begin = index > 0 ? end_[index - 1] : 0;
+    return std::span(corners_).subspan(begin, end_[index] - begin);
   }
 
  private:

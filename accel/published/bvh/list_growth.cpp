@@ -11,9 +11,9 @@ namespace {
 
 ListHalves by_plane(const CenterLists& node, const PlaneSplit& plan, SplitScratch& scratch,
                     kdtree::BuildCounters& counters) {
-  Fragment* const room = scratch.lists.top(3 * plan.right);
+  Fragment* const buffer = scratch.lists.top(3 * plan.right);
   scratch.lists.take(3 * plan.right);
-  return divide_by_plane(node, plan, room, counters);
+  return divide_by_plane(node, plan, buffer, counters);
 }
 
 /// The end of the range of BvhLeafRule::leaf_size.
@@ -55,7 +55,7 @@ BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScr
     left = grow(halves.left, depth, scratch, counters);
     right = grow(halves.right, depth, scratch, counters);
   }
-  // What was given up has no place among the nodes that there is room for.
+  // What was given up has no place among the nodes that there is buffer for.
   if (budget_ != nullptr && budget_->exceeded()) return {};
   return growth_.inner(left, right);
 }

@@ -121,7 +121,7 @@ class PlaneSearch {
   const SpatialSplit& best() const { return best_; }
 
   /// Weighs every stride-th plane, and bounds what is between them.
-  void look_at_all(const NodePasses& passes) {
+  void search_coarse(const NodePasses& passes) {
     const auto along = [&](std::size_t axis) {
       return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
     };
@@ -133,20 +133,20 @@ class PlaneSearch {
       if (grid_.stride() < 2) continue;
       for (std::size_t i = 0; i < bins[axis].bins(); ++i) {
         const double least = least_sum(sides_[axis].left[i], sides_[axis].right[i + 1], size_);
-        stretches_[open_++] = {axis, i, least};
+        intervals_[open_++] = {axis, i, least};
       }
     }
   }
 
   /// Weighs all planes in the most promising stretch; false if none can be better than the best.
-  bool look_closer(const NodePasses& passes) {
-    const auto end = stretches_.begin() + static_cast<std::ptrdiff_t>(open_);
+  bool refine_next(const NodePasses& passes) {
+    const auto end = intervals_.begin() + static_cast<std::ptrdiff_t>(open_);
     const auto next =
-        std::min_element(stretches_.begin(), end,
-                         [](const Stretch& a, const Stretch& b) { return a.least < b.least; });
+        std::min_element(intervals_.begin(), end,
+                         [](const Interval& a, const Interval& b) { return a.least < b.least; });
     if (next == end || !(next->least < best_.sum)) return false;
-    const Stretch s = *next;
-    *next = stretches_[--open_];
+    const Interval s = *next;
+    *next = intervals_[--open_];
     const std::size_t begin = s.bin * grid_.stride();
     std::array<ChoppedAxis, 1> bins{
         grid_.chopped(s.axis, begin, std::min(begin + grid_.stride(), grid_.bins()), 1)};
@@ -158,7 +158,7 @@ class PlaneSearch {
 
  private:
   /// The planes between two neighbours of the first pass.
-  struct Stretch {
+  struct Interval {
     std::size_t axis, bin;
     double least;  ///< No sum in between is below this.
   };
@@ -176,7 +176,7 @@ class PlaneSearch {
   std::size_t size_;
   SpatialSplit best_;
   std::array<ChoppedAxis::Sides, kAxes> sides_;
-  std::array<Stretch, kAxes * ChoppedAxis::kMostBins> stretches_;
+  std::array<Interval, kAxes * ChoppedAxis::kMostBins> intervals_;
   std::size_t open_ = 0;  ///< Stretches that are left.
 };
 
@@ -187,9 +187,9 @@ SpatialSplit best_spatial_split(const geometry::MeshView& mesh, const CenterList
                                 kdtree::BuildCounters& counters) {
   const NodePasses passes(mesh, node.along[0], corners);
   PlaneSearch search(node.box, bins, node.size(), below);
-  search.look_at_all(passes);
+  search.search_coarse(passes);
   counters.touches += node.size();
-  while (search.look_closer(passes)) counters.touches += node.size();
+  while (search.refine_next(passes)) counters.touches += node.size();
   return search.best().found() ? search.best() : SpatialSplit{};
 }
 

@@ -150,7 +150,7 @@ void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
   if (unsplit) keep_whole(plan);
 }
 
-ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
+ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* buffer,
                            kdtree::BuildCounters& counters) {
   std::vector<Fragment> left_parts, right_parts;
   for (const Straddler& s : plan.straddlers) {
@@ -164,7 +164,7 @@ ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Frag
     sort_along(left_parts, axis);
     sort_along(right_parts, axis);
     Fragment* const list = node.along[axis].data();
-    Fragment* const out = room + axis * plan.right;
+    Fragment* const out = buffer + axis * plan.right;
     RightList right(out, axis, right_parts);
     std::size_t kept = 0;
     for (const Fragment& f : node.along[axis]) {

@@ -51,9 +51,9 @@ void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
                       const SpatialSplit& split, bool unsplit, PlaneSplit& plan,
                       kdtree::BuildCounters& counters);
 
-/// What goes left to where the lists were; what goes right to `room`, for 3 * plan.right. Touches:
+/// What goes left to where the lists were; what goes right to `buffer`, for 3 * plan.right. Touches:
 /// a pass an axis.
-ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
+ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* buffer,
                            kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -7,7 +7,7 @@
 
 namespace sightline::accel::published::bvh {
 
-std::size_t sweep_room(std::size_t references, const SpatialRule& spatial) {
+std::size_t sweep_capacity(std::size_t references, const SpatialRule& spatial) {
   return spatial.splits() ? 2 * spatial.most_references(references) : references;
 }
 

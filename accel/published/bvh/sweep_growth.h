@@ -12,7 +12,7 @@ namespace sightline::accel::published::bvh {
 
 /// How many references a BvhGrowth must have room for, to grow over so many by sweeping: twice as
 /// many as there may be, as what comes to exceed the budget is grown again. Below 2^32.
-std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
+std::size_t sweep_capacity(std::size_t references, const SpatialRule& spatial);
 
 /// Splits each list where the surface area heuristic is least among all places in the order of its
 /// centers, on all three axes; where the children then overlap, at a plane if that costs less
@@ -20,7 +20,7 @@ std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
 ///
 /// In: faces of `mesh`, fewer than 2^31, a face's references holding all of it together; `mesh`
 /// null: no spatial splits, as with spatial.alpha = 1. Bounds went through widen_flat.
-/// Out: what is in `growth`, which has room for sweep_room(refs.size(), spatial).
+/// Out: what is in `growth`, which has room for sweep_capacity(refs.size(), spatial).
 ///
 /// Source: Stich, Friedrich, Dietrich 2009; differs: the budget, and what no split separates.
 /// Touches: see best_object_split, divide_by_centers, best_spatial_split, divide_by_plane; work

@@ -69,9 +69,9 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
   return ended + planar_left;
 }
 
-void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
+void EventDivider::clip(EventCell& half, std::array<EventBuffer, 3>& fresh,
                         std::span<const kdtree::Reference> refs, const geometry::MeshView& mesh) {
-  for (Room& room : fresh) room.clear(2 * straddling_);
+  for (EventBuffer& buffer : fresh) buffer.clear(2 * straddling_);
   for (const std::uint32_t reference : std::span(straddlers_).first(straddling_)) {
     const std::optional<geometry::Aabb> box =
         grow::clip_to_half(mesh, refs[reference].id, half.box);
@@ -87,7 +87,7 @@ void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
 }
 
 void EventDivider::splice(std::span<const Event> events) {
-  for (Room& room : spliced_) room.clear(events.size() + 1);
+  for (EventBuffer& buffer : spliced_) buffer.clear(events.size() + 1);
   Event* left = spliced_[0].begin();
   Event* right = spliced_[1].begin();
   const std::uint8_t* sides = side_.get();
@@ -102,7 +102,7 @@ void EventDivider::splice(std::span<const Event> events) {
   spliced_[1].end = right;
 }
 
-std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh,
+std::span<const Event> EventDivider::keep(EventBuffer& spliced, EventBuffer& fresh,
                                           kdtree::BuildCounters& counters) {
   const std::size_t size = spliced.size() + fresh.size();
   Event* out = events_.top(size);
@@ -130,7 +130,7 @@ EventHalves EventDivider::divide(const EventCell& cell, const EventSplit& cut,
   halves.left = {{}, left_only + straddling_, cut.left, boxes.left, path};
   halves.right = {{}, cell.size - left_only, cut.right, boxes.right, path};
   for (auto& side : fresh_) {
-    for (Room& room : side) room.clear(0);
+    for (EventBuffer& buffer : side) buffer.clear(0);
   }
   if (mesh != nullptr && straddling_ > 0) {
     clip(halves.left, fresh_[0], refs, *mesh);

@@ -52,8 +52,8 @@ class EventDivider {
                      kdtree::BuildCounters& counters);
 
  private:
-  /// Growing room for events, written through `end`.
-  struct Room {
+  /// Growing buffer for events, written through `end`.
+  struct EventBuffer {
     std::vector<Event> events;
     Event* end = nullptr;
 
@@ -69,20 +69,20 @@ class EventDivider {
   std::size_t classify(std::span<const Event> events, const kdtree::Split& cut);
   /// Makes the events of all straddlers in one half, and takes those out of its counts that only
   /// touch it.
-  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const kdtree::Reference> refs,
+  void clip(EventCell& half, std::array<EventBuffer, 3>& fresh, std::span<const kdtree::Reference> refs,
             const geometry::MeshView& mesh);
   /// Divides the events of one axis by side_, in order.
   void splice(std::span<const Event> events);
   /// Puts spliced events, merged with new ones, where they stay.
-  std::span<const Event> keep(Room& spliced, Room& fresh, kdtree::BuildCounters& counters);
+  std::span<const Event> keep(EventBuffer& spliced, EventBuffer& fresh, kdtree::BuildCounters& counters);
 
   grow::ListStack<Event> events_;
   std::unique_ptr<std::uint8_t[]>
       side_;  ///< By reference: on the left (bit 0), on the right (bit 1).
   std::vector<std::uint32_t> straddlers_;  ///< The first straddling_ are.
   std::size_t straddling_ = 0;
-  std::array<std::array<Room, 3>, 2> fresh_;  ///< Events of clipped straddlers, by side and axis.
-  std::array<Room, 2> spliced_;               ///< Events of one axis, by side.
+  std::array<std::array<EventBuffer, 3>, 2> fresh_;  ///< Events of clipped straddlers, by side and axis.
+  std::array<EventBuffer, 2> spliced_;               ///< Events of one axis, by side.
 };
 
 }  // namespace sightline::accel::published::kd

@@ -103,9 +103,9 @@ class EventGrowth {
                    [&](std::uint32_t m) { return refs_[m]; });
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       for (const Event event : cell.events[axis]) {
-        const auto place =
+        const auto index =
             std::lower_bound(members.begin(), members.end(), event.reference()) - members.begin();
-        kdtree::Reference& ref = refs[static_cast<std::size_t>(place)];
+        kdtree::Reference& ref = refs[static_cast<std::size_t>(index)];
         if (event.type() != EventType::kEnd) ref.lo[axis] = event.position();
         if (event.type() == EventType::kEnd) ref.hi[axis] = event.position();
         if (event.type() == EventType::kPlanar)

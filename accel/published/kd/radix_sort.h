@@ -23,15 +23,15 @@ inline void sort_events(std::vector<Event>& events) {
   const auto digit = [&](const Event& e, std::size_t pass) {
     return static_cast<std::size_t>(e.bits() >> kShift[pass] & kMask[pass]);
   };
-  std::vector<std::array<std::size_t, 3>> place(kDigits);
+  std::vector<std::array<std::size_t, 3>> start(kDigits);
   for (const Event& e : events) {
-    for (std::size_t pass = 0; pass < 3; ++pass) ++place[digit(e, pass)][pass];
+    for (std::size_t pass = 0; pass < 3; ++pass) ++start[digit(e, pass)][pass];
   }
   std::vector<Event> other(events.size());
   for (std::size_t pass = 0; pass < 3; ++pass) {
     std::size_t next = 0;
-    for (auto& p : place) next += std::exchange(p[pass], next);
-    for (const Event& e : events) other[place[digit(e, pass)][pass]++] = e;
+    for (auto& p : start) next += std::exchange(p[pass], next);
+    for (const Event& e : events) other[start[digit(e, pass)][pass]++] = e;
     events.swap(other);
   }
 }

@@ -84,7 +84,7 @@ std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRan
 
 }  // namespace
 
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<float> planes) {
+std::size_t adaptive_planes(const Samples& uniform, std::uint32_t n, std::span<float> planes) {
   const auto rise = [](const Sample& s) { return s.left - s.right; };
   const double first = rise(uniform.at[0]);
   const double range = rise(uniform.at[uniform.size - 1]) - first;
@@ -129,7 +129,7 @@ std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRang
                    known ? &list.first->axes : nullptr, counters);
   StagePlanes second;
   for (auto a = static_cast<std::size_t>(range.begin); a < static_cast<std::size_t>(range.end); ++a)
-    second.used[a] = place_adaptive(samples[a], adaptive, second.at[a]);
+    second.used[a] = adaptive_planes(samples[a], adaptive, second.at[a]);
   if (second.passes() == 0) return samples;
   const std::array<Samples, 3> more = sample_stage(list, range, second, nullptr, counters);
   for (std::size_t a = 0; a < 3; ++a) samples[a] = merge(samples[a], more[a]);

@@ -31,7 +31,7 @@ struct Samples {
 /// n teeth evenly along the range of C_L - C_R; a segment gets as many new planes as teeth fall
 /// into it, evenly spaced (section 5.2, Figures 3 and 4). Returns how many were placed: n, or none
 /// where the function is constant; unused planes repeat the last. n is at most planes.size().
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<float> planes);
+std::size_t adaptive_planes(const Samples& uniform, std::uint32_t n, std::span<float> planes);
 
 /// Both, by position; together at most 2 kMostSamples.
 Samples merge(const Samples& a, const Samples& b);
