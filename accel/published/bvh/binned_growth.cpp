@@ -1,4 +1,4 @@
-// Binning, dividing in place, and so on below.
+// Bins a list, divides it in place, and recurses.
 #include "accel/published/bvh/binned_growth.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// From this length on, several threads look at one list.
+/// Lists of at least this length are binned by several threads.
 constexpr std::size_t kShareFrom = std::size_t{1} << 16;
 
 ListSpan span_of(std::span<const kdtree::Reference> refs) {
@@ -34,7 +34,7 @@ ListSpan span_of(std::span<const kdtree::Reference> refs) {
   });
 }
 
-/// Minima, maxima and whole numbers: the same however the work is cut.
+/// Minima, maxima and integer sums, so the result does not depend on the slices.
 void count(CenterBins& bins, std::span<const kdtree::Reference> refs) {
   if (refs.size() < kShareFrom) return bins.add(refs);
   const CenterBins none = bins;
@@ -47,7 +47,7 @@ void count(CenterBins& bins, std::span<const kdtree::Reference> refs) {
       [](CenterBins a, const CenterBins& b) { return a += b; });
 }
 
-/// A list in two parts, and what they span.
+/// The lengths and bounds of a divided list.
 struct Parts {
   std::size_t left = 0;
   std::array<ListSpan, 2> spans{};
@@ -81,7 +81,7 @@ class Growing {
   }
 
  private:
-  /// Nothing: they become a leaf.
+  /// Divides a list; nothing if it becomes a leaf.
   std::optional<Parts> divide(std::span<kdtree::Reference> refs, const ListSpan& span,
                               const geometry::Aabb& box, int depth,
                               kdtree::BuildCounters& counters) const {
@@ -106,7 +106,7 @@ class Growing {
     return parts;
   }
 
-  /// From both ends at once, adding up what both sides span on the way.
+  /// Partitions from both ends, and computes the bounds of both sides on the way.
   static Parts divided(std::span<kdtree::Reference> refs, const CenterBins& bins,
                        const BinSplit& split) {
     Parts parts;

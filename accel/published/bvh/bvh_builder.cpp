@@ -1,4 +1,4 @@
-// References from faces, split or not, and a hierarchy over them.
+// Makes references of faces, splits them if the method does, and builds a hierarchy over them.
 #include "accel/published/bvh/bvh_builder.h"
 
 #include <vector>

@@ -6,7 +6,7 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// copies what is below a node, in depth-first order.
+/// Copies the nodes and ids below a node, in depth-first order.
 class Flattening {
  public:
   Flattening(const BvhNode* nodes, const std::uint32_t* ids, Bvh& out)

@@ -1,4 +1,4 @@
-// Binning centers, and weighing the boundaries.
+// Counts centers in bins, and finds the cheapest boundary.
 #include "accel/published/bvh/center_bins.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ CenterBins::CenterBins(const LaneBox& centers, std::uint32_t bins)
     lo_[a] = centers.lo[lane];
     const double extent =
         static_cast<double>(centers.hi[lane]) - static_cast<double>(centers.lo[lane]);
-    // So small an extent that its inverse is no float has no bins.
+    // An extent whose inverse is not a finite float has no bins.
     const double per_width = extent > 0 ? bins / extent : 0;
     per_width_[a] = per_width < 1e38 ? static_cast<float>(per_width) : 0;
     if (per_width_[a] > 0) std::fill_n(counted_[a].begin(), bins, Bin{none.lo, none.hi, 0});
@@ -62,7 +62,7 @@ CenterBins& CenterBins::operator+=(const CenterBins& o) {
 
 BinSplit CenterBins::best() const {
   BinSplit best;
-  std::array<double, kMaxBins> from;  // of all bins from there on
+  std::array<double, kMaxBins> from;  // cost of all bins from this one on
   for (std::size_t a = 0; a < 3; ++a) {
     if (!(per_width_[a] > 0)) continue;
     const auto& counted = counted_[a];

@@ -1,4 +1,4 @@
-// Sorting by centers once, and keeping the order.
+// Sorts by centers once, and keeps the order in splits.
 #include "accel/published/bvh/center_lists.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kAxes = 3;
 
-/// Where a reference stands in the input, and its center as a number that orders alike.
+/// The center of a reference as an integer in the same order, and its index in the input.
 struct SortKey {
   std::uint32_t key, order;
 };
@@ -26,7 +26,7 @@ std::uint32_t ordered_bits(float x) {
   return (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
 }
 
-/// Least digit first, so that keys alike in key stay in their order.
+/// Radix sort, least digit first: stable for equal keys.
 void sort_keys(std::vector<SortKey>& keys) {
   constexpr std::size_t kDigits = 1u << 11;
   std::vector<SortKey> other(keys.size());
@@ -41,7 +41,7 @@ void sort_keys(std::vector<SortKey>& keys) {
   }
 }
 
-/// The keys of references by ascending id, equal ids as they stand.
+/// Indices of references by ascending id, stable for equal ids.
 std::vector<std::uint32_t> by_id(std::span<const kdtree::Reference> refs) {
   std::vector<std::uint32_t> order(refs.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> by_id(std::span<const kdtree::Reference> refs) {
   return order;
 }
 
-/// Runs it for each axis, at once where lists are long.
+/// Calls `each` for every axis, in parallel for long lists.
 template <class Each>
 void for_each_axis(std::size_t size, Each&& each) {
   if (size >= grow::kForkFrom) {
@@ -61,9 +61,9 @@ void for_each_axis(std::size_t size, Each&& each) {
   }
 }
 
-/// Those before `first_right` along `axis`, `left` of them, to the front, the others behind them,
-/// both in order. The fewer of them are put aside meanwhile: `spare` has room for those and one
-/// more, as every one is written to both keys, and counts in one.
+/// Stable partition: the `left` fragments before `first_right` along `axis` move to the front. The
+/// smaller side is buffered in `spare`, which has capacity for one more: every fragment is written
+/// to both sides, and one end advances.
 void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& first_right,
                  std::size_t left, Fragment* spare) {
   if (left > list.size() / 2) {

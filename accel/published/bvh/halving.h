@@ -1,4 +1,4 @@
-// Splitting a list that no heuristic splits: in two equal halves.
+// Splits a list into two equal halves, where the heuristic finds no split.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ inline float center(const kdtree::Reference& ref, std::size_t axis) {
   return 0.5f * ref.lo[axis] + 0.5f * ref.hi[axis];
 }
 
-/// Orders by center, then by id: lower halves first. Returns how many the first half has.
+/// Partitions by center, then by id: the lower half first. Returns the length of the first half.
 inline std::size_t halve_by_center(std::span<kdtree::Reference> refs, std::size_t axis) {
   const std::size_t half = refs.size() / 2;
   std::nth_element(refs.begin(), refs.begin() + static_cast<std::ptrdiff_t>(half), refs.end(),

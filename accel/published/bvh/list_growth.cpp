@@ -16,7 +16,7 @@ ListHalves by_plane(const CenterLists& node, const PlaneSplit& plan, SplitScratc
   return divide_by_plane(node, plan, buffer, counters);
 }
 
-/// The end of the range of BvhLeafRule::leaf_size.
+/// Upper end of the range of BvhLeafRule::leaf_size.
 constexpr std::size_t kMostInLeaf = 64;
 
 }  // namespace
@@ -55,7 +55,7 @@ BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScr
     left = grow(halves.left, depth, scratch, counters);
     right = grow(halves.right, depth, scratch, counters);
   }
-  // What was given up has no place among the nodes that there is buffer for.
+  // After exceeding the budget there may be no capacity for further nodes.
   if (budget_ != nullptr && budget_->exceeded()) return {};
   return growth_.inner(left, right);
 }

@@ -1,4 +1,4 @@
-// Bins along all axes, then bins within bins.
+// Coarse bins along all axes, then bins within coarse bins.
 #include "accel/published/bvh/plane_search.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class Grid {
     const auto lo = static_cast<double>(box_.lo[axis]), hi = static_cast<double>(box_.hi[axis]);
     return static_cast<float>(lo + (hi - lo) * (static_cast<double>(i) / bins_));
   }
-  /// How many planes apart those of the first pass are.
+  /// Distance between the planes of the first pass, in planes.
   std::size_t stride() const {
     return (bins_ + ChoppedAxis::kMostBins - 1) / ChoppedAxis::kMostBins;
   }
@@ -46,15 +46,15 @@ class Grid {
   std::uint32_t bins_;
 };
 
-/// What lies in between is on one side at least, wherever the plane: no sum between the planes is
-/// less.
+/// Lower bound on the sum of planes between two planes: each fragment in between is on at least one
+/// side.
 double least_sum(const SideSum& left, const SideSum& right, std::size_t size) {
   const std::size_t beyond = left.references + right.references;
   const double within = beyond < size ? static_cast<double>(size - beyond) : 0;
   return left.cost() + right.cost() + std::min(left.area, right.area) * within;
 }
 
-/// Adds a list, of which `corners_of(i)` gives the outline of the i-th.
+/// Adds a list. `corners_of(i)` returns the outline of fragment i.
 template <std::size_t kCount, class Corners>
 void add_all(std::span<const Fragment> list, std::array<ChoppedAxis, kCount>& bins,
              Corners&& corners_of) {
@@ -87,7 +87,7 @@ class NodePasses {
   template <std::size_t kCount>
   void fill(std::array<ChoppedAxis, kCount>& bins) const {
     if (is_short()) return add_all(list_, bins, [&](std::size_t at) { return corners_.of(at); });
-    // In slices, whose number does not depend on threads.
+    // The number of slices does not depend on the number of threads.
     constexpr std::size_t kSlices = 16;
     std::vector<std::array<ChoppedAxis, kCount>> parts(kSlices, bins);
     tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t i) {
@@ -103,7 +103,7 @@ class NodePasses {
   }
 
  private:
-  /// So short that outlines are kept, and nobody else is asked to help.
+  /// Whether the list is short: outlines are kept, and one thread scans it.
   bool is_short() const { return list_.size() < 2 * grow::kForkFrom; }
 
   const geometry::MeshView& mesh_;
@@ -120,7 +120,7 @@ class PlaneSearch {
 
   const SpatialSplit& best() const { return best_; }
 
-  /// Weighs every stride-th plane, and bounds what is between them.
+  /// Computes the cost of every stride-th plane, and bounds on the cost between them.
   void search_coarse(const NodePasses& passes) {
     const auto along = [&](std::size_t axis) {
       return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
@@ -138,7 +138,8 @@ class PlaneSearch {
     }
   }
 
-  /// Weighs all planes in the most promising stretch; false if none can be better than the best.
+  /// Computes the cost of all planes in the interval of least bound; false if no interval can beat
+  /// the best.
   bool refine_next(const NodePasses& passes) {
     const auto end = intervals_.begin() + static_cast<std::ptrdiff_t>(open_);
     const auto next =
@@ -160,7 +161,7 @@ class PlaneSearch {
   /// The planes between two neighbours of the first pass.
   struct Interval {
     std::size_t axis, bin;
-    double least;  ///< No sum in between is below this.
+    double least;  ///< Lower bound on sums within the interval.
   };
 
   void offer_all(const ChoppedAxis& bins, std::size_t axis, const ChoppedAxis::Sides& sides) {
@@ -177,7 +178,7 @@ class PlaneSearch {
   SpatialSplit best_;
   std::array<ChoppedAxis::Sides, kAxes> sides_;
   std::array<Interval, kAxes * ChoppedAxis::kMostBins> intervals_;
-  std::size_t open_ = 0;  ///< Stretches that are left.
+  std::size_t open_ = 0;  ///< Number of intervals left.
 };
 
 }  // namespace

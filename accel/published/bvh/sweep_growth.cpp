@@ -1,4 +1,4 @@
-// Depth first, as long as the budget holds; else the most gainful splits first.
+// Depth first while the budget suffices; if it is exceeded, best first.
 #include "accel/published/bvh/sweep_growth.h"
 
 #include "accel/published/bvh/best_first_growth.h"
