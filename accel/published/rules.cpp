@@ -1,11 +1,11 @@
-// The papers' builders behind the interface that trees are grown by, and hierarchies behind theirs.
+// Adapters: the papers' kd-tree builders behind SplitSearch, their hierarchies behind WholeTree.
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/bvh_tree.h"
 
 namespace sightline::accel::published {
 namespace {
 
-/// What all of them have: parameters that choose.
+/// The adapter of a builder whose value has choose().
 template <class Builder>
 class Search : public split::SplitSearch {
  public:

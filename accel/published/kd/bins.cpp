@@ -1,4 +1,4 @@
-// Counting boxes into bins.
+// Counts boxes in bins.
 #include "accel/published/kd/bins.h"
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Lists at least twice as long are counted in slices of this many, in parallel.
+/// Lists of at least twice this length are counted in parallel slices of this length.
 constexpr std::size_t kSlice = 32768;
 
-/// `add` counts the items from begin to end into a sum, which is zero at first; sums of slices are
-/// added by `join`.
+/// `add` counts the items from begin to end into a sum that starts at zero; `join` adds the sums of
+/// slices.
 template <class Sum, class Add, class Join>
 void count_in_slices(std::size_t items, Sum& sum, const Add& add, const Join& join) {
   if (items < 2 * kSlice) return add(0, items, sum);

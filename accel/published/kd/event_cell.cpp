@@ -1,4 +1,4 @@
-// Dividing the sorted events of a cell without sorting them again.
+// Divides the sorted events of a cell without sorting them again.
 #include "accel/published/kd/event_cell.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 enum Side : std::uint8_t { kNeither = 0, kLeft = 1, kRight = 2, kBoth = 3 };
 
-/// Few events are sorted faster by insertion, and in a good tree there are few.
+/// Insertion is faster for few events, and in a good tree there are few.
 void sort_fresh(Event* begin, Event* end) {
   if (end - begin > 24) return std::sort(begin, end);
   for (Event* next = begin; next != end; ++next) {
@@ -21,7 +21,7 @@ void sort_fresh(Event* begin, Event* end) {
   }
 }
 
-/// Without branches on the events: which list comes next is not to be predicted.
+/// Without branches on events: which list is next is hard to predict.
 Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_end, Event* out) {
   while (a != a_end && b != b_end) {
     const bool second = *b < *a;
@@ -55,7 +55,7 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
     planar_left += goes_left ? 1 : 0;
   }
   straddling_ = started - ended;
-  // One more than there are: the loop writes before it knows.
+  // Capacity for one more: the loop writes before it tests.
   if (straddlers_.size() < straddling_ + 1) straddlers_.resize(straddling_ + 1);
   std::size_t found = 0;
   for (; i < size; ++i) {

@@ -90,7 +90,7 @@ class EventGrowth {
     return made ? *made : defer(cell, true);
   }
 
-  /// As a list again: every reference with the bounds that its events say.
+  /// Makes a list again: every reference with the bounds of its events.
   kdtree::Slot defer(const EventCell& cell, bool failed) const {
     std::vector<std::uint32_t> members;
     for (const Event event : cell.events[0]) {

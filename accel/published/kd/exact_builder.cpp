@@ -32,7 +32,7 @@ std::optional<kdtree::Split> ExactBuilder::choose(const kdtree::CellRefs& list,
                                                   kdtree::BuildCounters& counters) const {
   const std::span<const kdtree::Reference> refs = list.refs;
   const geometry::Aabb& cell = list.box;
-  // No ray meets a cell without area, and no plane in it is better than another.
+  // No ray meets a cell without area, so all planes in it are equal.
   if (refs.empty() || !(half_area(cell) > 0)) return std::nullopt;
   std::uint32_t weight = 0;
   for (const kdtree::Reference& ref : refs) weight += ref.weight;

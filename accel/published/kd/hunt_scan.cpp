@@ -1,4 +1,4 @@
-// Hunt's adaptive scan: the minimum of the interpolants, and what we add to it.
+// Hunt's adaptive scan: the minimum of the interpolants, and our additions.
 #include "accel/published/kd/hunt_scan.h"
 
 #include <algorithm>
@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
-/// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
-/// SA_L, SA_R make. The parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
+/// Offers the samples and, inside every segment, the vertex of the parabola that follows from
+/// linear C_L, C_R, SA_L and SA_R. The parabola opens upward, because C_L and SA_L rise and C_R and
+/// SA_R fall.
 void offer_minima(const Samples& samples, const split::SplitAreas& areas,
                   const split::SahConstants& constants, int axis, const geometry::Aabb& cell,
                   split::BestSplit& best) {
@@ -41,7 +42,7 @@ void offer_minima(const Samples& samples, const split::SplitAreas& areas,
   }
 }
 
-/// Returns the weight of the whole list: all of it lies below the cell's upper face.
+/// The weight of the whole list: the weight below the cell's upper face.
 double offer_sampled(const HuntScan& builder, const kdtree::CellRefs& list, split::AxisRange range,
                      split::BestSplit& best, kdtree::BuildCounters& counters) {
   const std::array<Samples, 3> samples =
@@ -54,8 +55,8 @@ double offer_sampled(const HuntScan& builder, const kdtree::CellRefs& list, spli
   return any.at[any.size - 1].left;
 }
 
-/// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose
-/// costs are true.
+/// Replaces a sampled split, whose cost is an estimate, by the better of the two bounds next to it,
+/// whose costs are exact.
 void snap_to_bound(const kdtree::CellRefs& list, const split::SahConstants& constants,
                    split::BestSplit& best, kdtree::BuildCounters& counters) {
   const int axis = best.plane.axis;

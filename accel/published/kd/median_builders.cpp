@@ -1,4 +1,4 @@
-// Middles, and what they separate.
+// Medians, and the references they separate.
 #include "accel/published/kd/median_builders.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// How many references reach into either half.
+/// Numbers of references that overlap each half.
 struct Sides {
   std::size_t left = 0, right = 0;
 

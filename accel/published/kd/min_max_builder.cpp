@@ -1,4 +1,4 @@
-// Choosing among the boundaries of bins.
+// Chooses among the boundaries of bins.
 #include "accel/published/kd/min_max_builder.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Without a branch: which bounds lie inside a small cell is not to be predicted.
+/// Without a branch: whether a bound lies inside a small cell is hard to predict.
 bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return static_cast<bool>(static_cast<int>(x > cell.lo[axis]) &
                            static_cast<int>(x < cell.hi[axis]));
@@ -27,8 +27,8 @@ std::size_t stride_for(std::size_t n) {
   return std::max<std::size_t>(stride, 1);
 }
 
-/// Weight below and above a boundary, from sums over the bins: what starts in a bin before it lies
-/// below it, what ends in a bin after it lies above it.
+/// Weight below and above a boundary, from sums over the bins: boxes that start in a bin before it
+/// lie below it, boxes that end in a bin after it lie above it.
 template <class Offer>
 void for_each_boundary(const AxisBins& bins, std::uint32_t weight, const Offer& offer) {
   std::uint32_t left = 0, right = weight;
@@ -46,14 +46,14 @@ std::uint32_t total(const AxisBins& bins) {
   return sum;
 }
 
-/// Whether a plane keeps something out of one side.
+/// Whether a plane keeps some reference out of one side.
 bool separates(std::span<const kdtree::Reference> refs, std::size_t axis, float x) {
   return std::any_of(refs.begin(), refs.end(), [&](const kdtree::Reference& ref) {
     return !(ref.lo[axis] < x) || !(ref.hi[axis] > x);
   });
 }
 
-/// The decomposition's cut; nothing where it leads nowhere.
+/// The split of the decomposition; nothing if it separates nothing.
 std::optional<kdtree::Split> cut_at_median(const kdtree::CellRefs& list, std::uint32_t bins,
                                            kdtree::BuildCounters& counters) {
   const geometry::Aabb contents = content_bounds(list.refs, list.box);

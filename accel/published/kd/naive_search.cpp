@@ -1,11 +1,11 @@
-// O(N^2): for every end of every box one pass over the list. Source: Wald, Havran 2006,
+// Search in O(N^2): one pass over the list for every bound of every box. Source: Wald, Havran 2006,
 // algorithm 3.
 #include "accel/published/kd/exact_search.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Weight below, in, and above a plane; a straddler is below and above.
+/// Weight below, in, and above a plane; a straddler counts below and above.
 struct Sides {
   std::uint32_t left = 0, planar = 0, right = 0;
 };

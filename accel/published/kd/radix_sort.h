@@ -1,4 +1,4 @@
-// Sorting the events of one axis once for a whole subtree.
+// Sorts the events of one axis, once for a whole subtree.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// Sorts events of which those alike in position and type already stand in the order of their
-/// references: least digit first, over the 34 bits of position and type.
+/// Sorts events. Those of equal position and type must already be in the order of their references.
+/// A radix sort, least digit first, over the 34 bits of position and type.
 inline void sort_events(std::vector<Event>& events) {
   constexpr std::size_t kWorthIt = 4096;
   if (events.size() < kWorthIt) return std::sort(events.begin(), events.end());

@@ -1,4 +1,4 @@
-// Sample planes of one pass over a list, and where the next pass puts its own.
+// Sample planes of one pass over a list, and the planes of the next pass.
 #include "accel/published/kd/scan_samples.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace {
 using AxisPlanes = std::array<split::UniformAxis, 3>;
 using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>;
 
-/// Planes of one stage, on three axes; unused places repeat the last.
+/// Planes of one stage, on three axes; unused entries repeat the last.
 struct StagePlanes {
   std::array<std::array<float, kMostSamples>, 3> at{};
   std::array<std::size_t, 3> used{};
@@ -27,7 +27,7 @@ struct StagePlanes {
   }
 };
 
-/// Evenly from face to face, both included.
+/// Evenly spaced from face to face, both included.
 StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, std::size_t n) {
   StagePlanes planes;
   for (int axis = range.begin; axis < range.end; ++axis) {
@@ -42,7 +42,7 @@ StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, s
   return planes;
 }
 
-/// One pass at these planes of the axes in range.
+/// One pass at these planes, for the axes in range.
 AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
                         const AxisPlanes& planes, kdtree::BuildCounters& counters) {
   counters.touches += list.size;
@@ -60,7 +60,7 @@ AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
       .few;
 }
 
-/// All passes of a stage. `first`: what the first of them finds, where that is known.
+/// All passes of a stage. `first`: the counts of the first one, if known.
 std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRange range,
                                     const StagePlanes& planes, const AxisCounts* first,
                                     kdtree::BuildCounters& counters) {
@@ -90,7 +90,7 @@ std::size_t adaptive_planes(const Samples& uniform, std::uint32_t n, std::span<f
   const double range = rise(uniform.at[uniform.size - 1]) - first;
   std::size_t placed = 0;
   if (range > 0) {
-    // Tooth k stands at first + (k + 1/2) range / n.
+    // Tooth k is at first + (k + 1/2) range / n.
     const auto teeth_below = [&](double value) {
       const double k = (value - first) / range * n + 0.5;
       return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(n)));

@@ -1,5 +1,5 @@
-// O(N log N) a cell: sort the ends of the boxes, then sweep. Source: Wald, Havran 2006,
-// algorithm 4.
+// Search in O(N log N) per cell: sorts the ends of the boxes, then sweeps. Source: Wald, Havran
+// 2006, algorithm 4.
 #include <algorithm>
 #include <memory>
 
