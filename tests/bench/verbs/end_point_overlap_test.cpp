@@ -13,7 +13,7 @@
 namespace sightline::bench {
 namespace {
 
-accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) {
+accel::kdtree::Reference ref(std::uint32_t id, const accel::geometry::Aabb& box) {
   return {box.lo, id, box.hi, 1};
 }
 
@@ -27,7 +27,7 @@ TEST(EndPointOverlap, CountsTheAreaOfForeignTrianglesInABox) {
   }
   accel::published::bvh::BvhGrowth growth(3);
   const accel::geometry::Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
-  const std::vector<accel::kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const std::vector<accel::kdtree::Reference> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   const accel::published::bvh::Bvh bvh =
       growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
   // One third of the total area lies in the box of a leaf of two references.

@@ -141,7 +141,7 @@ TEST(PlaneSplit, OneSidedPartsAreNoStraddlers) {
   // A triangle whose box crosses the plane only with a corner that an earlier cut has removed.
   const TestMesh mesh{{{0, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   FragmentStack stack;
-  std::vector<kdtree::BoxRef> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
+  std::vector<kdtree::Reference> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
   kdtree::BuildCounters counters;
   const CenterLists lists = sort_by_centers(refs, stack, counters);
   PlaneSplit split;
