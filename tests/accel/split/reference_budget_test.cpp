@@ -1,4 +1,4 @@
-// What cuts may add, and who may.
+// The references that cuts may add, and their distribution over subtrees.
 #include "accel/split/reference_budget.h"
 
 #include <gtest/gtest.h>
@@ -50,13 +50,13 @@ TEST(ReferenceBudget, DuplicationAndLengthDecideWhetherACellIsOverDuplicated) {
   EXPECT_FALSE(is_over_duplicated({.duplication = 1.9}, 100000));
 }
 
-TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
+TEST(ReferenceBudget, ACutMayAddAtMostTheReferencesLeft) {
   EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 9));
   EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 10));
   EXPECT_TRUE(within_budget({}, 1000000));
 }
 
-TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
+TEST(ReferenceBudget, IsNeverExceededAndNeverGrows) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
   const HalvedPath over = halve_path({.references_left = 5}, kCut, halves, 50, 50, 50);
   EXPECT_EQ(over.left.references_left + over.right.references_left, 0);
@@ -98,7 +98,7 @@ TEST(ReferenceBudget, IsKeptByTrees) {
   }
 }
 
-TEST(ReferenceBudget, IsLessForTrianglesThatMeetInAVertexWhereThereIsOne) {
+TEST(ReferenceBudget, IsSmallerForFansIfItIsSet) {
   published::AnyBuilder builder = *published::make_builder("sah-sort");
   EXPECT_GT(built("fan", builder).references, 20u * 2000) << "the papers' builders have none";
   builder = *published::make_builder("scan-fast");
