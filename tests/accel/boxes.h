@@ -1,4 +1,4 @@
-// Lists of boxes to try builders on.
+// Lists of boxes as input for builders.
 #pragma once
 
 #include <cstdint>

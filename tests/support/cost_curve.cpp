@@ -1,4 +1,4 @@
-// The counts under the cost of cutting a cell.
+// The counts in the cost of splitting a cell.
 #include "tests/support/cost_curve.h"
 
 #include <algorithm>

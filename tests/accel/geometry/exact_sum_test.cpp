@@ -12,7 +12,7 @@ __extension__ using Int128 = __int128;
 
 int sign_of(Int128 x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-TEST(ExactSum, KeepsWhatADoubleLoses) {
+TEST(ExactSum, KeepsBitsThatADoubleLoses) {
   ExactSum e(1e100);
   e.add(1);
   e.add(-1e100);
@@ -37,7 +37,7 @@ TEST(ExactSum, SignsOfSumsOfProductsAreThoseOfIntegers) {
     for (int term = 0; term < 6; ++term) {
       std::int64_t a = static_cast<std::int64_t>(random.next() >> 12) - (std::int64_t{1} << 51);
       std::int64_t b = static_cast<std::int64_t>(random.next() >> 12) - (std::int64_t{1} << 51);
-      if (term % 2 == 1) {  // nearly cancel the term before
+      if (term % 2 == 1) {  // Nearly cancels the term before
         a = -last_a;
         b = last_b + static_cast<std::int64_t>(random.below(3)) - 1;
       }

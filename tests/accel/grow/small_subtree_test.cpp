@@ -1,4 +1,4 @@
-// The subtrees of handfuls against cutting cell by cell, on every SIMD target of this machine.
+// Small subtrees against cutting cell by cell, on every SIMD target of this machine.
 #include "accel/grow/small_subtree.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// Walks the tree and makes every cut again, by the rule alone.
+/// Walks the tree and computes every cut again with the split rule.
 class Recut {
  public:
   Recut(const kdtree::KdTree& tree, const split::BoundRule& rule, int max_depth)
@@ -92,7 +92,7 @@ TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
   }
 }
 
-TEST_P(SmallGrowth, ResolvesTiesAlike) {
+TEST_P(SmallGrowth, ResolvesTiesTheSameWay) {
   for (std::uint64_t seed = 0; seed < 200; ++seed)
     expect_same(tests::lattice_boxes(1 + seed % split::kSmallList, 1, seed),
                 {{0, 0, 0}, {5, 5, 5}});
@@ -103,10 +103,10 @@ TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
   for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
 }
 
-TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
+TEST_P(SmallGrowth, DefersCellsBeyondTheCapacity) {
   const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
-  kdtree::KdTree tree(cell, refs.size());  // nothing reserved
+  kdtree::KdTree tree(cell, refs.size());  // Nothing reserved
   const split::SplitSearch& unused = *split::default_rule();
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
@@ -117,7 +117,7 @@ TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
   delete root.cell();
 }
 
-TEST(IsSmall, NeedsFewBoxesThatWeighOne) {
+TEST(IsSmall, NeedsFewBoxesOfWeightOne) {
   EXPECT_TRUE(is_small({}));
   EXPECT_TRUE(is_small(tests::random_boxes(split::kSmallList, 0.1, 1)));
   EXPECT_FALSE(is_small(tests::random_boxes(split::kSmallList + 1, 0.1, 1)));

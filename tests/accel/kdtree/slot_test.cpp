@@ -31,7 +31,7 @@ TEST(Slot, BinaryKeepsPlaneAndPair) {
   }
 }
 
-TEST(Slot, LeafKeepsCountAndPlace) {
+TEST(Slot, LeafKeepsCountAndOffset) {
   const Slot large = Slot::leaf(Slot::kMaxLeafCount, 0xffffffffu);
   EXPECT_EQ(large.leaf_count(), Slot::kMaxLeafCount);
   EXPECT_EQ(large.leaf_first(), 0xffffffffu);
@@ -41,7 +41,7 @@ TEST(Slot, LeafKeepsCountAndPlace) {
   EXPECT_EQ(single.leaf_first(), 0x80000001u);
 }
 
-TEST(Slot, DeferredKeepsItsCell) {
+TEST(Slot, DeferredSlotKeepsItsCell) {
   DeferredCell cell;
   EXPECT_EQ(Slot::deferred(&cell).cell(), &cell);
   EXPECT_EQ(Slot::expanding(&cell).cell(), &cell);

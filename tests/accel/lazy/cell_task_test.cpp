@@ -1,4 +1,4 @@
-// Threads that expand one cell together: equal cuts, little work twice, and nobody waits for a
+// Threads that expand one cell together: equal cuts, little duplicate work, and no waiting for a
 // thread that has stopped.
 #include "accel/lazy/cell_task.h"
 
@@ -45,7 +45,7 @@ TEST(SharedPass, KeepsTheFirstResultOfASlice) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(pass[i].straddling.all, i + 10 * i);
 }
 
-/// Holds up whoever comes to the gate first, until it is opened.
+/// Stops the first thread that passes the gate, until the gate is opened.
 class Gate {
  public:
   void pass() {
@@ -63,7 +63,7 @@ class Gate {
   std::atomic<bool> taken_{false}, open_{false};
 };
 
-TEST(SharedPass, IsFinishedWithoutAThreadThatHasStopped) {
+TEST(SharedPass, FinishesWithoutAStoppedThread) {
   Gate gate;
   SharedPass pass(8, [&](std::size_t slice, kdtree::BuildCounters&) {
     gate.pass();
@@ -84,7 +84,7 @@ TEST(SharedPass, IsFinishedWithoutAThreadThatHasStopped) {
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(pass[i].straddling.all, i);
 }
 
-TEST(CellTask, APassSequenceFindsThePassesThatAreDone) {
+TEST(CellTask, AReplayFindsFinishedStages) {
   auto* task = new CellTask(nullptr);
   std::atomic<int> runs{0};
   const auto follow = [&](kdtree::BuildCounters& counters) {
@@ -121,13 +121,13 @@ struct ManyBoxes {
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.coarsest = [slots = refs->size()](kdtree::BuildCounters&) {
-      return ReferenceSource::Coarsest{.slots = slots};
+    source.coarsest = [count = refs->size()](kdtree::BuildCounters&) {
+      return ReferenceSource::Coarsest{.slots = count};
     };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
                                                      kdtree::Reference* out,
                                                      kdtree::BuildCounters&) {
-      if (end - begin > 1) at_slice();  // or a sample is taken, by one thread
+      if (end - begin > 1) at_slice();  // Or one thread takes a sample
       std::copy(refs->data() + begin, refs->data() + end, out);
       return end - begin;
     };
@@ -137,7 +137,7 @@ struct ManyBoxes {
   }
 };
 
-/// Expands what lies on the way to the first reference, as a ray would.
+/// Expands the cells on the way to the first reference, as a ray would.
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
@@ -162,7 +162,7 @@ std::uint64_t descend_with(int threads, LazyTree& tree, const geometry::Vec3f& p
   return touches;
 }
 
-TEST(CellTask, SixteenThreadsThroughOneColdCellDoLittleTwice) {
+TEST(CellTask, SixteenThreadsInOneColdCellDuplicateLittleWork) {
   const ManyBoxes boxes(400'000);
   const geometry::Vec3f point = (*boxes.refs)[0].lo;
   const auto alone = boxes.tree(), together = boxes.tree();
@@ -180,7 +180,7 @@ TEST(CellTask, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   EXPECT_EQ(cells(*together), cells(*alone));
 }
 
-TEST(CellTask, AThreadThatStopsInASliceHoldsUpNobody) {
+TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
   for (int stopped_at : {0, 7, 40}) {
     auto gate = std::make_shared<Gate>();
     ManyBoxes boxes(200'000);
@@ -199,7 +199,7 @@ TEST(CellTask, AThreadThatStopsInASliceHoldsUpNobody) {
         through.notify_all();
       });
     }
-    // All but the one at the gate; the test would hang otherwise.
+    // All but the thread at the gate; otherwise the test would hang.
     for (int now = through; now < 3; now = through) through.wait(now);
     gate->open();
     for (std::thread& t : threads) t.join();
@@ -207,7 +207,7 @@ TEST(CellTask, AThreadThatStopsInASliceHoldsUpNobody) {
   }
 }
 
-/// Waits for what happens sooner or later, or never: the limit only ends a test that fails.
+/// Waits for a condition that becomes true, or never does: the limit only ends a failing test.
 template <class Condition>
 bool happens(Condition condition) {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -219,7 +219,7 @@ bool happens(Condition condition) {
 }
 
 TEST(CellTask, OutlivesItsTree) {
-  std::atomic<bool> helper_stopped{false}, go_on{false}, helped{true};
+  std::atomic<bool> helper_stopped{false}, may_continue{false}, helped{true};
   std::weak_ptr<const void> source;
   const auto caller = std::this_thread::get_id();
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
@@ -227,21 +227,21 @@ TEST(CellTask, OutlivesItsTree) {
   arena.execute([&] {
     ManyBoxes boxes(70'000);
     source = boxes.refs;
-    // A called thread stops in its first slice; the caller does none before.
+    // A helper thread stops in its first slice; the caller runs none before.
     boxes.at_slice = [&] {
       if (std::this_thread::get_id() == caller) {
         helped = helped && happens([&] { return helper_stopped.load(); });
       } else if (!helper_stopped.exchange(true)) {
-        while (!go_on) std::this_thread::yield();
+        while (!may_continue) std::this_thread::yield();
       }
     };
     const auto tree = boxes.tree();
     descend(*tree, (*boxes.refs)[0].lo);
   });
-  ASSERT_TRUE(helped) << "no thread was called";
+  ASSERT_TRUE(helped) << "no helper thread ran";
   kdtree::reclaim();
   EXPECT_FALSE(source.expired()) << "the stopped thread still reads it";
-  go_on = true;
+  may_continue = true;
   EXPECT_TRUE(happens([&] {
     kdtree::reclaim();
     return source.expired();

@@ -1,4 +1,4 @@
-// What a survey says of meshes with and without oddities.
+// The statistics of meshes with and without irregular faces.
 #include "accel/mesh/mesh_stats.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ using tests::TestMesh;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr geometry::Face kNoFace{geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex};
 
-/// Face by face.
+/// One face at a time.
 MeshStats slowly(const TestMesh& mesh) {
   MeshStats survey;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
@@ -39,7 +39,7 @@ void expect_right(const TestMesh& mesh, const MeshStats& survey) {
   EXPECT_EQ(both, bounds);
 }
 
-TEST(MeshStats, SaysTheSameAsFaceByFace) {
+TEST(MeshStats, EqualsASurveyFaceByFace) {
   for (const std::uint32_t side : {1u, 5u, 40u, 300u}) {
     TestMesh mesh = tests::planar_sheet(side);
     const MeshStats survey = compute_mesh_stats(mesh.view());
@@ -55,7 +55,7 @@ TEST(MeshStats, SaysTheSameAsFaceByFace) {
   }
 }
 
-TEST(MeshStats, OfNothing) {
+TEST(MeshStats, OfAnEmptyMesh) {
   expect_right({}, compute_mesh_stats({}));
   EXPECT_TRUE(compute_mesh_stats({}).bounds.empty());
   const TestMesh points{{{0, 0, 0}, {1, 1, 1}}, {kNoFace}};

@@ -1,5 +1,5 @@
-// Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and
-// without.
+// Runs of triangles: each triangle is in one run, boxes contain their triangles, and runs do not
+// change hits.
 #include "accel/mesh/runs.h"
 #include "accel/published/any_builder.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using tests::TestMesh;
 
-/// A wavy sheet whose faces follow each other row by row.
+/// A wavy sheet with faces in row order.
 TestMesh waves(std::uint32_t side) {
   TestMesh mesh = tests::planar_sheet(side);
   for (geometry::Vec3f& v : mesh.vertices) {
@@ -36,7 +36,7 @@ TestMesh shuffled(TestMesh mesh) {
   return mesh;
 }
 
-/// Counts each face that a run leads to, and checks that boxes hold what they stand for.
+/// Counts the faces that runs open to, and checks that boxes contain them.
 void visit(const geometry::MeshView& mesh, const kdtree::Reference& run, std::vector<int>& seen) {
   std::vector<kdtree::Reference> finer;
   kdtree::BuildCounters counters;
@@ -61,7 +61,7 @@ void visit(const geometry::MeshView& mesh, const kdtree::Reference& run, std::ve
   ASSERT_EQ(weight, run.weight);
 }
 
-TEST(Runs, LeadToEveryFiniteTriangleOnce) {
+TEST(Runs, OpenToEveryFiniteTriangleOnce) {
   for (const std::uint32_t side : {3u, 64u, 100u, 257u}) {
     TestMesh mesh = waves(side);
     if (side > 10) {
@@ -89,7 +89,7 @@ bool compact(const TestMesh& mesh) {
   return are_runs_compact(mesh.view(), compute_mesh_stats(mesh.view()).bounds, counters);
 }
 
-TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
+TEST(Runs, AreNotMadeWhereTheyDoNotHelp) {
   EXPECT_TRUE(compact(waves(100)));
   EXPECT_FALSE(compact(shuffled(waves(100))));
   EXPECT_FALSE(compact(waves(20))) << "few triangles";
@@ -141,7 +141,7 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   }
 }
 
-TEST(Runs, AreSearchedWhereNothingIsGrown) {
+TEST(Runs, AreScannedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
   MeshTree cold(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());
   MeshTree grown(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());

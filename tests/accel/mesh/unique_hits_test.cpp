@@ -1,4 +1,4 @@
-// Lists that keep each hit once, and the nearest.
+// Lists that keep each hit once, or the nearest hit.
 #include "accel/mesh/unique_hits.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(UniqueHits, KeepsTheLeast) {
       const auto x = static_cast<std::uint32_t>(random.below(1'000'000));
       expected.insert(x);
       if (list.add(x) && list.greatest() != nullptr) {
-        // It never says less than what will be kept.
+        // Its bound is never below the hit that will be kept.
         EXPECT_GE(*list.greatest(), *std::next(expected.begin(), static_cast<int>(limit) - 1));
       }
     }

@@ -1,4 +1,4 @@
-// The fused pass against sifting and scanning apart, on every SIMD target of this machine.
+// The fused pass against separate sift and scan passes, on every SIMD target of this machine.
 #include "accel/split/child_scan.h"
 
 #include <gtest/gtest.h>
@@ -41,8 +41,8 @@ ChildScans unscanned(const geometry::Aabb& cell, const kdtree::Plane& plane,
 }
 
 /// By the definition.
-Divided apart(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
-              const kdtree::Plane& plane, std::uint32_t samples) {
+Divided separate_passes(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                        const kdtree::Plane& plane, std::uint32_t samples) {
   Divided d{.left = std::vector<kdtree::Reference>(refs.size()),
             .right = std::vector<kdtree::Reference>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
@@ -68,10 +68,10 @@ Divided apart(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& 
   return d;
 }
 
-/// Over itself, as growth does, then piece by piece into one pair of lists.
+/// In place, as growth does, then piece by piece into one pair of lists.
 void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, std::uint32_t samples = kdtree::kUniformPlanes) {
-  const Divided expected = apart(refs, cell, plane, samples);
+  const Divided expected = separate_passes(refs, cell, plane, samples);
   const auto expect_lists = [&](std::span<const kdtree::Reference> left,
                                 std::span<const kdtree::Reference> right, const ChildScans& scans) {
     EXPECT_TRUE(same(left, expected.left));
@@ -99,13 +99,13 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
   expect_lists(std::span(left).first(sum.left), std::span(right).first(sum.right), summed);
 }
 
-TEST_P(FirstScanning, IsSiftingAndScanningApart) {
+TEST_P(FirstScanning, EqualsASeparateSiftAndScan) {
   for (std::size_t n = 0; n <= 70; ++n) {
     SCOPED_TRACE(n);
     const auto refs = tests::random_boxes(n, 0.3, n);
     const int axis = static_cast<int>(n % 3);
     expect_same(refs, {{0, 0, 0}, {1, 1, 1}}, {axis, 0.4f});
-    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // straddlers
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // Straddlers
   }
 }
 

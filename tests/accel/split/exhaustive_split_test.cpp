@@ -1,4 +1,4 @@
-// The bottom of a build against plain counting, on every SIMD target of this machine.
+// The exhaustive split against plain counting, on every SIMD target of this machine.
 #include "accel/split/exhaustive_split.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,8 @@ class BoundScan : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// By the definition: every bound inside, in order of axes, the least position of equal ones.
+/// By the definition: every bound inside the cell, in order of axes; equal costs go to the least
+/// position.
 BoundSplit counted(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                    AxisRange range, float bonus, std::uint64_t& touches) {
   BoundSplit best;
@@ -79,7 +80,7 @@ TEST_P(BoundScan, FindsTheBestBound) {
   for (std::size_t n = 1; n <= kMaxBoundScan; n += n < 40 ? 1 : 27) {
     const auto refs = tests::random_boxes(n, 0.3, n);
     expect_same(refs, tests::bounds_of(refs));
-    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // Straddlers
   }
 }
 
@@ -90,15 +91,15 @@ TEST_P(BoundScan, EqualCostsGoToTheLeastAxisAndPosition) {
   }
 }
 
-TEST_P(BoundScan, FindsNothingWhereNoBoundLiesInside) {
+TEST_P(BoundScan, FindsNothingIfNoBoundLiesInside) {
   const std::vector<kdtree::Reference> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
   kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_bound(refs, {{0, 0, 0}, {1, 1, 1}}, {.cost = {0, 1, 1}}, counters));
   EXPECT_EQ(counters.touches, 0u);
 }
 
-TEST_P(BoundScan, TriesTheOtherAxesWhereTheLongestIsPoor) {
-  // Two slabs across the shorter axis: nothing to gain along x.
+TEST_P(BoundScan, TriesTheOtherAxesIfTheLongestIsPoor) {
+  // Two slabs across the shorter axis: no cut along x pays.
   const std::vector<kdtree::Reference> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
                                             tests::box_ref({0, 2, 0}, {4, 3, 1})};
   const geometry::Aabb cell{{0, 0, 0}, {4, 3, 1}};

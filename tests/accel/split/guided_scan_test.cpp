@@ -1,4 +1,4 @@
-// Two passes against the best that all of a list's bounds offer.
+// Two guided passes against the best of all bounds of a list.
 #include "accel/split/guided_scan.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ double chosen(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& 
   return cut ? children(refs, cell, cut->plane) : total_weight(refs);
 }
 
-TEST(GuidedScan, ComesNearTheBestBound) {
+TEST(GuidedScan, IsNearTheBestBound) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const double size : {0.01, 0.1, 0.5}) {
       const auto refs = tests::random_boxes(500, size, seed);
@@ -62,7 +62,7 @@ TEST(GuidedScan, ComesNearTheBestBound) {
   }
 }
 
-/// Empty space is cut off to the last float, wherever it ends.
+/// Empty space is cut off exactly, wherever it ends.
 TEST(GuidedScan, CutsAtAWall) {
   tests::Random random(1);
   for (int axis = 0; axis < 3; ++axis) {
@@ -83,7 +83,7 @@ TEST(GuidedScan, CutsAtAWall) {
   }
 }
 
-/// Few heavy boxes beside many light ones: not their number counts.
+/// A few heavy boxes beside many light ones: weights count, not numbers.
 TEST(GuidedScan, CountsWeights) {
   auto refs = tests::random_boxes(400, 0.02, 1);
   for (kdtree::Reference& ref : refs) ref.weight = ref.lo.x < 0.2f ? 1000 : 1;
@@ -91,21 +91,21 @@ TEST(GuidedScan, CountsWeights) {
   EXPECT_LT(chosen(refs, cell), 1.02 * best_children(refs, cell));
 }
 
-TEST(GuidedScan, NeverCostsMoreThanItThinks) {
+TEST(GuidedScan, NeverCostsMoreThanItsEstimate) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto refs = tests::lattice_boxes(300, 50, seed);
     EXPECT_LE(chosen(refs, {{0, 0, 0}, {5, 5, 5}}), total_weight(refs)) << seed;
   }
 }
 
-TEST(GuidedScan, LeavesWhatCannotBeSeparated) {
+TEST(GuidedScan, MakesALeafIfNothingSeparates) {
   const std::vector<kdtree::Reference> same(500, tests::box_ref({0, 0, 0}, {1, 1, 1}));
   kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_guided({same, {{0, 0, 0}, {1, 1, 1}}, {}}, {}, counters));
   EXPECT_LE(counters.touches, 2 * same.size());
 }
 
-TEST(GuidedScan, TakesAFlatCell) {
+TEST(GuidedScan, HandlesAFlatCell) {
   std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 100; ++i) {
     const auto x = static_cast<float>(i);

@@ -16,7 +16,7 @@ std::vector<kdtree::Reference> boxes(std::size_t n, std::uint64_t seed) {
   std::vector<kdtree::Reference> refs(n);
   for (std::size_t i = 0; i < n; ++i) {
     geometry::Aabb box;
-    // Eighths: bounds meet sample planes exactly.
+    // Multiples of one eighth: bounds meet sample planes exactly.
     const auto p = [&] { return static_cast<float>(random.below(65)) / 8; };
     box.grow(geometry::Vec3f{p(), p(), p()});
     box.grow(geometry::Vec3f{p(), p(), p()});
@@ -100,7 +100,7 @@ TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
 }
 
 /// Piece after piece, into the same counts.
-TEST_P(ScanKernel, AddsUp) {
+TEST_P(ScanKernel, AccumulatesPieces) {
   const std::vector<kdtree::Reference> refs = boxes(100, 3);
   const std::span<const kdtree::Reference> all(refs);
   const WideAxis at = planes<kScanWidth>(5);

@@ -1,4 +1,4 @@
-// Choosing a cut without the list: through passes that somebody else runs, and from counts made
+// Choosing a cut without the list: through passes that the caller runs, and from earlier counts.
 // earlier.
 #include "accel/split/scan_pass.h"
 
@@ -13,7 +13,7 @@
 namespace sightline::accel::split {
 namespace {
 
-/// A list in pieces of uneven lengths, one of them passed over twice, as late helpers do.
+/// A list in pieces of different lengths, one of which is scanned twice, as late helper threads do.
 struct Pieces {
   std::span<const kdtree::Reference> refs;
   std::size_t passes = 0;
@@ -34,7 +34,7 @@ struct Pieces {
 
 kdtree::ChildScan first_scan(const SplitSearch& rule, std::vector<kdtree::Reference> refs,
                              const geometry::Aabb& cell) {
-  // Cut at its lower face, the whole list is the right cell's.
+  // Cut at its lower face, the whole list goes to the right cell.
   std::vector<kdtree::Reference> right(refs.size());
   ChildScans scans{{}, rule.child_planes(cell), {}, {}};
   sift_and_count(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
@@ -73,7 +73,7 @@ void expect_same_choices(const std::vector<kdtree::Reference>& refs, const geome
   }
 }
 
-TEST(ListPass, ChoosesAsFromTheListAtHand) {
+TEST(ListPass, ChoosesAsFromTheWholeList) {
   for (const std::size_t n : {257u, 1000u, 70000u}) {
     const auto small = tests::random_boxes(n, 0.01, n);
     expect_same_choices(small, tests::bounds_of(small));
@@ -81,7 +81,7 @@ TEST(ListPass, ChoosesAsFromTheListAtHand) {
   }
 }
 
-TEST(ListPass, ForgetsCountsOfAnotherLength) {
+TEST(ListPass, IgnoresCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
   kdtree::ChildScan wrong;
   wrong.references = 999;

@@ -1,4 +1,4 @@
-// A mesh's tree by one builder, asked for nearest hits, and the same answers without a tree.
+// A mesh's tree by one builder, the hits of rays in it, and the same hits without a tree.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace sightline::tests {
 
-/// The builder that counts its list anew for every candidate: its time is the square of the size.
+/// This builder counts its list again for every candidate: its time is quadratic.
 inline bool is_quadratic(std::string_view builder) { return builder == "sah-naive"; }
 
 /// A miss: t is infinite. Compares bit for bit.
@@ -63,7 +63,7 @@ class AskedTree {
   accel::kdtree::BuildCounters built_;
 };
 
-/// By the hit rule over every face, with no tree.
+/// By the hit rule over every face, without a tree.
 inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::geometry::Ray& ray) {
   const accel::geometry::LocalRay local =
       *accel::geometry::make_local_ray(ray.origin, ray.direction);

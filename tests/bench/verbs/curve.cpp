@@ -1,5 +1,5 @@
-// curve: the cost of cutting the whole scene along one axis, as samples suggest it and as it is.
-// Paper 000, Figures 2 to 6.
+// curve: the cost of splitting the whole scene along one axis, from samples and exactly. Paper 000,
+// Figures 2 to 6.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 using accel::geometry::Aabb;
 using accel::kdtree::Reference;
 
-// The scene's triangles in the world as the builder would see them.
+// The scene's triangles in world space, as the builder sees them.
 std::vector<Reference> world_boxes(const SceneGeometry& geometry) {
   std::vector<Reference> refs;
   refs.reserve(geometry.triangles());
@@ -54,8 +54,9 @@ struct Curve {
   }
 };
 
-// An even comb, and the two sides of the steepest step in every stretch of it that holds over 1 %
-// of the rise: enough to draw jumps as jumps without a row a box. All are floats, as planes are.
+// Even points, and the two sides of the steepest step in every interval that holds over 1 % of the
+// rise: this draws jumps as jumps without a row for every box. All points are floats, as planes
+// are.
 std::vector<float> stations(const tests::TrueCounts& truth, float lo, float hi, int points) {
   std::vector<float> at;
   for (int i = 0; i <= points; ++i) {

@@ -1,5 +1,4 @@
-// kernel: how many boxes a second the inner loops of building pass over, alone, from L2 and from
-// memory.
+// kernel: the throughput of the builder's inner loops in boxes a second, from L2 and from memory.
 #include <algorithm>
 #include <functional>
 
@@ -21,7 +20,7 @@ using accel::split::UniformAxis;
 using tests::Random;
 
 constexpr double kSecondsPerRun = 0.05;
-// What a loop over 16 planes of 3 axes does from L2 on the machine of docs/benchmarks.md.
+// Throughput of a loop over 16 planes of 3 axes from L2 on the machine of docs/benchmarks.md.
 constexpr double kBestComparisons = 490e6 * 16 * 3;
 
 // Small boxes all over the unit cube.
@@ -39,7 +38,7 @@ std::vector<Reference> random_boxes(std::size_t count, std::uint64_t seed) {
   return boxes;
 }
 
-// One loop over the boxes, and whether its outcome is what plain counting gives.
+// One loop over the boxes, and a check of its result against plain counting.
 struct Pass {
   const char* name;
   std::size_t planes = 0, axes = 0;
@@ -88,9 +87,9 @@ class Bench {
              [this] { return counts_right(boxes_, 0, few_[0], one_); }},
             {"scan-wide-axis", kScanWidth, 1, [this] { scan_wide(); },
              [this] { return counts_right(boxes_, 0, wide_, many_) && neighbours_right(); }},
-            {"sift", 1, 1, [this] { sift(); }, [this] { return sifted_right(); }},
+            {"sift", 1, 1, [this] { sift(); }, [this] { return sift_is_right(); }},
             {"sift-and-scan", kUniformPlanes, 3, [this] { sift_and_count(); },
-             [this] { return sifted_right() && scans_right(); }}};
+             [this] { return sift_is_right() && scans_right(); }}};
   }
 
   std::size_t size() const { return boxes_.size(); }
@@ -131,7 +130,7 @@ class Bench {
     return near == near_;
   }
 
-  bool sifted_right() const {
+  bool sift_is_right() const {
     std::size_t left = 0, right = 0;
     for (const Reference& box : boxes_) {
       if (box.lo[0] < kCut && (left == counts_.left || left_[left++].id != box.id)) return false;
@@ -165,7 +164,7 @@ class Bench {
   accel::split::ChildScans scans_{};
 };
 
-// Boxes a second of many passes one after the other.
+// Boxes a second over many passes in sequence.
 double measure(const Pass& pass, std::size_t boxes) {
   std::size_t passes = 0;
   const Stopwatch clock;

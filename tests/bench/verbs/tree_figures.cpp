@@ -1,4 +1,4 @@
-// What a snapshot's built trees are like.
+// Figures of a snapshot's built trees.
 #include "tests/bench/verbs/tree_figures.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using accel::geometry::Vec3d;
 
 namespace {
 
-// Walks the cells that one ray's segment passes through, closed, and marks what their leaves hold.
+// Walks the cells that one ray's segment passes through, closed, and marks the triangles in leaves.
 class LeafMarker {
  public:
   LeafMarker(const accel::kdtree::KdTree& tree, std::vector<bool>& seen)

@@ -1,5 +1,4 @@
-// Runs over siblings: all of them, each once, in boxes that hold them; none where they are of no
-// use.
+// Clusters of siblings: each sibling once, in boxes that contain them; none where they do not help.
 #include "scenegraph/instances/sibling_clusters.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +36,7 @@ void shuffle(std::vector<Reference>& refs) {
   for (std::size_t i = refs.size(); i > 1; --i) std::swap(refs[i - 1], refs[random.below(i)]);
 }
 
-/// Opens a run, checks it, and returns how many siblings it stands for.
+/// Opens a cluster, checks it, and returns the number of its siblings.
 std::size_t check(const Reference& ref, const std::vector<std::span<const Reference>>& members,
                   std::uint32_t first, std::vector<int>& met) {
   if (!ref.openable()) {
@@ -76,26 +75,26 @@ std::size_t coarsest_of(std::vector<Reference> refs) {
   return runs.coarsest().size();
 }
 
-TEST(SiblingClusters, TakeFewAsTheyAre) {
+TEST(SiblingClusters, LeaveFewSiblingsAsTheyAre) {
   EXPECT_EQ(coarsest_of({}), 0u);
   EXPECT_EQ(coarsest_of(tiles(1)), 1u);
   EXPECT_EQ(coarsest_of(tiles(8)), 64u);
   EXPECT_EQ(max_clusters(64), 0u);
 }
 
-TEST(SiblingClusters, TakeNeighboursTogether) {
+TEST(SiblingClusters, GroupNeighbors) {
   EXPECT_EQ(coarsest_of(tiles(32)), 64u);
   EXPECT_EQ(coarsest_of(tiles(100)), 40u);
   EXPECT_EQ(max_clusters(10000), 625u + 40u);
 }
 
-TEST(SiblingClusters, FindNeighboursThatAreNotInOrder) {
+TEST(SiblingClusters, GroupNeighborsInAnyOrder) {
   std::vector<Reference> refs = tiles(100);
   shuffle(refs);
   EXPECT_EQ(coarsest_of(refs), 40u);
 }
 
-TEST(SiblingClusters, AreNotMadeOfWhatIsEverywhere) {
+TEST(SiblingClusters, AreNotMadeOfOverlappingSiblings) {
   tests::Random random(4);
   std::vector<Reference> refs;
   for (std::uint32_t i = 0; i < 5000; ++i) {
@@ -105,7 +104,7 @@ TEST(SiblingClusters, AreNotMadeOfWhatIsEverywhere) {
   EXPECT_EQ(coarsest_of(refs), 5000u);
 }
 
-TEST(SiblingClusters, EndureBoxesWithoutExtent) {
+TEST(SiblingClusters, HandleBoxesWithoutExtent) {
   std::vector<Reference> same(1000);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const Aabb box = accel::geometry::widen_flat({{2, 2, 2}, {2, 2, 2}});

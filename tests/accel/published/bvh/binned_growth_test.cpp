@@ -124,8 +124,9 @@ TEST(BinnedGrowth, CoincidentTrianglesAreHalved) {
   EXPECT_LE(m.max_depth, 8);
 }
 
-TEST(BinnedGrowth, EverShorterSplitsEndAtTheGreatestDepth) {
-  // Each center lies as far from the last as all before it together: a bin boundary separates one.
+TEST(BinnedGrowth, ShorterAndShorterSplitsEndAtTheDepthLimit) {
+  // Each center lies beyond the last by the distance of all before it: a bin boundary separates
+  // one.
   tests::TestMesh mesh;
   for (int i = 0; i < 250; ++i) {
     const auto x = static_cast<float>(std::ldexp(1.0, i - 125));
@@ -140,7 +141,7 @@ TEST(BinnedGrowth, EverShorterSplitsEndAtTheGreatestDepth) {
   }
 }
 
-TEST(BinnedGrowth, NumbersAtTheEndsOfFloat) {
+TEST(BinnedGrowth, HandlesTheEndsOfTheFloatRange) {
   tests::TestMesh mesh = tests::random_soup(50, 0.2, 4);
   for (const float scale : {3e38f, 1e-38f, 1e-44f}) {
     tests::TestMesh scaled = mesh;
@@ -149,7 +150,7 @@ TEST(BinnedGrowth, NumbersAtTheEndsOfFloat) {
   }
 }
 
-TEST(BinnedGrowth, OfNothingIsAnEmptyLeaf) {
+TEST(BinnedGrowth, OfNoTrianglesIsAnEmptyLeaf) {
   const Bvh bvh = build({});
   EXPECT_FALSE(bvh.root.inner);
   EXPECT_EQ(bvh.root.count, 0u);

@@ -1,4 +1,4 @@
-// Hierarchies under rays: built once, by whoever comes first, and searched for nothing in vain.
+// Hierarchies under rays: each is built once, by the first ray, and walks visit no box in vain.
 #include "accel/published/bvh/bvh_tree.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(BvhTree, IsBuiltOnceByManyThreads) {
   EXPECT_EQ(tree.bytes(), tree.built()->bytes());
 }
 
-// A thread that builds must not take up another ray's task, which would wait for what it builds.
+// A building thread must not run another ray's task, which would wait for the same build.
 TEST(BvhTree, IsBuiltFromWithinTasks) {
   const tests::TestMesh mesh = tests::random_soup(50'000, 0.02, 8);
   BvhTree tree(mesh.view(), BvhBuilder{});
@@ -48,7 +48,7 @@ TEST(BvhTree, IsBuiltFromWithinTasks) {
   EXPECT_EQ(done, 64);
 }
 
-TEST(BvhTree, OnlyRaysThatMayBuildDo) {
+TEST(BvhTree, OnlyRaysThatMayBuildBuild) {
   const tests::TestMesh mesh = tests::icosphere(3);
   for (const std::string_view name : builder_names()) {
     const AnyBuilder builder = *make_builder(name);
@@ -80,8 +80,8 @@ TEST(BvhTree, OnlyRaysThatMayBuildDo) {
   }
 }
 
-/// Hits of boxes alone: what meet_children says against the slab test of a single box.
-TEST(BvhWalk, MeetsWhatMayMeetMeets) {
+/// Box tests only: meet_children against the slab test of a single box.
+TEST(BvhWalk, MeetChildrenAgreesWithTheSingleBoxTest) {
   tests::Random random(6);
   int met = 0;
   for (int i = 0; i < 20'000; ++i) {

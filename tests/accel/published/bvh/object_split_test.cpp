@@ -1,4 +1,4 @@
-// Object splits: sorted lists stay sorted, and no split is cheaper than the one that is found.
+// Object splits: sorted lists stay sorted, and no split is cheaper than the chosen one.
 #include "accel/published/bvh/object_split.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ double sum_of(std::span<const Fragment> list, std::size_t left) {
          half_area(r) * static_cast<double>(list.size() - left);
 }
 
-/// Every place along every axis, counted anew.
+/// Every index along every axis, computed directly.
 double least_sum(const std::vector<kdtree::Reference>& refs) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -70,7 +70,7 @@ TEST(CenterLists, DoNotDependOnTheOrderOfTheInput) {
   }
 }
 
-TEST(CenterLists, AreDividedAtAPlaceInTheirOrder) {
+TEST(CenterLists, AreDividedAtAnIndexInTheirOrder) {
   for (const std::size_t n : {2u, 3u, 50u, 9000u}) {
     for (const std::size_t axis : {0u, 1u, 2u}) {
       for (const std::size_t left : {std::size_t{1}, n / 2, n - 1}) {
@@ -111,7 +111,7 @@ TEST(ObjectSplit, IsTheCheapestOfAll) {
   }
 }
 
-TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
+TEST(ObjectSplit, OfALongListIsTheBestOfEachAxis) {
   const std::vector<kdtree::Reference> refs = tests::random_boxes(6000, 0.05, 9);
   const SortedFragments sorted(refs);
   const ObjectSplit split = best(sorted.lists);
@@ -125,7 +125,7 @@ TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
   EXPECT_LE(split.sum, least);
 }
 
-TEST(ObjectSplit, ThereIsNoneWhereNothingSeparates) {
+TEST(ObjectSplit, IsNoneIfNothingSeparates) {
   std::vector<kdtree::Reference> same;
   for (std::uint32_t i = 0; i < 20; ++i) same.push_back(tests::box_ref({0, 0, 0}, {1, 2, 3}, i));
   const SortedFragments sorted(same);

@@ -1,5 +1,4 @@
-// Splitting before the build: by threshold and by number, and all of a triangle stays in its
-// pieces.
+// Splitting before the build, by threshold and by number: the pieces cover all of a triangle.
 #include "accel/published/bvh/pre_split.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +61,7 @@ void expect_covered(const TestMesh& mesh, const std::vector<kdtree::Reference>& 
   EXPECT_TRUE(begin == pieces.end());
 }
 
-TEST(PreSplitRule, NamesWhatIsOutOfRange) {
+TEST(PreSplitRule, NamesTheValueOutOfRange) {
   EXPECT_FALSE(PreSplitRule{}.check());
   EXPECT_NE(PreSplitRule{.threshold = 2}.check().value_or("").find("threshold"), std::string::npos);
   EXPECT_NE(PreSplitRule{.budget = 65}.check().value_or("").find("64"), std::string::npos);
@@ -80,7 +79,7 @@ TEST_P(PreSplit, PiecesCoverTheirTriangles) {
   expect_covered(far, split(far, {.budget = 20}));
 }
 
-TEST_P(PreSplit, BudgetIsMetExactly) {
+TEST_P(PreSplit, UsesTheBudgetExactly) {
   const TestMesh mesh = tests::turned(tests::beams(3), 45);
   for (const double budget : {1.0, 1.25, 2.0, 7.0}) {
     const auto most = static_cast<std::size_t>(budget * static_cast<double>(mesh.faces.size()));
@@ -89,7 +88,7 @@ TEST_P(PreSplit, BudgetIsMetExactly) {
   EXPECT_EQ(split(mesh, {.budget = 0.5}).size(), mesh.faces.size());
 }
 
-TEST_P(PreSplit, TheWholeRootAsThresholdSplitsNothing) {
+TEST_P(PreSplit, AThresholdOfTheWholeRootSplitsNothing) {
   const TestMesh mesh = tests::random_soup(100, 0.5, 2);
   const std::vector<kdtree::Reference> refs = tests::face_refs(mesh),
                                        pieces = split(mesh, {.threshold = 1});
@@ -107,7 +106,7 @@ TEST_P(PreSplit, NoThresholdIsTooSmall) {
   }
 }
 
-TEST_P(PreSplit, NothingAndPointsStayAsTheyAre) {
+TEST_P(PreSplit, EmptyMeshesAndPointsDoNotChange) {
   EXPECT_TRUE(split({}, {.budget = 4}).empty());
   const TestMesh points{{{1, 2, 3}}, {{0, 0, 0}, {0, 0, 0}}};
   EXPECT_EQ(split(points, {.threshold = 0}).size(), 2u);
@@ -131,7 +130,7 @@ TEST(EarlySplit, NoPieceIsLargerThanTheThreshold) {
   EXPECT_EQ(counters.touches_prepare, 2 * (pieces.size() - refs.size()));
 }
 
-TEST(EdgeSplit, LeavesWhatIsAxisAlignedWhole) {
+TEST(EdgeSplit, KeepsAxisAlignedTrianglesWhole) {
   const TestMesh mesh = tests::beams(3);
   kdtree::BuildCounters counters;
   EXPECT_EQ(split_edges(mesh.view(), tests::face_refs(mesh), {.threshold = 0}, counters).size(),

@@ -1,5 +1,5 @@
-// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads, all
-// the same.
+// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads are all
+// equal.
 #include "accel/published/kd/event_growth.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ using tests::TestMesh;
 
 constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
-/// What a leaf holds, or a cell that was given up for want of room, as a set.
+/// The references of a leaf, or of a deferred cell that failed for lack of capacity, as a set.
 std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
   std::vector<std::uint32_t> ids;
   if (slot.is_deferred()) {
@@ -94,7 +94,7 @@ void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
   touch_all(tree, children[1]);
 }
 
-/// Triangles with corners on a lattice: many flat ones, many bounds alike.
+/// Triangles with corners on a lattice: many flat ones, many equal bounds.
 TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
   tests::Random random(seed);
   TestMesh mesh;
@@ -106,7 +106,7 @@ TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
   return mesh;
 }
 
-TestMesh room() {
+TestMesh furnished_mesh() {
   TestMesh mesh = tests::planar_sheet(6);
   for (std::uint32_t i = 0; i < 7; ++i) {
     const auto x = static_cast<float>(i);
@@ -129,7 +129,7 @@ std::vector<Case> cases() {
       {"walls", [] { return tests::flat_walls(30); }},
       {"duplicates", [] { return tests::duplicates(40); }},
       {"fan", [] { return tests::fan(32); }},
-      {"room", room},
+      {"room", furnished_mesh},
       {"soup", [] { return tests::random_soup(300, 0.1, 1); }},
       {"large_soup", [] { return tests::random_soup(60, 0.8, 2); }},
       {"lattice", [] { return lattice_soup(150, 3); }},
@@ -152,7 +152,7 @@ TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
       kdtree::BuildCounters counters;
       trees.back()->expand_all(counters);
     }
-    trees.push_back(make_tree(mesh, view, builder));  // cell by cell
+    trees.push_back(make_tree(mesh, view, builder));  // Cell by cell
     const kdtree::EpochPin pin;
     touch_all(*trees.back(), trees.back()->root());
     for (std::size_t i = 1; i < trees.size(); ++i) {
@@ -195,7 +195,7 @@ TEST(ExactTrees, ThreadsBuildTheSameTree) {
   EXPECT_EQ(touches[0], touches[1]);
 }
 
-/// Instances of a scene: heavy, and nothing to clip.
+/// Instances of a scene: heavy references that cannot be clipped.
 TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   const std::vector<kdtree::Reference> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<lazy::LazyTree>> trees;
@@ -211,14 +211,14 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   EXPECT_GT(expect_same(trees[0]->tree(), trees[2]->tree()), 3u);
 }
 
-TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
+TEST(ExactTrees, ACancelledSweepLeavesUsableLists) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 9);
   const geometry::MeshView view = mesh.view();
   const auto whole = make_tree(mesh, view, {}), parts = make_tree(mesh, view, {});
   kdtree::BuildCounters counters;
   whole->expand_all(counters);
   const kdtree::EpochPin pin;
-  // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
+  // One cut by a ray, then both halves are deferred again by a cancelled sweep of each, then
   // finished.
   while (kdtree::load(parts->root()).is_deferred())
     ASSERT_EQ(parts->expand(parts->root(), lazy::WhenPending::kWait, counters),

@@ -32,7 +32,7 @@ double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aab
   return left == 0 || right == 0 ? cost * costs.lambda : cost;
 }
 
-/// Every bound, both sides; cuts that change nothing left out.
+/// Every bound, both sides, without cuts that change nothing.
 double best_possible(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                      const ExactCosts& costs) {
   double best = 1e300;
@@ -47,7 +47,7 @@ double best_possible(const std::vector<kdtree::Reference>& refs, const geometry:
           if (x <= cell.lo[a] || x >= cell.hi[a]) continue;
           if (n.left == refs.size() && n.right == refs.size()) continue;
           if (x == geometry::least_above(ref.lo[a]))
-            continue;  // behind a flat box: not a bound of anything
+            continue;  // Behind a flat box: not a bound of any box
           best = std::min(best, true_cost(refs, cell, cut, costs));
         }
       }
@@ -85,10 +85,10 @@ TEST(ExactBuilder, FindsTheOptimum) {
   for (std::size_t n = 1; n <= 60; ++n) {
     const auto loose = tests::random_boxes(n, 0.3, n);
     check_optimum(loose, bounds_of(loose));
-    check_optimum(loose, {{0.2f, 0.1f, 0.3f}, {0.7f, 0.9f, 0.6f}});  // boxes reach beyond the cell
+    check_optimum(loose, {{0.2f, 0.1f, 0.3f}, {0.7f, 0.9f, 0.6f}});  // Boxes reach beyond the cell
     const auto lattice = tests::lattice_boxes(n, 3, n);
     check_optimum(lattice, bounds_of(lattice));
-    check_optimum(lattice, {{-1, -1, -1}, {7, 7, 7}});  // empty space all around
+    check_optimum(lattice, {{-1, -1, -1}, {7, 7, 7}});  // Empty space on all sides
   }
 }
 
@@ -104,7 +104,7 @@ TEST(ExactBuilder, HeavyReferencesPullThePlane) {
   }
 }
 
-TEST(ExactBuilder, LeavesWhatCannotBeSeparated) {
+TEST(ExactBuilder, MakesALeafIfNothingSeparates) {
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search, .bad_refines = 9};
     kdtree::BuildCounters counters;
@@ -114,19 +114,20 @@ TEST(ExactBuilder, LeavesWhatCannotBeSeparated) {
     const std::vector<kdtree::Reference> flat(50, box_ref({0, 0, 2}, {1, 1, 2}));
     EXPECT_FALSE(builder.choose({flat, bounds_of(flat), {}}, counters));
     EXPECT_FALSE(
-        builder.choose({flat, {{0, 0, 2}, {1, 1, 2}}, {}}, counters));  // a cell without thickness
-    EXPECT_FALSE(builder.choose({flat, {{0, 0, 2}, {1, 0, 2}}, {}}, counters));  // without area
+        builder.choose({flat, {{0, 0, 2}, {1, 1, 2}}, {}}, counters));  // A cell without thickness
+    EXPECT_FALSE(
+        builder.choose({flat, {{0, 0, 2}, {1, 0, 2}}, {}}, counters));  // A cell without area
   }
 }
 
-/// A floor with walls standing on it: the floor goes into a flat cell, at the face of the cell, on
-/// the side that the walls are not on.
+/// A floor with walls standing on it: the floor gets a flat cell at the face of the cell, on the
+/// side without walls.
 TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
   std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 20; ++i) {
     const auto x = static_cast<float>(i);
-    refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // a strip of floor
-    refs.push_back(box_ref({0, x / 20, 0}, {20, x / 20 + 10, 5}));  // a wall askew
+    refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // A strip of floor
+    refs.push_back(box_ref({0, x / 20, 0}, {20, x / 20 + 10, 5}));  // A slanted wall
   }
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search};
@@ -141,13 +142,13 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
     EXPECT_FALSE(
         builder.choose({std::span(right).first(n.right), {{0, 0, 0}, {20, 20, 5}}, {}}, counters)
             .value_or(kdtree::Split{})
-            .planar_left);  // nothing is left in the face
+            .planar_left);  // No reference is left in the face
   }
 }
 
 /// "An axis-aligned triangle in the middle of a voxel should result in two splits, generating two
 /// empty voxels and one flat, nonempty cell" (section 3.5).
-TEST(ExactBuilder, AWallInTheMiddleGetsTwoCuts) {
+TEST(ExactBuilder, CutsAWallInTheMiddleTwice) {
   std::vector<kdtree::Reference> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
   geometry::Aabb cell{{0, 0, 0}, {9, 9, 9}};
   for (const ExactSearch search : kSearches) {
@@ -155,7 +156,7 @@ TEST(ExactBuilder, AWallInTheMiddleGetsTwoCuts) {
     const ExactBuilder builder{.search = search};
     const auto first = builder.choose({refs, cell, {}}, counters);
     ASSERT_TRUE(first);
-    // Empty is the larger part, above the wall.
+    // The larger part, above the wall, is empty.
     EXPECT_EQ(*first, (kdtree::Split{.plane = {2, 4}, .planar_left = true}));
     const geometry::Aabb below = halve(cell, 2, 4).left;
     const auto second = builder.choose({refs, below, {}}, counters);
@@ -165,8 +166,8 @@ TEST(ExactBuilder, AWallInTheMiddleGetsTwoCuts) {
   }
 }
 
-TEST(ExactBuilder, CutsAtALossAsOftenAsAllowed) {
-  // Two boxes that overlap nearly wholly: no cut pays.
+TEST(ExactBuilder, MakesAtMostTheAllowedUnprofitableCuts) {
+  // Two boxes that overlap almost completely: no cut pays.
   const std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}),
                                             box_ref({0.1f, 0, 0}, {1, 1, 1})};
   for (const ExactSearch search : kSearches) {

@@ -79,7 +79,7 @@ TEST(HuntScan, FindsTheOptimumWhenExact) {
     if (best < static_cast<double>(n)) {
       ASSERT_TRUE(plane) << n;
       EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best,
-                  1e-6 * best)  // weighed in float
+                  1e-6 * best)  // Costs are computed in float
           << n;
     } else {
       EXPECT_FALSE(plane) << n;
@@ -99,25 +99,25 @@ TEST(HuntScan, SampledChoiceIsNearTheOptimumOnSmoothInput) {
     EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
               1.03 * best_possible(refs, cell, builder.cost));
     EXPECT_EQ(counters.touches,
-              2 * refs.size());  // the uniform and the adaptive pass, all axes fused
+              2 * refs.size());  // The uniform and the adaptive pass, all axes fused
   }
 }
 
-/// A wall of many flat boxes: the adaptive samples close in on it (section 5.1).
-TEST(HuntScan, AdaptiveSamplesCloseInOnAStep) {
+/// A wall of many flat boxes: the adaptive samples concentrate on it (section 5.1).
+TEST(HuntScan, AdaptiveSamplesConcentrateOnAStep) {
   std::vector<kdtree::Reference> refs = random_boxes(200, 0.01, 6);
   for (int i = 0; i < 2000; ++i) {
     const auto y = static_cast<float>(i % 50) / 50, z = static_cast<float>(i / 50) / 40;
     refs.push_back(ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
   }
   geometry::Aabb cell = bounds(refs);
-  cell.hi.x = 1.5f;  // the longest axis
+  cell.hi.x = 1.5f;  // The longest axis
   HuntScan builder;
   builder.axes = ScanAxes::kOne;
   kdtree::BuildCounters counters;
   const auto plane = builder.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
-  // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
+  // Nearly all of the rise lies in the wall's segment, so it gets at least all teeth but one.
   const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) /
                          (builder.uniform_samples - 1);
   EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637),
@@ -137,7 +137,7 @@ TEST(HuntScan, OneAxisCutsTheLongest) {
 }
 
 TEST(HuntScan, HeavyReferencesPullThePlane) {
-  // Two light boxes left, one heavy one right: the cut separates the heavy one.
+  // Two light boxes left, one heavy box right: the cut separates the heavy one.
   std::vector<kdtree::Reference> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
                                       ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   const geometry::Aabb cell = bounds(refs);
@@ -147,7 +147,7 @@ TEST(HuntScan, HeavyReferencesPullThePlane) {
   EXPECT_EQ(plane->plane, (kdtree::Plane{0, 8}));
 }
 
-TEST(HuntScan, LeavesWhatCannotBeSeparated) {
+TEST(HuntScan, MakesALeafIfNothingSeparates) {
   const HuntScan builder;
   kdtree::BuildCounters counters;
   EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));

@@ -47,7 +47,7 @@ std::optional<kdtree::Split> choose(const MinMaxBuilder& builder,
   return builder.choose({refs, cell, {depth}}, counters);
 }
 
-TEST(MinMaxBuilder, IsExactUpToTheNumberOfBins) {
+TEST(MinMaxBuilder, IsExactForAsManyBoxesAsBins) {
   const MinMaxBuilder builder;
   for (std::size_t n = 1; n <= 32; ++n) {
     const auto refs = tests::random_boxes(n, 0.1, n);
@@ -63,7 +63,7 @@ TEST(MinMaxBuilder, IsExactUpToTheNumberOfBins) {
   }
 }
 
-TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
+TEST(MinMaxBuilder, BinsApproximateTheOptimum) {
   for (const bool subsample : {false, true}) {
     const MinMaxBuilder builder{.subsample = subsample, .threads = 1};
     for (const std::size_t n : {200u, 2000u}) {
@@ -77,7 +77,7 @@ TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
   }
 }
 
-TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
+TEST(MinMaxBuilder, CutsOffEmptySpaceWhereTheContentsEnd) {
   const auto refs = tests::random_boxes(1000, 0.01, 3);
   const geometry::Aabb contents = bounds_of(refs);
   geometry::Aabb cell = contents;
@@ -87,14 +87,14 @@ TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
   EXPECT_EQ(cut->plane, (kdtree::Plane{1, contents.hi.y}));
 }
 
-/// F10 of the failure catalogue: object, floor, object, floor. The objects stand at one end, the
-/// floor lies everywhere.
+/// F10 of the failure catalogue: objects and floor alternate in the list. The objects are at one
+/// end, the floor is everywhere.
 TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
   std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 600; ++i) {
     const auto s = static_cast<float>(i) / 600;
-    refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // the floor
-    refs.push_back(box_ref({0.1f * s, 0.5f, 0.1f}, {0.1f * s + 0.001f, 0.6f, 0.2f}, 0));  // objects
+    refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // The floor
+    refs.push_back(box_ref({0.1f * s, 0.5f, 0.1f}, {0.1f * s + 0.001f, 0.6f, 0.2f}, 0));  // Objects
   }
   const geometry::Aabb cell = bounds_of(refs);
   const MinMaxBuilder sampled{.threads = 1}, all{.subsample = false, .threads = 1};
@@ -107,7 +107,7 @@ TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
 TEST(MinMaxBuilder, DecomposesAtTheMedian) {
   auto refs = tests::random_boxes(20000, 0.001, 4);
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    refs[i].lo.x = refs[i].lo.x * refs[i].lo.x * 8;  // crowded at the lower end of the longest axis
+    refs[i].lo.x = refs[i].lo.x * refs[i].lo.x * 8;  // Denser at the lower end of the longest axis
     refs[i].hi.x = refs[i].lo.x + 0.001f;
   }
   const geometry::Aabb cell = bounds_of(refs);
@@ -123,7 +123,7 @@ TEST(MinMaxBuilder, DecomposesAtTheMedian) {
     }
     EXPECT_NEAR(left, right, 0.01 * 20000) << depth;
   }
-  EXPECT_EQ(choose(builder, refs, cell, 2), choose({.threads = 1}, refs, cell));  // one thread left
+  EXPECT_EQ(choose(builder, refs, cell, 2), choose({.threads = 1}, refs, cell));  // One thread left
 }
 
 TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
@@ -139,7 +139,7 @@ TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
   }
 }
 
-TEST(MinMaxBuilder, LeavesWhatCannotBeSeparated) {
+TEST(MinMaxBuilder, MakesALeafIfNothingSeparates) {
   EXPECT_FALSE(choose({}, {}, {{0, 0, 0}, {1, 1, 1}}));
   for (const std::size_t n : {1u, 20u, 500u, 20000u}) {
     const std::vector<kdtree::Reference> same(n, box_ref({0, 0, 0}, {1, 1, 1}));

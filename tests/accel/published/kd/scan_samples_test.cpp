@@ -1,18 +1,15 @@
-// How far sampled C_L and C_R may be from the true ones: the bounds of Appendix A, with their
-// constants.
-//
-// Of a function that only rises, by r over a segment of width w, the line between its ends is off
-// by an area of at most w r / 2: nothing is worse than a step at one end. C_L and -C_R both only
-// rise, and F = C_L - C_R rises by what they rise together, so every bound on F's segments (w r / 2
-// with r the rise of F) holds for C_L, for C_R, and, without the paper's factor of two, for the sum
-// of their errors. With a and b the cell's faces, R = F(b) - F(a), and q uniform samples:
-//
-//   all segments       sum of w r / 2 <= (b - a) R / (2 (q - 1)): every w is at most (b - a) / (q -
-//   1)         (A.2) n more, adaptive   a segment of the first pass that rises by r holds more than
-//   n r / R - 1 of the n teeth. It is cut
-//                      into at least n r / R pieces, so each has w <= (b - a) / (q - 1) * R / (n r)
-//                      and rises by at most r: w r / 2 <= (b - a) R / (2 (q - 1) n), wherever the
-//                      rise is                           (A.3)
+// The error bounds of sampled C_L and C_R: those of Appendix A, with their constants.
+// A function that only rises, by r over a segment of width w, differs from the line between its
+// ends by an area of at most w r / 2: a step at one end is the worst case. C_L and -C_R only rise,
+// and F = C_L - C_R rises by the sum of both rises. So every bound on F's segments (w r / 2 with r
+// the rise of F) holds for C_L, for C_R, and, without the paper's factor of two, for the sum of
+// their errors. Let a and b be the cell's faces, R = F(b) - F(a), and q the number of uniform
+// samples.
+// A.2, all segments: the sum of w r / 2 is at most (b - a) R / (2 (q - 1)), as every w is at most
+// (b - a) / (q - 1).
+// A.3, n more adaptive samples: a segment of the first pass that rises by r holds more than n r / R
+// - 1 of the n teeth. It is cut into at least n r / R pieces, so each has w <= (b - a) / (q - 1) *
+// R / (n r) and rises by at most r: w r / 2 <= (b - a) R / (2 (q - 1) n), wherever the rise is.
 #include "accel/published/kd/scan_samples.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +30,7 @@ namespace {
 using tests::SampleSegment;
 using tests::TrueCounts;
 
-// Sample positions are floats: this much of a bound is rounding.
+// Sample positions are floats: this share of a bound allows for rounding.
 constexpr double kRounding = 1 + 1e-4;
 
 struct Soup {
@@ -63,7 +60,7 @@ std::vector<Soup> soups(std::uint64_t seed) {
   add_row(hat.refs, 100);
   for (int i = 0; i < 400; ++i) {
     step.refs.push_back(slab(wall, wall));
-    hat.refs.push_back(slab(wall, wall + thickness));  // may end beyond the cell
+    hat.refs.push_back(slab(wall, wall + thickness));  // May end beyond the cell
     const double at = random.uniform() * random.uniform();
     weighted.refs.push_back(
         slab(at, at + 0.1 * random.uniform(), static_cast<std::uint32_t>(1 + random.below(1000))));
@@ -95,8 +92,8 @@ struct Errors {
   double left = 0, right = 0;
 };
 
-/// Integrals of |C_L - its line| and |C_R - its line| over a segment, exactly: between steps the
-/// true ones are constant.
+/// Integrals of |C_L - its line| and |C_R - its line| over a segment, exact: between steps the true
+/// functions are constant.
 Errors integrate(const TrueCounts& truth, const SampleSegment& segment) {
   Errors errors;
   std::vector<double> stops{segment.begin.position};
@@ -123,7 +120,7 @@ void for_all_soups(const Check& check) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     for (const Soup& soup : soups(seed)) {
       SCOPED_TRACE(soup.name + ", seed " + std::to_string(seed));
-      // A cell that shares faces with boxes, one that boxes reach out of, and all of the list.
+      // A cell that shares faces with boxes, one that boxes exceed, and the whole list.
       for (const geometry::Aabb& cell :
            {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
         std::vector<kdtree::Reference> inside;
@@ -136,7 +133,7 @@ void for_all_soups(const Check& check) {
   }
 }
 
-TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
+TEST(ScanSamples, AreTheTrueCountsIncludingTheCellsFaces) {
   for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const auto& [uniform, adaptive] : {std::pair(8u, 0u), {8u, 8u}, {9u, 13u}, {16u, 16u}}) {
@@ -155,7 +152,7 @@ TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
   });
 }
 
-// Boxes that begin at a face lie above it: a plane there has nothing on its outer side.
+// Boxes that begin at a face lie above it: a plane there has no reference on its outer side.
 TEST(ScanSamples, CountStrictlyAtTheFaces) {
   const std::vector<kdtree::Reference> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
   const Samples samples = sample(refs, kUnitCell, 2, 0);
@@ -175,7 +172,7 @@ TEST(ScanSamples, APassCountsEightPlanes) {
   }
 }
 
-TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
+TEST(ScanSamples, UniformSamplesKeepTheErrorBelowOneOverN) {
   for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
@@ -205,7 +202,7 @@ TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
   });
 }
 
-TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
+TEST(ScanSamples, AdaptiveSamplesKeepEverySegmentBelowOneOverNSquared) {
   for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, n);
@@ -219,8 +216,8 @@ TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
 }
 
 // A segment with the share s of the rise is cut into at least n s pieces: the larger a
-// discontinuity, the narrower the segment that it is caught in.
-TEST(ScanSamples, CrowdAtADiscontinuity) {
+// discontinuity, the narrower the segment that contains it.
+TEST(ScanSamples, AreDenseAtADiscontinuity) {
   for (const double wall : {0.05, 0.31, 0.5, 0.77}) {
     for (const int weight : {100, 1000, 10000}) {
       std::vector<kdtree::Reference> refs;
@@ -234,8 +231,8 @@ TEST(ScanSamples, CrowdAtADiscontinuity) {
   }
 }
 
-/// The cost of one axis, true and as the samples suggest. Without the bonus for empty sides, which
-/// Appendix A knows not.
+/// The cost along one axis, exact and from the samples. Without the bonus for empty sides, which
+/// Appendix A does not have.
 class CostAlongAxis {
  public:
   CostAlongAxis(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell)
@@ -264,8 +261,8 @@ class CostAlongAxis {
 };
 
 // Both probabilities are at most one, so at every x the cost is off by no more than the rise of x's
-// segment. Times the segment's width, within which the plane is known, that is at most (b - a) R /
-// ((q - 1) n): A.4.
+// segment. Multiplied by the segment's width, within which the plane is known, this is at most (b -
+// a) R / ((q - 1) n): A.4.
 TEST(ScanSamples, CostIsOffByNoMoreThanTheRiseOfTheSegment) {
   for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
@@ -283,7 +280,8 @@ struct Optimum {
   double at = 0, cost = 0;
 };
 
-/// Between steps the cost is linear and it is semicontinuous at them, so the least lies at a step.
+/// Between steps the cost is linear, and it is semicontinuous at them, so the minimum lies at a
+/// step.
 Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
   Optimum best{0, 1e300};
   for (const double x : cost.steps()) {
@@ -293,9 +291,9 @@ Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
   return best;
 }
 
-// The suggested cost is least at the chosen plane, so the true one exceeds the optimum by no more
-// than what the two are off by together.
-TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
+// The sampled cost is least at the chosen plane, so the true cost there exceeds the optimum by at
+// most the sum of both errors.
+TEST(ScanSamples, TheChosenPlaneIsNearlyOptimal) {
   for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     if (cell.hi.x - cell.lo.x < std::max(cell.hi.y - cell.lo.y, cell.hi.z - cell.lo.z)) return;
@@ -309,12 +307,12 @@ TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
   });
 }
 
-// A wall of at least two thirds of the weight in an evenly filled cell: with M boxes in the wall
-// and S beside it the true cost falls toward the wall from both sides (its slope there is in
-// proportion to 2 S (2x - 1) -+ M, with M >= 2 S), so the best plane is at the wall and the chosen
-// one in the wall's segment or at its ends. Then the distance between them is at most its width w,
-// the excess of cost at most twice its rise r, and their product at most 2 w r <= 2 (b - a) R / ((q
-// - 1) n).
+// A wall of at least two thirds of the weight in an evenly filled cell. With M boxes in the wall
+// and S beside it, the true cost falls toward the wall from both sides (its slope is proportional
+// to 2 S (2x - 1) -+ M, with M >= 2 S), so the best plane is at the wall, and the chosen one is in
+// the wall's segment or at its ends. Then their distance is at most the segment's width w, the
+// excess cost at most twice its rise r, and their product at most 2 w r <= 2 (b - a) R / ((q - 1)
+// n).
 TEST(ScanSamples, DistanceTimesExcessIsBoundedAtAWall) {
   tests::Random random(17);
   for (int trial = 0; trial < 500; ++trial) {
