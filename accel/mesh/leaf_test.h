@@ -89,7 +89,16 @@ struct LeafTest {
     return false;
   }
 
-  /// For want of a tree. True: the walk is over.
+  /// One reference of a list that is searched. True: the walk is over.
+  bool reference(const kdtree::BoxRef& ref) {
+    if (!may_meet(ray, ref.bounds(), limit())) return false;
+    if (!ref.openable()) return test(ref.id);
+    return search_faces(faces_of_run(mesh, ref));
+  }
+
+  /// Every face, where there is no tree and no list yet.
+  bool everything() { return search_faces({0, mesh.faces.size()}); }
+
   bool search_faces(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
       const std::optional<geometry::Aabb> box = face_bounds(mesh, i);

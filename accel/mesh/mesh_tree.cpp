@@ -3,50 +3,10 @@
 
 #include <algorithm>
 
-#include "accel/kdtree/walk.h"
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
-#include "accel/mesh/runs.h"
 
 namespace sightline::accel::mesh {
-namespace {
-
-/// What a walk through a kd-tree asks, at cells that are not built, too.
-struct KdVisit : LeafTest {
-  lazy::LazyTree& lazy;
-  kdtree::BuildCounters& built;
-
-  kdtree::Unbuilt unbuilt(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const lazy::Expanded expanded = lazy.expand(slot, query.at_busy, built);
-      if (expanded == lazy::Expanded::kAgain) return kdtree::Unbuilt::kAgain;
-      if (expanded == lazy::Expanded::kBusy) {
-        query.put_aside = true;
-        query.progress = lazy::LazyTree::progress(slot);
-        return kdtree::Unbuilt::kStop;
-      }
-    }
-    query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return kdtree::Unbuilt::kDone;
-    return search(cell) ? kdtree::Unbuilt::kStop : kdtree::Unbuilt::kDone;
-  }
-
-  bool search(const kdtree::DeferredCell& cell) {
-    if (cell.listed)
-      return cell.list.any_part([&](std::span<const kdtree::BoxRef> refs) { return search(refs); });
-    return search_faces({0, mesh.faces.size()});
-  }
-
-  bool search(std::span<const kdtree::BoxRef> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const kdtree::BoxRef& ref) {
-      if (!may_meet(ray, ref.bounds(), limit())) return false;
-      if (!ref.openable()) return test(ref.id);
-      return search_faces(faces_of_run(mesh, ref));
-    });
-  }
-};
-
-}  // namespace
 
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
                               const MeshSurvey& survey, const TreeBuilder& builder,
@@ -68,10 +28,9 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   kdtree::TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
-  const LeafTest test{mesh_, query, ray, walked};
+  LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
-    KdVisit visit{test, *lazy, built};
-    walk(lazy->tree(), ray, lazy->root(), walked, visit);
+    walk_lazily(*lazy, ray, query, walked, built, test);
   } else {
     query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
   }
@@ -81,7 +40,7 @@ void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters
   if (!tree.is_built() && test.query.at_unbuilt == AtUnbuilt::kExpand) tree.build(built);
   if (tree.is_built()) return tree.query(test);
   test.query.met_unbuilt = true;
-  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
+  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {

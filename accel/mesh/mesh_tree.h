@@ -12,7 +12,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/kdtree/tree_ray.h"
-#include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
@@ -33,12 +33,7 @@ enum class References : std::uint8_t {
   kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
 };
 
-/// What a walk does at a cell that is not built.
-enum class AtUnbuilt : std::uint8_t {
-  kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
-  kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
-  kSkip,    ///< Pass it over.
-};
+using lazy::AtUnbuilt;
 
 /// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
 /// ray's direction.
@@ -46,13 +41,11 @@ enum class AtUnbuilt : std::uint8_t {
 /// The nearest hit or any: a hit is taken if (t, node, primitive) is less than (best_t, best_node,
 /// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell it is
 /// met in; best_t is then only the t beyond which none is wanted.
-struct MeshQuery {
+struct MeshQuery : lazy::LazyQuery {
   geometry::LocalRay ray;
   double tmin = 0, tmax = geometry::kInfinity;
   geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
-  AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
-  lazy::AtBusy at_busy = lazy::AtBusy::kWait;
-  bool any = false;  ///< Stop at the first hit found.
+  bool any = false;                                      ///< Stop at the first hit found.
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's; goes with the node.
   double best_t = std::numeric_limits<double>::max();
@@ -60,11 +53,6 @@ struct MeshQuery {
   std::uint32_t best_primitive = 0;
   std::uint32_t best_instance = 0;
   bool found = false;
-  bool met_unbuilt = false;  ///< A cell was passed over or searched.
-  /// With AtBusy::kLeave: the walk met a large cell that others are building, and was broken off.
-  /// Ask again, with a fresh query, when `progress` has grown.
-  bool put_aside = false;
-  std::uint64_t progress = 0;
   Distinct<ListedHit>* list = nullptr;
   Distinct<std::uint32_t>* primitives = nullptr;
 
