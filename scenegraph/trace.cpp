@@ -1,10 +1,11 @@
 // The way of a batch of rays through one revision. Start reading here.
 //
-//   trace_blocks   pins the revision's two trees and, for each block of rays, an epoch
+//   trace_blocks   pins the two trees of the revision and, for each block of rays, an epoch
 //   cast_ray       takes one ray through the trees, their instances and the meshes of those
-//   trace, count_hits, list_hits   return hits, counts or lists
+//   trace, count_hits, list_hits   return the hits, their number or all of them
 //
-// Every tree grows on the ray's way (accel/lazy/walk_lazily.h).
+// Deferred cells on a ray's way are expanded in walk_instances() and ask_mesh(): see
+// accel/lazy/walk_lazily.h.
 #include "scenegraph/trace.h"
 
 #include <algorithm>
@@ -24,18 +25,6 @@ using accel::lazy::AtBusy;
 using query::RayBlock;
 using query::RayCaster;
 using query::TreeEntry;
-
-/// False: the ray is suspended, because it needs a large cell that other threads are building.
-bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, AtBusy at_busy) {
-  caster.begin(kind, ray, at_busy);
-  for (TreeEntry* tree : caster.trees_by_entry()) {
-    caster.walk_instances(*tree, [&](const instances::Instance& instance) {
-      if (caster.enter_frame(instance)) caster.ask_mesh(instance, *tree);
-    });
-    if (caster.is_done()) break;
-  }
-  return caster.end();
-}
 
 /// Runs answer(RayCaster, RayBlock) for every block of a batch.
 template <class Answer>
@@ -58,6 +47,34 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t 
   return traced;
 }
 
+/// One ray, with its answer in the caster. False: it is suspended, because it needs a large cell
+/// that other threads are building.
+bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, AtBusy at_busy) {
+  caster.begin(kind, ray, at_busy);
+  for (TreeEntry* tree : caster.trees_by_entry()) {
+    caster.walk_instances(*tree, [&](const instances::Instance& instance) {
+      if (caster.enter_frame(instance)) caster.ask_mesh(instance, *tree);
+    });
+    if (caster.is_done()) break;
+  }
+  return caster.end();
+}
+
+/// Casts every ray and calls keep(i, caster) where the answer to rays[i] is in the caster.
+template <class Keep>
+Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
+                             std::span<const Ray> rays, const TraceOptions& options,
+                             const Keep& keep) {
+  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
+    answer_block(caster, block, [&](std::size_t i, AtBusy at_busy) {
+      const bool done = cast_ray(caster, kind, rays[i], at_busy);
+      if (done) keep(i, caster);
+      return done;
+    });
+  };
+  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+}
+
 Status check_sizes(std::size_t rays, std::size_t answers) {
   if (rays == answers) return {};
   return Error{Code::kInvalidArgument,
@@ -72,27 +89,15 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, AtBusy at_busy) {
-      const bool done = cast_ray(caster, options.kind, rays[i], at_busy);
-      if (done) hits[i] = caster.hit();
-      return done;
-    });
-  };
-  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return cast_rays(snapshot, options.kind, rays, options,
+                   [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
 }
 
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
-  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, AtBusy at_busy) {
-      const bool done = cast_ray(caster, QueryKind::kCount, rays[i], at_busy);
-      if (done) tallies[i] = caster.count();
-      return done;
-    });
-  };
-  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return cast_rays(snapshot, QueryKind::kCount, rays, options,
+                   [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
 }
 
 Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
@@ -133,12 +138,7 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
   while (!rays.empty()) {
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
-    const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-      answer_block(caster, block, [&](std::size_t i, AtBusy at_busy) {
-        return cast_ray(caster, kind, part[i], at_busy);
-      });
-    };
-    const auto cast = trace_blocks(snapshot, part.size(), kRaysPerBlock, options, answer);
+    const auto cast = cast_rays(snapshot, kind, part, options, [](std::size_t, RayCaster&) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);
     progress.rays_done += part.size();

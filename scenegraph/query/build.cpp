@@ -2,11 +2,12 @@
 #include "scenegraph/query/build.h"
 
 #include <algorithm>
-#include <string>
 #include <unordered_set>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
+
+#include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -22,11 +23,7 @@ Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   for (const model::NodeId id : sorted) {
-    if (snapshot.find(id) != nullptr) continue;
-    return Error{Code::kNotFound,
-                 std::string(role) + " node " + std::to_string(id) + " is not in revision " +
-                     std::to_string(snapshot.revision()),
-                 "NODE_NOT_FOUND"};
+    if (const Status known = check_node(snapshot, id, role); !known) return known.error();
   }
   return sorted;
 }
@@ -38,10 +35,8 @@ bool holds(std::span<const model::NodeId> sorted, model::NodeId id) {
 /// Whether one of those above the node is among `sorted`.
 bool is_below(const revision::Snapshot& snapshot, model::NodeId id,
               std::span<const model::NodeId> sorted) {
-  for (id = snapshot.find(id)->parent; id != 0; id = snapshot.find(id)->parent) {
-    if (holds(sorted, id)) return true;
-  }
-  return false;
+  return any_upward(snapshot.hierarchy(), snapshot.find(id)->parent,
+                    [&](model::NodeId above) { return holds(sorted, above); });
 }
 
 void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progress) {
