@@ -21,7 +21,7 @@ namespace {
 
 using accel::geometry::Hit;
 using accel::geometry::Ray;
-using accel::lazy::AtBusy;
+using accel::lazy::WhenPending;
 using query::RayBlock;
 using query::RayCaster;
 using query::TreeEntry;
@@ -49,8 +49,8 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t 
 
 /// One ray, with its answer in the caster. False: it is suspended, because it needs a large cell
 /// that other threads are building.
-bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, AtBusy at_busy) {
-  caster.begin(kind, ray, at_busy);
+bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending when_pending) {
+  caster.begin(kind, ray, when_pending);
   for (TreeEntry* tree : caster.trees_by_entry()) {
     caster.walk_instances(*tree, [&](const instances::Instance& instance) {
       if (caster.enter_frame(instance)) caster.ask_mesh(instance, *tree);
@@ -66,8 +66,8 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              std::span<const Ray> rays, const TraceOptions& options,
                              const Keep& keep) {
   const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, AtBusy at_busy) {
-      const bool done = cast_ray(caster, kind, rays[i], at_busy);
+    answer_block(caster, block, [&](std::size_t i, WhenPending when_pending) {
+      const bool done = cast_ray(caster, kind, rays[i], when_pending);
       if (done) keep(i, caster);
       return done;
     });
@@ -114,7 +114,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
     for (std::size_t i = first; i < std::min(first + rays_per_block, rays.size()); ++i) {
-      cast_ray(caster, QueryKind::kAll, rays[i], AtBusy::kWait);
+      cast_ray(caster, QueryKind::kAll, rays[i], WhenPending::kWait);
       tallies[i] = caster.list(of_blocks[block]);
     }
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);

@@ -29,8 +29,8 @@ enum class QueryKind : std::uint8_t {
 enum class Growth : std::uint8_t {
   kFirstTouch,  ///< The first ray that enters a cell expands it.
   kFull,        ///< Everything is built before the first ray.
-  kNone,        ///< Nothing is grown; unbuilt cells are searched triangle by triangle.
-  kBuiltOnly,   ///< Nothing is grown and unbuilt cells are skipped. Shows what exists; not an
+  kNone,        ///< Nothing is grown; deferred cells are searched triangle by triangle.
+  kBuiltOnly,   ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
                 ///< answer to a query.
 };
 
@@ -73,7 +73,7 @@ struct TraceStats {
   std::uint64_t hits_found = 0;       ///< kCount: sum of the counts. kAll: hits listed.
   std::uint64_t cut_off = 0;          ///< kAll: rays with more than max_hits.
   std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
-  std::uint64_t triangle_tests = 0;   ///< Scans of unbuilt cells included.
+  std::uint64_t triangle_tests = 0;   ///< Scans of deferred cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
   std::uint64_t touches = 0;  ///< Reference bounds read by build passes.
@@ -103,7 +103,7 @@ struct TraceStats {
 
 /// The answer of count_hits and list_hits to one ray.
 struct RayTally {
-  std::uint32_t count = 0;  ///< Distinct hits, at most kMaxCount. For list_hits: those listed.
+  std::uint32_t count = 0;  ///< UniqueHits hits, at most kMaxCount. For list_hits: those listed.
   std::uint32_t work = 0;   ///< As Hit::work.
   accel::geometry::HitState state = accel::geometry::HitState::kMiss;
   bool cut_off = false;  ///< There are farther hits than those listed.

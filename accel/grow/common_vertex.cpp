@@ -18,19 +18,19 @@ constexpr double kMeeting = 3.5;
 
 }  // namespace
 
-bool keeps_all(std::size_t before, std::size_t left, std::size_t right) {
+bool one_side_keeps_all(std::size_t before, std::size_t left, std::size_t right) {
   const auto [fewer, more] = std::minmax(left, right);
   return before > kLong && before - std::min(before, more) <= before / 32 && fewer >= before / 8;
 }
 
-bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::BoxRef> faces) {
+bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::Reference> faces) {
   if (faces.empty()) return false;
   const geometry::Face& one = mesh.faces[faces[faces.size() / 2].id];
   std::array<std::size_t, 3> meeting{};
   const std::size_t stride = std::max<std::size_t>(faces.size() / kLooks, 1);
   std::size_t looks = 0;
   for (std::size_t k = 0; k < faces.size(); k += stride) {
-    const kdtree::BoxRef& ref = faces[k];
+    const kdtree::Reference& ref = faces[k];
     ++looks;
     if (ref.openable()) return false;
     const geometry::Face& other = mesh.faces[ref.id];
@@ -45,9 +45,10 @@ bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::Bo
   return 4 * *std::max_element(meeting.begin(), meeting.end()) >= 3 * looks;
 }
 
-kdtree::CellPath with_less(const kdtree::CellPath& path, std::size_t references) {
+kdtree::CellPath capped_budget(const kdtree::CellPath& path, std::size_t references) {
   kdtree::CellPath less = path;
-  less.spare = std::min(path.spare, (kMeeting - 1) * static_cast<double>(references));
+  less.references_left =
+      std::min(path.references_left, (kMeeting - 1) * static_cast<double>(references));
   return less;
 }
 

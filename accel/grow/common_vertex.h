@@ -11,13 +11,13 @@ namespace sightline::accel::grow {
 
 /// Whether a cut parts so little: of `before` references all but a few are on one side still, and
 /// many on the other.
-bool keeps_all(std::size_t before, std::size_t left, std::size_t right);
+bool one_side_keeps_all(std::size_t before, std::size_t left, std::size_t right);
 
 /// Whether most of a list's faces, which cannot be opened, have a vertex in common, by position.
 /// One face is taken for one of them, and compared with some of the others.
-bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::BoxRef> faces);
+bool meet_in_a_vertex(const geometry::MeshView& mesh, std::span<const kdtree::Reference> faces);
 
 /// What is left of the path's budget to a cell of so many faces that meet in a vertex.
-kdtree::CellPath with_less(const kdtree::CellPath& path, std::size_t references);
+kdtree::CellPath capped_budget(const kdtree::CellPath& path, std::size_t references);
 
 }  // namespace sightline::accel::grow

@@ -11,20 +11,20 @@
 namespace sightline::accel::lazy {
 
 /// What a walk does at a cell that is not built.
-enum class AtUnbuilt : std::uint8_t {
+enum class OnDeferred : std::uint8_t {
   kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
-  kSearch,  ///< Search its list: test the references whose boxes the ray meets.
+  kScan,    ///< Do not expand; test the references whose boxes the ray meets.
   kSkip,    ///< Skip it.
 };
 
 /// The part of a query that concerns cells that are not built.
 struct LazyQuery {
-  AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
-  AtBusy at_busy = AtBusy::kWait;
-  bool met_unbuilt = false;  ///< A cell was skipped, or its list was searched.
-  /// With AtBusy::kLeave: the walk met a large cell that other threads build, and stopped. Ask
-  /// again, with a fresh query, when `progress` has increased.
-  bool put_aside = false;
+  OnDeferred on_deferred = OnDeferred::kExpand;
+  WhenPending when_pending = WhenPending::kWait;
+  bool saw_deferred = false;  ///< A cell was skipped, or its list was searched.
+  /// With WhenPending::kReturn: the walk met a large cell that other threads build, and stopped.
+  /// Ask again, with a fresh query, when `progress` has increased.
+  bool suspended = false;
   std::uint64_t progress = 0;  ///< Of that cell.
 };
 
@@ -39,26 +39,26 @@ struct LazyVisit {
   bool leaf(std::span<const std::uint32_t> references) { return test.leaf(references); }
   double limit() { return test.limit(); }
 
-  kdtree::Unbuilt unbuilt(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const Expanded expanded = tree.expand(slot, query.at_busy, built);
-      if (expanded == Expanded::kAgain) return kdtree::Unbuilt::kAgain;
-      if (expanded == Expanded::kBusy) {
-        query.put_aside = true;
+  kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
+    if (query.on_deferred == OnDeferred::kExpand) {
+      const ExpandResult expanded = tree.expand(slot, query.when_pending, built);
+      if (expanded == ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
+      if (expanded == ExpandResult::kPending) {
+        query.suspended = true;
         query.progress = LazyTree::progress(slot);
-        return kdtree::Unbuilt::kStop;
+        return kdtree::DeferredAction::kStop;
       }
     }
-    query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return kdtree::Unbuilt::kDone;
-    return search(cell) ? kdtree::Unbuilt::kStop : kdtree::Unbuilt::kDone;
+    query.saw_deferred = true;
+    if (query.on_deferred == OnDeferred::kSkip) return kdtree::DeferredAction::kDone;
+    return search(cell) ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
   }
 
   bool search(const kdtree::DeferredCell& cell) {
-    if (!cell.listed) return test.everything();
-    return cell.list.any_part([&](std::span<const kdtree::BoxRef> refs) {
+    if (!cell.has_list) return test.everything();
+    return cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
       return std::any_of(refs.begin(), refs.end(),
-                         [&](const kdtree::BoxRef& ref) { return test.reference(ref); });
+                         [&](const kdtree::Reference& ref) { return test.reference(ref); });
     });
   }
 };
@@ -68,7 +68,7 @@ struct LazyVisit {
 ///
 /// `test` supplies, each returning true to stop the walk:
 ///   bool leaf(span<const uint32_t> references)  a leaf that is not empty
-///   bool reference(const BoxRef&)               one reference of a searched list
+///   bool reference(const Reference&)               one reference of a searched list
 ///   bool everything()                           the whole tree, before its root has a list
 /// and
 ///   double limit()                              as for kdtree::walk

@@ -1,4 +1,4 @@
-// Asking a mesh's tree, and building it where it is asked.
+// Queries of a mesh's tree, which build it where rays need it.
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
@@ -9,20 +9,20 @@
 namespace sightline::accel::mesh {
 
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                              const MeshSurvey& survey, const TreeBuilder& builder,
+                              const MeshStats& stats, const TreeBuilder& builder,
                               References references, std::shared_ptr<const void> alive) {
   if (builder.whole != nullptr) return Tree(builder.whole->make(mesh));
   const bool may_run = references == References::kRuns && builder.rule->takes_runs();
-  return Tree(std::in_place_type<lazy::LazyTree>, padded(survey.bounds), survey.finite_triangles,
-              builder.rule, source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+  return Tree(std::in_place_type<lazy::LazyTree>, padded(stats.bounds), stats.finite_triangles,
+              builder.rule, source_of_faces(mesh, stats.bounds, may_run, std::move(alive)), own);
 }
 
-MeshTree::MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
+MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
                    References references, std::shared_ptr<const void> alive)
     : mesh_(mesh),
-      bounds_(padded(survey.bounds)),
-      finite_triangles_(survey.finite_triangles),
-      tree_(make(mesh, &mesh_, survey, builder, references, std::move(alive))) {}
+      bounds_(padded(stats.bounds)),
+      finite_triangles_(stats.finite_triangles),
+      tree_(make(mesh, &mesh_, stats, builder, references, std::move(alive))) {}
 
 void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
   kdtree::TreeRay ray;
@@ -37,10 +37,10 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
 }
 
 void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
-  if (!tree.is_built() && test.query.at_unbuilt == AtUnbuilt::kExpand) tree.build(built);
+  if (!tree.is_built() && test.query.on_deferred == OnDeferred::kExpand) tree.build(built);
   if (tree.is_built()) return tree.query(test);
-  test.query.met_unbuilt = true;
-  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.everything();
+  test.query.saw_deferred = true;
+  if (test.query.on_deferred == OnDeferred::kScan) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {
@@ -60,7 +60,7 @@ const WholeTree* MeshTree::whole() const {
 }
 
 bool MeshTree::untouched() const {
-  return kd() != nullptr ? kdtree::load(kd()->root()).is_unbuilt() : !whole()->is_built();
+  return kd() != nullptr ? kdtree::load(kd()->root()).is_deferred() : !whole()->is_built();
 }
 
 std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : whole()->bytes(); }

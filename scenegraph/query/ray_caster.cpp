@@ -16,20 +16,20 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
-using accel::mesh::AtUnbuilt;
 using accel::mesh::ListedHit;
+using accel::mesh::OnDeferred;
 
-AtUnbuilt at_unbuilt(Growth growth) {
+OnDeferred on_deferred(Growth growth) {
   switch (growth) {
     case Growth::kNone:
-      return AtUnbuilt::kSearch;
+      return OnDeferred::kScan;
     case Growth::kBuiltOnly:
-      return AtUnbuilt::kSkip;
+      return OnDeferred::kSkip;
     case Growth::kFirstTouch:
     case Growth::kFull:
       break;
   }
-  return AtUnbuilt::kExpand;
+  return OnDeferred::kExpand;
 }
 
 }  // namespace
@@ -44,12 +44,12 @@ RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& opti
   dynamic_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
 }
 
-void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::AtBusy at_busy) {
+void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending when_pending) {
   ++stats_.rays;
   ray_ = &ray;
   query_ = {};
-  query_.at_unbuilt = at_unbuilt(options_.growth);
-  query_.at_busy = at_busy;
+  query_.on_deferred = on_deferred(options_.growth);
+  query_.when_pending = when_pending;
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;
@@ -108,7 +108,7 @@ bool RayCaster::enter_frame(const instances::Instance& instance) {
 
 void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   ++stats_.instances_entered;
-  if (query_.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed))
+  if (query_.on_deferred != OnDeferred::kSkip && !instance.entered->load(std::memory_order_relaxed))
     instance.entered->store(true, std::memory_order_relaxed);
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
@@ -121,7 +121,7 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
 bool RayCaster::end() {
   if (!valid_) {
     ++stats_.invalid;
-  } else if (query_.put_aside) {
+  } else if (query_.suspended) {
     --stats_.rays;  // it begins again
     return false;
   } else if (query_.found) {
@@ -133,8 +133,8 @@ bool RayCaster::end() {
 std::uint32_t RayCaster::work() const {
   const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
   return static_cast<std::uint32_t>(
-             std::min<std::uint64_t>(work, accel::geometry::kWorkUnbuilt - 1)) |
-         (query_.met_unbuilt ? accel::geometry::kWorkUnbuilt : 0);
+             std::min<std::uint64_t>(work, accel::geometry::kWorkDeferred - 1)) |
+         (query_.saw_deferred ? accel::geometry::kWorkDeferred : 0);
 }
 
 Hit RayCaster::hit() const {

@@ -37,7 +37,8 @@ class RayCaster {
   RayCaster& operator=(const RayCaster&) = delete;
 
   /// Begins a ray, which must outlive its answer.
-  void begin(QueryKind kind, const accel::geometry::Ray& ray, accel::lazy::AtBusy at_busy);
+  void begin(QueryKind kind, const accel::geometry::Ray& ray,
+             accel::lazy::WhenPending when_pending);
 
   /// The trees whose bounds the ray meets. The one that it enters first comes first: hits there
   /// bound the walk of the other. None for an invalid ray.
@@ -55,10 +56,10 @@ class RayCaster {
   void ask_mesh(const instances::Instance& instance, TreeEntry& tree);
 
   /// Nothing can change the answer any more, or the ray is suspended.
-  bool is_done() const { return query_.put_aside || (query_.any && query_.found); }
+  bool is_done() const { return query_.suspended || (query_.any && query_.found); }
 
   /// False: the ray is suspended, because it met a large cell that other threads are building. Only
-  /// with AtBusy::kLeave. Begin it again when progress() has increased.
+  /// with WhenPending::kReturn. Begin it again when progress() has increased.
   bool end();
   /// Of the cell that suspended the last ray.
   std::uint64_t progress() const { return query_.progress; }
@@ -89,10 +90,10 @@ class RayCaster {
   TraceStats stats_;
   accel::kdtree::WalkCounters walked_;
   // Memory that is used again for each ray.
-  accel::mesh::Distinct<accel::mesh::ListedHit> list_;
-  accel::mesh::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
+  accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
+  accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
-  std::vector<accel::kdtree::BoxRef> pending_;  // references of a searched list not yet visited
+  std::vector<accel::kdtree::Reference> pending_;  // references of a searched list not yet visited
   // The current ray.
   const accel::geometry::Ray* ray_ = nullptr;
   bool valid_ = false;
@@ -118,12 +119,12 @@ class RayCaster::InstanceTest {
   }
 
   /// Opens groups whose boxes the ray may meet.
-  bool reference(const accel::kdtree::BoxRef& ref) {
+  bool reference(const accel::kdtree::Reference& ref) {
     if (!ref.openable()) return instance(ref.id);
-    std::vector<accel::kdtree::BoxRef>& pending = caster_.pending_;
+    std::vector<accel::kdtree::Reference>& pending = caster_.pending_;
     pending.assign(1, ref);
     while (!pending.empty()) {
-      const accel::kdtree::BoxRef next = pending.back();
+      const accel::kdtree::Reference next = pending.back();
       pending.pop_back();
       if (!next.openable()) {
         if (instance(next.id)) return true;
@@ -135,9 +136,9 @@ class RayCaster::InstanceTest {
   }
 
   bool everything() {
-    const std::vector<accel::kdtree::BoxRef>& refs = tree_.instances->coarsest();
+    const std::vector<accel::kdtree::Reference>& refs = tree_.instances->coarsest();
     return std::any_of(refs.begin(), refs.end(),
-                       [&](const accel::kdtree::BoxRef& ref) { return reference(ref); });
+                       [&](const accel::kdtree::Reference& ref) { return reference(ref); });
   }
 
  private:

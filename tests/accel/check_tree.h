@@ -14,8 +14,8 @@ namespace sightline::tests {
 
 inline std::vector<std::uint32_t> ids_of(const accel::kdtree::CellList& list) {
   std::vector<std::uint32_t> ids;
-  list.any_part([&](std::span<const accel::kdtree::BoxRef> refs) {
-    for (const accel::kdtree::BoxRef& ref : refs) ids.push_back(ref.id);
+  list.any_part([&](std::span<const accel::kdtree::Reference> refs) {
+    for (const accel::kdtree::Reference& ref : refs) ids.push_back(ref.id);
     return false;
   });
   return ids;
@@ -37,9 +37,9 @@ inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     return;
   }
   std::vector<std::uint32_t> held, members;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ASSERT_EQ(slot.cell()->box, cell);
-    if (!slot.cell()->listed || slot.cell()->openable) return;
+    if (!slot.cell()->has_list || slot.cell()->openable) return;
     held = ids_of(slot.cell()->list);
   } else {
     std::uint32_t storage;
@@ -73,8 +73,8 @@ inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     return is_held_at(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, point, id) ||
            is_held_at(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, point, id);
   }
-  if (slot.is_unbuilt()) {
-    if (!slot.cell()->listed || slot.cell()->openable) return true;
+  if (slot.is_deferred()) {
+    if (!slot.cell()->has_list || slot.cell()->openable) return true;
     const std::vector<std::uint32_t> ids = ids_of(slot.cell()->list);
     return std::find(ids.begin(), ids.end(), id) != ids.end();
   }
@@ -101,7 +101,7 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
     return;
   }
   std::vector<std::uint32_t> held;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ASSERT_EQ(slot.cell()->box, cell);
     if (!slot.cell()->openable) held = ids_of(slot.cell()->list);
   } else if (slot.leaf_count() > 0) {

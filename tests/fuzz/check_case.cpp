@@ -149,8 +149,8 @@ class Check {
       if (t) weights = accel::geometry::barycentric(ray_, *t, a, b, c);
       facing = accel::geometry::facing(ray_, a, b, c);
       const std::uint32_t first = 0;
-      possible = accel::geometry::possible_hits({vertices_, {&face, 1}},
-                                                accel::geometry::sheared(ray_), {&first, 1});
+      possible = accel::geometry::candidate_mask({vertices_, {&face, 1}},
+                                                 accel::geometry::sheared(ray_), {&first, 1});
     }
     if (expected && !possible) {
       ++count_.wrong_misses;

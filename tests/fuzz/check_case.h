@@ -21,7 +21,7 @@ struct PairCount {
   std::uint64_t folded = 0;  ///< Patches that must be hit twice or not at all.
 
   std::uint64_t wrong_hits = 0;
-  std::uint64_t wrong_misses = 0;   ///< Hits that possible_hits takes for certain misses.
+  std::uint64_t wrong_misses = 0;   ///< Hits that candidate_mask takes for certain misses.
   std::uint64_t wrong_t = 0;        ///< Beyond kHitError.
   std::uint64_t wrong_weights = 0;  ///< Below 0, above 1 together, or those of another point.
   std::uint64_t wrong_facing = 0;

@@ -184,7 +184,7 @@ TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
   sketch.growth = Growth::kBuiltOnly;
   for (const Hit& hit : cast(*snapshot, rays, sketch)) {
     EXPECT_EQ(hit.state, HitState::kMiss);
-    EXPECT_EQ(hit.work & ~accel::geometry::kWorkUnbuilt, 0u);
+    EXPECT_EQ(hit.work & ~accel::geometry::kWorkDeferred, 0u);
   }
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 0u);
   ASSERT_TRUE(build_all(*snapshot));

@@ -12,9 +12,9 @@ namespace sightline::tests {
 /// A view of the instances in the order of their indices: of a walk down from the roots, nodes
 /// before their children. Opens every group.
 inline auto all_instances(const scenegraph::instances::Instances& instances) {
-  std::vector<accel::kdtree::BoxRef> waiting = instances.coarsest();
+  std::vector<accel::kdtree::Reference> waiting = instances.coarsest();
   while (!waiting.empty()) {
-    const accel::kdtree::BoxRef ref = waiting.back();
+    const accel::kdtree::Reference ref = waiting.back();
     waiting.pop_back();
     if (ref.openable()) instances.open(ref, waiting);
   }

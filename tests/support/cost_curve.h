@@ -14,7 +14,7 @@ namespace sightline::tests {
 /// C_L and C_R by their definition, from sorted bounds.
 class TrueCounts {
  public:
-  TrueCounts(std::span<const accel::kdtree::BoxRef> refs, std::size_t axis);
+  TrueCounts(std::span<const accel::kdtree::Reference> refs, std::size_t axis);
 
   double left(double x) const;   ///< Weight with lo < x.
   double right(double x) const;  ///< Weight with hi > x.

@@ -88,7 +88,7 @@ double HardMesh::allowed(Bound bound) const {
 }
 
 double TreeCost::of(Bound bound) const {
-  return std::array{references, depth, touches, work, given_up}[static_cast<std::size_t>(bound)];
+  return std::array{references, depth, touches, work, failed}[static_cast<std::size_t>(bound)];
 }
 
 const std::vector<HardMesh>& hard_meshes() {

@@ -44,7 +44,7 @@ std::string_view design_failure(std::string_view mesh, std::string_view builder,
 /// What a tree over a hard mesh has come to, in the units of Bound; NaN where it is not known.
 struct TreeCost {
   double references = kUnknown, depth = kUnknown, touches = kUnknown, work = kUnknown,
-         given_up = kUnknown;
+         failed = kUnknown;
 
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   double of(Bound bound) const;

@@ -53,10 +53,10 @@ TEST(HardMeshes, AreFoundByTheirNames) {
 TEST(HardMeshes, BreachesAreWhatExceedsTheBounds) {
   const HardMesh& rods = *find_hard_mesh("rods");
   EXPECT_TRUE(breaches(rods, "scan-fast", {}).empty());  // nothing is known
-  TreeCost cost{.references = rods.references, .depth = rods.depth, .given_up = 0};
+  TreeCost cost{.references = rods.references, .depth = rods.depth, .failed = 0};
   EXPECT_TRUE(breaches(rods, "scan-fast", cost).empty());
   cost.work = rods.work + 1;
-  cost.given_up = 1;
+  cost.failed = 1;
   const std::vector<Breach> found = breaches(rods, "scan-fast", cost);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].text(), "work 3 over 2");

@@ -62,10 +62,10 @@ double share_left(const Soup& soup, const std::vector<LocalRay>& rays) {
   std::size_t size = 1;
   for (const LocalRay& ray : rays) {
     const ShearedRay seen = sheared(ray);
-    for (std::size_t begin = 0; begin < faces.size(); size = size % kMissBatch + 1) {
+    for (std::size_t begin = 0; begin < faces.size(); size = size % kPrefilterBatch + 1) {
       const auto batch = std::span(faces).subspan(begin, std::min(size, faces.size() - begin));
-      const std::uint64_t possible = possible_hits(soup.view(), seen, batch);
-      EXPECT_TRUE(batch.size() == kMissBatch || possible >> batch.size() == 0);
+      const std::uint64_t possible = candidate_mask(soup.view(), seen, batch);
+      EXPECT_TRUE(batch.size() == kPrefilterBatch || possible >> batch.size() == 0);
       for (std::size_t i = 0; i < batch.size(); ++i) {
         const auto [a, b, c] = soup.corners(batch[i]);
         const bool hit = intersect(ray, a, b, c).has_value(), kept = (possible >> i & 1) != 0;

@@ -32,7 +32,7 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const published::AnyBuilder& builder) {
-  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder,
+  mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder,
                       mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);

@@ -25,14 +25,14 @@ class Recut {
   Recut(const kdtree::KdTree& tree, const split::BoundRule& rule, int max_depth)
       : tree_(tree), rule_(rule), max_depth_(max_depth) {}
 
-  void expect(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs,
+  void expect(kdtree::Slot slot, const std::vector<kdtree::Reference>& refs,
               const geometry::Aabb& cell, int depth) {
-    std::optional<kdtree::Cut> cut;
+    std::optional<kdtree::Split> cut;
     if (!refs.empty() && depth < max_depth_) cut = choose_bound(refs, cell, rule_, counters);
-    std::vector<kdtree::BoxRef> left, right;
+    std::vector<kdtree::Reference> left, right;
     if (cut) {
       const auto a = static_cast<std::size_t>(cut->plane.axis);
-      for (const kdtree::BoxRef& r : refs) {
+      for (const kdtree::Reference& r : refs) {
         if (r.lo[a] < cut->plane.position) left.push_back(r);
         if (r.hi[a] > cut->plane.position) right.push_back(r);
       }
@@ -51,7 +51,7 @@ class Recut {
   kdtree::BuildCounters counters;
 
  private:
-  void expect_leaf(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs) {
+  void expect_leaf(kdtree::Slot slot, const std::vector<kdtree::Reference>& refs) {
     ASSERT_TRUE(slot.is_leaf());
     ASSERT_EQ(slot.leaf_count(), refs.size());
     std::uint32_t storage;
@@ -64,7 +64,7 @@ class Recut {
   int max_depth_;
 };
 
-void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  int max_depth = 20) {
   const split::SplitSearch& unused = *split::default_rule();
   for (const split::BoundRule& rule :
@@ -111,8 +111,8 @@ TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
       grow_small({.tree = tree, .rule = unused, .max_depth = 20}, {}, refs, cell, {}, counters);
-  ASSERT_TRUE(root.is_unbuilt());
-  EXPECT_TRUE(root.cell()->given_up);
+  ASSERT_TRUE(root.is_deferred());
+  EXPECT_TRUE(root.cell()->failed);
   EXPECT_EQ(root.cell()->size, refs.size());
   delete root.cell();
 }

@@ -82,7 +82,7 @@ std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ra
 
 std::unique_ptr<mesh::MeshTree> make_tree(const std::shared_ptr<const TestMesh>& shape,
                                           mesh::References references) {
-  return std::make_unique<mesh::MeshTree>(shape->view(), mesh::survey_mesh(shape->view()),
+  return std::make_unique<mesh::MeshTree>(shape->view(), mesh::compute_mesh_stats(shape->view()),
                                           published::default_builder(), references, shape);
 }
 

@@ -66,7 +66,7 @@ TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
     }
     faces.push_back({static_cast<std::uint32_t>(vertices.size() - 1), 0, 1});
     const geometry::MeshView mesh{vertices, faces};
-    std::vector<kdtree::BoxRef> made(faces.size());
+    std::vector<kdtree::Reference> made(faces.size());
     made.resize(face_references(mesh, 0, faces.size(), made.data()));
     std::size_t at = 0;
     for (std::size_t i = 0; i < faces.size(); ++i) {

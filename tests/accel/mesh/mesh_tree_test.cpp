@@ -33,7 +33,8 @@ struct Answer {
 std::unique_ptr<MeshTree> make_tree(
     const TestMesh& mesh, const published::AnyBuilder& builder = published::default_builder(),
     References references = References::kRuns) {
-  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
+  return std::make_unique<MeshTree>(mesh.view(), compute_mesh_stats(mesh.view()), builder,
+                                    references);
 }
 
 MeshQuery query_of(const geometry::Ray& ray) {
@@ -45,10 +46,10 @@ MeshQuery query_of(const geometry::Ray& ray) {
   return query;
 }
 
-Answer ask(MeshTree& tree, const geometry::Ray& ray, AtUnbuilt at_unbuilt = AtUnbuilt::kExpand) {
+Answer ask(MeshTree& tree, const geometry::Ray& ray, OnDeferred on_deferred = OnDeferred::kExpand) {
   const kdtree::EpochPin pin;
   MeshQuery query = query_of(ray);
-  query.at_unbuilt = at_unbuilt;
+  query.on_deferred = on_deferred;
   kdtree::WalkCounters walked;
   kdtree::BuildCounters built;
   tree.query(query, walked, built);
@@ -206,23 +207,23 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
     if (takes_too_long(name, mesh)) continue;
     const published::AnyBuilder builder = *published::make_builder(name);
     const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
-               unbuilt = make_tree(mesh, builder);
+               deferred = make_tree(mesh, builder);
     kdtree::BuildCounters counters;
     full->expand_all(counters);
     {
       const kdtree::EpochPin pin;
       const kdtree::TreeMetrics m = full->metrics();
-      EXPECT_EQ(m.unbuilt_cells, m.given_up_cells);
+      EXPECT_EQ(m.deferred_cells, m.failed_cells);
     }
     check(*full, mesh, builder);
     for (const geometry::Ray& ray : rays) {
       const Answer expected = search(mesh, ray);
       ASSERT_EQ(ask(*lazy, ray), expected) << name;
       ASSERT_EQ(ask(*full, ray), expected) << name;
-      ASSERT_EQ(ask(*unbuilt, ray, AtUnbuilt::kSearch), expected) << name;
-      ASSERT_EQ(ask(*lazy, ray, AtUnbuilt::kSearch), expected) << name;
+      ASSERT_EQ(ask(*deferred, ray, OnDeferred::kScan), expected) << name;
+      ASSERT_EQ(ask(*lazy, ray, OnDeferred::kScan), expected) << name;
     }
-    EXPECT_TRUE(mesh.faces.empty() || unbuilt->untouched());
+    EXPECT_TRUE(mesh.faces.empty() || deferred->untouched());
     check(*lazy, mesh, builder);
   }
 }
@@ -289,7 +290,7 @@ TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
   EXPECT_EQ(a.references, b.references);
   EXPECT_EQ(a.max_depth, b.max_depth);
   EXPECT_DOUBLE_EQ(a.sah_cost, b.sah_cost);
-  EXPECT_EQ(b.unbuilt_cells, 0u);
+  EXPECT_EQ(b.deferred_cells, 0u);
 }
 
 TEST(MeshTree, CancelledBuildsStayUsable) {
@@ -300,13 +301,13 @@ TEST(MeshTree, CancelledBuildsStayUsable) {
   tree->expand_all(counters, &cancelled);
   {
     const kdtree::EpochPin pin;
-    EXPECT_GT(tree->metrics().unbuilt_cells, 0u);
+    EXPECT_GT(tree->metrics().deferred_cells, 0u);
   }
   for (const geometry::Ray& ray : tests::rays_at(mesh, 20, 1))
     EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
   tree->expand_all(counters);
   const kdtree::EpochPin pin;
-  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().deferred_cells, 0u);
 }
 
 TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
@@ -337,7 +338,7 @@ TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
   const kdtree::EpochPin pin;
-  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().deferred_cells, 0u);
 }
 
 }  // namespace

@@ -37,14 +37,14 @@ TestMesh shuffled(TestMesh mesh) {
 }
 
 /// Counts each face that a run leads to, and checks that boxes hold what they stand for.
-void visit(const geometry::MeshView& mesh, const kdtree::BoxRef& run, std::vector<int>& seen) {
-  std::vector<kdtree::BoxRef> finer;
+void visit(const geometry::MeshView& mesh, const kdtree::Reference& run, std::vector<int>& seen) {
+  std::vector<kdtree::Reference> finer;
   kdtree::BuildCounters counters;
   open_run(mesh, run, finer, counters);
   const FaceRange faces = faces_of_run(mesh, run);
   ASSERT_EQ(counters.touches_prepare, faces.end - faces.begin);
   std::uint32_t weight = 0;
-  for (const kdtree::BoxRef& ref : finer) {
+  for (const kdtree::Reference& ref : finer) {
     geometry::Aabb both = run.bounds();
     both.grow(ref.bounds());
     ASSERT_EQ(both, run.bounds());
@@ -70,12 +70,12 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
       mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
     }
     const geometry::MeshView view = mesh.view();
-    std::vector<kdtree::BoxRef> runs(count_runs(view));
+    std::vector<kdtree::Reference> runs(count_runs(view));
     kdtree::BuildCounters counters;
     runs.resize(run_references(view, 0, runs.size(), runs.data(), counters));
     EXPECT_EQ(counters.touches_prepare, view.faces.size());
     std::vector<int> seen(view.faces.size());
-    for (const kdtree::BoxRef& run : runs) {
+    for (const kdtree::Reference& run : runs) {
       ASSERT_TRUE(run.openable());
       visit(view, run, seen);
     }
@@ -86,7 +86,7 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
 
 bool compact(const TestMesh& mesh) {
   kdtree::BuildCounters counters;
-  return are_runs_compact(mesh.view(), survey_mesh(mesh.view()).bounds, counters);
+  return are_runs_compact(mesh.view(), compute_mesh_stats(mesh.view()).bounds, counters);
 }
 
 TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
@@ -120,7 +120,7 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   for (const std::string_view name : published::builder_names()) {
     if (name == "sah-naive") continue;
     const published::AnyBuilder builder = *published::make_builder(name);
-    const MeshSurvey survey = survey_mesh(view);
+    const MeshStats survey = compute_mesh_stats(view);
     MeshTree runs(view, survey, builder, References::kRuns);
     MeshTree soup(view, survey, builder, References::kSoup);
     kdtree::BuildCounters of_runs, of_soup;
@@ -143,8 +143,8 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
 
 TEST(Runs, AreSearchedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
-  MeshTree cold(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
-  MeshTree grown(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
+  MeshTree cold(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());
+  MeshTree grown(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());
   kdtree::BuildCounters counters;
   for (const geometry::Ray& ray : tests::rays_at(mesh, 60, 4)) {
     const kdtree::EpochPin pin;
@@ -155,7 +155,7 @@ TEST(Runs, AreSearchedWhereNothingIsGrown) {
       query.tmin = ray.tmin;
       query.tmax = ray.tmax;
       query.node = 1;
-      query.at_unbuilt = AtUnbuilt::kSearch;
+      query.on_deferred = OnDeferred::kScan;
       kdtree::WalkCounters walked;
       tree->query(query, walked, counters);
       ASSERT_EQ(query.found, expected.found);

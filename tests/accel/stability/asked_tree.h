@@ -31,21 +31,21 @@ class AskedTree {
  public:
   AskedTree(const TestMesh& mesh, const accel::published::AnyBuilder& builder,
             accel::mesh::References references = accel::mesh::References::kRuns)
-      : tree_(mesh.view(), accel::mesh::survey_mesh(mesh.view()), builder, references) {}
+      : tree_(mesh.view(), accel::mesh::compute_mesh_stats(mesh.view()), builder, references) {}
   AskedTree(const TestMesh& mesh, std::string_view builder)
       : AskedTree(mesh, *accel::published::make_builder(builder)) {}
 
   void build() { tree_.expand_all(built_); }
 
   NearestHit nearest(const accel::geometry::Ray& ray,
-                     accel::mesh::AtUnbuilt at_unbuilt = accel::mesh::AtUnbuilt::kExpand) {
+                     accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
     const accel::kdtree::EpochPin pin;
     accel::mesh::MeshQuery query;
     query.ray = *accel::geometry::make_local_ray(ray.origin, ray.direction);
     query.tmin = ray.tmin;
     query.tmax = ray.tmax;
     query.node = 1;
-    query.at_unbuilt = at_unbuilt;
+    query.on_deferred = on_deferred;
     tree_.query(query, walked_, built_);
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
   }

@@ -19,11 +19,11 @@ namespace sightline::bench {
 namespace {
 
 using accel::geometry::Aabb;
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 
 // The scene's triangles in the world as the builder would see them.
-std::vector<BoxRef> world_boxes(const SceneGeometry& geometry) {
-  std::vector<BoxRef> refs;
+std::vector<Reference> world_boxes(const SceneGeometry& geometry) {
+  std::vector<Reference> refs;
   refs.reserve(geometry.triangles());
   for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
     Aabb box;
@@ -39,7 +39,7 @@ struct Curve {
   std::string scene;
   char axis;
   accel::split::SahConstants cost;
-  accel::split::CutAreas areas;
+  accel::split::SplitAreas areas;
 
   Row row(const char* what, double x, double left, double right) const {
     Row row;
@@ -49,7 +49,7 @@ struct Curve {
     row["position"] = x;
     row["left"] = left;
     row["right"] = right;
-    row["cost"] = cut_cost(cost, areas, x, left, right);
+    row["cost"] = split_cost(cost, areas, x, left, right);
     return row;
   }
 };
@@ -93,13 +93,13 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   if (geometry.empty()) {
     return Error{Code::kFailedPrecondition, "the scene has no triangles", "NO_TRIANGLES"};
   }
-  const std::vector<BoxRef> refs = world_boxes(geometry);
+  const std::vector<Reference> refs = world_boxes(geometry);
   Aabb cell;
-  for (const BoxRef& ref : refs) cell.grow(ref.bounds());
+  for (const Reference& ref : refs) cell.grow(ref.bounds());
 
   const int axis = options.axis - 'x';
   const auto a = static_cast<std::size_t>(axis);
-  const Curve curve{common.scene, options.axis, scan.cost, accel::split::CutAreas(cell, axis)};
+  const Curve curve{common.scene, options.axis, scan.cost, accel::split::SplitAreas(cell, axis)};
   accel::kdtree::BuildCounters counters;
   const auto uniform = accel::published::kd::sample_axes(refs, cell, {axis, axis + 1},
                                                          scan.uniform_samples, 0, counters)[a];

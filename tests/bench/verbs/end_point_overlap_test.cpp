@@ -13,7 +13,7 @@
 namespace sightline::bench {
 namespace {
 
-accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) {
+accel::kdtree::Reference ref(std::uint32_t id, const accel::geometry::Aabb& box) {
   return {box.lo, id, box.hi, 1};
 }
 
@@ -27,7 +27,7 @@ TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
   }
   accel::published::bvh::BvhGrowth growth(3);
   const accel::geometry::Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
-  const std::vector<accel::kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const std::vector<accel::kdtree::Reference> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   const accel::published::bvh::Bvh bvh =
       growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
   // A third of all area in a leaf of two references.

@@ -23,9 +23,9 @@ using accel::geometry::LocalRay;
 using accel::geometry::MeshView;
 using accel::geometry::Ray;
 using accel::kdtree::AtomicSlot;
+using accel::kdtree::DeferredAction;
 using accel::kdtree::DeferredCell;
 using accel::kdtree::TreeRay;
-using accel::kdtree::Unbuilt;
 using accel::kdtree::WalkCounters;
 using scenegraph::instances::Instance;
 using scenegraph::instances::Instances;
@@ -118,11 +118,11 @@ struct MeshVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
       if (const auto box = accel::mesh::face_bounds(mesh, id)) search(id, *box);
     }
-    return Unbuilt::kDone;
+    return DeferredAction::kDone;
   }
 
   void search(std::uint32_t id, const accel::geometry::Aabb& box) {
@@ -156,9 +156,9 @@ struct SceneVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
     for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
-    return Unbuilt::kDone;
+    return DeferredAction::kDone;
   }
 
   void enter(std::uint32_t id) {

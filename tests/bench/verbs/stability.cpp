@@ -128,7 +128,7 @@ Row make_row(const StabilityFamily& family, const std::string& builder, const Bu
   cost.depth = tests::levels_beyond_good(built.metrics.max_depth, triangles);
   cost.touches = over(touches, compact.touches);
   if (measure > 0) cost.work = built.work() / measure;
-  cost.given_up = static_cast<double>(built.metrics.unbuilt_cells);
+  cost.failed = static_cast<double>(built.metrics.deferred_cells);
 
   std::string failures, by_design;
   if (built.wrong > 0) add_to(failures, fmt::format("{} answers wrong", built.wrong));
@@ -148,7 +148,7 @@ Row make_row(const StabilityFamily& family, const std::string& builder, const Bu
   row["wrong"] = built.wrong;
   row["references_per_triangle"] = cost.references;
   row["max_depth"] = built.metrics.max_depth;
-  row["given_up_cells"] = built.metrics.unbuilt_cells;
+  row["given_up_cells"] = built.metrics.deferred_cells;
   row["touches_per_triangle"] = touches;
   row["relative_touches"] = cost.touches;
   row["build_ms"] = built.ms;

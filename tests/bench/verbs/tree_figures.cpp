@@ -110,7 +110,7 @@ accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& 
     sum.nonempty_leaves += m.nonempty_leaves;
     sum.references += m.references;
     sum.max_depth = std::max(sum.max_depth, m.max_depth);
-    sum.unbuilt_cells += m.unbuilt_cells;
+    sum.deferred_cells += m.deferred_cells;
     sum.expected_traversals += m.expected_traversals;
     sum.expected_leaves += m.expected_leaves;
     sum.expected_intersections += m.expected_intersections;

@@ -97,7 +97,7 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   fresh.node = 1;
   MeshQuery any = fresh, nearest = fresh, all = fresh;
   any.any = true;
-  accel::mesh::Distinct<std::uint32_t> primitives;
+  accel::mesh::UniqueHits<std::uint32_t> primitives;
   all.primitives = &primitives;
   tree.query(any, walked, built);
   tree.query(nearest, walked, built);
@@ -118,11 +118,11 @@ Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool has_room) {
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
     return fmt::format("depth {}", metrics.max_depth);
-  if (metrics.unbuilt_cells != metrics.given_up_cells)
-    return fmt::format("{} unbuilt cells", metrics.unbuilt_cells);
-  if (has_room && metrics.given_up_cells != 0)
-    return fmt::format("{} cells without room", metrics.given_up_cells);
-  if (finite > 0 && metrics.unbuilt_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
+  if (metrics.deferred_cells != metrics.failed_cells)
+    return fmt::format("{} unbuilt cells", metrics.deferred_cells);
+  if (has_room && metrics.failed_cells != 0)
+    return fmt::format("{} cells without room", metrics.failed_cells);
+  if (finite > 0 && metrics.deferred_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
   if (metrics.nonempty_leaves > metrics.leaves || metrics.references < metrics.nonempty_leaves)
     return fmt::format("{} references in {} leaves", metrics.references, metrics.nonempty_leaves);
@@ -164,7 +164,7 @@ Wrong check_answers(MeshTree& tree, const SoupCase& soup, const std::vector<Aske
 
 Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   const MeshView view = soup.view();
-  const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
+  const accel::mesh::MeshStats survey = accel::mesh::compute_mesh_stats(view);
   const AnyBuilder builder = builder_for(soup);
   // Builders of the papers may cut until there is no room; ours have a budget of references.
   const bool has_room =

@@ -24,7 +24,7 @@ std::vector<model::Update> static_nodes(int nodes, tests::Frames frames, std::ui
   return updates;
 }
 
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 using tests::Frames;
 
 constexpr Frames kAllFrames[] = {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat};
@@ -37,23 +37,23 @@ bool holds(const accel::geometry::Aabb& outer, const accel::geometry::Aabb& inne
 }
 
 /// Everything below these references.
-void open_down(const Instances& instances, const std::vector<BoxRef>& refs,
-               std::map<std::uint32_t, BoxRef>& found) {
-  for (const BoxRef& ref : refs) {
+void open_down(const Instances& instances, const std::vector<Reference>& refs,
+               std::map<std::uint32_t, Reference>& found) {
+  for (const Reference& ref : refs) {
     if (!ref.openable()) {
       EXPECT_TRUE(found.emplace(ref.id, ref).second) << "reached twice: " << ref.id;
       continue;
     }
-    std::vector<BoxRef> finer;
+    std::vector<Reference> finer;
     instances.open(ref, finer);
     EXPECT_FALSE(finer.empty());
-    for (const BoxRef& part : finer) EXPECT_TRUE(holds(ref.bounds(), part.bounds())) << ref.id;
+    for (const Reference& part : finer) EXPECT_TRUE(holds(ref.bounds(), part.bounds())) << ref.id;
     open_down(instances, finer, found);
   }
 }
 
-std::map<std::uint32_t, BoxRef> open_down(const Instances& instances) {
-  std::map<std::uint32_t, BoxRef> found;
+std::map<std::uint32_t, Reference> open_down(const Instances& instances) {
+  std::map<std::uint32_t, Reference> found;
   open_down(instances, instances.coarsest(), found);
   return found;
 }
@@ -127,7 +127,7 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
   const auto expected = open_down(expected_of->trees().static_tree);
   for (int round = 0; round < 10; ++round) {
     const auto snapshot = tests::snapshot_of(updates);
-    std::vector<std::map<std::uint32_t, BoxRef>> found(8);
+    std::vector<std::map<std::uint32_t, Reference>> found(8);
     std::vector<std::thread> threads;
     for (auto& mine : found) {
       threads.emplace_back([&] { mine = open_down(snapshot->trees().static_tree); });
@@ -184,11 +184,11 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   const auto snapshot = tests::snapshot_of(updates);
   const Instances& instances = snapshot->trees().static_tree;
   tests::Random random(10);
-  std::map<std::uint32_t, BoxRef> found;
-  std::vector<BoxRef> closed = instances.coarsest();
+  std::map<std::uint32_t, Reference> found;
+  std::vector<Reference> closed = instances.coarsest();
   while (!closed.empty()) {
     std::swap(closed[random.below(closed.size())], closed.back());
-    const BoxRef ref = closed.back();
+    const Reference ref = closed.back();
     closed.pop_back();
     if (ref.openable()) {
       instances.open(ref, closed);
@@ -206,15 +206,15 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
 TEST(Instances, WeighWhatIsBelow) {
   const auto snapshot = tests::snapshot_of(static_nodes(2000, Frames::kRigid, 7));
   const Instances& instances = snapshot->trees().static_tree;
-  const auto sum = [](const std::vector<BoxRef>& refs) {
+  const auto sum = [](const std::vector<Reference>& refs) {
     std::uint64_t weights = 0;
-    for (const BoxRef& ref : refs) weights += ref.weight;
+    for (const Reference& ref : refs) weights += ref.weight;
     return weights;
   };
   EXPECT_EQ(sum(instances.coarsest()), snapshot->hierarchy().summary(0).entry_cost);
-  for (const BoxRef& ref : instances.coarsest()) {
+  for (const Reference& ref : instances.coarsest()) {
     if (!ref.openable()) continue;
-    std::vector<BoxRef> finer;
+    std::vector<Reference> finer;
     instances.open(ref, finer);
     EXPECT_EQ(sum(finer), ref.weight);
   }

@@ -11,13 +11,15 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-kdtree::BoxRef ref(std::uint32_t id, const geometry::Aabb& box) { return {box.lo, id, box.hi, 1}; }
+kdtree::Reference ref(std::uint32_t id, const geometry::Aabb& box) {
+  return {box.lo, id, box.hi, 1};
+}
 
 /// [0, 2] x [0, 1] x [0, 1] over [0, 1.5] and [0.5, 2].
 Bvh two_leaves() {
   BvhGrowth growth(3);
   const geometry::Aabb left{{0, 0, 0}, {1.5f, 1, 1}}, right{{0.5f, 0, 0}, {2, 1, 1}};
-  const std::vector<kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const std::vector<kdtree::Reference> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   return growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
 }
 
@@ -38,7 +40,7 @@ TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
 TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
   BvhGrowth growth(3);
   const geometry::Aabb box{{0, 0, 0}, {1, 1, 1}};
-  const std::vector<kdtree::BoxRef> thrice{ref(7, box), ref(3, box), ref(7, box)};
+  const std::vector<kdtree::Reference> thrice{ref(7, box), ref(3, box), ref(7, box)};
   const Bvh bvh = growth.finish(growth.leaf(thrice, box));
   EXPECT_EQ(bvh.ids, (std::vector<std::uint32_t>{7, 3}));
   BvhGrowth repeating(3, true);

@@ -53,26 +53,26 @@ TEST(BvhTree, OnlyRaysThatMayBuildDo) {
   for (const std::string_view name : builder_names()) {
     const AnyBuilder builder = *make_builder(name);
     if (!std::holds_alternative<BvhBuilder>(builder)) continue;
-    mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder);
-    const auto ask = [&](mesh::AtUnbuilt at_unbuilt) {
+    mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder);
+    const auto ask = [&](mesh::OnDeferred on_deferred) {
       const kdtree::EpochPin pin;
       mesh::MeshQuery query;
       query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
-      query.at_unbuilt = at_unbuilt;
+      query.on_deferred = on_deferred;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
       tree.query(query, walked, built);
       return query;
     };
-    EXPECT_EQ(tree.metrics().unbuilt_cells, 1u);
+    EXPECT_EQ(tree.metrics().deferred_cells, 1u);
     EXPECT_EQ(tree.growth().cells_deferred, 1u);
-    const mesh::MeshQuery skipped = ask(mesh::AtUnbuilt::kSkip),
-                          searched = ask(mesh::AtUnbuilt::kSearch);
-    EXPECT_TRUE(!skipped.found && skipped.met_unbuilt);
-    EXPECT_TRUE(searched.found && searched.met_unbuilt);
+    const mesh::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
+                          searched = ask(mesh::OnDeferred::kScan);
+    EXPECT_TRUE(!skipped.found && skipped.saw_deferred);
+    EXPECT_TRUE(searched.found && searched.saw_deferred);
     EXPECT_TRUE(tree.untouched());
-    const mesh::MeshQuery built = ask(mesh::AtUnbuilt::kExpand);
-    EXPECT_TRUE(built.found && !built.met_unbuilt);
+    const mesh::MeshQuery built = ask(mesh::OnDeferred::kExpand);
+    EXPECT_TRUE(built.found && !built.saw_deferred);
     EXPECT_EQ(built.best_t, searched.best_t);
     EXPECT_EQ(built.best_primitive, searched.best_primitive);
     EXPECT_EQ(tree.growth().references_built, mesh.faces.size());

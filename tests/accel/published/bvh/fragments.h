@@ -10,15 +10,15 @@
 
 namespace sightline::tests {
 
-inline std::vector<accel::kdtree::BoxRef> face_refs(const TestMesh& mesh) {
-  std::vector<accel::kdtree::BoxRef> refs(mesh.faces.size());
+inline std::vector<accel::kdtree::Reference> face_refs(const TestMesh& mesh) {
+  std::vector<accel::kdtree::Reference> refs(mesh.faces.size());
   refs.resize(accel::mesh::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 
 /// Sorted lists, and the memory they are in.
 struct SortedFragments {
-  explicit SortedFragments(const std::vector<accel::kdtree::BoxRef>& refs)
+  explicit SortedFragments(const std::vector<accel::kdtree::Reference>& refs)
       : lists(accel::published::bvh::sort_by_centers(refs, stack, counters)) {}
 
   accel::published::bvh::FragmentStack stack;

@@ -23,7 +23,7 @@ double sum_of(std::span<const Fragment> list, std::size_t left) {
 }
 
 /// Every place along every axis, counted anew.
-double least_sum(const std::vector<kdtree::BoxRef>& refs) {
+double least_sum(const std::vector<kdtree::Reference>& refs) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<Fragment> list;
@@ -46,7 +46,7 @@ ObjectSplit best(const CenterLists& lists) {
 
 TEST(CenterLists, AreSortedAlongEachAxis) {
   for (const std::size_t n : {0u, 1u, 2u, 100u, 5000u}) {
-    const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(n, 1, n);
+    const std::vector<kdtree::Reference> refs = tests::lattice_boxes(n, 1, n);
     const SortedFragments sorted(refs);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ASSERT_EQ(sorted.lists.along[axis].size(), n);
@@ -57,7 +57,7 @@ TEST(CenterLists, AreSortedAlongEachAxis) {
 }
 
 TEST(CenterLists, DoNotDependOnTheOrderOfTheInput) {
-  std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(300, 1, 3);
+  std::vector<kdtree::Reference> refs = tests::lattice_boxes(300, 1, 3);
   const SortedFragments ascending(refs);
   std::reverse(refs.begin(), refs.end());
   const SortedFragments descending(refs);
@@ -95,9 +95,9 @@ TEST(CenterLists, AreDividedAtAPlaceInTheirOrder) {
 
 TEST(ObjectSplit, IsTheCheapestOfAll) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const std::vector<kdtree::BoxRef> refs = seed % 2 == 0
-                                                 ? tests::random_boxes(2 + seed, 0.2, seed)
-                                                 : tests::lattice_boxes(2 + seed, 1, seed);
+    const std::vector<kdtree::Reference> refs = seed % 2 == 0
+                                                    ? tests::random_boxes(2 + seed, 0.2, seed)
+                                                    : tests::lattice_boxes(2 + seed, 1, seed);
     const SortedFragments sorted(refs);
     const ObjectSplit split = best(sorted.lists);
     const double whole = half_area(sorted.lists.box) * static_cast<double>(refs.size());
@@ -112,7 +112,7 @@ TEST(ObjectSplit, IsTheCheapestOfAll) {
 }
 
 TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
-  const std::vector<kdtree::BoxRef> refs = tests::random_boxes(6000, 0.05, 9);
+  const std::vector<kdtree::Reference> refs = tests::random_boxes(6000, 0.05, 9);
   const SortedFragments sorted(refs);
   const ObjectSplit split = best(sorted.lists);
   ASSERT_TRUE(split.found());
@@ -126,7 +126,7 @@ TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
 }
 
 TEST(ObjectSplit, ThereIsNoneWhereNothingSeparates) {
-  std::vector<kdtree::BoxRef> same;
+  std::vector<kdtree::Reference> same;
   for (std::uint32_t i = 0; i < 20; ++i) same.push_back(tests::box_ref({0, 0, 0}, {1, 2, 3}, i));
   const SortedFragments sorted(same);
   EXPECT_FALSE(best(sorted.lists).found());

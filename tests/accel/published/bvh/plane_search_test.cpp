@@ -28,7 +28,7 @@ std::optional<geometry::Aabb> clipped(const geometry::MeshView& mesh, std::uint3
 std::vector<Fragment> random_fragments(const TestMesh& mesh, std::uint64_t seed) {
   tests::Random random(seed);
   std::vector<Fragment> fragments;
-  for (const kdtree::BoxRef& ref : tests::face_refs(mesh)) {
+  for (const kdtree::Reference& ref : tests::face_refs(mesh)) {
     geometry::Aabb part;
     const auto x = [&] { return static_cast<float>(random.uniform(-0.3, 1.3)); };
     part.grow(geometry::Vec3f{x(), x(), x()});

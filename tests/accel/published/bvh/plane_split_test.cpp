@@ -140,7 +140,7 @@ TEST(PlaneSplit, OneSidedPartsAreNoStraddlers) {
   // A triangle whose box reaches over the plane by a corner that an earlier cut has taken away.
   const TestMesh mesh{{{0, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   FragmentStack stack;
-  std::vector<kdtree::BoxRef> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
+  std::vector<kdtree::Reference> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
   kdtree::BuildCounters counters;
   const CenterLists lists = sort_by_centers(refs, stack, counters);
   PlaneSplit split;

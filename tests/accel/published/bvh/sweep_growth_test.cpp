@@ -28,10 +28,10 @@ struct Grown {
 
 Grown grow(const TestMesh& mesh, const SpatialRule& spatial, const BvhLeafRule& leaf = {}) {
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   Grown grown;
   grown.references = refs.size();
-  BvhGrowth growth(sweep_room(refs.size(), spatial));
+  BvhGrowth growth(sweep_capacity(refs.size(), spatial));
   grown.bvh =
       growth.finish(grow_by_sweep(&view, std::move(refs), leaf, spatial, growth, grown.counters));
   return grown;
@@ -121,11 +121,11 @@ TEST(SweepGrowth, IsTheSameForAnyNumberOfThreads) {
 TEST(SweepGrowth, IsTheSameInWhateverOrderReferencesAre) {
   const TestMesh mesh = tests::random_soup(5000, 0.1, 3);
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   const Grown straight = grow(mesh, {});
   std::reverse(refs.begin(), refs.end());
   kdtree::BuildCounters counters;
-  BvhGrowth growth(sweep_room(refs.size(), {}));
+  BvhGrowth growth(sweep_capacity(refs.size(), {}));
   const Bvh reversed = growth.finish(grow_by_sweep(&view, refs, {}, {}, growth, counters));
   EXPECT_EQ(reversed.ids, straight.bvh.ids);
 }
@@ -243,7 +243,7 @@ TEST(SweepGrowth, FlatAndThinThings) {
 TEST(SweepGrowth, WithoutAMeshThereAreNoSpatialSplits) {
   const TestMesh mesh = tests::turned(tests::beams(5), 45);
   kdtree::BuildCounters counters;
-  BvhGrowth growth(sweep_room(mesh.faces.size(), {}));
+  BvhGrowth growth(sweep_capacity(mesh.faces.size(), {}));
   const Bvh bvh =
       growth.finish(grow_by_sweep(nullptr, tests::face_refs(mesh), {}, {}, growth, counters));
   EXPECT_EQ(bvh.ids, grow(mesh, kNever).bvh.ids);

@@ -38,7 +38,7 @@ TEST(CountBins, EqualsDirectCounting) {
     count_bins(refs, a, alone);
     for (std::uint32_t i = 0; i < 8; ++i) {
       std::uint32_t starts = 0, ends = 0;
-      for (const kdtree::BoxRef& ref : refs) {
+      for (const kdtree::Reference& ref : refs) {
         starts += static_cast<std::uint32_t>(ref.lo[a]) == i ? ref.weight : 0;
         ends += static_cast<std::uint32_t>(ref.hi[a]) == i ? ref.weight : 0;
       }
@@ -73,8 +73,8 @@ TEST(CountBins, DoesNotDependOnThreads) {
 }
 
 TEST(ContentBounds, EndAtTheCell) {
-  const std::vector<kdtree::BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
-                                         tests::box_ref({2, 0, 0}, {3, 2, 1})};
+  const std::vector<kdtree::Reference> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                            tests::box_ref({2, 0, 0}, {3, 2, 1})};
   EXPECT_EQ(content_bounds(refs, {{1, -1, 0}, {9, 1.5f, 9}}),
             (geometry::Aabb{{1, 0, 0}, {4, 1.5f, 1}}));
 }

@@ -34,7 +34,7 @@ constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, Ex
 /// What a leaf holds, or a cell that was given up for want of room, as a set.
 std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
   std::vector<std::uint32_t> ids;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ids = tests::ids_of(slot.cell()->list);
   } else if (slot.leaf_count() > 0) {
     std::uint32_t storage;
@@ -67,9 +67,9 @@ std::size_t expect_same(const kdtree::KdTree& a, const kdtree::KdTree& b) {
 lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
   lazy::ReferenceSource source;
   source.coarsest = [mesh](kdtree::BuildCounters&) {
-    return lazy::ReferenceSource::Coarsest{.places = mesh.faces.size()};
+    return lazy::ReferenceSource::Coarsest{.slots = mesh.faces.size()};
   };
-  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::Reference* out,
                        kdtree::BuildCounters&) {
     return mesh::face_references(mesh, begin, end, out);
   };
@@ -78,15 +78,15 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
 
 std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::MeshView& view,
                                           const ExactBuilder& builder) {
-  const mesh::MeshSurvey survey = mesh::survey_mesh(mesh.view());
+  const mesh::MeshStats survey = mesh::compute_mesh_stats(mesh.view());
   return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
                                           rule_of(builder), source_of_faces(view), &view);
 }
 
 void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
-  while (kdtree::load(slot).is_unbuilt() &&
-         tree.expand(slot, lazy::AtBusy::kWait, counters) == lazy::Expanded::kAgain) {
+  while (kdtree::load(slot).is_deferred() &&
+         tree.expand(slot, lazy::WhenPending::kWait, counters) == lazy::ExpandResult::kRetry) {
   }
   if (!kdtree::load(slot).is_binary()) return;
   kdtree::AtomicSlot* children = tree.tree().children(kdtree::load(slot));
@@ -157,7 +157,7 @@ TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
     touch_all(*trees.back(), trees.back()->root());
     for (std::size_t i = 1; i < trees.size(); ++i) {
       const kdtree::TreeMetrics m = measure(trees[0]->tree());
-      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.unbuilt_cells);
+      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.deferred_cells);
     }
   }
 }
@@ -197,7 +197,7 @@ TEST(ExactTrees, ThreadsBuildTheSameTree) {
 
 /// Instances of a scene: heavy, and nothing to clip.
 TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
-  const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(200, 50, 8);
+  const std::vector<kdtree::Reference> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
     trees.push_back(std::make_unique<lazy::LazyTree>(bounds_of(refs), refs.size(),
@@ -220,8 +220,9 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
   const kdtree::EpochPin pin;
   // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
   // finished.
-  while (kdtree::load(parts->root()).is_unbuilt())
-    ASSERT_EQ(parts->expand(parts->root(), lazy::AtBusy::kWait, counters), lazy::Expanded::kAgain);
+  while (kdtree::load(parts->root()).is_deferred())
+    ASSERT_EQ(parts->expand(parts->root(), lazy::WhenPending::kWait, counters),
+              lazy::ExpandResult::kRetry);
   const std::atomic<bool> cancelled{true};
   const kdtree::Slot root = kdtree::load(parts->root());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -231,11 +232,11 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     scratch.reserve(cell.size);
     const split::SplitRule rule = rule_of(ExactBuilder{});
     const grow::GrowContext context{scratch, *rule, &view, 60, &cancelled};
-    const kdtree::BoxList listed = cell.list.copy();
-    std::vector<kdtree::BoxRef> list(listed.all().begin(), listed.all().end());
+    const kdtree::ReferenceList listed = cell.list.copy();
+    std::vector<kdtree::Reference> list(listed.all().begin(), listed.all().end());
     const kdtree::Slot again = grow::grow(context, list, cell.box, cell.path, counters);
-    ASSERT_TRUE(again.is_unbuilt());
-    const kdtree::BoxList deferred = again.cell()->list.copy();
+    ASSERT_TRUE(again.is_deferred());
+    const kdtree::ReferenceList deferred = again.cell()->list.copy();
     const auto before = listed.all(), after = deferred.all();
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {

@@ -13,24 +13,24 @@ namespace {
 using tests::bounds_of;
 using tests::box_ref;
 
-double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, const split::SahConstants& constants) {
   const auto a = static_cast<std::size_t>(plane.axis);
   double left = 0, right = 0;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     left += ref.lo[a] < plane.position ? ref.weight : 0;
     right += ref.hi[a] > plane.position ? ref.weight : 0;
   }
-  return cut_cost(constants, split::CutAreas(cell, plane.axis), static_cast<double>(plane.position),
-                  left, right);
+  return split_cost(constants, split::SplitAreas(cell, plane.axis),
+                    static_cast<double>(plane.position), left, right);
 }
 
-double best_bound(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double best_bound(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                   const split::SahConstants& constants) {
   double best = 1e300;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
           best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
@@ -40,9 +40,9 @@ double best_bound(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb&
   return best;
 }
 
-std::optional<kdtree::Cut> choose(const MinMaxBuilder& builder,
-                                  const std::vector<kdtree::BoxRef>& refs,
-                                  const geometry::Aabb& cell, int depth = 0) {
+std::optional<kdtree::Split> choose(const MinMaxBuilder& builder,
+                                    const std::vector<kdtree::Reference>& refs,
+                                    const geometry::Aabb& cell, int depth = 0) {
   kdtree::BuildCounters counters;
   return builder.choose({refs, cell, {depth}}, counters);
 }
@@ -90,7 +90,7 @@ TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
 /// F10 of the failure catalogue: object, floor, object, floor. The objects stand at one end, the
 /// floor lies everywhere.
 TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 600; ++i) {
     const auto s = static_cast<float>(i) / 600;
     refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // the floor
@@ -117,7 +117,7 @@ TEST(MinMaxBuilder, DecomposesAtTheMedian) {
     ASSERT_TRUE(cut);
     EXPECT_EQ(cut->plane.axis, 0);
     double left = 0, right = 0;
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       left += ref.lo.x < cut->plane.position ? 1 : 0;
       right += ref.hi.x > cut->plane.position ? 1 : 0;
     }
@@ -130,7 +130,7 @@ TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
   const auto refs = tests::random_boxes(300000, 0.001, 5);
   const geometry::Aabb cell = bounds_of(refs);
   for (const std::uint32_t threads : {1u, 8u}) {
-    std::vector<std::optional<kdtree::Cut>> cuts;
+    std::vector<std::optional<kdtree::Split>> cuts;
     for (const int arena_threads : {1, 4}) {
       tbb::task_arena arena(arena_threads);
       cuts.push_back(arena.execute([&] { return choose({.threads = threads}, refs, cell); }));
@@ -142,7 +142,7 @@ TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
 TEST(MinMaxBuilder, LeavesWhatCannotBeSeparated) {
   EXPECT_FALSE(choose({}, {}, {{0, 0, 0}, {1, 1, 1}}));
   for (const std::size_t n : {1u, 20u, 500u, 20000u}) {
-    const std::vector<kdtree::BoxRef> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::Reference> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(choose({.threads = 4}, same, bounds_of(same))) << n;
   }
 }

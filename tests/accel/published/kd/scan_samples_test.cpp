@@ -38,17 +38,17 @@ constexpr double kRounding = 1 + 1e-4;
 
 struct Soup {
   std::string name;
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
 };
 
 const geometry::Aabb kUnitCell{{0, 0, 0}, {1, 1, 1}};
 
-kdtree::BoxRef slab(double lo, double hi, std::uint32_t weight = 1) {
+kdtree::Reference slab(double lo, double hi, std::uint32_t weight = 1) {
   return tests::box_ref({static_cast<float>(lo), 0, 0}, {static_cast<float>(hi), 1, 1}, 0, weight);
 }
 
 /// `count` thin boxes side by side, filling [0, 1].
-void add_row(std::vector<kdtree::BoxRef>& refs, int count) {
+void add_row(std::vector<kdtree::Reference>& refs, int count) {
   for (int i = 0; i < count; ++i)
     refs.push_back(slab(i / static_cast<double>(count), (i + 1) / static_cast<double>(count)));
 }
@@ -79,7 +79,7 @@ std::vector<Soup> soups(std::uint64_t seed) {
           {"lattice", tests::lattice_boxes(200, 9, seed)}};
 }
 
-Samples sample(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+Samples sample(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                std::uint32_t uniform, std::uint32_t adaptive) {
   kdtree::BuildCounters counters;
   return sample_axes(refs, cell, {0, 1}, uniform, adaptive, counters)[0];
@@ -126,8 +126,8 @@ void for_all_soups(const Check& check) {
       // A cell that shares faces with boxes, one that boxes reach out of, and all of the list.
       for (const geometry::Aabb& cell :
            {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
-        std::vector<kdtree::BoxRef> inside;
-        for (const kdtree::BoxRef& ref : soup.refs) {
+        std::vector<kdtree::Reference> inside;
+        for (const kdtree::Reference& ref : soup.refs) {
           if (is_member(ref.bounds(), cell)) inside.push_back(ref);
         }
         if (!inside.empty()) check(inside, cell);
@@ -137,7 +137,7 @@ void for_all_soups(const Check& check) {
 }
 
 TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const auto& [uniform, adaptive] : {std::pair(8u, 0u), {8u, 8u}, {9u, 13u}, {16u, 16u}}) {
       const Samples samples = sample(refs, cell, uniform, adaptive);
@@ -157,7 +157,7 @@ TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
 
 // Boxes that begin at a face lie above it: a plane there has nothing on its outer side.
 TEST(ScanSamples, CountStrictlyAtTheFaces) {
-  const std::vector<kdtree::BoxRef> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
+  const std::vector<kdtree::Reference> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
   const Samples samples = sample(refs, kUnitCell, 2, 0);
   EXPECT_EQ(samples.at[0].left, 0);
   EXPECT_EQ(samples.at[0].right, 3);
@@ -166,7 +166,7 @@ TEST(ScanSamples, CountStrictlyAtTheFaces) {
 }
 
 TEST(ScanSamples, APassCountsEightPlanes) {
-  const std::vector<kdtree::BoxRef> refs = tests::random_boxes(1000, 0.01, 1);
+  const std::vector<kdtree::Reference> refs = tests::random_boxes(1000, 0.01, 1);
   for (const auto& [uniform, adaptive, passes] :
        {std::tuple(2u, 0u, 1u), {8u, 8u, 2u}, {9u, 8u, 3u}, {16u, 16u, 4u}}) {
     kdtree::BuildCounters counters;
@@ -176,7 +176,7 @@ TEST(ScanSamples, APassCountsEightPlanes) {
 }
 
 TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, 0);
@@ -196,7 +196,7 @@ TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
 }
 
 TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const SampleSegment& segment : tests::segments(sample(refs, cell, 8, 8))) {
       const Errors e = integrate(truth, segment);
@@ -206,7 +206,7 @@ TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
 }
 
 TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, n);
       const double width = static_cast<double>(cell.hi[0]) - static_cast<double>(cell.lo[0]);
@@ -223,7 +223,7 @@ TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
 TEST(ScanSamples, CrowdAtADiscontinuity) {
   for (const double wall : {0.05, 0.31, 0.5, 0.77}) {
     for (const int weight : {100, 1000, 10000}) {
-      std::vector<kdtree::BoxRef> refs;
+      std::vector<kdtree::Reference> refs;
       add_row(refs, 500);
       for (int i = 0; i < weight; ++i) refs.push_back(slab(wall, wall));
       const auto segments = tests::segments(sample(refs, kUnitCell, 8, 8));
@@ -238,7 +238,7 @@ TEST(ScanSamples, CrowdAtADiscontinuity) {
 /// Appendix A knows not.
 class CostAlongAxis {
  public:
-  CostAlongAxis(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell)
+  CostAlongAxis(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell)
       : builder_{.axes = ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
         areas_(cell, 0),
         truth_(refs, 0),
@@ -246,11 +246,11 @@ class CostAlongAxis {
             sample(refs, cell, builder_.uniform_samples, builder_.adaptive_samples))) {}
 
   double real(double x) const {
-    return cut_cost(builder_.cost, areas_, x, truth_.left(x), truth_.right(x));
+    return split_cost(builder_.cost, areas_, x, truth_.left(x), truth_.right(x));
   }
   double suggested(double x) const {
     const SampleSegment& s = segment(x);
-    return cut_cost(builder_.cost, areas_, x, s.left(x), s.right(x));
+    return split_cost(builder_.cost, areas_, x, s.left(x), s.right(x));
   }
   const SampleSegment& segment(double x) const { return tests::segment_at(segments_, x); }
   const std::vector<double>& steps() const { return truth_.steps(); }
@@ -258,7 +258,7 @@ class CostAlongAxis {
 
  private:
   HuntScan builder_;
-  split::CutAreas areas_;
+  split::SplitAreas areas_;
   TrueCounts truth_;
   std::vector<SampleSegment> segments_;
 };
@@ -267,7 +267,7 @@ class CostAlongAxis {
 // segment. Times the segment's width, within which the plane is known, that is at most (b - a) R /
 // ((q - 1) n): A.4.
 TEST(ScanSamples, CostIsOffByNoMoreThanTheRiseOfTheSegment) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     for (const double step : cost.steps()) {
       for (const double x : {step, step + 1e-4}) {
@@ -296,7 +296,7 @@ Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
 // The suggested cost is least at the chosen plane, so the true one exceeds the optimum by no more
 // than what the two are off by together.
 TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     if (cell.hi.x - cell.lo.x < std::max(cell.hi.y - cell.lo.y, cell.hi.z - cell.lo.z)) return;
     kdtree::BuildCounters counters;
@@ -321,7 +321,7 @@ TEST(ScanSamples, DistanceTimesExcessIsBoundedAtAWall) {
     const double wall = random.uniform(0.02, 0.98);
     const int beside = 50 + static_cast<int>(random.below(500));
     const int boxes = 2 * beside + static_cast<int>(random.below(5000));
-    std::vector<kdtree::BoxRef> refs;
+    std::vector<kdtree::Reference> refs;
     add_row(refs, beside);
     for (int i = 0; i < boxes; ++i) refs.push_back(slab(wall, wall));
     const CostAlongAxis cost(refs, kUnitCell);
