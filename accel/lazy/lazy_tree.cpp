@@ -91,15 +91,13 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source, boo
 /// What a division into several parts leaves to them.
 struct LazyTree::Shares {
   double each = std::numeric_limits<double>::infinity();  ///< For a unit of demand.
-  bool separated_poorly = false;
-  double duplication = 1;  ///< Of the parts.
+  double duplication = 1;                                 ///< Of the parts.
 
   Shares(const Division& division, const kdtree::DeferredCell& cell) {
     if (std::isinf(cell.path.references_left)) return;
     const auto before = static_cast<double>(cell.size);
     double after = 0;
     for (const ChildList& part : division.parts) after += static_cast<double>(part.list.size());
-    separated_poorly = split::separates_poorly(cell.path, before, after);
     duplication = cell.path.duplication * std::max(1.0, after / before);
     double demands = 0;
     for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);
@@ -108,7 +106,7 @@ struct LazyTree::Shares {
 
   double of(const Division& division, std::size_t part) const {
     return split::demand(division.cuts->leaves()[part].box,
-                         static_cast<double>(division.parts[part].list.size()), separated_poorly);
+                         static_cast<double>(division.parts[part].list.size()));
   }
 };
 

@@ -119,7 +119,7 @@ ChildList list_root(const DivideContext& context, PassSequence& passes,
 
 kdtree::CellList make_list(std::vector<kdtree::SlicedList::Piece> pieces) {
   auto list = std::make_shared<const kdtree::SlicedList>(std::move(pieces));
-  if (list->size() < kLongList) return kdtree::CellList(join(list->all(), list->size()));
+  if (list->size() < kdtree::kLongList) return kdtree::CellList(join(list->all(), list->size()));
   return kdtree::CellList(std::move(list));
 }
 

@@ -36,7 +36,7 @@ PartitionResult sift_spans(const PartitionInput& input,
   }
   sides.straddling.all = n.left + n.right - size;
   const std::size_t seen = input.whole ? size : 0;  // one slice says nothing of all
-  if (input.clipped && input.rule->clips(input.path, sides.straddling.all, seen)) {
+  if (input.clipped && input.rule->clips(sides.straddling.all, seen)) {
     scans = {};
     n.left = grow::clip_straddlers(*input.clipped, left.first(n.left), plane, input.halves.left);
     n.right =

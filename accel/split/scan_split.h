@@ -51,7 +51,7 @@ struct ScanSplit {
                                       kdtree::BuildCounters& counters) const;
 
   /// See SplitSearch::clips.
-  bool clips(const kdtree::CellPath& path, std::size_t straddlers, std::size_t references) const;
+  bool clips(std::size_t straddlers, std::size_t references) const;
 
   /// The rule for lists of this length, if they are searched exhaustively.
   std::optional<BoundRule> bound_rule(std::size_t references) const;

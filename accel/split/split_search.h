@@ -33,10 +33,7 @@ class SplitSearch {
 
   /// Whether straddlers are clipped after a split that leaves `straddlers` of a cell's `references`
   /// on both sides. `references` is 0 if only a slice of the list is known.
-  virtual bool clips(const kdtree::CellPath& /*path*/, std::size_t /*straddlers*/,
-                     std::size_t /*references*/) const {
-    return false;
-  }
+  virtual bool clips(std::size_t /*straddlers*/, std::size_t /*references*/) const { return false; }
 
   /// Whether `choose` works through passes alone (CellRefs::run). Otherwise it needs the list in
   /// one piece.

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -30,31 +29,31 @@ TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   EXPECT_DOUBLE_EQ(below.left.duplication, 1.2);
 }
 
-TEST(ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTrianglesLittle) {
-  const kdtree::CellPath over_duplicated{.references_left = 100, .duplication = 6};
-  const HalvedPath below = halve_path(over_duplicated, kCut, halve(kCell, 0, 0.5f), 50, 20, 40);
-  const double left = 2.0 * 20 * std::sqrt(20.0), right = 4.0 * 40 * std::sqrt(40.0);
-  EXPECT_DOUBLE_EQ(below.left.references_left, 90 * left / (left + right));
-  const HalvedPath parted = halve_path(over_duplicated, kCut, halve(kCell, 0, 0.5f), 50, 20, 30);
-  EXPECT_DOUBLE_EQ(parted.left.references_left, 100 * (2.0 * 20) / (2.0 * 20 + 4.0 * 30));
-  EXPECT_DOUBLE_EQ(parted.left.duplication, 6);
+TEST(ReferenceBudget, IsSmallBelowACutThatSeparatesNothing) {
+  const kdtree::CellPath path{.references_left = 5000};
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 40).references_left, 300);
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 40, 100).references_left, 300);
+  EXPECT_EQ(cap_below_useless_cut({.references_left = 200}, 100, 100, 100).references_left, 200);
 }
 
-TEST(ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhatIsLeft) {
-  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 64, 18));
-  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 64, 19));
-  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 63, 10));
-  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 3}, 1000, 9));
-  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 3}, 1000, 10));
+TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
+  const kdtree::CellPath path{.references_left = 5000};
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 99, 40), path);
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 39), path);
+  EXPECT_EQ(cap_below_useless_cut(path, 64, 64, 64), path);
+  EXPECT_EQ(cap_below_useless_cut({}, 100, 100, 100), kdtree::CellPath{}) << "no budget";
 }
 
-TEST(ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
-  const kdtree::CellPath compact{.references_left = 0, .duplication = 1.5},
-      over_duplicated{.references_left = 5, .duplication = 9};
-  EXPECT_TRUE(is_worth_cutting(compact, 8));
-  EXPECT_FALSE(is_worth_cutting(over_duplicated, 8));
-  EXPECT_TRUE(is_worth_cutting(over_duplicated, 40));
-  EXPECT_FALSE(is_worth_cutting(over_duplicated, 41));
+TEST(ReferenceBudget, ACellIsSwollenByItsSwellAndItsLength) {
+  EXPECT_TRUE(is_over_duplicated({.duplication = 3}, 64));
+  EXPECT_FALSE(is_over_duplicated({.duplication = 3}, 63));
+  EXPECT_FALSE(is_over_duplicated({.duplication = 1.9}, 100000));
+}
+
+TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
+  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 9));
+  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 10));
+  EXPECT_TRUE(within_budget({}, 1000000));
 }
 
 TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
