@@ -22,16 +22,15 @@
 namespace sightline::client::importer {
 namespace {
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 Error in_file(const std::filesystem::path& file, const Error& error) {
-  return invalid(fmt::format("{}: {}", file.string(), error.message));
+  return import_error(fmt::format("{}: {}", file.string(), error.message));
 }
 
 Status check(const std::filesystem::path& file, const ImportOptions& options) {
   if (options.meters_per_unit &&
       !(*options.meters_per_unit > 0 && std::isfinite(*options.meters_per_unit))) {
-    return invalid(fmt::format("meters per unit is {}, must be above 0", *options.meters_per_unit));
+    return import_error(
+        fmt::format("meters per unit is {}, must be above 0", *options.meters_per_unit));
   }
   return check_readable(file);
 }
@@ -51,7 +50,7 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
     if (!scene) return in_file(file, scene.error());
     return scene;
   } catch (const std::exception& e) {
-    return invalid(fmt::format("{}: {}", file.string(), e.what()));
+    return import_error(fmt::format("{}: {}", file.string(), e.what()));
   }
 }
 
@@ -71,7 +70,7 @@ Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
   for (const ImportedNode& node : scene.nodes) {
     const auto& rows = node.parent_from_local;
     if (std::all_of(rows.begin(), rows.end(), [](double x) { return std::isfinite(x); })) continue;
-    return invalid(
+    return import_error(
         fmt::format("node '{}': its transform is not finite once it is brought from {} m a "
                     "unit to {} m",
                     node.name, unit, scene.meters_per_unit));
@@ -85,10 +84,10 @@ Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
 Status check_readable(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
-    return invalid(fmt::format("{}: is a directory", file.string()));
+    return import_error(fmt::format("{}: is a directory", file.string()));
   }
   if (!std::ifstream(file, std::ios::binary)) {
-    return invalid(fmt::format("{}: {}", file.string(), std::strerror(errno)));
+    return import_error(fmt::format("{}: {}", file.string(), std::strerror(errno)));
   }
   return {};
 }
