@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cassert>
-#include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -32,56 +32,31 @@ struct Error {
   std::string reason;   ///< For programs: UPPER_SNAKE_CASE, stable, e.g. "NODE_CYCLE".
 };
 
-/// Either a value or an Error. `value()` on an error is a mistake of ours and asserts.
+/// Either a value or an Error. Asserts that the value of an error is not read.
 template <class T>
 class [[nodiscard]] Result {
  public:
+  Result()
+    requires std::is_same_v<T, std::monostate>
+  = default;
   Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
   Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
 
   bool ok() const { return state_.index() == 0; }
   explicit operator bool() const { return ok(); }
 
-  T& value() & {
-    assert(ok());
-    return std::get<0>(state_);
-  }
-  const T& value() const& {
-    assert(ok());
-    return std::get<0>(state_);
-  }
-  T&& value() && {
-    assert(ok());
-    return std::get<0>(std::move(state_));
-  }
-  const Error& error() const {
-    assert(!ok());
-    return std::get<1>(state_);
-  }
-
-  T* operator->() { return &value(); }
-  const T* operator->() const { return &value(); }
-  T& operator*() & { return value(); }
-  const T& operator*() const& { return value(); }
+  T& operator*() & { return assert(ok()), *std::get_if<0>(&state_); }
+  const T& operator*() const& { return assert(ok()), *std::get_if<0>(&state_); }
+  T&& operator*() && { return assert(ok()), std::move(*std::get_if<0>(&state_)); }
+  T* operator->() { return &**this; }
+  const T* operator->() const { return &**this; }
+  const Error& error() const { return assert(!ok()), *std::get_if<1>(&state_); }
 
  private:
   std::variant<T, Error> state_;
 };
 
-/// An operation that yields nothing but may fail.
-class [[nodiscard]] Status {
- public:
-  Status() = default;
-  Status(Error error) : error_(std::move(error)) {}
-  bool ok() const { return !error_.has_value(); }
-  explicit operator bool() const { return ok(); }
-  const Error& error() const {
-    assert(error_);
-    return *error_;
-  }
-
- private:
-  std::optional<Error> error_;
-};
+/// The result of an operation that returns no value but may fail. Status() is success.
+using Status = Result<std::monostate>;
 
 }  // namespace sightline

@@ -3,8 +3,8 @@
 
 #include <cassert>
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -40,6 +40,9 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
+  Result()
+    requires std::is_same_v<T, std::monostate>
+  = default;
   Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
   Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
 
@@ -57,18 +60,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-/// The result of an operation that returns no value but may fail.
-class [[nodiscard]] Status {
- public:
-  Status() = default;
-  Status(Error error) : error_(std::move(error)) {}
-
-  bool ok() const { return !error_.has_value(); }
-  explicit operator bool() const { return ok(); }
-  const Error& error() const { return assert(error_.has_value()), *error_; }
-
- private:
-  std::optional<Error> error_;
-};
+/// The result of an operation that returns no value but may fail. Status() is success.
+using Status = Result<std::monostate>;
 
 }  // namespace sightline::client

@@ -52,13 +52,13 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
   }
   revision::Draft draft(*base, next_id_);
   for (std::size_t i = 0; i < updates.size(); ++i) {
-    if (Status status = draft.apply(updates[i]); !status) {
+    if (const Status status = draft.apply(updates[i]); !status) {
       Error error = status.error();
       error.message = "update " + std::to_string(i) + ": " + error.message;
       return error;
     }
   }
-  if (Status status = draft.finish(); !status) return status.error();
+  if (const Status status = draft.finish(); !status) return status.error();
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
   next_id_ = draft.next_id();

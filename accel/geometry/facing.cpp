@@ -2,20 +2,11 @@
 // decide.
 #include "accel/geometry/facing.h"
 
-#include <cmath>
-
 #include "accel/geometry/exact_sum.h"
+#include "accel/geometry/intersect.h"
 
 namespace sightline::accel::geometry {
 namespace {
-
-// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2|
-// (maximum norm), and |d| < 2.
-constexpr double kSignError = 0x1p-46;
-
-double max_norm(const Vec3d& v) {
-  return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
-}
 
 int exact_facing(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   ExactSum plus, minus;
@@ -35,6 +26,7 @@ int facing(const LocalRay& ray, const Vec3f& af, const Vec3f& bf, const Vec3f& c
   const Vec3d a(af), b(bf), c(cf);
   const Vec3d e1 = b - a, e2 = c - a;
   const double along = dot(cross(e1, e2), ray.direction);
+  // As in the hit rule: six terms, each at most |d| |e1| |e2|.
   const double bound = kSignError * max_norm(e1) * max_norm(e2);
   if (along > bound) return 1;
   if (along < -bound) return -1;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPerTask = 65536;
 /// Faces in the sample that shows whether the vertices lie where the faces are.
-constexpr std::size_t kSampled = 64;
+constexpr std::size_t kSampledFaces = 64;
 /// The vertices' bounds are used if the sample's bounds have at least this share of their surface.
 constexpr double kShareOfSurface = 0.5;
 
@@ -51,7 +51,7 @@ std::optional<MeshStats> stats_of_arrays(const geometry::MeshView& mesh) {
     return std::nullopt;
   std::optional<geometry::Aabb> bounds = bounds_in_parallel(mesh.vertices);
   if (!bounds) return std::nullopt;
-  const std::size_t stride = std::max<std::size_t>(1, faces / kSampled);
+  const std::size_t stride = std::max<std::size_t>(1, faces / kSampledFaces);
   const geometry::Aabb sampled = bounds_of_faces(mesh, stride);
   if (stride == 1) {
     bounds = sampled;

@@ -12,7 +12,7 @@ namespace {
 /// With fewer runs, the root would open them at once.
 constexpr std::size_t kFewestRuns = 64;
 /// Number of runs in the sample that is measured.
-constexpr std::size_t kSampled = 256;
+constexpr std::size_t kSampledRuns = 256;
 /// Largest mean extent of compact runs, as a share of the mesh's extent. A plane cuts about this
 /// share of the runs.
 constexpr double kCompact = 1.0 / 5;
@@ -41,7 +41,7 @@ bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& boun
   const std::size_t runs = count_runs(mesh);
   if (runs < kFewestRuns) return false;
   const auto axis = static_cast<std::size_t>(split::longest_axis(bounds));
-  const std::size_t stride = std::max<std::size_t>(1, runs / kSampled);
+  const std::size_t stride = std::max<std::size_t>(1, runs / kSampledRuns);
   double sum = 0;
   std::size_t sampled = 0;
   for (std::size_t i = 0; i < runs; i += stride) {

@@ -51,7 +51,7 @@ class Packer {
   std::size_t total_ = 0;
 };
 
-constexpr int kAttempts = 4;
+constexpr int kApplyAttempts = 4;
 
 Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
   grpc::ClientContext context;
@@ -67,7 +67,7 @@ Result<Applied> send_once(const Connection& connection, const v1::ApplyUpdatesRe
 
 // Safe to repeat: every request has an id, and the server applies an id once.
 Result<Applied> send(const Connection& connection, const v1::ApplyUpdatesRequest& request) {
-  Backoff backoff(kAttempts);
+  Backoff backoff(kApplyAttempts);
   while (true) {
     auto applied = send_once(connection, request);
     if (applied || !is_broken_connection(applied.error().code) || !backoff.again()) return applied;

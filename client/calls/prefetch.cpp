@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
 #include "client/wire/cast_codec.h"
@@ -80,9 +82,9 @@ Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::st
     // One call is made even without rays, so that an unknown scene is still an error.
     if (*count == 0 && !first) return report;
     wire::trim<Scalar>(*count, shape, rays);
-    const auto grown = call(connection, request, report, options.stop, progress);
+    auto grown = call(connection, request, report, options.stop, progress);
     if (!grown || *count == 0) return grown;
-    report = *grown;
+    report = *std::move(grown);
   }
 }
 

@@ -13,7 +13,7 @@ namespace sightline::client::calls {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-constexpr int kAttempts = 4;
+constexpr int kUploadAttempts = 4;
 constexpr std::chrono::milliseconds kFirstPause{100};
 
 Result<v1::GetUploadStatusResponse> upload_status(const Connection& connection,
@@ -80,7 +80,7 @@ Status upload_mesh(const Connection& connection, const MeshBlob& mesh, const std
   auto pause = kFirstPause;
   for (int attempt = 1;; ++attempt, pause *= 2) {
     Status uploaded = upload_once(connection, mesh, digest, progress, stop);
-    if (uploaded || attempt == kAttempts || !should_retry(uploaded.error())) return uploaded;
+    if (uploaded || attempt == kUploadAttempts || !should_retry(uploaded.error())) return uploaded;
     std::this_thread::sleep_for(pause);
   }
 }

@@ -12,7 +12,7 @@
 namespace sightline::client::calls {
 namespace {
 
-constexpr int kAttempts = 8;
+constexpr int kWatchAttempts = 8;
 
 // Returns false if a stop was requested meanwhile.
 bool sleep(std::chrono::milliseconds pause, const std::stop_token& stop) {
@@ -33,7 +33,7 @@ class Watch {
   }
 
   Status run() {
-    Backoff backoff(kAttempts);
+    Backoff backoff(kWatchAttempts);
     while (true) {
       const std::uint64_t seen = messages_;
       Status ended = read();

@@ -70,6 +70,11 @@ std::optional<std::string> parse_scene_name(std::string_view text) {
   return std::string(text);
 }
 
+const std::map<std::string, QueryKind> kQueryKinds{{"closest", QueryKind::kClosest},
+                                                   {"any", QueryKind::kAny},
+                                                   {"all", QueryKind::kAll},
+                                                   {"count", QueryKind::kCount}};
+
 void require_verb(CLI::App& app) {
   // App::require_subcommand alone reports its error first and does not name the unknown word.
   app.require_subcommand(0, 1);

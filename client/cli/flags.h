@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "client/cast_options.h"
 #include "client/types.h"
 
 namespace CLI {
@@ -33,6 +35,9 @@ std::optional<PictureSize> parse_size(std::string_view text);
 /// Returns the full name of a scene. A short name SCENE means projects/default/scenes/SCENE; a full
 /// name is returned as it is. Returns nothing for any other text.
 std::optional<std::string> parse_scene_name(std::string_view text);
+
+/// The values of --kind.
+extern const std::map<std::string, QueryKind> kQueryKinds;
 
 /// Makes it a usage error if `app` is called without a verb, or with an unknown one.
 void require_verb(CLI::App& app);

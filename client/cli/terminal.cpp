@@ -42,10 +42,10 @@ std::size_t terminal_width() {
 
 // A part below the whole is never printed as 100 %, and a part above 0 never as 0 %.
 std::string percent(std::uint64_t part, std::uint64_t whole) {
-  const double share = 100 * static_cast<double>(part) / static_cast<double>(whole);
-  if (part < whole && share > 99.9) return "99.9 %";
-  if (part > 0 && share < 0.1) return "below 0.1 %";
-  return fmt::format("{:.{}f} %", share, part == whole || part == 0 ? 0 : 1);
+  const double value = 100 * static_cast<double>(part) / static_cast<double>(whole);
+  if (part < whole && value > 99.9) return "99.9 %";
+  if (part > 0 && value < 0.1) return "below 0.1 %";
+  return fmt::format("{:.{}f} %", value, part == whole || part == 0 ? 0 : 1);
 }
 
 }  // namespace
@@ -149,6 +149,10 @@ std::string format_count(std::uint64_t number) {
     text.insert(position, ",");
   }
   return text;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
 std::string format_share(std::uint64_t part, std::uint64_t whole) {

@@ -84,6 +84,9 @@ class ProgressBar {
 /// Formats 1234567 as "1,234,567".
 std::string format_count(std::uint64_t number);
 
+/// part / whole, or 0 if `whole` is 0.
+double share(std::uint64_t part, std::uint64_t whole);
+
 /// Formats "1,234 of 75,730 (1.6 %)". The percentage is left out if `whole` is 0.
 std::string format_share(std::uint64_t part, std::uint64_t whole);
 

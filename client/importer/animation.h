@@ -1,4 +1,5 @@
-// Animations of a scene file as plain data: key frames of nodes, skins, and shapes to blend.
+// Animations of a scene file as plain data: key frames and their values in between, skins, and
+// shapes to blend.
 #pragma once
 
 #include <array>
@@ -35,6 +36,12 @@ struct Track {
   Beyond before = Beyond::kHold;
   Beyond after = Beyond::kHold;
 };
+
+/// Interpolates linearly between keys, and rotations by slerp along the shorter arc. A weight that
+/// only one of two keys has counts as 0 in the other. Value is Point, Quaternion or
+/// std::vector<double>.
+template <class Value>
+Value sample(const Track<Value>& track, double seconds);
 
 /// A node's transform: scaling, then rotation, then translation.
 struct NodeChannel {

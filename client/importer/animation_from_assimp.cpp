@@ -18,8 +18,6 @@ namespace {
 
 constexpr double kUsualTicksPerSecond = 25;  // Assimp's convention if the file states no rate
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 // Assimp's default is the node's own transform. glTF and Collada, which keep that default, both
 // hold the nearest key.
 Beyond beyond(aiAnimBehaviour behaviour) {
@@ -56,7 +54,7 @@ Status check(const Track<Value>& track, const std::string& node) {
       before = key.seconds;
       continue;
     }
-    return invalid(fmt::format(
+    return import_error(fmt::format(
         "node '{}': key {} of its animation, at {} s, is not finite or not in order of time", node,
         i, key.seconds));
   }
@@ -98,7 +96,7 @@ class AnimationReader {
     if (const Status read = read_deformations(source, rate, animation); !read) return read.error();
     const double seconds = source.mDuration / rate;
     if (!std::isfinite(seconds)) {
-      return invalid(fmt::format("animation '{}' lasts {} s", animation.name, seconds));
+      return import_error(fmt::format("animation '{}' lasts {} s", animation.name, seconds));
     }
     animation.seconds = std::max(animation.seconds, seconds);
     return animation;

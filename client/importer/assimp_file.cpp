@@ -30,14 +30,13 @@ class ProgressAdapter final : public Assimp::ProgressHandler {
   double reached_ = 0;
 };
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 Status check_polygon(const aiMesh& mesh, unsigned index) {
   const aiFace& face = mesh.mFaces[index];
   for (unsigned k = 0; k < face.mNumIndices; ++k) {
     if (face.mIndices[k] < mesh.mNumVertices) continue;
-    return invalid(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
-                               mesh.mName.C_Str(), index, face.mIndices[k], mesh.mNumVertices));
+    return import_error(fmt::format("mesh '{}': polygon {} names vertex {}, but there are {}",
+                                    mesh.mName.C_Str(), index, face.mIndices[k],
+                                    mesh.mNumVertices));
   }
   return {};
 }
@@ -72,15 +71,15 @@ Result<AssimpFile> AssimpFile::read(const std::filesystem::path& file,
   const aiScene* scene = importer->ReadFile(file.string(), 0);
   if (scene != nullptr) {
     const Status good = settle_polygons(const_cast<aiScene&>(*scene));
-    if (!good) return invalid(fmt::format("{}: {}", file.string(), good.error().message));
+    if (!good) return import_error(fmt::format("{}: {}", file.string(), good.error().message));
     scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
   }
   if (scene == nullptr) {
-    return invalid(fmt::format("{}: {}", file.string(), importer->GetErrorString()));
+    return import_error(fmt::format("{}: {}", file.string(), importer->GetErrorString()));
   }
   if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene->mRootNode == nullptr) {
     const std::string said = importer->GetErrorString();
-    return invalid(
+    return import_error(
         fmt::format("{}: {}", file.string(), said.empty() ? "holds no complete scene" : said));
   }
   return AssimpFile(std::move(importer));

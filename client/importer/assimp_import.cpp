@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -11,24 +12,25 @@
 #include <string_view>
 #include <utility>
 
+#include "client/importer/animation_from_assimp.h"
 #include "client/importer/assimp_file.h"
-#include "client/importer/convert.h"
+#include "client/importer/frame.h"
 #include "client/importer/lattice.h"
 #include "client/importer/preflight.h"
+#include "client/importer/scene_from_assimp.h"
 
 namespace sightline::client::importer {
 namespace {
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 Error in_file(const std::filesystem::path& file, const Error& error) {
-  return invalid(fmt::format("{}: {}", file.string(), error.message));
+  return import_error(fmt::format("{}: {}", file.string(), error.message));
 }
 
 Status check(const std::filesystem::path& file, const ImportOptions& options) {
   if (options.meters_per_unit &&
       !(*options.meters_per_unit > 0 && std::isfinite(*options.meters_per_unit))) {
-    return invalid(fmt::format("meters per unit is {}, must be above 0", *options.meters_per_unit));
+    return import_error(
+        fmt::format("meters per unit is {}, must be above 0", *options.meters_per_unit));
   }
   return check_readable(file);
 }
@@ -48,8 +50,32 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
     if (!scene) return in_file(file, scene.error());
     return scene;
   } catch (const std::exception& e) {
-    return invalid(fmt::format("{}: {}", file.string(), e.what()));
+    return import_error(fmt::format("{}: {}", file.string(), e.what()));
   }
+}
+
+// The result is in the frame that the file states.
+Result<ConvertedScene> convert(const aiScene& source, std::string_view importer_name) {
+  auto converted = scene_from_assimp(source);
+  if (!converted) return converted;
+  const Frame frame = frame_of(source, importer_name);
+  converted->scene.up_axis = frame.up_axis;
+  converted->scene.meters_per_unit = frame.meters_per_unit;
+  return converted;
+}
+
+Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
+  const double unit = scene.meters_per_unit;
+  convert_frame(scene, options.up_axis, options.meters_per_unit);
+  for (const ImportedNode& node : scene.nodes) {
+    const auto& rows = node.parent_from_local;
+    if (std::all_of(rows.begin(), rows.end(), [](double x) { return std::isfinite(x); })) continue;
+    return import_error(
+        fmt::format("node '{}': its transform is not finite once it is brought from {} m a "
+                    "unit to {} m",
+                    node.name, unit, scene.meters_per_unit));
+  }
+  return {};
 }
 
 }  // namespace
@@ -58,10 +84,10 @@ Result<Scene> read(const std::filesystem::path& file, const ImportOptions& optio
 Status check_readable(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
-    return invalid(fmt::format("{}: is a directory", file.string()));
+    return import_error(fmt::format("{}: is a directory", file.string()));
   }
   if (!std::ifstream(file, std::ios::binary)) {
-    return invalid(fmt::format("{}: {}", file.string(), std::strerror(errno)));
+    return import_error(fmt::format("{}: {}", file.string(), std::strerror(errno)));
   }
   return {};
 }
@@ -83,6 +109,27 @@ Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
                                             const ImportOptions& options,
                                             const ImportProgress& progress) {
   return read(file, options, progress, convert_animated_scene);
+}
+
+Result<ImportedScene> convert_scene(const aiScene& source, std::string_view importer_name,
+                                    const ImportOptions& options) {
+  auto converted = convert(source, importer_name);
+  if (!converted) return converted.error();
+  if (const Status good = put_into_frame(converted->scene, options); !good) return good.error();
+  return std::move(converted->scene);
+}
+
+Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
+                                             const ImportOptions& options) {
+  auto converted = convert(source, importer_name);
+  if (!converted) return converted.error();
+  auto animated = animation_from_assimp(source, *std::move(converted));
+  if (!animated) return animated;
+  animated->rig.scene_from_file =
+      frame_conversion(animated->scene, options.up_axis, options.meters_per_unit);
+  if (const Status good = put_into_frame(animated->scene, options); !good) return good.error();
+  animated->rig.offset = rebase(animated->scene);
+  return animated;
 }
 
 }  // namespace sightline::client::importer

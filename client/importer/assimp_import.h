@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "client/importer/animation.h"
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
+
+struct aiScene;
 
 namespace sightline::client::importer {
 
@@ -33,5 +36,15 @@ Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
 Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
                                        const ImportOptions& options = {},
                                        const ImportProgress& progress = {});
+
+/// The conversion step of import_unrebased, for a scene read by Assimp's importer of this name.
+/// Errors: those of scene_from_assimp; a transform that is not finite after scaling.
+Result<ImportedScene> convert_scene(const aiScene& source, std::string_view importer_name,
+                                    const ImportOptions& options);
+
+/// The conversion step of import_animated_scene. Errors: as above, and those of
+/// animation_from_assimp.
+Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
+                                             const ImportOptions& options);
 
 }  // namespace sightline::client::importer

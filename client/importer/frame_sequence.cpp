@@ -16,8 +16,6 @@
 namespace sightline::client::importer {
 namespace {
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Removes the digits at the front of `text`, and returns them without leading zeros.
@@ -122,10 +120,11 @@ Result<ImportedScene> read_frame(const std::string& file, const ImportOptions& o
   auto frame = import_unrebased(file, options);
   if (!frame) return frame.error();
   if (const auto different = difference(first, *frame)) {
-    return invalid(fmt::format("{}: not the topology of {}: {}", file, first_file, *different));
+    return import_error(
+        fmt::format("{}: not the topology of {}: {}", file, first_file, *different));
   }
   if (!shift(*frame, offset)) {
-    return invalid(fmt::format(
+    return import_error(fmt::format(
         "{}: lies too far from where {} lies to be held exactly on its lattice", file, first_file));
   }
   for (ImportedMesh& mesh : frame->meshes) mesh.faces = {};
@@ -137,7 +136,7 @@ Result<ImportedScene> read_frame(const std::string& file, const ImportOptions& o
 Result<std::vector<std::string>> frame_files(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::directory_iterator entry(folder, error);
-  if (error) return invalid(fmt::format("{}: {}", folder.string(), error.message()));
+  if (error) return import_error(fmt::format("{}: {}", folder.string(), error.message()));
   const Assimp::Importer importer;
   std::vector<std::string> files;
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
@@ -147,8 +146,8 @@ Result<std::vector<std::string>> frame_files(const std::filesystem::path& folder
                           importer.IsExtensionSupported(path.extension().string());
     if (is_scene && entry->is_regular_file(ignored)) files.push_back(path.string());
   }
-  if (error) return invalid(fmt::format("{}: {}", folder.string(), error.message()));
-  if (files.empty()) return invalid(fmt::format("{}: holds no scene file", folder.string()));
+  if (error) return import_error(fmt::format("{}: {}", folder.string(), error.message()));
+  if (files.empty()) return import_error(fmt::format("{}: holds no scene file", folder.string()));
   std::sort(files.begin(), files.end(), comes_before);
   return files;
 }

@@ -9,8 +9,10 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "client/result.h"
 #include "client/types.h"
 
 namespace sightline::client::importer {
@@ -52,6 +54,11 @@ struct ImportOptions {
   /// the unit is only recorded.
   std::optional<double> meters_per_unit;
 };
+
+/// The error of a file that cannot be imported.
+inline Error import_error(std::string message) {
+  return {Code::kInvalidArgument, std::move(message), {}};
+}
 
 /// Called with the share of the file that is read, 0 to 1, on the importing thread.
 using ImportProgress = std::function<void(double fraction)>;

@@ -5,7 +5,6 @@
 #include <cstddef>
 
 #include "client/importer/affine.h"
-#include "client/importer/key_frames.h"
 
 namespace sightline::client::importer {
 namespace {

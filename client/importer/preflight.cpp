@@ -13,8 +13,9 @@
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+#include "client/importer/imported_scene.h"
 
 namespace sightline::client::importer {
 namespace {
@@ -106,8 +107,6 @@ class Nodes {
 constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20;
 constexpr std::size_t kGlbHeader = 12, kGlbChunkHeader = 8;
 
-Error damaged(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 std::string read(std::ifstream& in, std::size_t bytes) {
   std::string text(bytes, '\0');
   in.read(text.data(), static_cast<std::streamsize>(bytes));
@@ -144,10 +143,11 @@ std::uint64_t announced(std::istringstream header) {
 Status check_ply(std::ifstream& in, std::uint64_t size) {
   const std::string text = read(in, kLongestPlyHeader);
   if (!has_end_of_header(text))
-    return damaged(fmt::format("a PLY file without end_header in its first {} bytes", text.size()));
+    return import_error(
+        fmt::format("a PLY file without end_header in its first {} bytes", text.size()));
   const std::uint64_t elements = announced(std::istringstream(text));
   if (elements <= size) return {};
-  return damaged(
+  return import_error(
       fmt::format("the PLY header announces {} elements, the file has {} bytes", elements, size));
 }
 
@@ -167,7 +167,7 @@ Status check_glb(std::ifstream& in, std::uint64_t size) {
     const bool is_first = at == kGlbHeader;
     at += kGlbChunkHeader;
     if (length > size - at) {
-      return damaged(
+      return import_error(
           fmt::format("a chunk of {} bytes is said to begin at byte {} of {}", length, at, size));
     }
     if (is_first) {
@@ -182,7 +182,7 @@ Status check_glb(std::ifstream& in, std::uint64_t size) {
 
 Status check_gltf_nodes(std::string_view text) {
   if (depth_of_brackets(text) > kDeepestJson)
-    return damaged(fmt::format("JSON with more than {} brackets in brackets", kDeepestJson));
+    return import_error(fmt::format("JSON with more than {} brackets in brackets", kDeepestJson));
   const json file = json::parse(text, nullptr, false);
   if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_array()) return {};
   Nodes nodes(file["nodes"]);
@@ -190,11 +190,11 @@ Status check_gltf_nodes(std::string_view text) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Below& below = nodes.below(i);
     if (below.depth > kDeepestNode) {
-      return damaged(fmt::format("below node {} others follow {} deep, the limit is {}", i,
-                                 below.depth, kDeepestNode));
+      return import_error(fmt::format("below node {} others follow {} deep, the limit is {}", i,
+                                      below.depth, kDeepestNode));
     }
     if (below.nodes > most) {
-      return damaged(
+      return import_error(
           fmt::format("node {} stands for {} nodes, as many have more than one parent; "
                       "the limit is {}",
                       i, below.nodes, most));

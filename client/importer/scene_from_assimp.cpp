@@ -56,8 +56,6 @@ std::string utf8_from_latin1(std::string_view s) {
   return out;
 }
 
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
-
 // A face with one or two corners is a point or a line. Assimp leaves a polygon whole if it cannot
 // cut it.
 void add_face(const aiFace& face, ImportedMesh& mesh) {
@@ -74,7 +72,7 @@ Result<ImportedMesh> convert(const aiMesh& source) {
   ImportedMesh mesh;
   mesh.name = node_name(source.mName.C_Str());
   if (source.mNumVertices > 0 && !source.HasPositions()) {
-    return invalid(
+    return import_error(
         fmt::format("mesh '{}' has {} vertices and no positions", mesh.name, source.mNumVertices));
   }
   mesh.vertices.reserve(source.mNumVertices);
@@ -87,8 +85,8 @@ Result<ImportedMesh> convert(const aiMesh& source) {
     add_face(source.mFaces[i], mesh);
     for (const std::uint32_t index : mesh.faces.back()) {
       if (index < source.mNumVertices || source.mFaces[i].mNumIndices != 3) continue;
-      return invalid(fmt::format("mesh '{}': face {} names vertex {}, but there are {}", mesh.name,
-                                 i, index, source.mNumVertices));
+      return import_error(fmt::format("mesh '{}': face {} names vertex {}, but there are {}",
+                                      mesh.name, i, index, source.mNumVertices));
     }
   }
   return mesh;
@@ -153,7 +151,7 @@ Result<Transform> transform_from_assimp(const aiMatrix4x4& m, const std::string&
     for (unsigned c = 0; c < 4; ++c) {
       const auto x = static_cast<double>(m[r][c]);
       if (!std::isfinite(x)) {
-        return invalid(
+        return import_error(
             fmt::format("node '{}': its transform holds {} in row {}, column {}", node, x, r, c));
       }
       rows[r * std::size_t{4} + c] = x;
@@ -174,8 +172,8 @@ Result<ConvertedScene> scene_from_assimp(const aiScene& source) {
   if (const Status status = add_nodes(*source.mRootNode, out); !status) return status.error();
   for (const ImportedNode& node : scene.nodes) {
     if (node.mesh == kNone || node.mesh < scene.meshes.size()) continue;
-    return invalid(fmt::format("node '{}' names mesh {}, but there are {}", node.name, node.mesh,
-                               scene.meshes.size()));
+    return import_error(fmt::format("node '{}' names mesh {}, but there are {}", node.name,
+                                    node.mesh, scene.meshes.size()));
   }
   return out;
 }

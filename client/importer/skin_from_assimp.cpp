@@ -5,14 +5,11 @@
 
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 #include "client/importer/scene_from_assimp.h"
 
 namespace sightline::client::importer {
 namespace {
-
-Error invalid(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
 Status check(const aiMesh& mesh, const aiBone& bone) {
   for (unsigned i = 0; i < bone.mNumWeights; ++i) {
@@ -20,9 +17,9 @@ Status check(const aiMesh& mesh, const aiBone& bone) {
     if (weight.mVertexId < mesh.mNumVertices && std::isfinite(weight.mWeight) &&
         weight.mWeight >= 0)
       continue;
-    return invalid(fmt::format("mesh '{}': bone '{}' has weight {} for vertex {} of {}",
-                               mesh.mName.C_Str(), bone.mName.C_Str(), weight.mWeight,
-                               weight.mVertexId, mesh.mNumVertices));
+    return import_error(fmt::format("mesh '{}': bone '{}' has weight {} for vertex {} of {}",
+                                    mesh.mName.C_Str(), bone.mName.C_Str(), weight.mWeight,
+                                    weight.mVertexId, mesh.mNumVertices));
   }
   return {};
 }
@@ -61,8 +58,8 @@ Result<Skin> skin_from_assimp(const aiMesh& mesh, const NodesByName& nodes) {
     const aiBone& bone = *mesh.mBones[b];
     const auto node = nodes.find(bone.mName.C_Str());
     if (node == nodes.end()) {
-      return invalid(fmt::format("mesh '{}': its bone '{}' is no node of the file",
-                                 mesh.mName.C_Str(), bone.mName.C_Str()));
+      return import_error(fmt::format("mesh '{}': its bone '{}' is no node of the file",
+                                      mesh.mName.C_Str(), bone.mName.C_Str()));
     }
     const auto offset = transform_from_assimp(bone.mOffsetMatrix, bone.mName.C_Str());
     if (!offset) return offset.error();
@@ -80,8 +77,9 @@ Result<Shapes> shapes_from_assimp(const aiMesh& mesh) {
     auto& shape = shapes.emplace_back(mesh.mNumVertices);
     if (target.mVertices == nullptr) continue;
     if (target.mNumVertices != mesh.mNumVertices) {
-      return invalid(fmt::format("mesh '{}': shape {} has {} vertices, the mesh {}",
-                                 mesh.mName.C_Str(), s, target.mNumVertices, mesh.mNumVertices));
+      return import_error(fmt::format("mesh '{}': shape {} has {} vertices, the mesh {}",
+                                      mesh.mName.C_Str(), s, target.mNumVertices,
+                                      mesh.mNumVertices));
     }
     // Targets that Assimp calls relative are offsets already.
     const bool is_relative = mesh.mMethod == aiMorphingMethod_MORPH_RELATIVE;

@@ -12,34 +12,6 @@
 namespace sightline::client::wire {
 namespace {
 
-v1::Culling encode(Culling culling) {
-  switch (culling) {
-    case Culling::kNone:
-      return v1::CULLING_NONE;
-    case Culling::kBack:
-      return v1::CULLING_BACK;
-    case Culling::kFront:
-      return v1::CULLING_FRONT;
-  }
-  return v1::CULLING_UNSPECIFIED;
-}
-
-v1::BuildMode encode(BuildMode build) {
-  switch (build) {
-    case BuildMode::kServerPolicy:
-      return v1::BUILD_MODE_UNSPECIFIED;
-    case BuildMode::kLazy:
-      return v1::BUILD_MODE_LAZY;
-    case BuildMode::kFull:
-      return v1::BUILD_MODE_FULL;
-    case BuildMode::kNone:
-      return v1::BUILD_MODE_NONE;
-    case BuildMode::kBuiltOnly:
-      return v1::BUILD_MODE_BUILT_ONLY;
-  }
-  return v1::BUILD_MODE_UNSPECIFIED;
-}
-
 template <class T>
 std::span<T> resize(std::size_t rows, std::size_t width, std::string& column) {
   column.resize(rows * width * sizeof(T));
@@ -102,6 +74,34 @@ v1::QueryKind encode(QueryKind kind) {
       return v1::QUERY_KIND_ALL;
   }
   return v1::QUERY_KIND_UNSPECIFIED;
+}
+
+v1::Culling encode(Culling culling) {
+  switch (culling) {
+    case Culling::kNone:
+      return v1::CULLING_NONE;
+    case Culling::kBack:
+      return v1::CULLING_BACK;
+    case Culling::kFront:
+      return v1::CULLING_FRONT;
+  }
+  return v1::CULLING_UNSPECIFIED;
+}
+
+v1::BuildMode encode(BuildMode build) {
+  switch (build) {
+    case BuildMode::kServerPolicy:
+      return v1::BUILD_MODE_UNSPECIFIED;
+    case BuildMode::kLazy:
+      return v1::BUILD_MODE_LAZY;
+    case BuildMode::kFull:
+      return v1::BUILD_MODE_FULL;
+    case BuildMode::kNone:
+      return v1::BUILD_MODE_NONE;
+    case BuildMode::kBuiltOnly:
+      return v1::BUILD_MODE_BUILT_ONLY;
+  }
+  return v1::BUILD_MODE_UNSPECIFIED;
 }
 
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,

@@ -13,6 +13,8 @@ namespace sightline::client::wire {
 namespace v1 = ::sightline::v1;
 
 v1::QueryKind encode(QueryKind kind);
+v1::BuildMode encode(BuildMode build);
+v1::Culling encode(Culling culling);
 
 /// Writes the options of the cast to the request.
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,

@@ -62,7 +62,6 @@ PACKAGES = """
 tbb             accel scenegraph server
 oneapi          accel scenegraph server
 hwy             accel
-tl              accel scenegraph server client
 fmt             server client
 spdlog          server
 grpc            server client/*.cpp client/calls client/wire

@@ -27,7 +27,7 @@ void ServedScene::serve(const std::string& file) {
   config.listen = "127.0.0.1:0";
   auto started = server::Server::start(config);
   ASSERT_TRUE(started.ok()) << started.error().message;
-  server_ = std::move(started).value();
+  server_ = *std::move(started);
   auto connected = client::Client::connect("127.0.0.1:" + std::to_string(server_->port()));
   ASSERT_TRUE(connected.ok()) << connected.error().message;
   client_.emplace(std::move(*connected));

@@ -24,7 +24,7 @@ float middle(const geometry::Aabb& box, std::size_t axis) {
 }
 
 /// Half area; 0 for a box that no plane divides.
-double size_of(const geometry::Aabb& box) {
+double box_size(const geometry::Aabb& box) {
   const auto axis = static_cast<std::size_t>(split::longest_axis(box));
   // At least a few floats wide: widen_flat could widen smaller halves back to the whole.
   const float least = geometry::least_above(
@@ -73,7 +73,7 @@ std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
   const EarlySplit split(mesh, refs);
   split_largest_first(
       pieces, least, rule.most_pieces(refs.size()),
-      [](const BoxPiece& piece) { return size_of(piece.box); },
+      [](const BoxPiece& piece) { return box_size(piece.box); },
       [&](const BoxPiece& piece) {
         counters.touches_prepare += 2;
         return split(piece);

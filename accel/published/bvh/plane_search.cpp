@@ -13,8 +13,6 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-constexpr std::size_t kAxes = 3;
-
 /// The planes between bins of equal width; a few may coincide where floats are too coarse.
 class Grid {
  public:
@@ -125,9 +123,9 @@ class PlaneSearch {
     const auto along = [&](std::size_t axis) {
       return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
     };
-    std::array<ChoppedAxis, kAxes> bins{along(0), along(1), along(2)};
+    std::array<ChoppedAxis, 3> bins{along(0), along(1), along(2)};
     passes.fill(bins);
-    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       sides_[axis] = bins[axis].sides({}, {});
       offer_all(bins[axis], axis, sides_[axis]);
       if (grid_.stride() < 2) continue;
@@ -176,8 +174,8 @@ class PlaneSearch {
   Grid grid_;
   std::size_t size_;
   SpatialSplit best_;
-  std::array<ChoppedAxis::Sides, kAxes> sides_;
-  std::array<Interval, kAxes * ChoppedAxis::kMostBins> intervals_;
+  std::array<ChoppedAxis::Sides, 3> sides_;
+  std::array<Interval, 3 * ChoppedAxis::kMostBins> intervals_;
   std::size_t open_ = 0;  ///< Number of intervals left.
 };
 

@@ -25,7 +25,7 @@ float middle(float a, float b) {
   return static_cast<float>(0.5 * static_cast<double>(a) + 0.5 * static_cast<double>(b));
 }
 
-bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
+bool lies_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return x > cell.lo[axis] && x < cell.hi[axis];
 }
 
@@ -80,7 +80,7 @@ std::optional<kdtree::Split> SpatialMedianBuilder::choose(const kdtree::CellRefs
   for (std::size_t turn = 0; turn < 3; ++turn) {
     const std::size_t a = (static_cast<std::size_t>(list.path.depth) + turn) % 3;
     const bool separates = sides[a].left < refs.size() || sides[a].right < refs.size();
-    if (separates && is_inside(cell, a, x[a])) return cut_at(a, x[a]);
+    if (separates && lies_inside(cell, a, x[a])) return cut_at(a, x[a]);
   }
   return std::nullopt;
 }
@@ -93,7 +93,7 @@ std::optional<kdtree::Split> ObjectMedianBuilder::choose(const kdtree::CellRefs&
   for (const std::size_t axis : longest_first(cell)) {
     const float x = median_centre(refs, cell, axis);
     counters.touches += 3 * refs.size();
-    if (!is_inside(cell, axis, x)) continue;
+    if (!lies_inside(cell, axis, x)) continue;
     Sides sides;
     for (const kdtree::Reference& ref : refs) sides.add(ref, axis, x);
     counters.touches += refs.size();

@@ -6,12 +6,12 @@ namespace sightline::accel::published::kd {
 namespace {
 
 /// Weight below, in, and above a plane; a straddler counts below and above.
-struct Sides {
+struct SideWeights {
   std::uint32_t left = 0, planar = 0, right = 0;
 };
 
-Sides classify(std::span<const kdtree::Reference> refs, std::size_t axis, float x) {
-  Sides sides;
+SideWeights classify(std::span<const kdtree::Reference> refs, std::size_t axis, float x) {
+  SideWeights sides;
   for (const kdtree::Reference& ref : refs) {
     if (is_planar(ref, axis)) {
       (ref.lo[axis] < x ? sides.left : ref.lo[axis] > x ? sides.right : sides.planar) += ref.weight;
@@ -25,7 +25,7 @@ Sides classify(std::span<const kdtree::Reference> refs, std::size_t axis, float 
 
 void offer(std::span<const kdtree::Reference> refs, const AxisCuts& cuts, std::size_t axis, float x,
            Candidate& best, kdtree::BuildCounters& counters) {
-  const Sides n = classify(refs, axis, x);
+  const SideWeights n = classify(refs, axis, x);
   counters.touches += refs.size();
   const auto offer_side = [&](bool planar_left, std::uint32_t left, std::uint32_t right) {
     if (!cuts.leads_somewhere(x, planar_left, left, right)) return;

@@ -56,7 +56,7 @@ Error CsvRays::error(std::string_view what) const {
 // Moves to the next line that is not empty and not a comment.
 Result<bool> CsvRays::next_content(std::string_view& line) {
   while (true) {
-    const auto more = input_.next_line(line);
+    auto more = input_.next_line(line);
     if (!more || !*more) return more;
     ++line_number_;
     if (line_number_ == 1 && line.starts_with(kByteOrderMark))
@@ -139,7 +139,7 @@ Result<bool> CsvRays::next(RayRow& row) {
   const std::string first = std::exchange(first_, {});
   std::string_view line = first;
   if (line.empty()) {
-    const auto more = next_content(line);
+    auto more = next_content(line);
     if (!more || !*more) return more;
   }
   if (const Status read = read_values(line, row); !read) return read.error();

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 18;
 
-Error system_error(const std::string& name) {
+Error input_error(const std::string& name) {
   return local_error(fmt::format("{}: {}", name, std::strerror(errno)));
 }
 
@@ -29,7 +29,7 @@ Error system_error(const std::string& name) {
 Result<Input> Input::open(const std::string& path, std::stop_token stop) {
   if (path == "-") return Input("standard input", STDIN_FILENO, std::move(stop));
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return system_error(path);
+  if (file < 0) return input_error(path);
   Input input(path, file, std::move(stop));
   struct stat status {};
   if (::fstat(file, &status) == 0 && S_ISDIR(status.st_mode)) {
@@ -86,7 +86,7 @@ Result<bool> Input::read_more() {
     count = ::read(file_, buffer_.data() + had, buffer_.size() - had);
   } while (count < 0 && errno == EINTR);
   buffer_.resize(had + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-  if (count < 0) return system_error(name_);
+  if (count < 0) return input_error(name_);
   ended_ = count == 0;
   return !ended_;
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr mode_t kMode = 0666;  // the umask is subtracted
 
-Error system_error(const std::string& path) {
+Error output_error(const std::string& path) {
   return local_error(
       fmt::format("{}: {}", path == "-" ? "standard output" : path, std::strerror(errno)));
 }
@@ -36,7 +36,7 @@ Result<Output> Output::open(const std::string& path) {
   const int file = is_special
                        ? ::open(path.c_str(), O_WRONLY | O_CLOEXEC)
                        : ::open(written.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
-  if (file < 0) return system_error(path);
+  if (file < 0) return output_error(path);
   return Output(ignored ? path : target, std::move(written), file);
 }
 
@@ -54,7 +54,7 @@ Status Output::write(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return system_error(path_);
+    if (count < 0) return output_error(path_);
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   return {};
@@ -65,7 +65,7 @@ Status Output::write_at_start(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(file_, bytes.data(), bytes.size(), at);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return system_error(path_);
+    if (count < 0) return output_error(path_);
     bytes.remove_prefix(static_cast<std::size_t>(count));
     at += count;
   }
@@ -73,9 +73,9 @@ Status Output::write_at_start(std::string_view bytes) {
 }
 
 Status Output::commit() {
-  if (file_ > STDERR_FILENO && ::close(std::exchange(file_, -1)) != 0) return system_error(path_);
+  if (file_ > STDERR_FILENO && ::close(std::exchange(file_, -1)) != 0) return output_error(path_);
   if (written_.empty()) return {};
-  if (::rename(written_.c_str(), path_.c_str()) != 0) return system_error(path_);
+  if (::rename(written_.c_str(), path_.c_str()) != 0) return output_error(path_);
   written_.clear();
   return {};
 }

@@ -37,10 +37,6 @@ struct CastArguments {
   Consistency consistency;
 };
 
-const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
-                                              {"any", QueryKind::kAny},
-                                              {"all", QueryKind::kAll},
-                                              {"count", QueryKind::kCount}};
 const std::map<std::string, BuildMode> kBuilds{
     {"lazy", BuildMode::kLazy}, {"full", BuildMode::kFull}, {"none", BuildMode::kNone}};
 const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
@@ -49,7 +45,7 @@ const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
 // The columns to write. Checks the arguments against each other. Throws a CLI11 error, which is a
 // usage error.
 std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
-  const QueryKind kind = kKinds.at(arguments.kind);
+  const QueryKind kind = kQueryKinds.at(arguments.kind);
   if (arguments.max_hits > 0 && kind != QueryKind::kAll)
     throw CLI::ValidationError("--max-hits", "only --kind all has it");
   if (arguments.fields.empty()) return files::standard_columns(kind);
@@ -62,7 +58,7 @@ std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
 
 CastOptions options_of(const CastArguments& arguments, const std::stop_token& stop) {
   CastOptions options{.consistency = arguments.consistency, .stop = stop};
-  options.kind = kKinds.at(arguments.kind);
+  options.kind = kQueryKinds.at(arguments.kind);
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
   options.root = arguments.under;
@@ -71,7 +67,7 @@ CastOptions options_of(const CastArguments& arguments, const std::stop_token& st
   return options;
 }
 
-struct Outcome {
+struct CastOutcome {
   CastReport cast;
   double seconds = 0;
   float float_reach = 0;  // the largest coordinate of the origins, if the file has float32
@@ -84,9 +80,9 @@ void add(const PrefetchReport& built, CastReport& cast) {
   cast.trace_us += built.elapsed_us;
 }
 
-Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
-                          const std::vector<files::HitColumn>& columns,
-                          const std::stop_token& stop) {
+Result<CastOutcome> cast_file(const Client& client, const CastArguments& arguments,
+                              const std::vector<files::HitColumn>& columns,
+                              const std::stop_token& stop) {
   auto rays = files::open_rays(arguments.in, stop);
   if (!rays) return rays.error();
   float reach = 0;
@@ -124,14 +120,14 @@ Result<Outcome> cast_file(const Client& client, const CastArguments& arguments,
   add(built, *report);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   if (const Status wrote = hits->commit(); !wrote) return wrote.error();
-  return Outcome{*report, seconds.count(), reach};
+  return CastOutcome{*report, seconds.count(), reach};
 }
 
-double rays_per_second(const Outcome& outcome) {
+double rays_per_second(const CastOutcome& outcome) {
   return outcome.seconds > 0 ? static_cast<double>(outcome.cast.rays) / outcome.seconds : 0;
 }
 
-Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
+Json json_of(const CastOutcome& outcome, QueryKind kind, const SceneStats& stats) {
   const CastReport& cast = outcome.cast;
   Json json{{"rays", cast.rays},
             {"hits", cast.hits},
@@ -154,7 +150,8 @@ Json json_of(const Outcome& outcome, QueryKind kind, const SceneStats& stats) {
   return json;
 }
 
-void print_summary(std::FILE* to, const Outcome& outcome, const std::optional<SceneStats>& stats) {
+void print_summary(std::FILE* to, const CastOutcome& outcome,
+                   const std::optional<SceneStats>& stats) {
   const CastReport& cast = outcome.cast;
   fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
              format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid),
@@ -204,11 +201,12 @@ ExitCode run(const Session& session, const CastArguments& arguments) {
     return kOk;
   }
   if (!stats) return fail(stats.error());
-  print_json(json_of(*outcome, kKinds.at(arguments.kind), *stats));
+  print_json(json_of(*outcome, kQueryKinds.at(arguments.kind), *stats));
   return kOk;
 }
 
-constexpr const char* kFooter = R"(Rays are ox oy oz dx dy dz, and tmin tmax if each has its own:
+constexpr const char* kCastFooter =
+    R"(Rays are ox oy oz dx dy dz, and tmin tmax if each has its own:
   .npy   (n, 6) or (n, 8), float32 or float64
   CSV    a line a ray, with or without a line of names first
   -      standard input, either of the two
@@ -267,7 +265,7 @@ void add_cast_verb(CLI::App& program, Session& session) {
           "--kind", arguments->kind,
           "The nearest hit, whether there is one, every hit, or how many there are (default "
           "closest)")
-      ->check(CLI::IsMember(kKinds).description(""))
+      ->check(CLI::IsMember(kQueryKinds).description(""))
       ->type_name("closest|any|all|count");
   verb.add_option("--fields", arguments->fields,
                   "Columns to write, parted by commas, always in the order below (default: all but "
@@ -280,7 +278,7 @@ void add_cast_verb(CLI::App& program, Session& session) {
       ->type_name("lazy|full|none");
   add_filters(verb, *arguments);
   add_consistency_flags(verb, arguments->consistency);
-  verb.footer(kFooter);
+  verb.footer(kCastFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 

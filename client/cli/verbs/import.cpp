@@ -140,7 +140,7 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   return kOk;
 }
 
-constexpr const char* kFooter =
+constexpr const char* kImportFooter =
     R"(Everything is read and checked before anything is sent. Polygons are cut into triangles; nothing else is changed,
 merged or repaired. Lines and points keep their number and are never hit. A node with several meshes gets a child for
 each, NAME#0, NAME#1, ... Textures are not read.
@@ -172,7 +172,7 @@ void add_import_verb(CLI::App& group, Session& session) {
                   "How the nodes are expected to change (default static)")
       ->check(CLI::IsMember(kMobilities).description(""))
       ->type_name("static|rigid|deforming");
-  verb.footer(kFooter);
+  verb.footer(kImportFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 

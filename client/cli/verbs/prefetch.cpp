@@ -28,13 +28,8 @@ struct PrefetchArguments {
   std::string kind;
 };
 
-const std::map<std::string, QueryKind> kKinds{{"closest", QueryKind::kClosest},
-                                              {"any", QueryKind::kAny},
-                                              {"all", QueryKind::kAll},
-                                              {"count", QueryKind::kCount}};
-
 /// What was built until the end, or until the interruption.
-struct Outcome {
+struct PrefetchOutcome {
   PrefetchReport report;
   std::optional<SceneStats> stats;  // nothing if the server did not answer
   bool complete = true;
@@ -47,7 +42,7 @@ PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_t
   if (!arguments.rays.empty() && arguments.under.size() > 1)
     throw CLI::ValidationError("--under", "with --rays it takes one node");
   PrefetchOptions options{.roots = arguments.under, .exclude = arguments.exclude, .stop = stop};
-  if (!arguments.kind.empty()) options.kind = kKinds.at(arguments.kind);
+  if (!arguments.kind.empty()) options.kind = kQueryKinds.at(arguments.kind);
   return options;
 }
 
@@ -82,7 +77,7 @@ std::optional<SceneStats> ask_stats(const Session& session, const std::string& s
   return stats ? std::optional(*stats) : std::nullopt;
 }
 
-Json json_of(const std::string& scene, const Outcome& outcome) {
+Json json_of(const std::string& scene, const PrefetchOutcome& outcome) {
   const PrefetchReport& report = outcome.report;
   Json json{{"scene", scene},
             {"revision", report.revision},
@@ -102,7 +97,7 @@ Json json_of(const std::string& scene, const Outcome& outcome) {
   return json;
 }
 
-void print_table(std::FILE* to, const std::string& scene, const Outcome& outcome) {
+void print_table(std::FILE* to, const std::string& scene, const PrefetchOutcome& outcome) {
   const PrefetchReport& report = outcome.report;
   fmt::print(to, "{} at revision {}: {} in {:.2f} s\n", scene, report.revision,
              outcome.complete ? "built" : "interrupted, and what is built stays,", outcome.seconds);
@@ -121,7 +116,7 @@ ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   const PrefetchOptions options = options_of(arguments, interrupt.token());
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  Outcome outcome;
+  PrefetchOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   const auto built = build(*client, arguments, options, outcome.report);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -140,7 +135,7 @@ ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   return kOk;
 }
 
-constexpr const char* kFooter =
+constexpr const char* kPrefetchFooter =
     R"(Without this, trees grow where rays enter, and those rays pay for it. What is built stays, also after
 Ctrl-C, which ends with exit code 130. Queries go on meanwhile.
 
@@ -148,10 +143,6 @@ Examples:
   sightline prefetch engine
   sightline prefetch hall --under 12 40 --exclude 41
   sightline prefetch engine --rays rays.npy --json)";
-
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
 
 std::string of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? format_count(part) : format_count(part) + " of " + format_count(whole);
@@ -176,9 +167,9 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   verb.add_option("--kind", arguments->kind,
                   "What the rays will be cast for: all and count build all that is on their way "
                   "(default closest)")
-      ->check(CLI::IsMember(kKinds).description(""))
+      ->check(CLI::IsMember(kQueryKinds).description(""))
       ->type_name("closest|any|all|count");
-  verb.footer(kFooter);
+  verb.footer(kPrefetchFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 

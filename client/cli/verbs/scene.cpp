@@ -1,10 +1,8 @@
-// sightline scene ls, show, nodes and rm; sightline stats; sightline watch.
+// sightline scene ls, show, nodes and rm; sightline stats.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "client/cli/files/update_json.h"
@@ -153,10 +151,6 @@ CLI::App& add_verb_of_one_scene(CLI::App& group, const std::string& name, const 
   return verb;
 }
 
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 Json json_of(const std::string& scene, const SceneStats& stats) {
   return {{"scene", scene},
           {"revision", stats.revision},
@@ -202,47 +196,6 @@ ExitCode show_stats(const Session& session, const std::string& scene) {
   return kOk;
 }
 
-struct WatchArguments {
-  std::string scene;
-  std::optional<std::uint64_t> from;
-  std::uint64_t count = 0;
-  bool positions = false;
-};
-
-// Returns false if the reader of stdout is gone.
-bool print_line(const SceneChange& change, bool positions) {
-  Json updates = Json::array();
-  for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));
-  const Json line{
-      {"revision", change.revision}, {"token", change.token}, {"updates", std::move(updates)}};
-  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
-         std::fflush(stdout) == 0;
-}
-
-ExitCode watch(const Session& session, const WatchArguments& arguments) {
-  const auto client = session.connect();
-  if (!client) return fail(client.error());
-  const Interrupt interrupt;
-  std::uint64_t seen = 0;
-  const SceneChangeSink sink = [&](const SceneChange& change) {
-    if (change.is_progress) return true;
-    return print_line(change, arguments.positions) && ++seen != arguments.count;
-  };
-  const Status watched = client->watch(arguments.scene, arguments.from, sink, interrupt.token());
-  if (interrupt.happened()) return say_interrupted();
-  return watched ? kOk : fail(watched.error());
-}
-
-constexpr const char* kWatchFooter =
-    R"(A line is {"revision": N, "token": ..., "updates": [...]}, with updates as `sightline update` takes them; of patched
-vertices only the number, unless --positions asks for them. Goes on until Ctrl-C, which ends with exit code 130, and
-through broken connections. A revision that is no longer kept is an error: begin anew, from what `scene show` says.
-
-Examples:
-  sightline watch hall
-  sightline watch hall --from 0 --count 10 | jq -c .updates[])";
-
 }  // namespace
 
 void add_scene_verbs(CLI::App& program, Session& session) {
@@ -283,21 +236,6 @@ void add_stats_verb(CLI::App& program, Session& session) {
       "  sightline stats engine\n"
       "  sightline stats engine --json | jq .triangles_built");
   verb.callback([&session, scene] { session.exit = show_stats(session, *scene); });
-}
-
-void add_watch_verb(CLI::App& program, Session& session) {
-  CLI::App& verb = *program.add_subcommand("watch", "Follow what happens to a scene");
-  const auto arguments = std::make_shared<WatchArguments>();
-  add_scene_argument(verb, arguments->scene);
-  verb.add_option("--from", arguments->from,
-                  "Tell of all revisions after this one (default: after the current one)")
-      ->type_name("N");
-  verb.add_option("--count", arguments->count, "End after so many revisions")
-      ->check(CLI::PositiveNumber.description(""))
-      ->type_name("N");
-  verb.add_flag("--positions", arguments->positions, "Print the vertices that are patched");
-  verb.footer(kWatchFooter);
-  verb.callback([&session, arguments] { session.exit = watch(session, *arguments); });
 }
 
 }  // namespace sightline::client::cli::verbs

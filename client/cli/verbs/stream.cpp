@@ -171,7 +171,7 @@ ExitCode run(const Session& session, StreamArguments& arguments) {
   return report(session, arguments, *motion, *target, *played, !interrupt.happened());
 }
 
-constexpr const char* kFooter =
+constexpr const char* kStreamFooter =
     R"(FILE is glTF or Collada with an animation of nodes, skins or shapes; a folder is a sequence of meshes with one
 topology, a file a frame, in the order of their names. A scene that is not there is imported first. One that is there
 must have been imported from that very FILE (of a folder, from its first file), or holds it since an earlier --add:
@@ -249,7 +249,7 @@ void add_stream_verb(CLI::App& program, Session& session) {
           },
           ""))
       ->type_name("NAME");
-  verb.footer(kFooter);
+  verb.footer(kStreamFooter);
   verb.callback([&session, arguments] {
     arguments->motion.fps = arguments->playback.fps;
     session.exit = run(session, *arguments);

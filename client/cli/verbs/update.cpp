@@ -84,7 +84,7 @@ ExitCode run(const Session& session, const UpdateArguments& arguments) {
   return kOk;
 }
 
-constexpr const char* kFooter =
+constexpr const char* kUpdateFooter =
     R"(A line is a JSON object of one key, and what it takes is what the messages of the API take:
   {"put_node": {"node": -1, "parent": 0, "name": "box", "transform": [12 numbers], "mesh_digest": "sha256:...",
                 "mobility": "static|rigid|deforming", "mask": 4294967295}}
@@ -121,7 +121,7 @@ void add_update_verb(CLI::App& program, Session& session) {
       ->type_name("ID");
   verb.add_flag("--in-parts", arguments->in_parts,
                 "More than one message holds: several batches, each a revision");
-  verb.footer(kFooter);
+  verb.footer(kUpdateFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });
 }
 

@@ -50,7 +50,7 @@ class BuilderStudy {
     ChartMeasured warm;  // The first run warms caches, the allocator and threads; it is not timed.
     auto reference = built_tree(scene, accel::published::default_builder(), warm);
     if (!reference.ok()) return reference.error();
-    study.reference_ = std::move(reference).value();
+    study.reference_ = *std::move(reference);
     for (std::size_t k = 0; k < kChartRays.size(); ++k) {
       const RayOptions kind{std::string(kChartRays[k]), rays};
       if (auto made = study.add_view(k, kind, seed); !made.ok()) return made.error();
@@ -70,7 +70,7 @@ class BuilderStudy {
     auto rays = make_rays(*scene_, kind, seed);
     if (!rays.ok()) return rays.error();
     View& view = views_[k];
-    view.rays = std::move(rays).value();
+    view.rays = *std::move(rays);
     const auto check = AnswerCheck::make(*scene_, view.rays, scenegraph::QueryKind::kClosest);
     if (!check.ok()) return check.error();
     view.hits.resize(view.rays.size());
@@ -86,7 +86,7 @@ class BuilderStudy {
     if (!snapshot) {
       auto built = built_tree(*scene_, *contender.contender.ours(), measured);
       if (!built.ok()) return built.error();
-      snapshot = std::move(built).value();
+      snapshot = *std::move(built);
       if (contender.configuration.built_once) kept = snapshot;
     }
     for (std::size_t k = 0; k < views_.size(); ++k) {
@@ -116,7 +116,7 @@ class BuilderStudy {
     if (first) {
       auto made = EmbreePeer::make(*scene_, *contender.contender.embree(), threads);
       if (!made.ok()) return made.error();
-      peer = std::move(made).value();
+      peer = *std::move(made);
       if (auto warm = peer->build(); !warm.ok()) return warm.error();
     }
     const auto built = peer->build();

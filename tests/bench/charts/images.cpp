@@ -133,7 +133,7 @@ class Gallery {
     if (first) {
       auto made = EmbreePeer::make(scene_, *way.contender.embree(), threads_);
       if (!made.ok()) return made.error();
-      way.peer = std::move(made).value();
+      way.peer = *std::move(made);
       if (auto warm = way.peer->build(); !warm.ok()) return warm.error();
     }
     const auto built = way.peer->build();

@@ -67,7 +67,7 @@ Result<std::vector<ChartScene>> load_chart_scenes(const std::vector<std::string>
   if (files.empty()) {
     auto usual = usual_scenes();
     if (!usual.ok()) return usual.error();
-    files = std::move(usual).value();
+    files = *std::move(usual);
   }
   if (auto good = check_names(files); !good.ok()) return good.error();
   std::vector<ChartScene> scenes;
@@ -83,7 +83,7 @@ Result<std::vector<ChartScene>> load_chart_scenes(const std::vector<std::string>
     const auto taken = [&](const ChartScene& other) { return other.name == name; };
     if (std::any_of(scenes.begin(), scenes.end(), taken)) name = file;
     SceneSource mesh = merged(*scene);
-    scenes.push_back({std::move(name), std::move(scene).value(), std::move(mesh)});
+    scenes.push_back({std::move(name), *std::move(scene), std::move(mesh)});
   }
   return scenes;
 }

@@ -24,7 +24,7 @@ class EmbreePeerTest : public testing::Test {
 
 // Three instances of a sphere, one of them mirrored and scaled, and a separate sphere.
 SceneSource family() {
-  SceneSource scene = load_scene("gen:icosphere?level=3").value();
+  SceneSource scene = *load_scene("gen:icosphere?level=3");
   const SourceMesh sphere = scene.meshes.front();
   SceneSource family;
   const std::size_t shared = family.add_mesh(sphere), own = family.add_mesh(sphere);
@@ -44,8 +44,8 @@ struct Answers {
 
 Answers answers(const SceneSource& scene, RayKind kind, bool any) {
   Answers ours;
-  ours.snapshot = assemble(scene, {}).value();
-  ours.rays = make_rays(scene, kind, 2000, 7).value();
+  ours.snapshot = *assemble(scene, {});
+  ours.rays = *make_rays(scene, kind, 2000, 7);
   ours.hits.resize(ours.rays.size());
   const auto query = any ? scenegraph::QueryKind::kAny : scenegraph::QueryKind::kClosest;
   EXPECT_TRUE(scenegraph::trace(*ours.snapshot, ours.rays, ours.hits, {.kind = query}).ok());
@@ -149,7 +149,7 @@ TEST_F(EmbreePeerTest, LazyObjectsAreBuiltOnceByManyThreads) {
 }
 
 TEST_F(EmbreePeerTest, SkipsFacesThatAreNoTriangles) {
-  SceneSource scene = load_scene("gen:icosphere?level=2").value();
+  SceneSource scene = *load_scene("gen:icosphere?level=2");
   scene.meshes.front().faces.push_back(
       {accel::geometry::kNoVertex, accel::geometry::kNoVertex, accel::geometry::kNoVertex});
   const Answers ours = answers(scene, RayKind::kRandom, false);

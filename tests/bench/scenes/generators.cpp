@@ -91,7 +91,7 @@ const std::vector<Generator>& all_generators() {
        [](const Values& v, const SceneLoader& load) -> Made {
          auto scene = load(v.mesh);
          if (!scene.ok()) return scene.error();
-         return make_shuffled(std::move(scene).value(), v.count("seed"));
+         return make_shuffled(*std::move(scene), v.count("seed"));
        }},
       {"box",
        {},
@@ -99,7 +99,7 @@ const std::vector<Generator>& all_generators() {
        [](const Values& v, const SceneLoader& load) -> Made {
          auto scene = load(v.mesh);
          if (!scene.ok()) return scene.error();
-         return make_boxed(std::move(scene).value());
+         return make_boxed(*std::move(scene));
        }},
       {"swarm",
        {triangles_key(50'000)},

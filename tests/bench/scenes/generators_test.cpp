@@ -26,7 +26,7 @@ Result<SceneSource> nested(const std::string& scene) {
 SceneSource make(std::string_view spec) {
   auto scene = generate(spec, nested);
   EXPECT_TRUE(scene.ok()) << scene.error().message;
-  return std::move(scene).value();
+  return *std::move(scene);
 }
 
 std::string complaint(std::string_view spec) {

@@ -98,7 +98,7 @@ Result<Motion> Motion::swarm(const std::string& generator) {
   auto parts = load_scene(generator);
   if (!parts.ok()) return parts.error();
   Motion motion;
-  motion.parts_ = std::move(parts).value();
+  motion.parts_ = *std::move(parts);
   motion.frames_ = kSwarmFrames;
   for (SourceNode& node : motion.parts_.nodes) {
     if (node.parent || !node.mesh) {

@@ -41,7 +41,7 @@ class ScratchTracer {
   static Result<ScratchTracer> make(const SceneSource& scene) {
     auto snapshot = assemble(scene, accel::published::default_builder());
     if (!snapshot.ok()) return snapshot.error();
-    return ScratchTracer(std::move(snapshot).value());
+    return ScratchTracer(*std::move(snapshot));
   }
 
   Result<std::vector<Hit>> trace(const std::vector<Ray>& rays) const {

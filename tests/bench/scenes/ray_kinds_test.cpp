@@ -25,9 +25,9 @@ constexpr const char* kNames[] = {"overview", "closeup", "diffuse", "shadow", "r
 class RayKinds : public testing::Test {
  protected:
   std::vector<Ray> rays(const char* kind, std::size_t count, std::uint64_t seed = 1) const {
-    auto made = make_rays(city_, parse_ray_kind(kind).value(), count, seed);
+    auto made = make_rays(city_, *parse_ray_kind(kind), count, seed);
     EXPECT_TRUE(made.ok()) << made.error().message;
-    return std::move(made).value();
+    return *std::move(made);
   }
 
   std::vector<Hit> trace(const std::vector<Ray>& rays) const {

@@ -131,7 +131,7 @@ Status fill(scenegraph::Scene& empty, SceneSource scene,
     auto made = scenegraph::model::Mesh::make(std::move(mesh.vertices), std::move(mesh.faces),
                                               builder, references);
     if (!made.ok()) return made.error();
-    meshes.push_back(std::move(made).value());
+    meshes.push_back(*std::move(made));
   }
   const auto alias = [](std::size_t node) {
     return -static_cast<scenegraph::model::NodeRef>(node) - 1;

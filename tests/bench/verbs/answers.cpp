@@ -156,7 +156,7 @@ class Run {
       if (ways.front().growth == Growth::kFull) {
         auto built = begin(work_, ways.front(), common_);
         if (!built.ok()) return built.error();
-        full = std::move(built).value();
+        full = *std::move(built);
       }
       for (const Way& way : ways) {
         auto hashes = answer_all(work_, way, common_, full);

@@ -32,7 +32,7 @@ class Sample {
     if (!rays.ok()) return rays.error();
     auto check = AnswerCheck::make(scene, *rays, scenegraph::QueryKind::kClosest);
     if (!check.ok()) return check.error();
-    return Sample(std::move(rays).value(), std::move(check).value());
+    return Sample(*std::move(rays), *std::move(check));
   }
 
   Status check(const scenegraph::revision::Snapshot& snapshot) const {

@@ -95,7 +95,7 @@ Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(
     auto peer = EmbreePeer::make(scene, *contender.embree(), threads);
     if (!peer.ok()) return peer.error();
     if (auto warm = (*peer)->build(); !warm.ok()) return warm.error();
-    peers.back() = std::move(peer).value();
+    peers.back() = *std::move(peer);
   }
   return peers;
 }

@@ -132,7 +132,7 @@ Result<StagedScene> stage(const std::string& static_scene, const Motion& motion)
   if (static_scene.empty()) return StagedScene::make(motion);
   auto source = load_scene(static_scene);
   if (!source.ok()) return source.error();
-  return StagedScene::make(std::move(source).value(), motion);
+  return StagedScene::make(*std::move(source), motion);
 }
 
 Result<std::vector<Peer>> open_peers(const DynamicOptions& options, const StagedScene& staged,
@@ -151,7 +151,7 @@ Result<std::vector<Peer>> open_peers(const DynamicOptions& options, const Staged
     if (!embree.ok()) return embree.error();
     if (Status chosen = (*embree)->choose(view.rays); !chosen.ok()) return chosen.error();
     peers.push_back(
-        {refit ? "embree_refit" : "embree_low", std::move(embree).value(), {}, {}, {}, {}});
+        {refit ? "embree_refit" : "embree_low", *std::move(embree), {}, {}, {}, {}});
   }
   return peers;
 }
@@ -177,18 +177,18 @@ Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicO
   Show show{*motion, *staged, *view, common.threads, {}, {}, {}, {}};
   auto live = LiveStage::make(*staged, *builder);
   if (!live.ok()) return live.error();
-  show.ours.stage = std::move(live).value();
+  show.ours.stage = *std::move(live);
   if (!options.small_static_scene.empty()) {
     const auto small = stage(options.small_static_scene, *motion);
     if (!small.ok()) return small.error();
     auto small_live = LiveStage::make(*small, *builder);
     if (!small_live.ok()) return small_live.error();
-    show.small.stage = std::move(small_live).value();
+    show.small.stage = *std::move(small_live);
   }
   if (staged->static_nodes > 0) {
     auto assembled = assemble(staged->only_static(), *builder);
     if (!assembled.ok()) return assembled.error();
-    show.static_part.snapshot = std::move(assembled).value();
+    show.static_part.snapshot = *std::move(assembled);
     Seen warm;
     scenegraph::TraceStats unused;
     const auto looked = look(*show.static_part.snapshot, *view, warm, unused);
@@ -196,7 +196,7 @@ Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicO
   }
   auto peers = open_peers(options, *staged, *motion, *view, common.threads);
   if (!peers.ok()) return peers.error();
-  show.peers = std::move(peers).value();
+  show.peers = *std::move(peers);
   return play_all(common, options, show);
 }
 

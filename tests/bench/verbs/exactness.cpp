@@ -128,7 +128,7 @@ Result<std::vector<Row>> run_exactness(const CommonOptions& common,
   for (const std::string& kind : options.kinds) {
     auto row = measure(common, options, *scene, kind);
     if (!row.ok()) return row.error();
-    rows.push_back(std::move(row).value());
+    rows.push_back(*std::move(row));
   }
   return rows;
 }

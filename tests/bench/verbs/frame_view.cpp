@@ -40,7 +40,7 @@ Result<FrameView> FrameView::make(const StagedScene& scene, const Motion& motion
   const SceneSource& seen = options.view == "frames" ? motion.parts() : scene.source;
   auto rays = make_rays(seen, options.rays, seed);
   if (!rays.ok()) return rays.error();
-  FrameView view{std::move(rays).value(), options.shadow, {}};
+  FrameView view{*std::move(rays), options.shadow, {}};
   if (view.shadow) {
     const SceneGeometry geometry(seen);
     view.light = geometry.center();

@@ -19,7 +19,7 @@ using accel::geometry::Vec3d;
 using scenegraph::QueryKind;
 
 std::vector<Ray> some_rays(const SceneSource& scene, RayKind kind) {
-  return make_rays(scene, kind, 700, 1).value();
+  return *make_rays(scene, kind, 700, 1);
 }
 
 std::vector<std::uint32_t> product_counts(const scenegraph::revision::Snapshot& snapshot,
@@ -35,7 +35,7 @@ TEST(KernelWalk, TheExactTestGivesTheProductsAnswers) {
   for (const SceneSource& scene : {make_city(600, 1), make_icosphere(3, 1e5)}) {
     for (const RayKind kind : {RayKind::kRandom, RayKind::kAimed}) {
       const std::vector<Ray> rays = some_rays(scene, kind);
-      const auto snapshot = assemble(scene, {}).value();
+      const auto snapshot = *assemble(scene, {});
       ASSERT_TRUE(scenegraph::build_all(*snapshot).ok());
       std::vector<Hit> product(rays.size()), bench(rays.size());
       ASSERT_TRUE(scenegraph::trace(*snapshot, rays, product, {}).ok());
@@ -53,7 +53,7 @@ TEST(KernelWalk, TheExactTestGivesTheProductsAnswers) {
 TEST(KernelWalk, ScansCellsThatAreNotBuilt) {
   const SceneSource scene = make_city(300, 1);
   const std::vector<Ray> rays = some_rays(scene, RayKind::kRandom);
-  const auto untouched = assemble(scene, {}).value(), full = assemble(scene, {}).value();
+  const auto untouched = *assemble(scene, {}), full = *assemble(scene, {});
   std::vector<std::uint32_t> counts(rays.size());
   count_crossings(untouched->trees().static_tree, TriangleTest::kExact, rays, counts);
   EXPECT_EQ(counts, product_counts(*full, rays));
@@ -63,7 +63,7 @@ TEST(KernelWalk, ScansCellsThatAreNotBuilt) {
 TEST(KernelWalk, PlainFloatAgreesAwayFromEdges) {
   const SceneSource scene = make_icosphere(2, 0);
   const std::vector<Ray> rays = some_rays(scene, RayKind::kRandom);
-  const auto snapshot = assemble(scene, {}).value();
+  const auto snapshot = *assemble(scene, {});
   ASSERT_TRUE(scenegraph::build_all(*snapshot).ok());
   std::vector<Hit> exact(rays.size()), plain(rays.size());
   trace_closest(snapshot->trees().static_tree, TriangleTest::kExact, rays, exact);

@@ -172,11 +172,11 @@ Result<std::vector<Row>> law_of_terrain(const Task& task) {
     const Ground ground{common.scene, *scene};
     auto measured = measure_points(task, ground);
     if (!measured.ok()) return measured.error();
-    append(points, std::move(measured).value());
+    append(points, *std::move(measured));
     if (power < most) continue;
     auto scattered = measure_scattered(task, ground);
     if (!scattered.ok()) return scattered.error();
-    append(sparse, std::move(scattered).value());
+    append(sparse, *std::move(scattered));
   }
   std::vector<Row> fits;
   for (const Hierarchy& hierarchy : task.hierarchies) {
@@ -227,7 +227,7 @@ Result<std::vector<Row>> law_of_scene(const Task& task) {
   compare_with_soup(*points);
   auto scattered = measure_scattered(task, ground);
   if (!scattered.ok()) return scattered.error();
-  append(*points, std::move(scattered).value());
+  append(*points, *std::move(scattered));
   return points;
 }
 

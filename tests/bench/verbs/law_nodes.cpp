@@ -40,7 +40,7 @@ Result<World> make_world(std::uint64_t houses, const accel::published::AnyBuilde
   world.triangles = source.unique_triangles();
   auto snapshot = assemble(std::move(source), builder, references);
   if (!snapshot.ok()) return snapshot.error();
-  world.snapshot = std::move(snapshot).value();
+  world.snapshot = *std::move(snapshot);
   return world;
 }
 
@@ -83,7 +83,7 @@ Result<Timed> measure(std::uint64_t houses, const Ray& ray, const std::vector<Ra
     timed.world = {};
     auto world = make_world(houses, builder, references);
     if (!world.ok()) return world.error();
-    timed.world = std::move(world).value();
+    timed.world = *std::move(world);
     std::array<Hit, 1> hit;
     if (cold) empty_caches();
 

@@ -44,7 +44,7 @@ class Grower {
   static Result<Grower> make(const LawTrees& trees) {
     auto snapshot = assemble(*trees.scene, trees.builder, trees.references);
     if (!snapshot.ok()) return snapshot.error();
-    return Grower(std::move(snapshot).value());
+    return Grower(*std::move(snapshot));
   }
 
   template <class MakeRay>

@@ -80,7 +80,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   mode.stats = stats;
   mode.summary = scenegraph::revision::summarize_build(**snapshot);
   mode.hash = hit_hash(run.hits, scenegraph::QueryKind::kClosest);
-  run.snapshot = std::move(snapshot).value();
+  run.snapshot = *std::move(snapshot);
   return run;
 }
 
@@ -111,7 +111,7 @@ Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names,
       auto peer = embree ? EmbreePeer::make(scene, *embree, threads)
                          : EmbreePeer::make_lazy(scene, threads);
       if (!peer.ok()) return peer.error();
-      mode.embree = std::move(peer).value();
+      mode.embree = *std::move(peer);
     } else if (name == "full") {
       mode.growth = scenegraph::Growth::kFull;
     } else if (name != "lazy") {

@@ -60,7 +60,7 @@ Result<Methods> make_methods(const SceneSource& scene, const std::vector<NamedBu
   Methods methods;
   const auto add = [&](auto method) -> Status {
     if (!method.ok()) return method.error();
-    methods.push_back(std::move(method).value());
+    methods.push_back(*std::move(method));
     return {};
   };
   for (const auto& [name, builder] : builders) {
@@ -141,7 +141,7 @@ Result<Truth> make_truth(const RobustFamily& family, std::vector<Ray> rays) {
   } else {
     auto bounds = bounds_by_counting(family.scene, *snapshot, truth.rays);
     if (!bounds.ok()) return bounds.error();
-    truth.bounds = std::move(bounds).value();
+    truth.bounds = *std::move(bounds);
   }
   const auto sample = std::span<const Ray>(truth.rays).first(std::min(kSample, truth.rays.size()));
   truth.references = tests::BruteForce(*snapshot).trace(sample);

@@ -161,7 +161,7 @@ Result<std::vector<RobustFamily>> make_robust_families(const std::string& name, 
   if (kBoxed.starts_with(name) && !file.empty()) {
     auto scene = load_scene(file);
     if (!scene.ok()) return scene.error();
-    families.push_back({std::string(kBoxed), make_boxed(std::move(scene).value())});
+    families.push_back({std::string(kBoxed), make_boxed(*std::move(scene))});
   } else if (name.empty()) {
     fmt::print(stderr,
                "sightline-bench: no rows for {}: give --scene FILE, or set SIGHTLINE_SCENES to a "

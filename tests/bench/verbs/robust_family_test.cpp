@@ -18,15 +18,12 @@ using accel::geometry::Vec3d;
 
 RobustFamily sphere(double offset) {
   return {"sphere",
-          make_robust_families(offset == 0 ? "icosphere-0" : "icosphere-1e7", 3, "")
-              .value()
-              .front()
-              .scene,
+          make_robust_families(offset == 0 ? "icosphere-0" : "icosphere-1e7", 3, "")->front().scene,
           true};
 }
 
 RobustFamily boxed() {
-  return std::move(make_robust_families("mesh-in-box", 3, "gen:icosphere?level=2").value().front());
+  return std::move(make_robust_families("mesh-in-box", 3, "gen:icosphere?level=2")->front());
 }
 
 TEST(RobustFamily, IsFoundByAPrefixOfItsName) {
@@ -112,7 +109,7 @@ TEST(RobustMethod, ExactAnswersAreCorrect) {
     const RobustFamily family = sphere(offset);
     const SphereTruth truth(family.scene);
     const auto full =
-        make_exact_full(family.scene, "scan-fast", accel::published::default_builder()).value();
+        *make_exact_full(family.scene, "scan-fast", accel::published::default_builder());
     const auto lazy =
         make_exact_lazy(family.scene, "scan-fast", accel::published::default_builder());
     EXPECT_EQ(full->policy(), "full");

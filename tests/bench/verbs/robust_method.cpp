@@ -79,7 +79,7 @@ class ExactLazy final : public Exact {
   Status begin() {
     auto snapshot = assemble(scene_, made_by_);
     if (!snapshot.ok()) return snapshot.error();
-    replace(std::move(snapshot).value());
+    replace(*std::move(snapshot));
     return {};
   }
 
@@ -174,8 +174,7 @@ Result<std::unique_ptr<RobustMethod>> make_exact_full(const SceneSource& scene,
                                                       const AnyBuilder& builder) {
   auto snapshot = built(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
-  return std::unique_ptr<RobustMethod>(
-      std::make_unique<Exact>(std::move(snapshot).value(), builder_name));
+  return std::unique_ptr<RobustMethod>(std::make_unique<Exact>(*std::move(snapshot), builder_name));
 }
 
 std::unique_ptr<RobustMethod> make_exact_lazy(const SceneSource& scene,
@@ -189,8 +188,7 @@ Result<std::unique_ptr<RobustMethod>> make_plain_float(const SceneSource& scene,
                                                        const AnyBuilder& builder) {
   auto snapshot = built(in_float_world(scene), builder);
   if (!snapshot.ok()) return snapshot.error();
-  return std::unique_ptr<RobustMethod>(
-      std::make_unique<Plain>(std::move(snapshot).value(), builder_name));
+  return std::unique_ptr<RobustMethod>(std::make_unique<Plain>(*std::move(snapshot), builder_name));
 }
 
 Result<std::unique_ptr<RobustMethod>> make_embree(const SceneSource& scene, bool robust,
@@ -202,7 +200,7 @@ Result<std::unique_ptr<RobustMethod>> make_embree(const SceneSource& scene, bool
     auto peer = EmbreePeer::make(scene, settings, threads);
     if (!peer.ok()) return peer.error();
     if (auto done = (*peer)->build(); !done.ok()) return done.error();
-    peers[filtered ? 1 : 0] = std::move(peer).value();
+    peers[filtered ? 1 : 0] = *std::move(peer);
   }
   return std::unique_ptr<RobustMethod>(
       std::make_unique<Embree>(std::move(peers[0]), std::move(peers[1]), robust));

@@ -63,7 +63,7 @@ Made build_full(const SceneSource& scene, const accel::published::AnyBuilder& bu
     if (!stats.ok()) return stats.error();
     ms.push_back(clock.seconds() * 1e3);
     built.touches = stats->touches;
-    last = std::move(snapshot).value();
+    last = *std::move(snapshot);
   }
   built.ms = median(ms);
   built.metrics = measure_meshes(*last);
@@ -205,7 +205,7 @@ Status examine_mesh(const CommonOptions& common, const StabilityOptions& options
     if (!families.contains(size)) {
       auto made = StabilityFamily::make(mesh, size, options.rays, common.seed);
       if (!made.ok()) return made.error();
-      families.emplace(size, std::move(made).value());
+      families.emplace(size, *std::move(made));
     }
     StabilityFamily& family = families.at(size);
     const auto unit = compact.of(named, size, common.repeat);

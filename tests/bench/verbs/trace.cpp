@@ -36,8 +36,7 @@ struct Reference {
 Result<Reference> make_reference(const Task& task) {
   auto snapshot = assemble(task.scene, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
-  Reference reference{std::move(snapshot).value(),
-                      std::vector<accel::geometry::Hit>(task.rays.size())};
+  Reference reference{*std::move(snapshot), std::vector<accel::geometry::Hit>(task.rays.size())};
   auto traced = scenegraph::trace(*reference.snapshot, task.rays, reference.hits,
                                   {.kind = task.kind, .surface = false});
   if (!traced.ok()) return traced.error();

@@ -140,13 +140,13 @@ Result<std::vector<Row>> run_two_trees(const CommonOptions& common,
   if (!scene.ok()) return scene.error();
   auto rays = make_rays(*scene, options.rays, common.seed);
   if (!rays.ok()) return rays.error();
-  const FrameView view{std::move(rays).value(), false, {}};
+  const FrameView view{*std::move(rays), false, {}};
 
   std::vector<Held> held;
   for (const Variant& variant : kVariants) {
     auto snapshot = assemble(with_parts(*scene, variant, options.parts, common.seed), *builder);
     if (!snapshot.ok()) return snapshot.error();
-    held.push_back({std::move(snapshot).value(), {}, {}, {}});
+    held.push_back({*std::move(snapshot), {}, {}, {}});
     if (*policy == scenegraph::Growth::kFull) {
       if (const auto built = scenegraph::build_all(*held.back().snapshot); !built.ok())
         return built.error();

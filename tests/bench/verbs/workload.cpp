@@ -77,7 +77,7 @@ Result<AnswerCheck> AnswerCheck::make(const SceneSource& scene,
                                       scenegraph::QueryKind kind) {
   auto snapshot = assemble(scene, {});
   if (!snapshot.ok()) return snapshot.error();
-  AnswerCheck check{tests::BruteForce(std::move(snapshot).value())};
+  AnswerCheck check{tests::BruteForce(*std::move(snapshot))};
   const std::size_t count = std::min(kSampleRays, rays.size());
   for (std::size_t i = 0; i < count; ++i) {
     check.sample_.push_back(i * rays.size() / count);

@@ -29,6 +29,8 @@ TEST(Amounts, DigitsAreGroupedInThrees) {
 }
 
 TEST(Amounts, SharesAreZeroOrHundredPercentOnlyIfExact) {
+  EXPECT_EQ(share(3, 4), 0.75);
+  EXPECT_EQ(share(3, 0), 0);
   EXPECT_EQ(format_share(0, 0), "0 of 0");
   EXPECT_EQ(format_share(0, 5000), "0 of 5,000 (0 %)");
   EXPECT_EQ(format_share(1, 75730), "1 of 75,730 (below 0.1 %)");

@@ -1,5 +1,5 @@
 // Tracks between their keys and outside them.
-#include "client/importer/key_frames.h"
+#include "client/importer/animation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Finds the two keys around a time, and interpolates between them.
-#include "client/importer/key_frames.h"
+#include "client/importer/animation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // Assimp scenes that no valid file produces.
-#include "client/importer/convert.h"
+#include "client/importer/assimp_import.h"
 
+#include <assimp/scene.h>
 #include <gtest/gtest.h>
 
 #include <limits>
