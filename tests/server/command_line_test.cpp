@@ -24,7 +24,7 @@ TEST(CommandLine, HasTheDocumentedDefaults) {
   EXPECT_FALSE(config.insecure);
 }
 
-TEST(CommandLine, TakesEveryFlag) {
+TEST(CommandLine, AcceptsEveryFlag) {
   const auto line = parse({"--listen",          "127.0.0.1:0", "--port-file",        "p",
                            "--data-dir",        "d",           "--threads",          "3",
                            "--policy",          "full",        "--memory-budget",    "1000000",
@@ -67,7 +67,7 @@ TEST(CommandLine, AnyMistakeIsAUsageError) {
   }
 }
 
-TEST(CommandLine, HelpAndVersionEndWell) {
+TEST(CommandLine, HelpAndVersionExitWithZero) {
   EXPECT_EQ(std::get<int>(parse({"--help"})), 0);
   EXPECT_EQ(std::get<int>(parse({"--version"})), 0);
 }

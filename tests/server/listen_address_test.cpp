@@ -17,14 +17,14 @@ TEST(ListenAddress, Parses) {
   EXPECT_EQ(v6->text(), "[::1]:0");
 }
 
-TEST(ListenAddress, RefusesOthers) {
+TEST(ListenAddress, RefusesOtherForms) {
   for (const char* text : {"", "localhost", "50151", ":50151", "h:", "h:-1", "h:65536", "h:1x",
                            "::1:5", "[::1]", "[]:1"}) {
     EXPECT_FALSE(ListenAddress::parse(text)) << text;
   }
 }
 
-TEST(ListenAddress, KnowsLoopback) {
+TEST(ListenAddress, RecognizesLoopback) {
   for (const char* text : {"127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "localhost:1"}) {
     EXPECT_TRUE(ListenAddress::parse(text)->is_loopback()) << text;
   }

@@ -1,4 +1,4 @@
-// The names of blobs.
+// Digests of blobs.
 #include "server/blobs/blob_digest.h"
 
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 namespace sightline::server::blobs {
 namespace {
 
-// The sum of "abc" as FIPS 180-2 gives it.
+// The digest of "abc" from FIPS 180-2.
 const std::string kAbc =
     "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad/3";
 
-TEST(BlobDigest, NamesBytes) { EXPECT_EQ(tests::digest_of("abc").text(), kAbc); }
+TEST(BlobDigest, IsTheSha256OfTheBytes) { EXPECT_EQ(tests::digest_of("abc").text(), kAbc); }
 
 TEST(BlobDigest, ParsesWhatItWrites) {
   const auto parsed = BlobDigest::parse(kAbc);

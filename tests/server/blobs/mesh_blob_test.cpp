@@ -1,4 +1,4 @@
-// Mesh blobs, whole and in pieces, right and wrong.
+// Mesh blobs, whole and in pieces, valid and invalid.
 #include "server/blobs/mesh_blob.h"
 
 #include <gtest/gtest.h>
@@ -49,26 +49,26 @@ void expect_bad(const std::string& blob) {
   EXPECT_EQ(mesh.error().code, Code::kInvalidArgument) << mesh.error().message;
 }
 
-TEST(MeshBlob, RefusesWhatIsNoMesh) {
+TEST(MeshBlob, RefusesOtherBytes) {
   expect_bad(std::string(1000, 'x'));
   std::string other = blob_of(tests::cube());
   other[3] = '2';
   expect_bad(other);
 }
 
-TEST(MeshBlob, TheTwinNumberMeansNothing) {
-  std::string twin = blob_of(tests::cube());
-  twin[4] = 1;
-  const auto mesh = read(twin, 1000);
+TEST(MeshBlob, TheCopyNumberIsIgnored) {
+  std::string blob = blob_of(tests::cube());
+  blob[4] = 1;
+  const auto mesh = read(blob, 1000);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ((*mesh)->faces(), 12u);
 }
 
 TEST(MeshBlob, RefusesCountsThatDisagreeWithItsSize) {
   const std::string blob = blob_of(tests::cube());
-  for (const std::size_t place : {8u, 15u, 16u, 23u}) {
+  for (const std::size_t index : {8u, 15u, 16u, 23u}) {
     std::string wrong = blob;
-    wrong[place] = static_cast<char>(wrong[place] + 1);
+    wrong[index] = static_cast<char>(wrong[index] + 1);
     expect_bad(wrong);
   }
   expect_bad(blob + "x");
@@ -81,14 +81,14 @@ TEST(MeshBlob, RefusesCountsWhoseSumWrapsAround) {
   expect_bad(blob);
 }
 
-TEST(MeshBlob, RefusesMoreThanItsSize) {
+TEST(MeshBlob, RefusesExtraBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob)));
   EXPECT_FALSE(reader.append(bytes_of("x")));
 }
 
-TEST(MeshBlob, RefusesLess) {
+TEST(MeshBlob, RefusesMissingBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob).first(blob.size() - 1)));

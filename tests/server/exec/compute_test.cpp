@@ -1,4 +1,4 @@
-// The server's arena.
+// The server's worker threads.
 #include "server/exec/compute.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(Compute, NeverWorksOnTheCallersThread) {
+TEST(Compute, NeverRunsOnTheCallersThread) {
   for (const int threads : {1, 2, 4}) {
     std::atomic<int> done{0};
     std::atomic<bool> on_caller{false};
@@ -32,7 +32,7 @@ TEST(Compute, NeverWorksOnTheCallersThread) {
   }
 }
 
-/// Tasks that keep their workers until they are let go.
+/// Tasks that occupy their workers until they are released.
 class Blockers {
  public:
   ~Blockers() { let_go_.set_value(); }
@@ -45,12 +45,12 @@ class Blockers {
   std::shared_future<void> let_go_future_{let_go_.get_future()};
 };
 
-/// Whether a task has run. It runs or never does: the limit only ends a test that fails.
+/// Waits until a task has run. The limit only ends a failing test.
 bool has_run(std::future<void> done) {
   return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-TEST(Compute, BackgroundWorkLeavesTheWorkersToOthers) {
+TEST(Compute, BackgroundWorkDoesNotBlockOtherTasks) {
   Compute compute(1);
   const Blockers blockers;
   for (int i = 0; i < 3; ++i) compute.enqueue_background(blockers.task());
@@ -60,7 +60,7 @@ TEST(Compute, BackgroundWorkLeavesTheWorkersToOthers) {
   EXPECT_TRUE(has_run(std::move(done)));
 }
 
-TEST(Compute, UpdatesDoNotWaitForOthers) {
+TEST(Compute, UpdatesDoNotWaitForOtherTasks) {
   Compute compute(1);
   const Blockers blockers;
   for (int i = 0; i < 3; ++i) {
@@ -73,7 +73,7 @@ TEST(Compute, UpdatesDoNotWaitForOthers) {
   EXPECT_TRUE(has_run(std::move(done)));
 }
 
-TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
+TEST(Compute, TasksMayOwnMoveOnlyObjects) {
   std::weak_ptr<int> watch;
   {
     Compute compute(1);

@@ -1,4 +1,4 @@
-// Text of callers in messages and logs.
+// Callers' text in messages and logs.
 #include "server/exec/quote.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tasks of one strand run one after the other.
+// The tasks of a strand run one at a time.
 #include "server/exec/strand.h"
 
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(Strand, RunsOneAfterTheOtherInOrder) {
+TEST(Strand, RunsTasksOneAtATimeInOrder) {
   Strand queue;
-  std::vector<int> order;  // without a lock: tasks exclude each other
+  std::vector<int> order;  // Without a lock: tasks exclude each other
   {
     Compute compute(4);
     for (int i = 0; i < 1000; ++i) queue.post(compute, [&order, i] { order.push_back(i); });
@@ -37,7 +37,7 @@ TEST(Strand, TasksOfManyThreadsExcludeEachOther) {
   EXPECT_EQ(count, 4000);
 }
 
-TEST(Strand, ATaskMayBeTheLastToHoldItsQueue) {
+TEST(Strand, ATaskMayHoldTheLastReferenceToItsStrand) {
   std::atomic<int> done{0};
   {
     Compute compute(2);

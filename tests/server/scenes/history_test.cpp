@@ -1,4 +1,4 @@
-// Which entries a history keeps.
+// The entries that a history keeps.
 #include "server/scenes/history.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Producers by name, and what is kept of them.
+// Producers by name, and their stored answers.
 #include "server/scenes/producers.h"
 
 #include <gtest/gtest.h>

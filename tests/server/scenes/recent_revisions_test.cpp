@@ -1,4 +1,4 @@
-// Which revisions are kept.
+// The revisions that are kept.
 #include "server/scenes/recent_revisions.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ std::shared_ptr<const scenegraph::revision::Snapshot> revision(std::uint64_t num
                                                                 scenegraph::hierarchy::Hierarchy{});
 }
 
-TEST(RecentRevisions, KeepsSoMany) {
+TEST(RecentRevisions, KeepsALimitedNumber) {
   RecentRevisions recent({.revisions = 3});
   EXPECT_EQ(recent.oldest_or(7), 7u);
   for (std::uint64_t i = 0; i < 5; ++i) {
@@ -26,7 +26,7 @@ TEST(RecentRevisions, KeepsSoMany) {
   EXPECT_EQ(recent.oldest_or(7), 2u);
 }
 
-TEST(RecentRevisions, KeepsSoManyBytes) {
+TEST(RecentRevisions, KeepsALimitedNumberOfBytes) {
   RecentRevisions recent({.revisions = 100, .bytes = 100});
   const auto publish = [&](std::uint64_t number, std::uint64_t bytes) {
     EXPECT_EQ(recent.retain(revision(number)), nullptr);
@@ -37,12 +37,12 @@ TEST(RecentRevisions, KeepsSoManyBytes) {
   EXPECT_EQ(publish(2, 1), 1u);
   EXPECT_EQ(publish(3, 60), 1u);
   EXPECT_EQ(recent.find(2)->revision(), 2u);
-  EXPECT_EQ(publish(4, 1000), 3u) << "one that alone is too large is not kept either";
+  EXPECT_EQ(publish(4, 1000), 3u) << "a revision that is too large by itself is not kept";
   EXPECT_EQ(publish(5, 100), 0u);
   EXPECT_EQ(recent.find(5)->revision(), 5u);
 }
 
-TEST(RecentRevisions, TakesTheSameRevisionAnew) {
+TEST(RecentRevisions, ReplacesTheSameRevision) {
   RecentRevisions recent;
   const auto first = revision(0), anew = revision(0);
   EXPECT_EQ(recent.retain(first), nullptr);
@@ -50,7 +50,7 @@ TEST(RecentRevisions, TakesTheSameRevisionAnew) {
   EXPECT_EQ(recent.find(0), anew);
 }
 
-TEST(RecentRevisions, ForgetsAll) {
+TEST(RecentRevisions, DropsAll) {
   RecentRevisions recent;
   static_cast<void>(recent.retain(revision(0)));
   EXPECT_EQ(recent.drop_all().size(), 1u);

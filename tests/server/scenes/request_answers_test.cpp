@@ -1,4 +1,4 @@
-// Answers that are kept, and for how long.
+// Stored answers, and how long they are kept.
 #include "server/scenes/request_answers.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(RequestAnswers, KeepsFewerOfManyNodes) {
   EXPECT_NE(*answers.find("5", 5), nullptr);
 }
 
-TEST(RequestAnswers, RefusesAnotherRequestOfTheSameId) {
+TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
   RequestAnswers answers;
   answers.retain("a", 1, {.revision = 7, .nodes = {}});
   const auto other = answers.find("a", 2);

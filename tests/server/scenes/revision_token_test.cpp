@@ -1,4 +1,4 @@
-// Tokens there and back.
+// Encoding and decoding of tokens.
 #include "server/scenes/revision_token.h"
 
 #include <gtest/gtest.h>

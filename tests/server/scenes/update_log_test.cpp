@@ -1,4 +1,4 @@
-// Which updates are kept.
+// The updates that are kept.
 #include "server/scenes/update_log.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ std::vector<Update> patch(std::size_t vertices) {
   return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
 }
 
-TEST(UpdateLog, KeepsSoMany) {
+TEST(UpdateLog, KeepsALimitedNumber) {
   UpdateLog log({.revisions = 3});
   EXPECT_EQ(log.last(), 0u);
   EXPECT_FALSE(log.find(0));
@@ -30,7 +30,7 @@ TEST(UpdateLog, KeepsSoMany) {
   }
 }
 
-TEST(UpdateLog, KeepsSoManyBytesAndTheLastInAnyCase) {
+TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
   UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
   for (int i = 0; i < 5; ++i) log.add(patch(1000));
   EXPECT_FALSE(log.find(2));
@@ -40,7 +40,7 @@ TEST(UpdateLog, KeepsSoManyBytesAndTheLastInAnyCase) {
   EXPECT_TRUE(log.find(6));
 }
 
-TEST(UpdateLog, WhoHoldsAnEntryKeepsIt) {
+TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
   UpdateLog log({.revisions = 1});
   log.add(patch(7));
   const auto held = log.find(1);
