@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "accel/kdtree/walk.h"
+#include "accel/kdtree/traverse.h"
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
 #include "accel/mesh/runs.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "accel/kdtree/walk.h"
+#include "accel/kdtree/traverse.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
 
