@@ -1,4 +1,4 @@
-// Growing a few cuts over a sample, and sifting by them while a slice is in the cache.
+// Grows a few splits over a sample, and sifts each slice by all of them while it is in the cache.
 #include "accel/lazy/split_tree.h"
 
 #include <algorithm>
@@ -8,11 +8,11 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// A sample is a share of the list, but no more than that is of use.
+/// A sample takes one reference in kStretch, and at most kMostSample.
 constexpr std::size_t kStretch = 16;
 constexpr std::size_t kMostSample = 4096;
 
-/// From fewer a cut's cost is not known well enough.
+/// Smaller samples do not give the cost of a split well enough.
 constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
