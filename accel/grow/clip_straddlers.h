@@ -1,5 +1,5 @@
-// Perfect splits: a straddler's box shrinks to the part of its triangle in the child. Source: Wald,
-// Havran 2006, section 3.4 (after Hurley et al. 2002).
+// Perfect splits: the box of a straddler shrinks to the part of its triangle in the child. Source:
+// Wald, Havran 2006, section 3.4 (after Hurley et al. 2002).
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,11 @@
 
 namespace sightline::accel::grow {
 
-/// Bounds of the part of a face in one half of a cell that the face is held by; nothing if it only
-/// touches that half.
+/// Bounds of the part of a face in one half of its cell; nothing if the face only touches that
+/// half.
 ///
-/// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's
-/// face, and which cells hold it then was decided by the cut that made the face
-/// (Split::planar_left).
+/// An axis along which the triangle is flat is not tested: the triangle may lie in a face of the
+/// cell, and the split that made that face decided which cell holds it (Split::planar_left).
 inline std::optional<geometry::Aabb> clip_to_half(const geometry::MeshView& mesh,
                                                   std::uint32_t face, const geometry::Aabb& half) {
   const geometry::Face& f = mesh.faces[face];
@@ -33,9 +32,10 @@ inline std::optional<geometry::Aabb> clip_to_half(const geometry::MeshView& mesh
   return box;
 }
 
-/// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from
-/// their original triangle, those that do not reach into the cell after all are left out, the
-/// others keep their order. Openable references stay as they are. Returns how many are left.
+/// Clips the straddlers of one side's list after sifting by `plane`; `cell` is that side's cell.
+/// The new boxes are computed from the triangles. Straddlers that do not overlap the cell are
+/// dropped, the others keep their order. Openable references are unchanged. Returns the new length
+/// of the list.
 inline std::size_t clip_straddlers(const geometry::MeshView& mesh,
                                    std::span<kdtree::Reference> list, const kdtree::Plane& plane,
                                    const geometry::Aabb& cell) {

@@ -1,4 +1,4 @@
-// Growing both children of a cell at once.
+// Grows both children of a cell in parallel.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace sightline::accel::grow {
 
-/// Children with at least this many references each are worth a task.
+/// Children of at least this many references each are grown in parallel.
 inline constexpr std::size_t kForkFrom = 4096;
 
-/// Runs both, `right` as a task that any thread of the arena may take. What either throws is thrown
-/// here once neither runs any more.
+/// Runs both; `right` is a task for any thread of the arena. If one throws, the exception is
+/// rethrown after both have ended.
 template <class Left, class Right>
 void fork(Left&& left, Right&& right) {
   tbb::task_group group;

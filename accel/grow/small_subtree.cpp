@@ -1,4 +1,4 @@
-// Subtrees of a handful of boxes, compiled once per SIMD target and chosen at run time.
+// Subtrees of a few references, compiled once per SIMD target and chosen at run time.
 #include "accel/grow/small_subtree.h"
 
 #include <algorithm>
@@ -20,9 +20,9 @@ namespace sightline::accel::grow {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A set of boxes: bit i is the i-th.
+/// A set of references: bit i is reference i.
 using Set = std::uint8_t;
-/// The bounds of one axis: lower ones first.
+/// Number of bounds along one axis; lower bounds come first.
 constexpr std::size_t kBounds = 2 * split::kSmallList;
 
 class SmallGrowth {
@@ -60,15 +60,17 @@ class SmallGrowth {
 
   struct Axis {
     alignas(64) std::array<float, kBounds> at;
-    alignas(16) std::array<Set, kBounds> below, above;  ///< Boxes with lo < at, with hi > at.
+    alignas(16) std::array<Set, kBounds> below,
+        above;  ///< References with lo < at, and with hi > at.
   };
 
-  /// A cut, and the bound that it goes through.
+  /// A split, and the index of its bound.
   struct Choice : split::BoundSplit {
     std::size_t bound = 0;
   };
 
-  /// Positions of all axes first: a vector read waits for the single writes before it.
+  /// Stores the positions of all axes first: a vector load soon after scalar stores would wait for
+  /// them.
   void prepare() {
     for (Axis& axis : axes_) axis.at.fill(std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < refs_.size(); ++i) {
@@ -99,10 +101,10 @@ class SmallGrowth {
     }
   }
 
-  /// What cuts along one axis cost; infinite where there is nothing to cut at.
+  /// Costs of splits along one axis; infinite for bounds that are no candidates.
   struct Costs {
     hn::Vec<Floats> at[kParts];
-    hn::Vec<Floats> least;  ///< Of the parts, lane by lane.
+    hn::Vec<Floats> least;  ///< Minimum over the parts, per lane.
   };
 
   Choice choose(Set set, std::size_t size, const geometry::Aabb& cell) {
@@ -159,7 +161,7 @@ class SmallGrowth {
     counters_.touches += (candidates + split::kScanWidth - 1) / split::kScanWidth * size;
   }
 
-  /// Finds the least position of the cuts of that cost, and a bound there.
+  /// Finds the least position among the splits of that cost, and a bound there.
   void locate(const Costs& costs, Choice& best) const {
     const Floats df;
     const Axis& axis = axes_[static_cast<std::size_t>(best.plane.axis)];
@@ -180,7 +182,7 @@ class SmallGrowth {
     }
   }
 
-  /// The set as a list, in order.
+  /// The references of a set, in order.
   std::span<const kdtree::Reference> list_of(Set set) {
     std::size_t n = 0;
     for (unsigned rest = set; rest != 0; rest &= rest - 1)

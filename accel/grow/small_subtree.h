@@ -1,5 +1,5 @@
-// Growing the subtree of up to split::kSmallList boxes, where a build spends most of its cells: a
-// set of boxes is a byte, and lists are never written.
+// Grows subtrees of up to split::kSmallList references, which are most cells of a build. A set of
+// references is a byte, and no lists are written.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace sightline::accel::grow {
 
-/// Whether a list is short enough, and every box weighs one.
+/// Whether a list is short enough, and every reference has weight 1.
 bool is_small(std::span<const kdtree::Reference> refs);
 
-/// Makes the cuts that choose_bound would make, cell by cell, and counts the same touches; for
-/// builders that cut all lists up to this length by the one rule, and do not clip. What lies below
-/// or above every bound is found once for the handful; a cell then needs no pass over its list:
-/// weights of its sides are counts of common bits. As grow otherwise.
+/// Makes the same splits as choose_bound for every cell, and counts the same touches. For rules
+/// that use `rule` for all lists up to this length, and do not clip. The references below and above
+/// every bound are found once for the small subtree; the weights of a cell's sides are then counts
+/// of common bits, without a pass over its list. Otherwise as grow().
 kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
                         std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                         const kdtree::CellPath& path, kdtree::BuildCounters& counters);

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <new>
 
-#include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference_list.h"

@@ -11,10 +11,16 @@
 #include <utility>
 #include <vector>
 
-#include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/reference.h"
 
 namespace sightline::accel::kdtree {
+
+/// Memory of deferred cells and their lists. One thread allocates it and another frees it, all the
+/// time; the C library's allocator would make threads wait for each other. As std::realloc and
+/// std::free, with oneTBB's allocator. Builds with sanitizers use the C
+/// library's, which sanitizers check.
+void* reallocate_cell_memory(void* old, std::size_t bytes);
+void free_cell_memory(void* memory);
 
 /// An owned array of references whose unused end can be freed.
 class ReferenceList {

@@ -1,4 +1,4 @@
-// The chain of passes, and calling threads to it.
+// The chain of passes, and the tasks that call threads to it.
 #include "accel/lazy/cell_task.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace sightline::accel::lazy {
 
-/// A thread's errand; it may come late, when all is done.
+/// A task for an idle thread: helps with one pass. It may run late, when all is done.
 struct CellTask::Call {
   CellTask* task;
   SharedPass* pass;
@@ -25,7 +25,7 @@ struct CellTask::Call {
     kdtree::BuildCounters counted;
     try {
       pass->help(counted);
-    } catch (const std::bad_alloc&) {  // whoever needs the slice will meet it, too
+    } catch (const std::bad_alloc&) {  // the thread that needs the slice gets the same error
     }
     task->touches_.fetch_add(counted.touches, std::memory_order_relaxed);
     task->touches_prepare_.fetch_add(counted.touches_prepare, std::memory_order_relaxed);
@@ -53,7 +53,7 @@ SharedPass& CellTask::pass_after(SharedPass* before, std::size_t slices, SharedP
 
 void CellTask::call_others(SharedPass& pass) {
   const auto arena_size = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  // oneTBB would make a thread for a task that is enqueued, whatever the limit.
+  // For an enqueued task oneTBB would start a thread even beyond the limit.
   const std::size_t allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const std::size_t calls = std::min({arena_size, allowed, pass.slices()}) - 1;

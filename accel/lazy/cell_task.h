@@ -1,4 +1,4 @@
-// What the threads share that expand one large cell: a chain of passes.
+// The work that threads share to expand one large cell: a chain of passes.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace sightline::accel::lazy {
 
-/// How one expands a cell is a sequence of passes, each made from the results of those before. That
-/// sequence is deterministic, so any thread may follow it from the start at any time and finds what
-/// is done already: there is no thread that the others depend on. Threads: any.
+/// A cell is expanded by a sequence of passes, each made from the results of those before. The
+/// sequence is deterministic, so any thread can follow it from the start at any time and finds the
+/// passes that are done: no thread depends on another one. Threads: any.
 class CellTask final : public kdtree::SharedWork {
  public:
-  /// `alive` keeps what passes read of the geometry; if null, none but those who call help work
+  /// `alive` keeps the geometry alive that passes read; if null, only threads that call help() work
   /// here.
   explicit CellTask(std::shared_ptr<const void> alive) : alive_(std::move(alive)) {}
   ~CellTask() override;
 
-  /// The pass behind `before` (null: the first), made from these if it is not there yet. Idle
-  /// threads of the caller's arena are called to it.
+  /// The pass after `before` (null: the first); made from `slices` and `work` if there is none yet.
+  /// Then idle threads of the caller's arena are called to help.
   SharedPass& pass_after(SharedPass* before, std::size_t slices, SharedPass::Work work);
 
-  /// Does what is to be had of the last pass. Returns whether there was anything.
+  /// Does slices of the last pass that no thread has begun. Returns whether there were any.
   bool help(kdtree::BuildCounters& counters);
 
-  /// Grows as work gets done.
+  /// Increases whenever a slice is done.
   std::uint64_t progress() const;
 
-  /// What called threads have counted since the last time.
+  /// Work counted by called threads since the last call.
   kdtree::BuildCounters take_counters();
 
  private:
@@ -42,14 +42,14 @@ class CellTask final : public kdtree::SharedWork {
   std::atomic<std::uint64_t> touches_{0}, touches_prepare_{0};
 };
 
-/// One thread's way through an expansion's passes.
+/// One thread's position in the chain of passes.
 class PassSequence {
  public:
   PassSequence(CellTask& task, kdtree::BuildCounters& counters)
       : task_(task), counters_(counters) {}
 
-  /// The next pass, done: by us, by others while we wait, or by us after all if those have
-  /// stopped. Throws std::bad_alloc.
+  /// The next pass, complete. This thread does slices, waits for other threads' slices, and does
+  /// those, too, if the others have stopped. Throws std::bad_alloc.
   const SharedPass& next(std::size_t slices, SharedPass::Work work);
 
  private:

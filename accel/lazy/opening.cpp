@@ -1,4 +1,4 @@
-// Opening, with the test that sifting would have made.
+// Opens references, and keeps those that are members of the cell.
 #include "accel/lazy/opening.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Opening the references of a list that stand for others.
+// Opens the references of a list that stand for several.
 #pragma once
 
 #include <span>
@@ -8,14 +8,14 @@
 
 namespace sightline::accel::lazy {
 
-/// Opens references once, and leaves out what does not reach into the cell. Returns whether any of
-/// what came out is openable. Throws std::bad_alloc.
+/// Opens each openable reference once, and drops the results that are not members of the cell.
+/// Returns whether the result has openable references. Throws std::bad_alloc.
 bool open_once(const ReferenceSource& source,
                std::span<const std::span<const kdtree::Reference>> spans,
                const geometry::Aabb& cell, kdtree::ReferenceList& out,
                kdtree::BuildCounters& counters);
 
-/// The same until nothing is openable.
+/// Opens references until none is openable.
 kdtree::ReferenceList open_all(const ReferenceSource& source, kdtree::ReferenceList list,
                                const geometry::Aabb& cell, kdtree::BuildCounters& counters);
 

@@ -1,4 +1,4 @@
-// Where a tree's references come from.
+// The source of a tree's references.
 #pragma once
 
 #include <algorithm>
@@ -12,31 +12,33 @@
 
 namespace sightline::accel::lazy {
 
-/// Threads: all functions, any, several at once; they are pure. They count what they do.
+/// Functions that make references. All are pure, and add their work to the counters. Threads: any,
+/// several at once.
 struct ReferenceSource {
-  /// The coarsest references, which the root is expanded from, have slots from 0 on. Not every
-  /// place has to hold one.
+  /// The coarsest references, which the root is expanded from, are in slots 0 to `slots` - 1. A
+  /// slot may be empty.
   struct Coarsest {
     std::size_t slots = 0;
-    bool openable = false;  ///< Some may be.
+    bool openable = false;  ///< Some references may be openable.
   };
-  /// Called before `list`; always the same.
+  /// Called before `list`; always returns the same.
   std::function<Coarsest(kdtree::BuildCounters&)> coarsest;
-  /// Writes those at slots from `begin` to `end`, and returns how many they are.
+  /// Writes the references of slots `begin` to `end` - 1, and returns their number.
   std::function<std::size_t(std::size_t begin, std::size_t end, kdtree::Reference* out,
                             kdtree::BuildCounters&)>
       list;
-  /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
-  /// within its own. The same reference always opens into the same ones.
+  /// Appends the references that an openable one stands for; some of them may be openable. Their
+  /// boxes lie within its box. Always the same for the same reference.
   std::function<void(const kdtree::Reference&, std::vector<kdtree::Reference>&,
                      kdtree::BuildCounters&)>
       open{};
-  /// Keeps alive what the functions read. If null, only threads that hold it by other means call
-  /// them: idle threads are not called to help.
+  /// Keeps alive what the functions read. If null, idle threads are not called to help: only
+  /// threads that keep it alive in another way call the functions.
   std::shared_ptr<const void> alive{};
 };
 
-/// A source of references that are made already; if some are openable, `open` is to be set.
+/// A source of given references, which must outlive it. If some are openable, the caller sets
+/// `open`.
 inline ReferenceSource source_of(std::span<const kdtree::Reference> refs) {
   const bool openable = std::any_of(refs.begin(), refs.end(),
                                     [](const kdtree::Reference& ref) { return ref.openable(); });

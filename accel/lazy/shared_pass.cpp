@@ -1,4 +1,4 @@
-// Claiming slices, and keeping the first result of each.
+// Claims slices, and keeps the first result of each.
 #include "accel/lazy/shared_pass.h"
 
 namespace sightline::accel::lazy {
@@ -12,7 +12,7 @@ SharedPass::~SharedPass() {
 
 std::size_t SharedPass::help(kdtree::BuildCounters& counters) {
   std::size_t helped = 0;
-  // Looked at before it is counted up: a pass may be asked for help any number of times.
+  // Tested before it is incremented: help() may be called any number of times.
   while (begun_.load(std::memory_order_relaxed) < slices()) {
     const std::size_t slice = begun_.fetch_add(1, std::memory_order_relaxed);
     if (slice >= slices()) break;

@@ -1,4 +1,4 @@
-// One pass over a long list, done in slices by whichever threads are there.
+// One pass over a long list, done in slices by any threads.
 #pragma once
 
 #include <atomic>
@@ -16,25 +16,26 @@
 
 namespace sightline::accel::lazy {
 
-/// What comes of one slice. Each kind of pass fills its part.
+/// The result of one slice. Each kind of pass sets its members.
 struct PassSlice {
   split::PassResult sums;  ///< Scanning.
   std::shared_ptr<const kdtree::ReferenceList> left,
-      right;                                ///< Sifting; opening and listing fill `left`.
-  kdtree::ChildScan left_scan, right_scan;  ///< Of the children's lists.
-  Straddling straddling;                    ///< Of the division.
-  bool openable = false;                    ///< There may be openable ones in the lists.
-  std::optional<kdtree::Split> cut;         ///< Choosing, where a builder takes no slices.
-  std::shared_ptr<const SplitTree> cuts;    ///< Choosing by a sample.
-  std::vector<std::shared_ptr<const kdtree::ReferenceList>> parts;  ///< Sifting by these cuts.
+      right;                                ///< Sifting; opening and listing set `left`.
+  kdtree::ChildScan left_scan, right_scan;  ///< Counts over the children's lists.
+  Straddling straddling;                    ///< Straddlers of the split.
+  bool openable = false;                    ///< The lists may have openable references.
+  std::optional<kdtree::Split> cut;       ///< Choosing, for rules that need the list in one piece.
+  std::shared_ptr<const SplitTree> cuts;  ///< Choosing by a sample of the list.
+  std::vector<std::shared_ptr<const kdtree::ReferenceList>>
+      parts;  ///< Sifting by the splits of a SplitTree.
 };
 
-/// Slices are pure functions of what the pass was made with, so it does not matter how often one
-/// is done, nor by whom: the first result is kept. No thread ever waits for another in here, and
-/// none that is stopped keeps the others from going on: see finish(). Threads: any.
+/// Slices are pure functions of the pass's input, so several threads may do the same slice: the
+/// first result is kept. No thread waits for another in here, and a thread that is suspended does
+/// not stop the others: see finish(). Threads: any.
 class SharedPass {
  public:
-  /// Owns all that it reads. Adds what it did to the counters.
+  /// Does one slice. Owns all that it reads. Adds its work to the counters.
   using Work = std::function<std::unique_ptr<PassSlice>(std::size_t slice, kdtree::BuildCounters&)>;
 
   SharedPass(std::size_t slices, Work work);
@@ -42,25 +43,26 @@ class SharedPass {
   SharedPass(const SharedPass&) = delete;
   SharedPass& operator=(const SharedPass&) = delete;
 
-  /// Does slices that nobody has begun until there is none left. Returns how many. Throws
+  /// Does slices that no thread has begun, until none is left. Returns their number. Throws
   /// std::bad_alloc.
   std::size_t help(kdtree::BuildCounters& counters);
 
-  /// Does the slices, too, that others have begun: for when those seem to be stopped. Every slice
-  /// is done then, even if done() does not say so yet.
+  /// Does all slices without a result, also those that other threads have begun: for use when those
+  /// threads seem to be suspended. Afterwards every slice has a result, even if done() is still
+  /// false.
   void finish(kdtree::BuildCounters& counters);
 
   std::size_t slices() const { return results_.size(); }
-  /// At least so many.
+  /// A lower bound: a slice counts shortly after its result is stored.
   std::size_t slices_done() const { return done_.load(std::memory_order_acquire); }
   bool done() const { return slices_done() == results_.size(); }
 
-  /// Of a slice that is done.
+  /// The result of a slice that is done.
   const PassSlice& operator[](std::size_t slice) const {
     return *results_[slice].load(std::memory_order_acquire);
   }
 
-  /// The pass behind this one, or null.
+  /// The next pass, or null.
   std::atomic<SharedPass*> next{nullptr};
 
  private:

@@ -1,4 +1,4 @@
-// Growing a few cuts over a sample, and sifting by them while a slice is in the cache.
+// Grows a few splits over a sample, and sifts each slice by all of them while it is in the cache.
 #include "accel/lazy/split_tree.h"
 
 #include <algorithm>
@@ -8,21 +8,21 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// A sample is a share of the list, but no more than that is of use.
-constexpr std::size_t kStretch = 16;
+/// A sample takes one reference in kInterval, and at most kMostSample.
+constexpr std::size_t kInterval = 16;
 constexpr std::size_t kMostSample = 4096;
 
-/// From fewer a cut's cost is not known well enough.
+/// Smaller samples do not give the cost of a split well enough.
 constexpr std::size_t kLeastSample = 256;
 
 }  // namespace
 
 std::vector<std::size_t> sample_indices(std::size_t size) {
-  const std::size_t stretch = std::max(kStretch, size / kMostSample);
-  std::vector<std::size_t> indices(size / stretch);
+  const std::size_t interval = std::max(kInterval, size / kMostSample);
+  std::vector<std::size_t> indices(size / interval);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const std::size_t mixed = (k + 1) * std::size_t{0x9e3779b97f4a7c15u} >> 32;
-    indices[k] = k * stretch + mixed % stretch;
+    indices[k] = k * interval + mixed % interval;
   }
   return indices;
 }

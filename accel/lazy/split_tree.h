@@ -1,4 +1,5 @@
-// A few cuts at once, chosen from a sample of a long list, and dividing the list by them in one go.
+// A few levels of splits, chosen from a sample of a long list. The list is divided by all of them
+// in one pass.
 #pragma once
 
 #include <cstddef>
@@ -11,22 +12,22 @@
 
 namespace sightline::accel::lazy {
 
-/// Lists of at least this many references are cut by samples, by rules that take them.
+/// Lists of at least this many references are split by a sample, if the rule takes samples.
 inline constexpr std::size_t kSampleFrom = 8192;
 
-/// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
-/// at a place in it that follows no order a list might have. Ascending.
+/// Indices of a sample of a list of that length (at least kSampleFrom), ascending: a pseudo-random
+/// one in each of many intervals of equal length.
 std::vector<std::size_t> sample_indices(std::size_t size);
 
-/// The topmost cuts of a cell.
+/// The topmost splits of a cell, as a small tree.
 class SplitTree {
  public:
   static constexpr int kMostLevels = 3;
 
-  /// A cut's side: another cut, or a part of the list.
+  /// One side of a split: another split, or a leaf.
   struct Child {
     bool is_leaf = true;
-    std::size_t index = 0;  ///< In nodes() or leaves().
+    std::size_t index = 0;  ///< Index in nodes() or leaves().
   };
   struct Node {
     kdtree::Split cut;
@@ -37,19 +38,19 @@ class SplitTree {
     kdtree::CellPath path;
   };
 
-  /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
+  /// Splits the sample where the rule would, while the sample is large enough.
   SplitTree(const split::SplitSearch& rule, std::vector<kdtree::Reference> sample,
             const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
             kdtree::BuildCounters& counters);
 
   bool empty() const { return nodes_.empty(); }
-  std::span<const Node> nodes() const { return nodes_; }  ///< The first is the topmost.
+  std::span<const Node> nodes() const { return nodes_; }  ///< The first is the root.
   std::span<const Leaf> leaves() const { return leaves_; }
 
-  /// Room that divide() needs behind a list.
+  /// Capacity of the buffer that divide() needs for a list of that length.
   static std::size_t scratch_size(std::size_t size) { return size * kMostLevels; }
 
-  /// Divides some of the cell's references, which are used up. A list for every part.
+  /// Divides some of the cell's references; `refs` is overwritten. Returns a list for every leaf.
   std::vector<std::shared_ptr<const kdtree::ReferenceList>> divide(
       std::span<kdtree::Reference> refs, kdtree::Reference* buffer,
       kdtree::BuildCounters& counters) const;

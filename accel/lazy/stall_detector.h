@@ -1,4 +1,4 @@
-// Waiting for other threads without burning their time, and noticing when they have stopped.
+// Waits for other threads without taking their time, and detects when they have stopped.
 #pragma once
 
 #include <chrono>
@@ -7,10 +7,11 @@
 
 namespace sightline::accel::lazy {
 
-/// Used anew for every wait. Its clock decides who does a piece of work, never what comes of it.
+/// Make a new one for every wait. Its clock decides which thread does a piece of work, never the
+/// result.
 class StallDetector {
  public:
-  /// Lets others run. False: `progress` has been the same for kStallTimeout.
+  /// Lets other threads run. Returns false if `progress` has not changed for kStallTimeout.
   bool wait(std::uint64_t progress) {
     const auto now = std::chrono::steady_clock::now();
     if (progress != progress_ || waits_ == 0) {
@@ -30,7 +31,7 @@ class StallDetector {
  private:
   static constexpr int kYields = 16;
   static constexpr std::chrono::microseconds kSleep{50};
-  /// Longer than a thread is kept waiting for a core by a few others.
+  /// Longer than a thread waits for a core that a few others share.
   static constexpr std::chrono::milliseconds kStallTimeout{20};
 
   std::uint64_t progress_ = 0;

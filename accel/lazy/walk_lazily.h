@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/kdtree/walk.h"
+#include "accel/kdtree/traverse.h"
 #include "accel/lazy/lazy_tree.h"
 
 namespace sightline::accel::lazy {

@@ -11,7 +11,7 @@
 #include "accel/geometry/facing.h"
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/triangle_prefilter.h"
-#include "accel/kdtree/tree_ray.h"
+#include "accel/kdtree/traverse.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/mesh/runs.h"

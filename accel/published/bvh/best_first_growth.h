@@ -6,7 +6,7 @@
 #include <span>
 
 #include "accel/published/bvh/bvh_growth.h"
-#include "accel/published/bvh/list_growth.h"
+#include "accel/published/bvh/sweep_growth.h"
 
 namespace sightline::accel::published::bvh {
 

@@ -5,8 +5,7 @@
 
 #include "accel/mesh/face_boxes.h"
 #include "accel/published/bvh/binned_growth.h"
-#include "accel/published/bvh/center_bins.h"
-#include "accel/published/bvh/edge_split.h"
+#include "accel/published/bvh/pre_split.h"
 #include "accel/published/bvh/sweep_growth.h"
 #include "accel/split/out_of_range.h"
 

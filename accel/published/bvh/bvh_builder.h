@@ -8,7 +8,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/published/bvh/bvh.h"
 #include "accel/published/bvh/bvh_growth.h"
-#include "accel/published/bvh/early_split.h"
+#include "accel/published/bvh/pre_split.h"
 #include "accel/published/bvh/spatial_split.h"
 
 namespace sightline::accel::published::bvh {

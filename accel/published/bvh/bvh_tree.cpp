@@ -7,7 +7,7 @@
 
 #include "accel/mesh/leaf_test.h"
 #include "accel/published/bvh/bvh_measure.h"
-#include "accel/published/bvh/bvh_walk.h"
+#include "accel/published/bvh/traverse.h"
 
 namespace sightline::accel::published::bvh {
 

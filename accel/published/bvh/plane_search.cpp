@@ -26,17 +26,17 @@ class Grid {
   }
   /// Distance between the planes of the first pass, in planes.
   std::size_t stride() const {
-    return (bins_ + ChoppedAxis::kMostBins - 1) / ChoppedAxis::kMostBins;
+    return (bins_ + SpatialBins::kMostBins - 1) / SpatialBins::kMostBins;
   }
 
   /// Bins `stride` planes wide from plane `begin` to `end`.
-  ChoppedAxis chopped(std::size_t axis, std::size_t begin, std::size_t end,
+  SpatialBins chopped(std::size_t axis, std::size_t begin, std::size_t end,
                       std::size_t stride) const {
-    std::array<float, ChoppedAxis::kMostBins + 1> planes;
+    std::array<float, SpatialBins::kMostBins + 1> planes;
     std::size_t n = 0;
     for (std::size_t i = begin; i < end; i += stride) planes[n++] = plane(axis, i);
     planes[n++] = plane(axis, end);
-    return ChoppedAxis(axis, {planes.data(), n});
+    return SpatialBins(axis, {planes.data(), n});
   }
 
  private:
@@ -54,12 +54,12 @@ double least_sum(const SideSum& left, const SideSum& right, std::size_t size) {
 
 /// Adds a list. `corners_of(i)` returns the outline of fragment i.
 template <std::size_t kCount, class Corners>
-void add_all(std::span<const Fragment> list, std::array<ChoppedAxis, kCount>& bins,
+void add_all(std::span<const Fragment> list, std::array<SpatialBins, kCount>& bins,
              Corners&& corners_of) {
   for (std::size_t at = 0; at < list.size(); ++at) {
     const Fragment& f = list[at];
     if (kCount == 1 && !bins[0].meets(f)) continue;
-    std::array<ChoppedAxis::Span, kCount> spans;
+    std::array<SpatialBins::Span, kCount> spans;
     bool is_cut = false;
     for (std::size_t i = 0; i < kCount; ++i) {
       spans[i] = bins[i].span(f);
@@ -83,11 +83,11 @@ class NodePasses {
   }
 
   template <std::size_t kCount>
-  void fill(std::array<ChoppedAxis, kCount>& bins) const {
+  void fill(std::array<SpatialBins, kCount>& bins) const {
     if (is_short()) return add_all(list_, bins, [&](std::size_t at) { return corners_.of(at); });
     // The number of slices does not depend on the number of threads.
     constexpr std::size_t kSlices = 16;
-    std::vector<std::array<ChoppedAxis, kCount>> parts(kSlices, bins);
+    std::vector<std::array<SpatialBins, kCount>> parts(kSlices, bins);
     tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t i) {
       const std::size_t begin = list_.size() * i / kSlices, end = list_.size() * (i + 1) / kSlices;
       const std::span<const Fragment> slice = list_.subspan(begin, end - begin);
@@ -123,7 +123,7 @@ class PlaneSearch {
     const auto along = [&](std::size_t axis) {
       return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
     };
-    std::array<ChoppedAxis, 3> bins{along(0), along(1), along(2)};
+    std::array<SpatialBins, 3> bins{along(0), along(1), along(2)};
     passes.fill(bins);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       sides_[axis] = bins[axis].sides({}, {});
@@ -147,7 +147,7 @@ class PlaneSearch {
     const Interval s = *next;
     *next = intervals_[--open_];
     const std::size_t begin = s.bin * grid_.stride();
-    std::array<ChoppedAxis, 1> bins{
+    std::array<SpatialBins, 1> bins{
         grid_.chopped(s.axis, begin, std::min(begin + grid_.stride(), grid_.bins()), 1)};
     passes.fill(bins);
     offer_all(bins[0], s.axis,
@@ -162,7 +162,7 @@ class PlaneSearch {
     double least;  ///< Lower bound on sums within the interval.
   };
 
-  void offer_all(const ChoppedAxis& bins, std::size_t axis, const ChoppedAxis::Sides& sides) {
+  void offer_all(const SpatialBins& bins, std::size_t axis, const SpatialBins::Sides& sides) {
     for (std::size_t i = 1; i < bins.bins(); ++i) {
       const SideSum &left = sides.left[i], &right = sides.right[i];
       if (left.references == 0 || right.references == 0) continue;
@@ -174,8 +174,8 @@ class PlaneSearch {
   Grid grid_;
   std::size_t size_;
   SpatialSplit best_;
-  std::array<ChoppedAxis::Sides, 3> sides_;
-  std::array<Interval, 3 * ChoppedAxis::kMostBins> intervals_;
+  std::array<SpatialBins::Sides, 3> sides_;
+  std::array<Interval, 3 * SpatialBins::kMostBins> intervals_;
   std::size_t open_ = 0;  ///< Number of intervals left.
 };
 

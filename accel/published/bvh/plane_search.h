@@ -4,8 +4,7 @@
 #include <cstdint>
 
 #include "accel/geometry/triangle_mesh.h"
-#include "accel/published/bvh/chopped_axis.h"
-#include "accel/published/bvh/fragment_corners.h"
+#include "accel/published/bvh/spatial_bins.h"
 
 namespace sightline::accel::published::bvh {
 

@@ -8,7 +8,7 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/published/bvh/center_lists.h"
-#include "accel/published/bvh/chopped_axis.h"
+#include "accel/published/bvh/spatial_bins.h"
 
 namespace sightline::accel::published::bvh {
 

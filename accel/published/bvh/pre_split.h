@@ -1,9 +1,14 @@
-// Parameters of splitting references before a hierarchy is built.
+// Splits references before a hierarchy is built, the largest first: by Early Split Clipping or by
+// the Edge Volume Heuristic.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "accel/geometry/triangle_mesh.h"
+#include "accel/kdtree/reference.h"
 
 namespace sightline::accel::published::bvh {
 
@@ -28,5 +33,31 @@ struct PreSplitRule {
   /// Limit on the pieces of a list of that many references. Below 2^31.
   std::size_t most_pieces(std::size_t references) const;
 };
+
+/// Early Split Clipping (Ernst, Greiner 2007, "Early Split Clipping for Bounding Volume
+/// Hierarchies"). Splits boxes in the middle of their longest axis, and clips each half to its part
+/// of the triangle, while their surface is above rule.threshold of the surface of the root.
+///
+/// In: one reference per face, bounds through widen_flat. Out: pieces in the order of their
+/// references, so those of one face are together; the pieces of a face cover it. The builder counts
+/// a face once per piece, as in the paper; BvhGrowth::leaf drops duplicates within a leaf.
+///
+/// Touches_prepare: one per box made. Deterministic. Throws std::bad_alloc.
+std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
+
+/// The Edge Volume Heuristic (Dammertz, Keller 2008, "The Edge Volume Heuristic - Robust Triangle
+/// Subdivision for Improved BVH Performance"). Splits triangles at the middle of the edge whose
+/// bounds have the largest volume, while that is above rule.threshold of the volume of the root.
+/// Triangles with axis-aligned edges stay whole.
+///
+/// In, out, touches: as split_early. A piece is the box around the corners of a
+/// part of a triangle, computed in double and rounded outward.
+std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

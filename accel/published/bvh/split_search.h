@@ -3,9 +3,9 @@
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/published/bvh/center_lists.h"
-#include "accel/published/bvh/fragment_corners.h"
 #include "accel/published/bvh/object_split.h"
 #include "accel/published/bvh/plane_split.h"
+#include "accel/published/bvh/spatial_bins.h"
 #include "accel/published/bvh/spatial_split.h"
 
 namespace sightline::accel::published::bvh {

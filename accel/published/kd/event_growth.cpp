@@ -8,8 +8,8 @@
 
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
+#include "accel/published/kd/event.h"
 #include "accel/published/kd/event_cell.h"
-#include "accel/published/kd/radix_sort.h"
 #include "accel/published/kd/sweep_axis.h"
 
 namespace sightline::accel::published::kd {

@@ -150,8 +150,7 @@ Result<std::vector<Peer>> open_peers(const DynamicOptions& options, const Staged
         staged, motion, refit ? EmbreeUpdate::kRefit : EmbreeUpdate::kRebuild, threads);
     if (!embree.ok()) return embree.error();
     if (Status chosen = (*embree)->choose(view.rays); !chosen.ok()) return chosen.error();
-    peers.push_back(
-        {refit ? "embree_refit" : "embree_low", *std::move(embree), {}, {}, {}, {}});
+    peers.push_back({refit ? "embree_refit" : "embree_low", *std::move(embree), {}, {}, {}, {}});
   }
   return peers;
 }

@@ -10,7 +10,7 @@
 
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
-#include "accel/kdtree/walk.h"
+#include "accel/kdtree/traverse.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/verbs/plain_float.h"
 #include "tests/support/all_instances.h"

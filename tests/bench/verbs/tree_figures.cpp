@@ -5,7 +5,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/published/bvh/bvh_tree.h"
-#include "accel/published/bvh/bvh_walk.h"
+#include "accel/published/bvh/traverse.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 #include "tests/support/all_instances.h"
 

@@ -11,7 +11,6 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/published/bvh/bvh_builder.h"
 #include "accel/published/bvh/bvh_measure.h"
-#include "accel/published/bvh/center_bins.h"
 #include "tests/accel/published/bvh/check_hierarchy.h"
 #include "tests/support/scenes.h"
 

@@ -12,7 +12,7 @@
 #include "accel/kdtree/epoch.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
-#include "accel/published/bvh/bvh_walk.h"
+#include "accel/published/bvh/traverse.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 

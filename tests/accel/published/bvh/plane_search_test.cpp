@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "accel/geometry/clip.h"
-#include "accel/published/bvh/fragment_corners.h"
+#include "accel/published/bvh/spatial_bins.h"
 #include "tests/accel/published/bvh/fragments.h"
 #include "tests/support/random.h"
 
@@ -77,7 +77,7 @@ double clipped_sum(const geometry::MeshView& mesh, std::span<const Fragment> lis
   return half_area(box[0]) * n[0] + half_area(box[1]) * n[1];
 }
 
-TEST(ChoppedAxis, EqualsClippingToEachBin) {
+TEST(SpatialBins, EqualsClippingToEachBin) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const TestMesh mesh = tests::random_soup(40, 0.5, seed);
     for (const Fragment& f : random_fragments(mesh, seed)) {
@@ -85,7 +85,7 @@ TEST(ChoppedAxis, EqualsClippingToEachBin) {
         std::array<float, 12> planes;
         for (std::uint32_t i = 0; i < planes.size(); ++i)
           planes[i] = static_cast<float>(-0.2 + 0.13 * i);
-        ChoppedAxis bins(axis, planes);
+        SpatialBins bins(axis, planes);
         if (!bins.meets(f)) continue;
         const FragmentCorners corners(mesh.view(), f);
         bins.add(f, bins.span(f), corners.all());
@@ -105,9 +105,9 @@ TEST(ChoppedAxis, EqualsClippingToEachBin) {
   }
 }
 
-TEST(ChoppedAxis, CountsEntriesAndExits) {
+TEST(SpatialBins, CountsEntriesAndExits) {
   const std::array<float, 5> planes{0, 1, 2, 3, 4};
-  ChoppedAxis bins(0, planes);
+  SpatialBins bins(0, planes);
   const auto add = [&](float lo, float hi) {
     const Fragment f({{lo, 0, 0}, {hi, 1, 1}}, 0, 0);
     if (bins.meets(f)) bins.add(f, bins.span(f), {});
@@ -118,7 +118,7 @@ TEST(ChoppedAxis, CountsEntriesAndExits) {
   add(-1, 0);  // Beyond
   add(-1, 5);
   add(4, 5);  // Beyond
-  const ChoppedAxis::Sides sides = bins.sides({}, {});
+  const SpatialBins::Sides sides = bins.sides({}, {});
   const std::array<std::size_t, 5> left{0, 2, 3, 3, 3}, right{3, 2, 1, 1, 0};
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(sides.left[i].references, left[i]) << i;

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "accel/published/bvh/bvh_growth.h"
-#include "accel/published/bvh/early_split.h"
-#include "accel/published/bvh/edge_split.h"
 #include "tests/accel/published/bvh/fragments.h"
 #include "tests/support/random.h"
 

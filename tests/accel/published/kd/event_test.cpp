@@ -7,7 +7,6 @@
 #include <limits>
 #include <vector>
 
-#include "accel/published/kd/radix_sort.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::published::kd {

@@ -1,4 +1,5 @@
-// A ray prepared for one tree, and its tests against boxes.
+// The traversal of a kd-tree by a ray: a ray prepared for one tree, its tests against boxes, and
+// one loop for scene trees and mesh trees and for all kinds of query.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +8,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/local_ray.h"
+#include "accel/kdtree/deferred_cell.h"
+#include "accel/kdtree/kd_tree.h"
 
 namespace sightline::accel::kdtree {
 
@@ -78,6 +82,74 @@ inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit
     if (far < t_out) t_out = far;
   }
   return t_in <= t_out;
+}
+
+/// Visits, near to far, the cells that the ray enters.
+///
+/// `visit` supplies:
+///   bool leaf(span<const uint32_t> references)          true: stop the walk
+///   DeferredAction deferred(AtomicSlot&, const DeferredCell&)   what to do at a deferred slot
+///   double limit()                                      t beyond which nothing matters any more,
+///                                                       widened by the slack
+enum class DeferredAction {
+  kRetry,  ///< The cell is built now: read the slot again.
+  kDone,   ///< The cell is searched or skipped: continue with the next cell.
+  kStop,   ///< Stop the traversal.
+};
+
+template <class Visit>
+void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters& counters,
+          Visit& visit) {
+  struct Waiting {
+    AtomicSlot* slot;
+    double t_in, t_out;
+  };
+  std::array<Waiting, kMaxTreeDepth + 2> stack;
+  std::size_t waiting = 0;
+  AtomicSlot* at = &root;
+  double t_in = ray.t_in, t_out = ray.t_out;
+  for (;;) {
+    Slot slot = load(*at);
+    while (slot.is_binary()) {
+      ++counters.steps;
+      const auto axis = static_cast<std::size_t>(slot.axis());
+      const double t =
+          (static_cast<double>(slot.position()) - ray.local->origin[axis]) * ray.inverse[axis];
+      AtomicSlot* children = tree.children(slot);
+      const std::size_t first = ray.first[axis];
+      // A ray in the plane has t = NaN, which fails both tests: both sides are visited with the
+      // whole interval.
+      const bool skip_near = t + ray.slack < t_in;
+      const bool skip_far = t - ray.slack > t_out;
+      if (skip_near) {
+        at = &children[1 - first];
+      } else {
+        at = &children[first];
+        if (!skip_far) {
+          stack[waiting++] = {&children[1 - first], t - ray.slack > t_in ? t - ray.slack : t_in,
+                              t_out};
+          if (t + ray.slack < t_out) t_out = t + ray.slack;
+        }
+      }
+      slot = load(*at);
+    }
+    if (slot.is_leaf()) {
+      std::uint32_t storage;
+      if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
+    } else {
+      const DeferredAction next = visit.deferred(*at, *slot.cell());
+      if (next == DeferredAction::kRetry) continue;
+      if (next == DeferredAction::kStop) return;
+    }
+    const double limit = visit.limit();
+    do {
+      if (waiting == 0) return;
+      --waiting;
+    } while (stack[waiting].t_in > limit);
+    at = stack[waiting].slot;
+    t_in = stack[waiting].t_in;
+    t_out = stack[waiting].t_out;
+  }
 }
 
 }  // namespace sightline::accel::kdtree

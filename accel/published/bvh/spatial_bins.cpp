@@ -1,12 +1,12 @@
 // Each edge of an outline adds a point at every plane it crosses to the bins on both sides. These
 // points and the corners bound the parts of a flat convex outline.
-#include "accel/published/bvh/chopped_axis.h"
+#include "accel/published/bvh/spatial_bins.h"
 
 #include <algorithm>
 
 namespace sightline::accel::published::bvh {
 
-ChoppedAxis::ChoppedAxis(std::size_t axis, std::span<const float> planes)
+SpatialBins::SpatialBins(std::size_t axis, std::span<const float> planes)
     : axis_(axis), bins_(planes.size() - 1), most_(static_cast<float>(planes.size())) {
   std::copy(planes.begin(), planes.end(), planes_.begin());
   const double width = static_cast<double>(planes.back()) - static_cast<double>(planes.front());
@@ -14,7 +14,7 @@ ChoppedAxis::ChoppedAxis(std::size_t axis, std::span<const float> planes)
   per_width_ = width > 1e-36 ? static_cast<float>(static_cast<double>(bins_) / width) : 0;
 }
 
-void ChoppedAxis::add(const Fragment& f, const Span& span, std::span<const Lanes> corners) {
+void SpatialBins::add(const Fragment& f, const Span& span, std::span<const Lanes> corners) {
   ++enter_[span.first];
   ++leave_[span.last];
   if (span.is_cut()) {
@@ -24,7 +24,7 @@ void ChoppedAxis::add(const Fragment& f, const Span& span, std::span<const Lanes
   }
 }
 
-void ChoppedAxis::chop(std::span<const Lanes> corners, const Span& span) {
+void SpatialBins::chop(std::span<const Lanes> corners, const Span& span) {
   if (corners.empty()) return;
   const auto bin_of = [&](Lanes p) {
     return std::clamp(bin_above(p[axis_]), span.first, span.last);
@@ -47,7 +47,7 @@ void ChoppedAxis::chop(std::span<const Lanes> corners, const Span& span) {
   }
 }
 
-void ChoppedAxis::merge(const ChoppedAxis& o) {
+void SpatialBins::merge(const SpatialBins& o) {
   for (std::size_t i = 0; i < bins_ + 2; ++i) {
     inside_[i].grow(o.inside_[i]);
     enter_[i] += o.enter_[i];
@@ -56,14 +56,14 @@ void ChoppedAxis::merge(const ChoppedAxis& o) {
   for (std::size_t i = 0; i < bins_ + 1; ++i) cuts_[i].grow(o.cuts_[i]);
 }
 
-LaneBox ChoppedAxis::bounds(std::size_t bin) const {
+LaneBox SpatialBins::bounds(std::size_t bin) const {
   LaneBox box = inside_[bin + 1];
   box.grow(cuts_[bin]);
   box.grow(cuts_[bin + 1]);
   return box;
 }
 
-ChoppedAxis::Sides ChoppedAxis::sides(const SideSum& beyond_left,
+SpatialBins::Sides SpatialBins::sides(const SideSum& beyond_left,
                                       const SideSum& beyond_right) const {
   const auto with = [&](const SideSum& side, std::size_t bin, std::uint32_t references) {
     SideSum more = side;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/kdtree/tree_ray.h"
+#include "accel/kdtree/traverse.h"
 #include "accel/published/bvh/bvh.h"
 
 namespace sightline::accel::published::bvh {
