@@ -115,7 +115,7 @@ Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResp
   reply.clear_first_ray();
   reply.clear_more();
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    const Status made = pager_.next(*snapshot_, options, query_.fields, reply);
+    Status made = pager_.next(*snapshot_, options, query_.fields, reply);
     stats_ = pager_.stats();
     return made;
   }

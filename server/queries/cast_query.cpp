@@ -75,28 +75,28 @@ struct FieldsOfKind {
 };
 
 const FieldsOfKind& fields_of(QueryKind kind) {
-  static const FieldsOfKind closest{
+  static const FieldsOfKind kClosest{
       {},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
       {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind any{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind count{
+  static const FieldsOfKind kAny{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind kCount{
       {v1::HIT_FIELD_COUNT}, {}, {v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind all{
+  static const FieldsOfKind kAll{
       {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
       {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK}};
   switch (kind) {
     case QueryKind::kAny:
-      return any;
+      return kAny;
     case QueryKind::kCount:
-      return count;
+      return kCount;
     case QueryKind::kAll:
-      return all;
+      return kAll;
     case QueryKind::kClosest:
       break;
   }
-  return closest;
+  return kClosest;
 }
 
 bool contains(std::span<const v1::HitField> fields, v1::HitField field) {
@@ -175,9 +175,9 @@ Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy
   const auto culling = decode_culling(request.culling());
   if (!culling) return culling.error();
   CastQuery query{.kind = *kind, .growth = *growth, .culling = *culling};
-  if (Status good = decode_fields(request, query); !good) return good.error();
-  if (Status good = decode_max_hits(request, query); !good) return good.error();
-  if (Status good = decode_nodes(request, query); !good) return good.error();
+  if (const Status good = decode_fields(request, query); !good) return good.error();
+  if (const Status good = decode_max_hits(request, query); !good) return good.error();
+  if (const Status good = decode_nodes(request, query); !good) return good.error();
   return query;
 }
 

@@ -41,7 +41,7 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   if (removed()) return removed_error();
   std::vector<RecentRevisions::SnapshotPointer> dropped;
   auto before = scene_.snapshot();
-  if (Status good = check_deformed(*before, updates); !good) return good.error();
+  if (const Status good = check_deformed(*before, updates); !good) return good.error();
   auto unsettled = recent_.retain(before);
   auto applied = scene_.apply(updates, expected_revision);
   if (applied) {
