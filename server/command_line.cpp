@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 #include "server/listen_address.h"
 
 namespace sightline::server {

@@ -6,7 +6,7 @@
 
 #include <charconv>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server {
 

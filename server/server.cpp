@@ -19,7 +19,7 @@
 #include "server/blobs/blob_store.h"
 #include "server/blobs/upload_rpc.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "server/listen_address.h"
 #include "server/queries/cast_rpc.h"
 #include "server/queries/query_codec.h"

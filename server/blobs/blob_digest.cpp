@@ -7,7 +7,7 @@
 #include <charconv>
 #include <new>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server::blobs {
 namespace {

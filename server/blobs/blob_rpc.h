@@ -6,7 +6,7 @@
 
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server::blobs {

@@ -8,8 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "server/exec/quote.h"
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::blobs {

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "server/blobs/blob_store.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server::blobs {

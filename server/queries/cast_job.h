@@ -12,7 +12,7 @@
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_pager.h"
 #include "server/scenes/revision_wait.h"

@@ -4,7 +4,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_rpc.h"
 #include "server/queries/stream_cast_rpc.h"

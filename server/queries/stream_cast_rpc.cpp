@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
 #include "server/scenes/revision_wait.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server::scenes {
 namespace {

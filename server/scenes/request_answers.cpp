@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 
 namespace sightline::server::scenes {
 

@@ -14,7 +14,7 @@
 #include "accel/result.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/common.pb.h"
 

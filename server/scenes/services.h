@@ -8,7 +8,7 @@
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "server/scenes/scene_store.h"
 
 namespace sightline::server::scenes {

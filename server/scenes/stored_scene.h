@@ -12,8 +12,7 @@
 
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/scene.h"
-#include "server/exec/compute.h"
-#include "server/exec/strand.h"
+#include "server/exec/executors.h"
 #include "server/scenes/producers.h"
 #include "server/scenes/recent_revisions.h"
 #include "server/scenes/request_answers.h"

@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/update_codec.h"
 

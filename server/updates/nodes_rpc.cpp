@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/scenes/revision_wait.h"
 #include "server/updates/scene_codec.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 #include "server/scenes/names.h"
 #include "server/updates/apply_rpc.h"

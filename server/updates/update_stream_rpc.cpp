@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_session.h"
 #include "server/updates/update_answers.h"

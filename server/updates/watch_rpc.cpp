@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/watch_cursor.h"
 
