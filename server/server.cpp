@@ -17,7 +17,6 @@
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
-#include "server/blobs/upload_rpc.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
 #include "server/listen_address.h"

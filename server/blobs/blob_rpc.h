@@ -1,6 +1,7 @@
-// BlobService.
+// BlobService: which meshes the server has, and uploads of them.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 namespace sightline::server::blobs {
 
 inline constexpr int kMaxDigestsPerRequest = 8192;
+inline constexpr std::size_t kMaxBlobChunk = std::size_t{1} << 20;  ///< Bytes of data in a message.
 
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:
