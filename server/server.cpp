@@ -22,8 +22,8 @@
 #include "server/listen_address.h"
 #include "server/queries/cast_rpc.h"
 #include "server/queries/query_codec.h"
-#include "server/scenes/memory_scene_store.h"
 #include "server/scenes/revision_wait.h"
+#include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
 #include "server/state_files.h"
 #include "server/updates/info_rpc.h"
@@ -150,7 +150,7 @@ struct Server::Parts {
   const ServerConfig config;
   exec::Admission admission, all_hits_admission;
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
-  scenes::MemorySceneStore scenes;
+  scenes::SceneStore scenes;
   blobs::BlobStore blobs;
   exec::Compute compute;
   const scenes::Services services{.scenes = scenes,

@@ -9,7 +9,7 @@
 #include "accel/result.h"
 #include "scenegraph/scene.h"
 #include "server/exec/executors.h"
-#include "server/scenes/producers.h"
+#include "server/scenes/idempotency.h"
 #include "server/scenes/stored_scene.h"
 #include "server/updates/update_batches.h"
 

@@ -3,7 +3,7 @@
 
 #include "accel/result.h"
 #include "scenegraph/revision/snapshot.h"
-#include "server/scenes/revision_token.h"
+#include "server/scenes/names.h"
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/scene.pb.h"
 

@@ -8,8 +8,8 @@
 
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
-#include "server/scenes/producers.h"
-#include "server/scenes/revision_token.h"
+#include "server/scenes/idempotency.h"
+#include "server/scenes/names.h"
 #include "sightline/v1/scene.pb.h"
 
 namespace sightline::server::updates {

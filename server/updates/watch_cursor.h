@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "accel/result.h"
+#include "server/scenes/history.h"
 #include "server/scenes/stored_scene.h"
-#include "server/scenes/update_log.h"
 #include "sightline/v1/scene.pb.h"
 
 namespace sightline::server::updates {
