@@ -21,6 +21,14 @@ Error bad_name(std::string_view name, std::string_view shape) {
           "BAD_RESOURCE_NAME"};
 }
 
+/// Whether the text matches [a-z0-9][a-z0-9._-]{0,62}.
+bool is_id(std::string_view text) {
+  const auto alphanumeric = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  return !text.empty() && text.size() <= kMaxId && alphanumeric(text.front()) &&
+         std::all_of(text.begin(), text.end(),
+                     [&](char c) { return alphanumeric(c) || c == '.' || c == '_' || c == '-'; });
+}
+
 Status check_id(std::string_view what, std::string_view id) {
   if (is_id(id)) return {};
   return Error{
@@ -38,13 +46,6 @@ bool parse_number(std::string_view digits, int base, std::uint64_t& number) {
 }
 
 }  // namespace
-
-bool is_id(std::string_view text) {
-  const auto alphanumeric = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
-  return !text.empty() && text.size() <= kMaxId && alphanumeric(text.front()) &&
-         std::all_of(text.begin(), text.end(),
-                     [&](char c) { return alphanumeric(c) || c == '.' || c == '_' || c == '-'; });
-}
 
 Status check_scene_name(std::string_view name) {
   const std::size_t scenes = name.find(kScenes);

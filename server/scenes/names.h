@@ -12,9 +12,6 @@ namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxId = 63;  ///< Bytes of a project or scene id.
 
-/// Whether the text matches [a-z0-9][a-z0-9._-]{0,62}.
-bool is_id(std::string_view text);
-
 /// Errors: kInvalidArgument, naming the part that is wrong and what it should match.
 Status check_scene_name(std::string_view name);
 
