@@ -11,7 +11,7 @@
 #include "server/exec/executors.h"
 #include "server/scenes/idempotency.h"
 #include "server/scenes/stored_scene.h"
-#include "server/updates/update_batches.h"
+#include "server/updates/producer_messages.h"
 
 namespace sightline::server::updates {
 
