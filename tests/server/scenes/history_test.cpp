@@ -53,7 +53,7 @@ std::shared_ptr<const scenegraph::revision::Snapshot> revision(std::uint64_t num
                                                                 scenegraph::hierarchy::Hierarchy{});
 }
 
-TEST(RecentRevisions, KeepsSoMany) {
+TEST(RecentRevisions, AreBoundedInNumber) {
   RecentRevisions recent({.revisions = 3});
   EXPECT_EQ(recent.oldest_or(7), 7u);
   for (std::uint64_t i = 0; i < 5; ++i) {
@@ -68,7 +68,7 @@ TEST(RecentRevisions, KeepsSoMany) {
   EXPECT_EQ(recent.oldest_or(7), 2u);
 }
 
-TEST(RecentRevisions, KeepsSoManyBytes) {
+TEST(RecentRevisions, AreBoundedInBytes) {
   RecentRevisions recent({.revisions = 100, .bytes = 100});
   const auto publish = [&](std::uint64_t number, std::uint64_t bytes) {
     EXPECT_EQ(recent.retain(revision(number)), nullptr);
@@ -109,7 +109,7 @@ std::vector<Update> patch(std::size_t vertices) {
   return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
 }
 
-TEST(UpdateLog, KeepsSoMany) {
+TEST(UpdateLog, IsBoundedInNumber) {
   UpdateLog log({.revisions = 3});
   EXPECT_EQ(log.last(), 0u);
   EXPECT_FALSE(log.find(0));
@@ -126,7 +126,7 @@ TEST(UpdateLog, KeepsSoMany) {
   }
 }
 
-TEST(UpdateLog, KeepsSoManyBytesAndTheLastInAnyCase) {
+TEST(UpdateLog, IsBoundedInBytesButKeepsTheNewest) {
   UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
   for (int i = 0; i < 5; ++i) log.add(patch(1000));
   EXPECT_FALSE(log.find(2));
