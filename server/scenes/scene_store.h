@@ -13,12 +13,13 @@
 
 namespace sightline::server::scenes {
 
+/// A part of a list of scenes.
 struct ScenePage {
   std::vector<std::shared_ptr<StoredScene>> scenes;  ///< By name.
   std::string next;  ///< The last name of this page if more follow, else empty.
 };
 
-/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. A
+/// The caller checks names (server/scenes/names.h). Threads: any, for every member. A
 /// pointer to a scene keeps it alive after its removal.
 class SceneStore {
  public:

@@ -42,15 +42,16 @@ class SceneEvents {
 
 enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
 
-/// Recorded as given. No value is converted with it.
+/// What a scene was created with. The axis and the unit are recorded as given; no value is
+/// converted with them.
 struct SceneInfo {
   std::string name;  ///< Resource name.
   UpAxis up_axis = UpAxis::kUnspecified;
   double meters_per_unit = 0;  ///< 0: unknown.
 };
 
-/// Made by std::make_shared. apply(), answers() and producers() may only be used by tasks of
-/// write_queue(). Threads: any, for every other member.
+/// A scene that clients can name. Must be made by std::make_shared. apply(), answers() and
+/// producers() may only be used by tasks of write_queue(). Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
   explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}

@@ -13,6 +13,7 @@ namespace sightline::server::updates {
 /// kInvalidArgument.
 Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene);
 
+/// Sets what is recorded of the scene, and its summary.
 void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
                   const scenegraph::revision::SceneSummary& summary, v1::Scene& scene);
 v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);
