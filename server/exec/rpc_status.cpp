@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <string>
+#include <utility>
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -58,6 +59,10 @@ std::string cut(const std::string& message) {
 }
 
 }  // namespace
+
+Error invalid_argument(std::string message, std::string reason) {
+  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
+}
 
 std::string reason_of(const Error& error) {
   return error.reason.empty() ? grpc_code(error.code).name : error.reason;

@@ -17,6 +17,9 @@ inline constexpr const char* kErrorDomain = "sightline";
 /// Bytes. Longer messages are cut: a status travels in HTTP/2 trailers, and peers limit their size.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 
+/// An error with the code kInvalidArgument.
+Error invalid_argument(std::string message, std::string reason);
+
 /// The Status that work() returns, kResourceExhausted for std::bad_alloc, or kInternal for any
 /// other exception. Tasks and reactors use it because no exception may leave them.
 template <class Work>

@@ -17,10 +17,6 @@
 namespace sightline::server::updates {
 namespace {
 
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
-
 /// The call as a whole. States only follow each other in this order; some may be left out.
 enum class State : std::uint8_t {
   kAwaitingOpen,  ///< The first message has not arrived.
@@ -102,11 +98,13 @@ class UpdateStream final
   Status accept(Received& received) {
     if (request_.has_open()) {
       if (scene_ != nullptr)
-        return invalid("only the first message may open a producer", "OPENED_TWICE");
+        return exec::invalid_argument("only the first message may open a producer", "OPENED_TWICE");
       return open(request_.open());
     }
-    if (!request_.has_batch()) return invalid("a message says nothing", "EMPTY_MESSAGE");
-    if (scene_ == nullptr) return invalid("the first message must open a producer", "NOT_OPENED");
+    if (!request_.has_batch())
+      return exec::invalid_argument("a message says nothing", "EMPTY_MESSAGE");
+    if (scene_ == nullptr)
+      return exec::invalid_argument("the first message must open a producer", "NOT_OPENED");
     const auto completed = batches_.accept(request_.batch());
     if (!completed) return completed.error();
     received = *completed;
