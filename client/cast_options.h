@@ -42,7 +42,7 @@ struct BasicHitColumns {
   Span<float> barycentric{};        ///< (n, 2) weights of vertices 1 and 2
   Span<float> normal{};             ///< (n, 3) geometric unit normal by winding, in world space
   Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray
-  Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kMetUnbuilt
+  Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kSawDeferred
   Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount: a bad ray
 };
 using HitColumns = BasicHitColumns<false>;
@@ -59,7 +59,7 @@ inline constexpr std::uint8_t kCutOff = 3;
 /// A value of `count`: a bad ray.
 inline constexpr std::uint32_t kInvalidCount = 0xffffffff;
 /// A bit of `work`: the ray met a cell that is not built.
-inline constexpr std::uint32_t kMetUnbuilt = 0x80000000;
+inline constexpr std::uint32_t kSawDeferred = 0x80000000;
 
 /// Which columns an answer contains.
 struct HitFields {
@@ -139,11 +139,11 @@ struct RayShape {
   bool masks = false;
 };
 
-/// Writes the next k rays into the first rows of `room`, which has kRaysPerMessage rows, and
+/// Writes the next k rays into the first rows of `buffer`, which has kRaysPerMessage rows, and
 /// returns k. 0 ends the stream. An error also ends it, and the cast returns it. Called in order,
 /// on a thread of the cast.
 template <class Scalar>
-using RaySource = std::function<Result<std::size_t>(const RayColumns<Scalar>& room)>;
+using RaySource = std::function<Result<std::size_t>(const RayColumns<Scalar>& buffer)>;
 
 /// Takes the answers to `count` rays, beginning with ray `first`, in order, on the calling thread.
 /// For kAll they have `offsets` and `hit`. An error ends the cast, which returns it.

@@ -35,8 +35,8 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot,
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
   const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
-      return caster.cast(rays[i], at_busy, hits[i]);
+    answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
+      return caster.cast(rays[i], when_pending, hits[i]);
     });
   };
   return query::answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
@@ -47,8 +47,8 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
-      const std::optional<RayTally> tally = caster.count(rays[i], at_busy);
+    answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
+      const std::optional<RayTally> tally = caster.count(rays[i], when_pending);
       if (tally) tallies[i] = *tally;
       return tally.has_value();
     });

@@ -73,17 +73,17 @@ inline float least_above(float x) {
 
 /// The same box with a positive, normal extent on every axis and no denormal bound, never smaller.
 ///
-/// This is what makes strict comparison with a plane a safe rule of membership
-/// (docs/decisions/0001): a flat box would lie on neither side of a plane through it, one widened
-/// by a float lies on one. Not depending on denormals makes the rule the same with flush-to-zero on
-/// or off. A thin box that is not flat gets two floats at least, so that an extent of one float
-/// says "flat".
+/// This makes strict comparison with a plane a safe rule of membership (docs/decisions/0001): a
+/// flat box would lie on neither side of a plane through it, but a box widened by one float lies on
+/// one side. The result does not depend on denormals, so the rule is the same with flush-to-zero on
+/// or off. A thin box that is not flat gets an extent of at least two floats, so that an extent of
+/// one float always means "flat".
 inline Aabb widen_flat(Aabb b) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   for (std::size_t a = 0; a < 3; ++a) {
     float& lo = b.lo[a];
     float& hi = b.hi[a];
-    // By bits: where denormals count as zero, comparing does not see them.
+    // Compares bits: a float comparison does not see denormals where they count as zero.
     const auto zero = [](float x) { return std::bit_cast<std::uint32_t>(x) << 1 == 0; };
     const bool flat = lo == hi && ((zero(lo) && zero(hi)) || std::fabs(lo) >= kTiny);
     if (lo > -kTiny && lo < kTiny) lo = std::signbit(lo) && !zero(lo) ? -kTiny : 0.0f;

@@ -1,4 +1,4 @@
-// Clipping a triangle to a box, one face after the other. Source: Sutherland, Hodgman 1974.
+// Clips a triangle to a box, one face after the other. Source: Sutherland, Hodgman 1974.
 #include "accel/geometry/clip.h"
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 namespace sightline::accel::geometry {
 namespace {
 
-/// Without a value to begin with, unlike Vec3d: clearing two polygons takes a tenth of the time.
+/// Not initialised, unlike Vec3d: clearing two polygons would take a tenth of the time.
 using Corner = std::array<double, 3>;
 
-/// Six cuts add at most one corner each to three.
+/// A triangle has three corners, and each of six cuts adds at most one.
 struct Polygon {
   std::array<Corner, 9> at;
   std::size_t size;
@@ -21,8 +21,8 @@ struct Polygon {
   }
 };
 
-/// Keeps the part with sign * (x[axis] - position) <= 0. Returns whether that is less than all;
-/// else `out` is not set.
+/// Keeps the part with sign * (x[axis] - position) <= 0. Returns false, and leaves `out` unset, if
+/// that is the whole polygon.
 bool cut(const Polygon& in, std::size_t axis, double sign, double position, Polygon& out) {
   std::array<double, 9> beyond;
   bool cuts = false;
@@ -77,11 +77,11 @@ double clipped_area(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Aabb& 
 
 std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& c,
                                    const Aabb& cell) {
-  std::array<Polygon, 2> polygons;  // what is cut, and what comes of it, in turn
+  std::array<Polygon, 2> polygons;  // input and output of a cut, in turn
   std::size_t now = 0;
   set_triangle(a, b, c, polygons[0]);
-  // The corners that cutting makes are off by a few roundings of the largest coordinate: cutting a
-  // little outside the cell, and widening what comes out by as much, keeps every true point.
+  // New corners are off by a few roundings of the largest coordinate. Cutting slightly outside the
+  // cell, and widening the result by as much, keeps every true point.
   Vec3d whole_lo, whole_hi;
   double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -91,7 +91,7 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
   }
   const double slack = largest * 0x1p-48;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // A face that the triangle does not reach beyond cuts nothing off.
+    // A face of the cell that the triangle does not cross needs no cut.
     const double lo = static_cast<double>(cell.lo[axis]) - slack,
                  hi = static_cast<double>(cell.hi[axis]) + slack;
     if (whole_lo[axis] < lo && cut(polygons[now], axis, -1, lo, polygons[1 - now])) now = 1 - now;
@@ -106,7 +106,7 @@ std::optional<Aabb> clipped_bounds(const Vec3f& a, const Vec3f& b, const Vec3f& 
       lo = std::min(lo, polygon.at[i][axis]);
       hi = std::max(hi, polygon.at[i][axis]);
     }
-    // What was cut is widened, but never beyond the triangle, whose own bounds are exact.
+    // The result is widened, but not beyond the bounds of the triangle, which are exact.
     box.lo[axis] = std::max(round_down(std::max(lo - slack, whole_lo[axis])), cell.lo[axis]);
     box.hi[axis] = std::min(round_up(std::min(hi + slack, whole_hi[axis])), cell.hi[axis]);
     if (box.lo[axis] > box.hi[axis]) return std::nullopt;

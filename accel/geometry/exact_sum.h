@@ -2,8 +2,8 @@
 // first, whose unevaluated sum is the value. Source: Shewchuk 1997, "Adaptive Precision
 // Floating-Point Arithmetic and Fast Robust Geometric Predicates", sections 2.3 to 2.7.
 //
-// Exact as long as nothing overflows or falls below the smallest normal double; LocalRay keeps its
-// numbers in a range where neither can happen. For rare use: clarity over speed.
+// Exact unless a value overflows or falls below the smallest normal double; LocalRay keeps its
+// numbers in a range where neither can happen. Rarely used, so written for clarity, not speed.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@
 namespace sightline::accel::geometry {
 
 /// At most kCapacity terms; the largest value built here is the numerator of t with 3 * 64 terms.
-class Expansion {
+class ExactSum {
  public:
   static constexpr std::size_t kCapacity = 320;
 
-  Expansion() = default;
-  explicit Expansion(double x) { add(x); }
+  ExactSum() = default;
+  explicit ExactSum(double x) { add(x); }
 
   /// a - b, exactly.
-  static Expansion difference(double a, double b) {
-    Expansion e(a);
+  static ExactSum difference(double a, double b) {
+    ExactSum e(a);
     e.add(-b);
     return e;
   }
@@ -45,10 +45,10 @@ class Expansion {
     size_ = kept;
   }
 
-  void add(const Expansion& other) {
+  void add(const ExactSum& other) {
     for (std::size_t i = 0; i < other.size_; ++i) add(other.terms_[i]);
   }
-  void subtract(const Expansion& other) {
+  void subtract(const ExactSum& other) {
     for (std::size_t i = 0; i < other.size_; ++i) add(-other.terms_[i]);
   }
 
@@ -58,14 +58,14 @@ class Expansion {
     add(std::fma(a, b, -product));
     add(product);
   }
-  void add_product(const Expansion& a, const Expansion& b) {
+  void add_product(const ExactSum& a, const ExactSum& b) {
     for (std::size_t i = 0; i < a.size_; ++i) {
       for (std::size_t j = 0; j < b.size_; ++j) add_product(a.terms_[i], b.terms_[j]);
     }
   }
   /// Adds a * b * c.
-  void add_product(const Expansion& a, const Expansion& b, const Expansion& c) {
-    Expansion ab;
+  void add_product(const ExactSum& a, const ExactSum& b, const ExactSum& c) {
+    ExactSum ab;
     ab.add_product(a, b);
     add_product(ab, c);
   }

@@ -1,4 +1,5 @@
-// The sign of a determinant: by doubles with a proven bound, then exactly.
+// The sign of a determinant: in doubles with a proven error bound, exactly where that does not
+// decide.
 #include "accel/geometry/facing.h"
 
 #include <cmath>
@@ -8,8 +9,8 @@
 namespace sightline::accel::geometry {
 namespace {
 
-// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2| in
-// the maximum norm, |d| < 2.
+// As in the hit rule: seven roundings on the longest path, six terms of at most |d| |e1| |e2|
+// (maximum norm), and |d| < 2.
 constexpr double kSignError = 0x1p-46;
 
 double max_norm(const Vec3d& v) {
@@ -17,12 +18,12 @@ double max_norm(const Vec3d& v) {
 }
 
 int exact_facing(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  Expansion plus, minus;
+  ExactSum plus, minus;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    const Expansion d(ray.direction[i]);
-    plus.add_product(Expansion::difference(b[j], a[j]), Expansion::difference(c[k], a[k]), d);
-    minus.add_product(Expansion::difference(b[k], a[k]), Expansion::difference(c[j], a[j]), d);
+    const ExactSum d(ray.direction[i]);
+    plus.add_product(ExactSum::difference(b[j], a[j]), ExactSum::difference(c[k], a[k]), d);
+    minus.add_product(ExactSum::difference(b[k], a[k]), ExactSum::difference(c[j], a[j]), d);
   }
   plus.subtract(minus);
   return plus.sign();

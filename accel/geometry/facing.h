@@ -7,21 +7,20 @@
 
 namespace sightline::accel::geometry {
 
-/// Hits that do not exist for a query. The front is the side that shows its corners
-/// counterclockwise.
+/// Which side of triangles a query ignores. Seen from the front, the corners run counterclockwise.
 enum class Culling : std::uint8_t { kNone, kBack, kFront };
 
-/// With kBack and kFront exchanged: for a frame that is mirrored.
+/// Exchanges kBack and kFront, for a mirrored frame.
 constexpr Culling turned(Culling culling) {
   if (culling == Culling::kNone) return culling;
   return culling == Culling::kBack ? Culling::kFront : Culling::kBack;
 }
 
 /// The exact sign of N . d with N = (b - a) x (c - a): -1 where the ray meets the front, 1 where it
-/// meets the back, 0 where it runs edge-on, which no hit does. Vertices must be finite.
+/// meets the back, 0 where it runs edge-on (never the case for a hit). Vertices must be finite.
 int facing(const LocalRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c);
 
-/// Whether a hit of this triangle does not exist.
+/// Whether the query ignores a hit of this triangle.
 inline bool is_culled(Culling culling, const LocalRay& ray, const Vec3f& a, const Vec3f& b,
                       const Vec3f& c) {
   return culling != Culling::kNone && facing(ray, a, b, c) == (culling == Culling::kBack ? 1 : -1);

@@ -1,4 +1,5 @@
-// The hit rule: signs first by doubles with a proven bound, then exactly.
+// The hit rule: signs are computed in doubles with a proven error bound, exactly where that does
+// not decide.
 #include "accel/geometry/intersect.h"
 
 #include <algorithm>
@@ -13,32 +14,31 @@ namespace {
 // Where |N . d| is below this share of |e1| |e2|, t is computed exactly: see kHitError.
 constexpr double kEdgeOn = 0x1p-16;
 
-std::array<Expansion, 3> difference(const Vec3d& a, const Vec3d& b) {
-  return {Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y),
-          Expansion::difference(a.z, b.z)};
+std::array<ExactSum, 3> difference(const Vec3d& a, const Vec3d& b) {
+  return {ExactSum::difference(a.x, b.x), ExactSum::difference(a.y, b.y),
+          ExactSum::difference(a.z, b.z)};
 }
 
-std::array<Expansion, 3> cross(const std::array<Expansion, 3>& p,
-                               const std::array<Expansion, 3>& q) {
-  std::array<Expansion, 3> result;
+std::array<ExactSum, 3> cross(const std::array<ExactSum, 3>& p, const std::array<ExactSum, 3>& q) {
+  std::array<ExactSum, 3> result;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
     result[i].add_product(p[j], q[k]);
-    Expansion minus;
+    ExactSum minus;
     minus.add_product(p[k], q[j]);
     result[i].subtract(minus);
   }
   return result;
 }
 
-Expansion dot(const std::array<Expansion, 3>& p, const std::array<Expansion, 3>& q) {
-  Expansion sum;
+ExactSum dot(const std::array<ExactSum, 3>& p, const std::array<ExactSum, 3>& q) {
+  ExactSum sum;
   for (std::size_t i = 0; i < 3; ++i) sum.add_product(p[i], q[i]);
   return sum;
 }
 
-std::array<Expansion, 3> exactly(const Vec3d& v) {
-  return {Expansion(v.x), Expansion(v.y), Expansion(v.z)};
+std::array<ExactSum, 3> exactly(const Vec3d& v) {
+  return {ExactSum(v.x), ExactSum(v.y), ExactSum(v.z)};
 }
 
 /// Sign of det[d, a - o, b - o] for the ray with its origin moved by (e, e^2, e^3): the determinant
@@ -50,7 +50,7 @@ int exact_sign(const LocalRay& ray, const Vec3d& a, const Vec3d& b) {
   const int sign = dot(d, cross(difference(a, ray.origin), difference(b, ray.origin))).sign();
   if (sign != 0) return sign;
   const auto gradient = cross(difference(a, b), d);
-  for (const Expansion& component : gradient) {
+  for (const ExactSum& component : gradient) {
     if (component.sign() != 0) return component.sign();
   }
   return 0;
@@ -70,7 +70,7 @@ double exact_t(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d&
          dot(normal, exactly(ray.direction)).estimate();
 }
 
-/// The shares of det[d, c - o, a - o] and det[d, a - o, b - o] in N . d, likewise.
+/// det[d, c - o, a - o] and det[d, a - o, b - o] divided by N . d, computed exactly.
 Barycentric exact_weights(const LocalRay& ray, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const auto d = exactly(ray.direction);
   const auto pa = difference(a, ray.origin), pb = difference(b, ray.origin),
@@ -104,8 +104,9 @@ double intersect_survivor(const LocalRay& ray, const Vec3f& af, const Vec3f& bf,
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& af, const Vec3f& bf,
                         const Vec3f& cf) {
   const Vec3d a(af), b(bf), c(cf);
-  // Around the hit point the numbers are of the triangle's size, not of the ray's length. By way of
-  // the origin, so that the distance from the frame's zero does not count either.
+  // Relative to the hit point, coordinates are as large as the triangle, not as the ray's length.
+  // The origin is subtracted first, so that the distance from the frame's zero does not matter
+  // either.
   const Vec3d p = ray.direction * t;
   const Vec3d pa = (a - ray.origin) - p, pb = (b - ray.origin) - p, pc = (c - ray.origin) - p;
   const double wa = dot(ray.direction, cross(pb, pc));

@@ -1,6 +1,5 @@
-// The hit rule: whether a ray meets a triangle, and where. A pure function of the two, the same
-// whichever cell, builder, thread or SIMD target led to the question. docs/hit_rule.md has the
-// argument.
+// The hit rule: whether a ray meets a triangle, and where. A pure function of ray and triangle: it
+// does not depend on the cell, builder, thread or SIMD target. docs/hit_rule.md has the proof.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +10,8 @@
 
 namespace sightline::accel::geometry {
 
-/// t of the hit in local units (see LocalRay), or nothing. t may be negative: limits are the
-/// caller's.
+/// Returns t of the hit in local units (see LocalRay), or nothing. t may be negative: the caller
+/// applies limits.
 ///
 /// A hit is decided by the exact signs of det[d, a - o, b - o] over the three edges: all the same
 /// is a hit. A zero is resolved as if the origin were moved by (e, e^2, e^3) for an infinitely
@@ -24,19 +23,18 @@ inline std::optional<double> intersect(const LocalRay& ray, const Vec3f& a, cons
 
 inline constexpr double kHitError = 0x1p-30;
 
-/// Weights of vertices 1 and 2 at a hit; both >= 0, sum <= 1. The point that they name is off the
-/// hit by at most 16 kHitError times the largest |v - o|.
+/// Weights of vertices 1 and 2 at a hit; both >= 0, sum <= 1. The point they give is off the hit by
+/// at most 16 kHitError times the largest |v - o|.
 struct Barycentric {
   double u = 0, v = 0;
 };
 Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& a, const Vec3f& b,
                         const Vec3f& c);
 
-// The first look, inline: by far the most triangles asked about show two certain and opposite
-// signs.
+// The first test is inline: most triangles have two certain and opposite signs, which is a miss.
 //
 // The computed determinant has seven roundings on its longest path, each at most 2^-53 of a term,
-// and six terms of at most |d| |p| |q| in the maximum norm; |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
+// and six terms of at most |d| |p| |q| (maximum norm); |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
 inline constexpr double kSignError = 0x1p-46;
 
 inline double max_norm(const Vec3d& v) {

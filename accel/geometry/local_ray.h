@@ -12,7 +12,8 @@
 
 namespace sightline::accel::geometry {
 
-/// Coordinates beyond kLargest are no rays; components below kSmallest are taken as zero.
+/// A ray with a coordinate beyond kLargestRay is invalid; components below kSmallestRay are taken
+/// as zero.
 inline constexpr double kLargestRay = 0x1p+250;
 inline constexpr double kSmallestRay = 0x1p-250;
 
@@ -37,14 +38,14 @@ inline bool set_local_origin(const Vec3d& origin, LocalRay& ray) {
 
 /// Sets `ray`; false for a direction that is zero or not finite, or an origin out of range.
 ///
-/// Every number goes straight to its place: the walk reads them at once, and a reading that is
-/// wider than the writing before it waits until that has left the processor.
+/// Numbers are written directly to `ray`: the traversal reads them at once, and a load that is
+/// wider than the stores before it would wait for them (store forwarding fails).
 inline bool set_local_ray(const Vec3d& origin, const Vec3d& direction, LocalRay& ray) {
   const double most =
       std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});
   if (!is_finite(direction) || !(most > 0)) return false;
   const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(most) >> 52) - 1023;
-  // A direction this short or long has no use, and its unit would not be a normal double.
+  // The unit of a direction this short or long would not be a normal double.
   if (exponent < -1000 || exponent > 1000 || !set_local_origin(origin, ray)) return false;
   const auto settled = [](double x) { return std::fabs(x) < kSmallestRay ? 0.0 : x; };
   const double unit = std::bit_cast<double>(static_cast<std::uint64_t>(1023 - exponent) << 52);
@@ -55,7 +56,7 @@ inline bool set_local_ray(const Vec3d& origin, const Vec3d& direction, LocalRay&
   return true;
 }
 
-/// The same; nothing where that is false.
+/// As set_local_ray; nothing where that returns false.
 inline std::optional<LocalRay> make_local_ray(const Vec3d& origin, const Vec3d& direction) {
   std::optional<LocalRay> ray(std::in_place);
   if (!set_local_ray(origin, direction, *ray)) ray.reset();

@@ -1,4 +1,4 @@
-// A ray query and its answer, as the scene level and the wire see them.
+// A ray query and its answer, as used by the scene level and the wire.
 #pragma once
 
 #include <cstdint>
@@ -33,11 +33,11 @@ struct Hit {
   float v = 0;                  ///< Weight of the face's vertex 2.
   Vec3f normal;                 ///< Geometric, unit, by winding, in scene coordinates.
   std::uint32_t work =
-      0;  ///< Traversal steps plus triangle tests spent on this ray; see kWorkUnbuilt.
+      0;  ///< Traversal steps plus triangle tests spent on this ray; see kWorkDeferred.
   HitState state = HitState::kMiss;
 };
 
-/// Set in Hit::work when the ray met a cell that is not built yet.
-inline constexpr std::uint32_t kWorkUnbuilt = 0x80000000u;
+/// Flag in Hit::work: the ray met a cell that is not built yet.
+inline constexpr std::uint32_t kWorkDeferred = 0x80000000u;
 
 }  // namespace sightline::accel::geometry

@@ -1,4 +1,4 @@
-// What the builder and the intersector see of a mesh: two arrays, owned by somebody else.
+// A mesh as builders and the hit rule use it: two arrays, not owned.
 #pragma once
 
 #include <array>

@@ -20,27 +20,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-std::uint64_t possible_hits(const MeshView&, const ShearedRay&, std::span<const std::uint32_t>) {
+std::uint64_t candidate_mask(const MeshView&, const ShearedRay&, std::span<const std::uint32_t>) {
   return ~std::uint64_t{0};
 }
 
 #else
 
-/// Numbers too small to be normal are off by less than this.
+/// Bounds the error of numbers too small to be normal.
 constexpr float kTiny = 0x1p-100f;
 
-/// A corner of each of many triangles, as seen.
+/// One corner of each of several triangles, projected.
 template <class D>
-struct Seen {
+struct Projected {
   hn::Vec<D> x, y;
 
   HWY_INLINE hn::Vec<D> size() const { return hn::Max(hn::Abs(x), hn::Abs(y)); }
-  HWY_INLINE hn::Vec<D> edge(const Seen& to) const {
+  HWY_INLINE hn::Vec<D> edge(const Projected& to) const {
     return hn::Sub(hn::Mul(x, to.y), hn::Mul(y, to.x));
   }
 };
 
-/// A corner of many faces, by fours: of faces 0, 4, 8, ... three coordinates and what is behind.
+/// Loads one corner of faces 0, 4, 8, ...: three coordinates and the float behind them.
 template <class D>
 HWY_INLINE hn::Vec<D> load_fours(D d, const MeshView& mesh, const std::uint32_t* faces,
                                  std::size_t corner) {
@@ -53,7 +53,7 @@ HWY_INLINE hn::Vec<D> load_fours(D d, const MeshView& mesh, const std::uint32_t*
   }
 }
 
-/// As many triangles as D has lanes, which are a multiple of four. kZ: ShearedRay::z.
+/// One triangle for each lane of D; the lane count is a multiple of four. kZ: ShearedRay::z.
 template <std::size_t kZ, class D>
 class Triangles {
  public:
@@ -62,20 +62,20 @@ class Triangles {
 
   explicit Triangles(const ShearedRay& ray) : ray_(ray) {}
 
-  /// Bit i: not certainly missed.
+  /// Bit i is set if triangle i is not certainly missed.
   ///
-  /// The bound, with u = 2^-24 and all sizes taken as computed: a vertex relative to the origin is
-  /// off by error / 2 and its rounding; as it is seen, by `error` and six roundings of the largest
-  /// coordinate n, so by E = error + 8 u n. Of the two products of an edge function, each is off by
-  /// 2 E m + E^2 where m is the largest coordinate as seen, and they and their difference are
-  /// rounded by 4 u m^2. 4.25 E (m + E) + 8 u m^2 is above the sum. Numbers too large make it
-  /// infinite or NaN, and then nothing is a miss.
+  /// The error bound, with u = 2^-24 and all sizes as computed. A vertex relative to the origin is
+  /// off by error / 2 and its rounding. A projected vertex is off by `error` and six roundings of
+  /// the largest coordinate n, so by E = error + 8 u n. Each of the two products of an edge
+  /// function is off by 2 E m + E^2, where m is the largest projected coordinate; rounding them and
+  /// their difference adds 4 u m^2. 4.25 E (m + E) + 8 u m^2 is above the sum. Numbers that are too
+  /// large make the bound infinite or NaN, and then no triangle is a miss.
   HWY_INLINE std::uint64_t possible(const MeshView& mesh, const std::uint32_t* faces) const {
     const D d;
     if (reads_last(mesh, faces)) return (std::uint64_t{1} << kLanes) - 1;
     V n = hn::Zero(d);
-    const Seen<D> a = see(mesh, faces, 0, n), b = see(mesh, faces, 1, n),
-                  c = see(mesh, faces, 2, n);
+    const Projected<D> a = project(mesh, faces, 0, n), b = project(mesh, faces, 1, n),
+                       c = project(mesh, faces, 2, n);
     const V off = hn::MulAdd(n, hn::Set(d, 0x1p-21f), hn::Set(d, ray_.error));
     const V m = hn::Max(hn::Max(a.size(), b.size()), c.size());
     const V rounding = hn::MulAdd(hn::Mul(m, m), hn::Set(d, 0x1p-21f), hn::Set(d, kTiny));
@@ -92,7 +92,7 @@ class Triangles {
   }
 
  private:
-  /// Behind the last vertex there may be nothing to read.
+  /// The memory behind the last vertex may not be readable.
   static HWY_INLINE bool reads_last(const MeshView& mesh, const std::uint32_t* faces) {
     const std::size_t last = mesh.vertices.size() - 1;
     bool reads = false;
@@ -103,9 +103,9 @@ class Triangles {
     return reads;
   }
 
-  /// n grows to the largest coordinate.
-  HWY_INLINE Seen<D> see(const MeshView& mesh, const std::uint32_t* faces, std::size_t corner,
-                         V& n) const {
+  /// Raises n to the largest coordinate.
+  HWY_INLINE Projected<D> project(const MeshView& mesh, const std::uint32_t* faces,
+                                  std::size_t corner, V& n) const {
     const D d;
     const V r0 = load_fours(d, mesh, faces, corner), r1 = load_fours(d, mesh, faces + 1, corner),
             r2 = load_fours(d, mesh, faces + 2, corner),
@@ -126,7 +126,7 @@ class Triangles {
   const ShearedRay& ray_;
 };
 
-/// Whole vectors: what is beyond the end stands in for the last face.
+/// Works on whole vectors: lanes beyond the end repeat the last face.
 template <std::size_t kZ, class D>
 HWY_INLINE std::uint64_t possible(const MeshView& mesh, const ShearedRay& ray,
                                   std::span<const std::uint32_t> faces) {
@@ -151,7 +151,7 @@ HWY_INLINE std::uint64_t possible(const MeshView& mesh, const ShearedRay& ray,
   return possible<2, D>(mesh, ray, faces);
 }
 
-/// So that the memory's answers are waited for together.
+/// Prefetches all of them, so that cache misses overlap.
 HWY_INLINE void fetch(const MeshView& mesh, std::span<const std::uint32_t> faces) {
   for (const std::uint32_t face : faces) hwy::Prefetch(mesh.faces.data() + face);
   for (const std::uint32_t face : faces) {
@@ -159,8 +159,8 @@ HWY_INLINE void fetch(const MeshView& mesh, std::span<const std::uint32_t> faces
   }
 }
 
-std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
-                            std::span<const std::uint32_t> faces) {
+std::uint64_t candidate_mask(const MeshView& mesh, const ShearedRay& ray,
+                             std::span<const std::uint32_t> faces) {
   if (faces.size() <= 4) return possible<hn::CappedTag<float, 4>>(mesh, ray, faces);
   if (faces.size() <= 8) return possible<hn::CappedTag<float, 8>>(mesh, ray, faces);
   if (faces.size() > 16) fetch(mesh, faces);
@@ -176,7 +176,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sightline::accel::geometry {
 
-HWY_EXPORT(possible_hits);
+HWY_EXPORT(candidate_mask);
 
 ShearedRay sheared(const LocalRay& ray) {
   constexpr double kMost = std::numeric_limits<float>::max();
@@ -195,17 +195,18 @@ ShearedRay sheared(const LocalRay& ray) {
   }
   out.shear_x = static_cast<float>(d[x] / d[out.z]);
   out.shear_y = static_cast<float>(d[y] / d[out.z]);
-  // Twice: that of x, and of the share of z that is taken from it. Rounded up by the last term.
+  // Twice the error: that of x, and that of the multiple of z subtracted from it. The last term
+  // rounds up.
   constexpr float kTiny = 0x1p-100f;
   out.error = error < kMost / 3 ? static_cast<float>(2.001 * error) + kTiny
                                 : std::numeric_limits<float>::infinity();
   return out;
 }
 
-std::uint64_t possible_hits(const MeshView& mesh, const ShearedRay& ray,
-                            std::span<const std::uint32_t> faces) {
-  const std::uint64_t found = HWY_DYNAMIC_DISPATCH(possible_hits)(mesh, ray, faces);
-  return found & (~std::uint64_t{0} >> (kMissBatch - faces.size()));
+std::uint64_t candidate_mask(const MeshView& mesh, const ShearedRay& ray,
+                             std::span<const std::uint32_t> faces) {
+  const std::uint64_t found = HWY_DYNAMIC_DISPATCH(candidate_mask)(mesh, ray, faces);
+  return found & (~std::uint64_t{0} >> (kPrefilterBatch - faces.size()));
 }
 
 }  // namespace sightline::accel::geometry

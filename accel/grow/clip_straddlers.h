@@ -16,7 +16,8 @@ namespace sightline::accel::grow {
 /// touches that half.
 ///
 /// An axis along which the whole triangle is flat is not asked about: it may lie in the cell's
-/// face, and which cells hold it then was decided by the cut that made the face (Cut::planar_left).
+/// face, and which cells hold it then was decided by the cut that made the face
+/// (Split::planar_left).
 inline std::optional<geometry::Aabb> clip_to_half(const geometry::MeshView& mesh,
                                                   std::uint32_t face, const geometry::Aabb& half) {
   const geometry::Face& f = mesh.faces[face];
@@ -35,11 +36,12 @@ inline std::optional<geometry::Aabb> clip_to_half(const geometry::MeshView& mesh
 /// In: one side's list after sifting by `plane`, and that side's cell. Straddlers are clipped from
 /// their original triangle, those that do not reach into the cell after all are left out, the
 /// others keep their order. Openable references stay as they are. Returns how many are left.
-inline std::size_t clip_straddlers(const geometry::MeshView& mesh, std::span<kdtree::BoxRef> list,
-                                   const kdtree::Plane& plane, const geometry::Aabb& cell) {
+inline std::size_t clip_straddlers(const geometry::MeshView& mesh,
+                                   std::span<kdtree::Reference> list, const kdtree::Plane& plane,
+                                   const geometry::Aabb& cell) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   std::size_t kept = 0;
-  for (kdtree::BoxRef ref : list) {
+  for (kdtree::Reference ref : list) {
     if (!ref.openable() && ref.lo[axis] < plane.position && ref.hi[axis] > plane.position) {
       const std::optional<geometry::Aabb> box = clip_to_half(mesh, ref.id, cell);
       if (!box) continue;

@@ -14,7 +14,7 @@
 namespace sightline::accel::grow {
 namespace {
 
-using BoxStack = ListStack<kdtree::BoxRef>;
+using ReferenceStack = ListStack<kdtree::Reference>;
 
 class Growth {
  public:
@@ -22,15 +22,15 @@ class Growth {
       : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
 
   /// `first`: what the first pass over the list would find, or null.
-  kdtree::Slot grow(std::span<kdtree::BoxRef> refs, const geometry::Aabb& cell,
-                    const kdtree::CellPath& path, const kdtree::FirstScan* first, BoxStack& lists,
-                    kdtree::BuildCounters& counters) {
+  kdtree::Slot grow(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
+                    const kdtree::CellPath& path, const kdtree::ChildScan* first,
+                    ReferenceStack& lists, kdtree::BuildCounters& counters) {
     if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
     }
     if (small_ && is_small(refs)) return grow_small(context_, *small_, refs, cell, path, counters);
-    const std::optional<kdtree::Cut> cut =
+    const std::optional<kdtree::Split> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
     if (!cut) return leaf(refs, cell, path);
     const kdtree::Plane& plane = cut->plane;
@@ -40,15 +40,15 @@ class Growth {
     if (!pair) return defer(refs, cell, path, true);
 
     const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
-    const BoxStack::Mark mark = lists.mark();
-    kdtree::BoxRef* right = lists.top(refs.size());
-    std::optional<split::FirstScans> scans;
-    kdtree::Sifted n = divide(refs, *cut, halves, right, scans);
+    const ReferenceStack::Mark mark = lists.mark();
+    kdtree::Reference* right = lists.top(refs.size());
+    std::optional<split::ChildScans> scans;
+    kdtree::PartitionCounts n = divide(refs, *cut, halves, right, scans);
     counters.touches += refs.size();
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
     const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!split::affords(path, straddlers)) {
+    if (!split::within_budget(path, straddlers)) {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
@@ -68,14 +68,14 @@ class Growth {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,
                             scans ? &scans->left : nullptr, lists, counters));
     };
-    const auto grow_right = [&](BoxStack& own, kdtree::BuildCounters& sum) {
+    const auto grow_right = [&](ReferenceStack& own, kdtree::BuildCounters& sum) {
       set(children[1], grow({right, n.right}, halves.right, below.right,
                             scans ? &scans->right : nullptr, own, sum));
     };
     if (std::min(n.left, n.right) >= kForkFrom) {
       kdtree::BuildCounters right_counters;
       fork(grow_left, [&] {
-        BoxStack own;
+        ReferenceStack own;
         grow_right(own, right_counters);
       });
       counters += right_counters;
@@ -94,46 +94,46 @@ class Growth {
   }
 
   /// Undoes a division: what went to the right alone goes behind the left list.
-  static void put_back(std::span<const kdtree::BoxRef> right, const kdtree::Plane& plane,
-                       std::span<kdtree::BoxRef> out) {
+  static void put_back(std::span<const kdtree::Reference> right, const kdtree::Plane& plane,
+                       std::span<kdtree::Reference> out) {
     const auto axis = static_cast<std::size_t>(plane.axis);
-    std::copy_if(right.begin(), right.end(), out.begin(), [&](const kdtree::BoxRef& ref) {
+    std::copy_if(right.begin(), right.end(), out.begin(), [&](const kdtree::Reference& ref) {
       return !(ref.lo[axis] < plane.position && ref.hi[axis] > plane.position);
     });
   }
 
-  std::optional<kdtree::Cut> choose(std::span<const kdtree::BoxRef> refs,
-                                    const geometry::Aabb& cell, const kdtree::CellPath& path,
-                                    const kdtree::FirstScan* first,
-                                    kdtree::BuildCounters& counters) const {
+  std::optional<kdtree::Split> choose(std::span<const kdtree::Reference> refs,
+                                      const geometry::Aabb& cell, const kdtree::CellPath& path,
+                                      const kdtree::ChildScan* first,
+                                      kdtree::BuildCounters& counters) const {
     kdtree::CellRefs list{refs, cell, path};
     list.first = first;
     return rule_.choose(list, counters);
   }
 
   /// The left list over `refs`, the right one to `right`; counted meanwhile where that is of use.
-  kdtree::Sifted divide(std::span<kdtree::BoxRef> refs, const kdtree::Cut& cut,
-                        const geometry::HalvedCell& halves, kdtree::BoxRef* right,
-                        std::optional<split::FirstScans>& scans) const {
+  kdtree::PartitionCounts divide(std::span<kdtree::Reference> refs, const kdtree::Split& cut,
+                                 const geometry::HalvedCell& halves, kdtree::Reference* right,
+                                 std::optional<split::ChildScans>& scans) const {
     if (rule_.scans_children(refs.size())) {
-      scans.emplace(split::FirstScans{
-          rule_.first_planes(halves.left), rule_.first_planes(halves.right), {}, {}});
-      return sift_and_scan(refs, cut.plane, refs.data(), right, *scans);
+      scans.emplace(split::ChildScans{
+          rule_.child_planes(halves.left), rule_.child_planes(halves.right), {}, {}});
+      return sift_and_count(refs, cut.plane, refs.data(), right, *scans);
     }
     return kdtree::sift(refs, cut, refs.data(), right);
   }
 
-  kdtree::Slot leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+  kdtree::Slot leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                     const kdtree::CellPath& path) {
     const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(refs);
     return slot ? *slot : defer(refs, cell, path, true);
   }
 
-  kdtree::Slot defer(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box,
-                     const kdtree::CellPath& path, bool given_up) {
-    kdtree::BoxList list(refs.size());
+  kdtree::Slot defer(std::span<const kdtree::Reference> refs, const geometry::Aabb& box,
+                     const kdtree::CellPath& path, bool failed) {
+    kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), box, path, given_up);
+    return context_.tree.defer(std::move(list), box, path, failed);
   }
 
   const GrowContext& context_;
@@ -153,12 +153,12 @@ int depth_limit(const split::SplitSearch& rule, std::size_t references) {
   return std::min(depth_limit(references), rule.depth_bound(references));
 }
 
-kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
+kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters) {
   if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
     return *grown;
-  BoxStack lists;
+  ReferenceStack lists;
   return Growth(context).grow(refs, cell, path, nullptr, lists, counters);
 }
 

@@ -36,7 +36,7 @@ int depth_limit(const split::SplitSearch& rule, std::size_t references);
 /// stays unreachable in the tree's storage.
 ///
 /// A rule may grow subtrees in its own way (SplitSearch::grow_subtree).
-kdtree::Slot grow(const GrowContext& context, std::span<kdtree::BoxRef> refs,
+kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);
 

@@ -28,7 +28,7 @@ constexpr std::size_t kBounds = 2 * split::kSmallList;
 class SmallGrowth {
  public:
   SmallGrowth(const GrowContext& context, const split::BoundRule& rule,
-              std::span<const kdtree::BoxRef> refs, kdtree::BuildCounters& counters)
+              std::span<const kdtree::Reference> refs, kdtree::BuildCounters& counters)
       : context_(context), rule_(rule), refs_(refs), counters_(counters) {
     prepare();
   }
@@ -45,7 +45,7 @@ class SmallGrowth {
     const Set left = set & axis.below[cut.bound], right = set & axis.above[cut.bound];
     if (left == set && right == set) return leaf(set, cell, path);  // separates nothing
     const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
-    const kdtree::CellPath below = path.below(kdtree::Cut{cut.plane});
+    const kdtree::CellPath below = path.below(kdtree::Split{cut.plane});
     const kdtree::Slot slot = kdtree::Slot::binary(cut.plane, *pair);
     kdtree::AtomicSlot* children = context_.tree.children(slot);
     children[0].store(grow(left, halves.left, below).bits(), std::memory_order_relaxed);
@@ -64,7 +64,7 @@ class SmallGrowth {
   };
 
   /// A cut, and the bound that it goes through.
-  struct Choice : split::BoundCut {
+  struct Choice : split::BoundSplit {
     std::size_t bound = 0;
   };
 
@@ -124,7 +124,7 @@ class SmallGrowth {
       while (axis + 1 < range.end &&
              hn::AllFalse(df, hn::Eq(costs[static_cast<std::size_t>(axis)].least, least)))
         ++axis;
-      return split::BoundCut{.plane = {axis, 0}, .children = hn::GetLane(least)};
+      return split::BoundSplit{.plane = {axis, 0}, .children = hn::GetLane(least)};
     })};
     if (!best.found() || !(best.cost(rule_.cost) < rule_.cost.intersect * weight)) return {};
     locate(costs[static_cast<std::size_t>(best.plane.axis)], best);
@@ -181,7 +181,7 @@ class SmallGrowth {
   }
 
   /// The set as a list, in order.
-  std::span<const kdtree::BoxRef> listed(Set set) {
+  std::span<const kdtree::Reference> list_of(Set set) {
     std::size_t n = 0;
     for (unsigned rest = set; rest != 0; rest &= rest - 1)
       list_[n++] = refs_[static_cast<std::size_t>(std::countr_zero(rest))];
@@ -192,27 +192,27 @@ class SmallGrowth {
     if (set == 0) return kdtree::Slot::empty_leaf();
     if (std::has_single_bit(set))
       return kdtree::Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
-    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(listed(set));
+    const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(list_of(set));
     return slot ? *slot : defer(set, cell, path);
   }
 
   kdtree::Slot defer(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
-    const std::span<const kdtree::BoxRef> refs = listed(set);
-    kdtree::BoxList list(refs.size());
+    const std::span<const kdtree::Reference> refs = list_of(set);
+    kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
     return context_.tree.defer(std::move(list), cell, path, true);
   }
 
   const GrowContext& context_;
   const split::BoundRule& rule_;
-  std::span<const kdtree::BoxRef> refs_;
+  std::span<const kdtree::Reference> refs_;
   kdtree::BuildCounters& counters_;
   std::array<Axis, 3> axes_;
-  std::array<kdtree::BoxRef, split::kSmallList> list_;
+  std::array<kdtree::Reference, split::kSmallList> list_;
 };
 
 kdtree::Slot small(const GrowContext& context, const split::BoundRule& rule,
-                   std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                   std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                    const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   const auto all = static_cast<Set>((1u << refs.size()) - 1);
   return SmallGrowth(context, rule, refs, counters).grow(all, cell, path);
@@ -227,14 +227,14 @@ namespace sightline::accel::grow {
 
 HWY_EXPORT(small);
 
-bool is_small(std::span<const kdtree::BoxRef> refs) {
+bool is_small(std::span<const kdtree::Reference> refs) {
   return refs.size() <= split::kSmallList &&
          std::all_of(refs.begin(), refs.end(),
-                     [](const kdtree::BoxRef& ref) { return ref.weight == 1; });
+                     [](const kdtree::Reference& ref) { return ref.weight == 1; });
 }
 
 kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
-                        std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                        std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                         const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   return HWY_DYNAMIC_DISPATCH(small)(context, rule, refs, cell, path, counters);
 }

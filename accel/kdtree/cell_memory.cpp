@@ -1,4 +1,4 @@
-// One allocator or the other.
+// oneTBB's allocator, or the C library's.
 #include "accel/kdtree/cell_memory.h"
 
 #ifdef SIGHTLINE_SCALABLE_MALLOC

@@ -1,4 +1,4 @@
-// A cell that is not built yet: its box, its list, and what several threads build it with.
+// A cell that is not built yet: its box, its list, and the work that threads share to build it.
 #pragma once
 
 #include <atomic>
@@ -8,12 +8,12 @@
 
 #include "accel/kdtree/cell_memory.h"
 #include "accel/kdtree/epoch.h"
-#include "accel/kdtree/first_scan.h"
+#include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference_list.h"
 
 namespace sightline::accel::kdtree {
 
-/// Work that threads join; freed by whoever leaves it last. See accel/lazy/cell_task.h.
+/// Work that threads join. The thread that leaves last frees it. See accel/lazy/cell_task.h.
 class SharedWork {
  public:
   void join() { users_.fetch_add(1, std::memory_order_relaxed); }
@@ -29,13 +29,13 @@ class SharedWork {
   std::atomic<int> users_{1};
 };
 
-/// Immutable but for the atomics until it is retired; readers hold an epoch.
+/// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.
 struct alignas(8) DeferredCell : Retirable {
   DeferredCell() = default;
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
   ~DeferredCell() {
-    if (SharedWork* work = expansion.load(std::memory_order_acquire)) work->leave();
+    if (SharedWork* work = task.load(std::memory_order_acquire)) work->leave();
   }
 
   static void* operator new(std::size_t bytes) {
@@ -47,19 +47,20 @@ struct alignas(8) DeferredCell : Retirable {
 
   geometry::Aabb box;
   CellPath path;
-  /// The root's list is made from the geometry by whoever expands it; until then `list` is empty
-  /// and readers search all of the geometry.
-  bool listed = true;
+  /// Whether `list` is made. The root's list is made from the geometry when the root is expanded;
+  /// until then readers search all of the geometry.
+  bool has_list = true;
   /// Some references of the list may be openable.
   bool openable = false;
   CellList list;
-  std::size_t size = 0;      ///< References in the cell, listed or not.
-  std::uint64_t weight = 0;  ///< Of them all.
-  FirstScan first;           ///< Of the list, if it was made when the list was written.
-  /// Expanding failed for want of memory: the cell stays as it is and is searched.
-  std::atomic<bool> given_up{false};
-  /// Of a large cell that somebody has begun to expand.
-  std::atomic<SharedWork*> expansion{nullptr};
+  std::size_t size = 0;      ///< References in the cell, also if the list is not made.
+  std::uint64_t weight = 0;  ///< Sum over all references.
+  ChildScan first;  ///< Counts of the first pass, if they were made when the list was written.
+  /// Expanding failed because there was no memory: the cell stays deferred, and rays search its
+  /// list.
+  std::atomic<bool> failed{false};
+  /// Set once a thread has begun to expand a large cell.
+  std::atomic<SharedWork*> task{nullptr};
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };

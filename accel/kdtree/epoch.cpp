@@ -1,4 +1,4 @@
-// Epochs: one global count, one slot a thread, one list of what waits to be freed; no locks.
+// Epochs: one global counter, one slot per thread, one list of retired objects; no locks.
 #include "accel/kdtree/epoch.h"
 
 #include <algorithm>
@@ -12,19 +12,20 @@ constexpr std::uint64_t kIdle = 0;
 constexpr std::uint64_t kReclaimObjects = 256;
 constexpr std::uint64_t kReclaimBytes = std::uint64_t{1} << 20;
 
-/// A thread's place; places are never freed, only handed on.
-struct alignas(64) Place {
+/// The epoch that a thread is pinned to. Slots are never freed; a new thread reuses the slot of one
+/// that ended.
+struct alignas(64) ThreadSlot {
   std::atomic<std::uint64_t> epoch{kIdle};
   std::atomic<bool> taken{true};
-  Place* next = nullptr;
+  ThreadSlot* next = nullptr;
 };
 
 struct Domain {
   std::atomic<std::uint64_t> epoch{1};
-  std::atomic<Place*> places{nullptr};
+  std::atomic<ThreadSlot*> slots{nullptr};
   std::atomic<Retirable*> waiting{nullptr};
   std::atomic<std::uint64_t> objects{0}, bytes{0};  // waiting
-  // From so many on somebody looks what can be freed.
+  // Thresholds from which the next retire() tries to free.
   std::atomic<std::uint64_t> due_objects{kReclaimObjects}, due_bytes{kReclaimBytes};
   std::atomic_flag reclaiming = ATOMIC_FLAG_INIT;
 };
@@ -34,23 +35,23 @@ Domain& domain() {
   return *kDomain;
 }
 
-Place* claim_place() {
+ThreadSlot* claim_slot() {
   Domain& d = domain();
-  for (Place* p = d.places.load(std::memory_order_acquire); p != nullptr; p = p->next) {
+  for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
     bool free = false;
     if (p->taken.compare_exchange_strong(free, true, std::memory_order_acq_rel)) return p;
   }
-  auto* fresh = new Place;
-  fresh->next = d.places.load(std::memory_order_relaxed);
-  while (!d.places.compare_exchange_weak(fresh->next, fresh, std::memory_order_release)) {
+  auto* fresh = new ThreadSlot;
+  fresh->next = d.slots.load(std::memory_order_relaxed);
+  while (!d.slots.compare_exchange_weak(fresh->next, fresh, std::memory_order_release)) {
   }
   return fresh;
 }
 
 struct ThisThread {
-  Place* place = claim_place();
+  ThreadSlot* slot = claim_slot();
   int depth = 0;
-  ~ThisThread() { place->taken.store(false, std::memory_order_release); }
+  ~ThisThread() { slot->taken.store(false, std::memory_order_release); }
 };
 
 ThisThread& this_thread() {
@@ -64,19 +65,19 @@ void push(Domain& d, Retirable* first, Retirable* last) {
   }
 }
 
-/// Of the oldest pin.
+/// The oldest epoch that a thread is pinned to.
 std::uint64_t oldest_epoch(Domain& d) {
-  // Whoever pins from here on sees the new epoch, and cannot find what was retired before.
+  // A thread that pins from here on reads the new epoch, and cannot reach objects retired before.
   d.epoch.fetch_add(1, std::memory_order_seq_cst);
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
-  for (Place* p = d.places.load(std::memory_order_acquire); p != nullptr; p = p->next) {
+  for (ThreadSlot* p = d.slots.load(std::memory_order_acquire); p != nullptr; p = p->next) {
     const std::uint64_t e = p->epoch.load(std::memory_order_seq_cst);
     if (e != kIdle) oldest = std::min(oldest, e);
   }
   return oldest;
 }
 
-/// Frees what no pin can see any more, and puts back the rest.
+/// Frees the objects that no pinned thread can reach, and puts back the others.
 void free_unseen(Domain& d) {
   Retirable* list = d.waiting.exchange(nullptr, std::memory_order_acquire);
   const std::uint64_t oldest = oldest_epoch(d);
@@ -98,12 +99,13 @@ void free_unseen(Domain& d) {
     if (last_kept == nullptr) last_kept = r;
   }
   if (kept != nullptr) push(d, kept, last_kept);
-  // Not before as much again waits as could not be freed: each is looked at a few times only.
+  // The next attempt comes when the backlog has doubled, so that each object is examined O(log n)
+  // times.
   d.due_objects.store(objects + std::max(objects, kReclaimObjects), std::memory_order_relaxed);
   d.due_bytes.store(bytes + std::max(bytes, kReclaimBytes), std::memory_order_relaxed);
 }
 
-/// Nobody waits for somebody else who is at it: a thread that is stopped here only puts off the
+/// Returns at once if another thread is freeing: a thread that is suspended here only delays the
 /// freeing.
 void try_to_free(Domain& d) {
   if (d.reclaiming.test_and_set(std::memory_order_acquire)) return;
@@ -117,11 +119,11 @@ EpochPin::EpochPin() {
   ThisThread& t = this_thread();
   if (t.depth++ > 0) return;
   Domain& d = domain();
-  // Read again after it is published: whoever frees without having seen this pin moved the epoch on
-  // first, and then the second read makes its unlinking visible here.
+  // The epoch is read again after the pin is published. A thread that frees without seeing this pin
+  // has advanced the epoch first; then the second read makes its unlinking visible here.
   std::uint64_t epoch = d.epoch.load(std::memory_order_seq_cst);
   for (;;) {
-    t.place->epoch.store(epoch, std::memory_order_seq_cst);
+    t.slot->epoch.store(epoch, std::memory_order_seq_cst);
     const std::uint64_t now = d.epoch.load(std::memory_order_seq_cst);
     if (now == epoch) return;
     epoch = now;
@@ -130,7 +132,7 @@ EpochPin::EpochPin() {
 
 EpochPin::~EpochPin() {
   ThisThread& t = this_thread();
-  if (--t.depth == 0) t.place->epoch.store(kIdle, std::memory_order_release);
+  if (--t.depth == 0) t.slot->epoch.store(kIdle, std::memory_order_release);
 }
 
 void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes) {

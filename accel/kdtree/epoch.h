@@ -1,14 +1,14 @@
-// Epoch-based reclamation: what readers may still look at is freed only after all of them have
-// moved on. Source: Fraser 2004, "Practical lock-freedom", section 5.2.3.
+// Epoch-based reclamation: an object that readers may still use is freed only after all of them
+// have left its epoch. Source: Fraser 2004, "Practical lock-freedom", section 5.2.3.
 #pragma once
 
 #include <cstdint>
 
 namespace sightline::accel::kdtree {
 
-/// While one lives, nothing retired after it began is freed. Held for one block of rays, never
-/// longer. Nests. Threads: any; entering is a store, repeated if the epoch moved on meanwhile,
-/// leaving another.
+/// While a pin lives, nothing retired after its construction is freed. Hold it for one block of
+/// rays, not longer. Pins nest. Threads: any. Entering is one store, repeated if the epoch advanced
+/// meanwhile; leaving is one store.
 class EpochPin {
  public:
   EpochPin();
@@ -17,7 +17,7 @@ class EpochPin {
   EpochPin& operator=(const EpochPin&) = delete;
 };
 
-/// Base of what can be retired; its members are the epoch's.
+/// Base class of objects that can be retired. Only retire() and reclaim() use its members.
 struct Retirable {
   void (*free)(Retirable*) = nullptr;
   std::uint64_t bytes = 0;
@@ -25,15 +25,15 @@ struct Retirable {
   Retirable* next = nullptr;
 };
 
-/// Frees `object` by `free(&object)` once no pin that may have seen it is left. Call after it can
-/// no longer be found, once. Allocates nothing and waits for nobody.
+/// Calls `free(&object)` once no pin is left that may have read the object. Call it once, after new
+/// readers can no longer reach the object. Allocates nothing and never waits. Threads: any.
 void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes);
 
-/// Retired and not yet freed.
+/// Bytes retired and not yet freed.
 std::uint64_t retired_bytes();
 
-/// Frees all that can be freed now. For shutting down and for accounting; tracing does it as it
-/// goes.
+/// Frees all that can be freed now. For shutdown and for accounting; retire() also frees from time
+/// to time.
 void reclaim();
 
 }  // namespace sightline::accel::kdtree

@@ -9,8 +9,8 @@
 namespace sightline::accel::kdtree {
 namespace {
 
-// Far above what the surface area heuristic asks for; a tree that needs more keeps its last cells
-// unbuilt.
+// Far more than the surface area heuristic needs. A tree that needs more keeps its last cells
+// deferred.
 constexpr std::size_t kPairsPerReference = 32;
 constexpr std::size_t kIdsPerReference = 64;
 constexpr std::size_t kSpare = 64;
@@ -18,7 +18,7 @@ constexpr std::size_t kSpare = 64;
 void delete_cell(Retirable* cell) { delete static_cast<DeferredCell*>(cell); }
 
 void delete_cells(const KdTree& tree, Slot slot) {
-  if (slot.is_unbuilt()) delete slot.cell();
+  if (slot.is_deferred()) delete slot.cell();
   if (!slot.is_binary()) return;
   const AtomicSlot* children = tree.children(slot);
   delete_cells(tree, load(children[0]));
@@ -33,7 +33,7 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
   root->path = path;
-  root->listed = false;
+  root->has_list = false;
   root->size = references;
   root->weight = references;
   cell_bytes_ = root->size_in_bytes();
@@ -42,7 +42,7 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
 
 KdTree::~KdTree() {
   delete_cells(*this, load(root_));
-  delete room_.load(std::memory_order_acquire);
+  delete arrays_.load(std::memory_order_acquire);
 }
 
 void KdTree::reserve(std::size_t references) {
@@ -50,37 +50,37 @@ void KdTree::reserve(std::size_t references) {
       std::min<std::size_t>(references * kPairsPerReference + kSpare, Slot::kMaxPairs);
   const std::size_t ids =
       std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
-  Room* room = room_.load(std::memory_order_acquire);
-  if (room == nullptr) {
-    auto fresh =
-        std::make_unique<Room>(Reservation<AtomicSlot>(2 * pairs), Reservation<std::uint32_t>(ids));
-    if (room_.compare_exchange_strong(room, fresh.get(), std::memory_order_acq_rel))
-      room = fresh.release();
+  Arrays* arrays = arrays_.load(std::memory_order_acquire);
+  if (arrays == nullptr) {
+    auto fresh = std::make_unique<Arrays>(ReservedArray<AtomicSlot>(2 * pairs),
+                                          ReservedArray<std::uint32_t>(ids));
+    if (arrays_.compare_exchange_strong(arrays, fresh.get(), std::memory_order_acq_rel))
+      arrays = fresh.release();
   }
-  // By everybody: whoever was first may have been stopped before coming to this.
-  pairs_.store(room->pairs.data(), std::memory_order_relaxed);
-  ids_.store(room->ids.data(), std::memory_order_relaxed);
+  // Every thread stores them: the thread that made the arrays may be suspended before this line.
+  pairs_.store(arrays->pairs.data(), std::memory_order_relaxed);
+  ids_.store(arrays->ids.data(), std::memory_order_relaxed);
 }
 
 std::optional<std::uint32_t> KdTree::allocate_pair() {
-  const Room* room = room_.load(std::memory_order_acquire);
-  if (room == nullptr) return std::nullopt;
+  const Arrays* arrays = arrays_.load(std::memory_order_acquire);
+  if (arrays == nullptr) return std::nullopt;
   const std::uint64_t pair = pairs_used_.fetch_add(1, std::memory_order_relaxed);
-  if (2 * (pair + 1) > room->pairs.capacity()) {
+  if (2 * (pair + 1) > arrays->pairs.capacity()) {
     pairs_used_.fetch_sub(1, std::memory_order_relaxed);
     return std::nullopt;
   }
   return static_cast<std::uint32_t>(pair);
 }
 
-std::optional<Slot> KdTree::make_leaf(std::span<const BoxRef> refs) {
+std::optional<Slot> KdTree::make_leaf(std::span<const Reference> refs) {
   if (refs.empty()) return Slot::empty_leaf();
   if (refs.size() == 1) return Slot::single(refs[0].id);
   if (refs.size() > Slot::kMaxLeafCount) return std::nullopt;
-  const Room* room = room_.load(std::memory_order_acquire);
-  if (room == nullptr) return std::nullopt;
+  const Arrays* arrays = arrays_.load(std::memory_order_acquire);
+  if (arrays == nullptr) return std::nullopt;
   const std::uint64_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
-  if (first + refs.size() > room->ids.capacity()) {
+  if (first + refs.size() > arrays->ids.capacity()) {
     ids_used_.fetch_sub(refs.size(), std::memory_order_relaxed);
     return std::nullopt;
   }
@@ -95,14 +95,15 @@ Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   return Slot::deferred(cell.release());
 }
 
-Slot KdTree::defer(BoxList list, const geometry::Aabb& box, const CellPath& path, bool given_up) {
+Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
+                   bool failed) {
   auto cell = std::make_unique<DeferredCell>();
   cell->box = box;
   cell->path = path;
   cell->size = list.size();
   cell->weight = list.size();
   cell->list = CellList(std::move(list));
-  cell->given_up = given_up;
+  cell->failed = failed;
   return defer(std::move(cell));
 }
 
@@ -112,7 +113,7 @@ void KdTree::retire_cell(DeferredCell& cell) {
 }
 
 void KdTree::discard(Slot slot) {
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     cell_bytes_.fetch_sub(slot.cell()->size_in_bytes(), std::memory_order_relaxed);
     delete slot.cell();
   }

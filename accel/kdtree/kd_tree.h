@@ -1,5 +1,5 @@
-// The one kd-tree: slots, pairs of slots, and the ids its leaves hold. Grows at its unbuilt slots
-// while it is read.
+// Storage of a kd-tree: slots, pairs of slots, and the ids in its leaves. Deferred slots are
+// replaced while other threads read the tree.
 #pragma once
 
 #include <atomic>
@@ -19,14 +19,15 @@ using AtomicSlot = std::atomic<std::uint64_t>;
 
 inline Slot load(const AtomicSlot& slot) { return Slot(slot.load(std::memory_order_acquire)); }
 
-/// Deepest node of any tree: walks keep a stack of this size.
+/// Largest depth of a node in any tree: traversals keep a stack of this size.
 inline constexpr int kMaxTreeDepth = 80;
 
-/// Storage only: what a slot says may be followed at any time by any thread that is pinned to an
-/// epoch.
+/// Storage only. Threads: any thread that is pinned to an epoch may read slots and follow them at
+/// any time.
 class KdTree {
  public:
-  /// A tree that is one cell, not listed yet; an empty leaf for no references.
+  /// A tree of one deferred cell whose list is not made; of one empty leaf if there are no
+  /// references.
   KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path = {});
   ~KdTree();
   KdTree(const KdTree&) = delete;
@@ -41,8 +42,8 @@ class KdTree {
     return pairs_.load(std::memory_order_relaxed) + 2 * std::size_t{binary.pair()};
   }
 
-  /// The references of a leaf slot. `storage` backs the span where the leaf holds its one reference
-  /// itself.
+  /// The references of a leaf slot. If the slot itself holds the only one, the span points to
+  /// `storage`.
   std::span<const std::uint32_t> leaf(Slot slot, std::uint32_t& storage) const {
     if (slot.leaf_count() == 1) {
       storage = slot.leaf_first();
@@ -51,43 +52,44 @@ class KdTree {
     return {ids_.load(std::memory_order_relaxed) + slot.leaf_first(), slot.leaf_count()};
   }
 
-  /// Makes room for a tree over `references` boxes, if nobody has. To be called by every thread
-  /// before it makes its first node. Throws std::bad_alloc. Threads: any.
+  /// Reserves the arrays of a tree over `references` boxes, once. Every thread calls it before it
+  /// makes its first node. Throws std::bad_alloc. Threads: any.
   void reserve(std::size_t references);
 
-  /// The place of a fresh pair of slots, or nothing if the reservation is used up. Threads: any.
+  /// Index of a new pair of slots, or nothing if the array is full. Threads: any.
   std::optional<std::uint32_t> allocate_pair();
 
-  /// A leaf over these references, or nothing if the reservation is used up. Threads: any.
-  std::optional<Slot> make_leaf(std::span<const BoxRef> refs);
+  /// A leaf over these references, or nothing if the array of ids is full. Threads: any.
+  std::optional<Slot> make_leaf(std::span<const Reference> refs);
 
-  /// A slot to be expanded later, whose list is made already; an empty leaf if that is empty.
-  /// Threads: any.
+  /// A deferred slot whose list is made; an empty leaf if the list is empty. Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
-  Slot defer(BoxList list, const geometry::Aabb& box, const CellPath& path, bool given_up = false);
+  Slot defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
+             bool failed = false);
 
-  /// Hands a deferred cell, which no slot leads to any more, over to the epoch. Threads: any.
+  /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
 
   /// Frees the deferred cells at and below a slot that was never published.
   void discard(Slot slot);
 
-  /// Nodes, ids and deferred cells with their lists.
+  /// Bytes of nodes, ids, and deferred cells with their lists.
   std::uint64_t bytes() const;
 
  private:
-  struct Room {
-    Reservation<AtomicSlot> pairs;
-    Reservation<std::uint32_t> ids;
+  struct Arrays {
+    ReservedArray<AtomicSlot> pairs;
+    ReservedArray<std::uint32_t> ids;
   };
 
   geometry::Aabb bounds_;
   AtomicSlot root_;
-  std::atomic<Room*> room_{nullptr};
-  // The same, nearer to the walk.
+  std::atomic<Arrays*> arrays_{nullptr};
+  // Copies of the arrays' addresses: one load less per step of a traversal.
   std::atomic<AtomicSlot*> pairs_{nullptr};
   std::atomic<std::uint32_t*> ids_{nullptr};
-  // Written by every growing thread: not on the lines that walks read, nor on each other's.
+  // Written by every building thread: each on a cache line of its own, apart from what traversals
+  // read.
   alignas(64) std::atomic<std::uint64_t> pairs_used_{0};
   alignas(64) std::atomic<std::uint64_t> ids_used_{0};
   alignas(64) std::atomic<std::uint64_t> cell_bytes_{0};

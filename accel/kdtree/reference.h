@@ -1,4 +1,4 @@
-// A reference as the builder sees it: a weighted box. Lists of them are what is scanned and sifted.
+// A reference: the weighted box of a primitive. Builders scan and sift lists of references.
 #pragma once
 
 #include <cstddef>
@@ -15,33 +15,33 @@ struct PassResult;  // scan_pass.h
 
 namespace sightline::accel::kdtree {
 
-/// Set in the id of a reference that stands for several and can be opened into them: a run of
-/// triangles, a group of nodes. Leaves hold none of those.
+/// Flag in the id of a reference that stands for several and can be opened into them: a run of
+/// triangles, a group of nodes. Leaves hold no openable references.
 inline constexpr std::uint32_t kOpenable = std::uint32_t{1} << 31;
 
 /// 32 bytes, read in order by every pass. `bounds` went through widen_flat.
-struct BoxRef {
+struct Reference {
   geometry::Vec3f lo;
-  std::uint32_t id = 0;  ///< What the leaf will hold: a face or an instance. Or see kOpenable.
+  std::uint32_t id = 0;  ///< The id in leaves: a face or an instance. Or see kOpenable.
   geometry::Vec3f hi;
   std::uint32_t weight =
-      1;  ///< Cost of testing it, in triangle tests. A list's weights sum below 2^32.
+      1;  ///< Cost of testing it, in triangle tests. The weights of a list sum to less than 2^32.
 
   geometry::Aabb bounds() const { return {lo, hi}; }
   bool openable() const { return (id & kOpenable) != 0; }
 };
-static_assert(sizeof(BoxRef) == 32);
+static_assert(sizeof(Reference) == 32);
 
-inline double total_weight(std::span<const BoxRef> refs) {
+inline double total_weight(std::span<const Reference> refs) {
   std::uint64_t sum = 0;
-  for (const BoxRef& ref : refs) sum += ref.weight;
+  for (const Reference& ref : refs) sum += ref.weight;
   return static_cast<double>(sum);
 }
 
 /// Work done by build passes, in the units of docs/benchmarks.md.
 struct BuildCounters {
-  std::uint64_t touches = 0;          ///< One reference's bounds read by one pass.
-  std::uint64_t touches_prepare = 0;  ///< One box made from vertices.
+  std::uint64_t touches = 0;          ///< References read, summed over passes.
+  std::uint64_t touches_prepare = 0;  ///< Boxes computed from vertices.
   std::uint64_t cells_expanded = 0;   ///< Deferred cells that became inner nodes or leaves.
   double seconds = 0;  ///< Spent expanding, summed over threads. For reports, never for decisions.
 
@@ -54,59 +54,59 @@ struct BuildCounters {
   }
 };
 
-/// A place to cut a cell: x[axis] = position.
+/// An axis-aligned plane: x[axis] = position.
 struct Plane {
   int axis = 0;
   float position = 0;
   bool operator==(const Plane&) const = default;
 };
 
-/// A plane, and on which side of it the boxes go that lie flat in it. By the rule of membership
-/// (is_member) that is the right; builders that follow Wald and Havran choose.
-struct Cut {
+/// A plane, and the side of the boxes that lie flat in it. By the rule of membership (is_member)
+/// that is the right side; builders that follow Wald and Havran choose it.
+struct Split {
   Plane plane;
   bool planar_left = false;
-  bool at_a_loss = false;  ///< A leaf would be cheaper: cut in the hope of better cuts below.
-  bool operator==(const Cut&) const = default;
+  bool at_a_loss = false;  ///< A leaf would be cheaper; made because splits below may be better.
+  bool operator==(const Split&) const = default;
 };
 
-/// Whether a box lies flat in a plane, at ref.lo: widen_flat gave it the least extent there is.
-inline bool is_planar(const BoxRef& ref, std::size_t axis) {
+/// Whether a box is flat along an axis: it has the least extent that widen_flat gives.
+inline bool is_planar(const Reference& ref, std::size_t axis) {
   return ref.hi[axis] == geometry::least_above(ref.lo[axis]);
 }
 
 /// What a cell inherits from the cells above it.
 struct CellPath {
-  int depth = 0;           ///< Of the root: 0.
-  int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Cut::at_a_loss).
-  /// How many references the cuts of this cell and below may add (reference_budget.h).
-  double spare = std::numeric_limits<double>::infinity();
-  /// How many references of this cell one reference of the root has become: the product, over the
-  /// cuts above, of the references after the cut over those before it. Kept only where spare is
-  /// finite.
-  double swell = 1;
+  int depth = 0;           ///< 0 at the root.
+  int cuts_at_a_loss = 0;  ///< Splits above the cell that were made at a loss (Split::at_a_loss).
+  /// References that splits of this cell and below may add (reference_budget.h).
+  double references_left = std::numeric_limits<double>::infinity();
+  /// Duplication factor: how many references one root reference has become along this path. The
+  /// product, over the splits above, of the references after over those before. Kept only if
+  /// references_left is finite.
+  double duplication = 1;
 
-  CellPath below(const Cut& cut) const {
-    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), spare, swell};
+  CellPath below(const Split& cut) const {
+    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), references_left, duplication};
   }
   bool operator==(const CellPath&) const = default;
 };
 
-struct FirstScan;  // first_scan.h
+struct ChildScan;  // plane_counts.h
 
-/// A cell as a builder is asked about it.
+/// A cell, as a split rule is asked about it.
 struct CellRefs {
-  std::span<const BoxRef> refs;  ///< Members of the cell; they may reach beyond it.
+  std::span<const Reference> refs;  ///< Members of the cell; their boxes may reach beyond it.
   geometry::Aabb box;
   CellPath path;
-  std::size_t size = refs.size();  ///< How many members there are.
-  /// Runs a pass over the list (RunPass, list_pass.h) where it is not at hand: `refs` may then be
-  /// empty. For builders that `runs_passes`, and lists longer than kMaxBoundScan. Equal lists get
-  /// equal passes in the same order.
+  std::size_t size = refs.size();  ///< Number of members.
+  /// Runs a pass over a list that is not in one piece (RunPass, scan_pass.h); `refs` may then be
+  /// empty. Only for rules with SplitSearch::runs_passes, and for lists longer than kMaxBoundScan.
+  /// Equal lists get equal passes in the same order.
   const std::function<split::PassResult(
-      const std::function<split::PassResult(std::span<const BoxRef>)>&)>* run = nullptr;
-  /// What the first pass over the list would find, where that is known (first_scan.h).
-  const FirstScan* first = nullptr;
+      const std::function<split::PassResult(std::span<const Reference>)>&)>* run = nullptr;
+  /// The counts of the first pass over the list, if known (plane_counts.h).
+  const ChildScan* first = nullptr;
 };
 
 }  // namespace sightline::accel::kdtree

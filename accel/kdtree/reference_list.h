@@ -1,5 +1,5 @@
-// Lists of references as they are kept: short ones whole, long ones in pieces that several threads
-// work on.
+// Lists of references. Short lists are one array, long lists are slices that several threads work
+// on.
 #pragma once
 
 #include <algorithm>
@@ -16,23 +16,23 @@
 
 namespace sightline::accel::kdtree {
 
-/// An owned list of references whose unused end can be given back.
-class BoxList {
+/// An owned array of references whose unused end can be freed.
+class ReferenceList {
  public:
-  BoxList() = default;
-  /// Room for `size` boxes, uninitialised. Throws std::bad_alloc.
-  explicit BoxList(std::size_t size) : data_(allocate(nullptr, size)), size_(size) {}
+  ReferenceList() = default;
+  /// Allocates `size` references, uninitialised. Throws std::bad_alloc.
+  explicit ReferenceList(std::size_t size) : data_(allocate(nullptr, size)), size_(size) {}
   /// A copy.
-  explicit BoxList(std::span<const BoxRef> refs) : BoxList(refs.size()) {
+  explicit ReferenceList(std::span<const Reference> refs) : ReferenceList(refs.size()) {
     std::copy(refs.begin(), refs.end(), data_.get());
   }
 
-  std::span<BoxRef> all() { return {data_.get(), size_}; }
-  std::span<const BoxRef> all() const { return {data_.get(), size_}; }
+  std::span<Reference> all() { return {data_.get(), size_}; }
+  std::span<const Reference> all() const { return {data_.get(), size_}; }
   std::size_t size() const { return size_; }
-  std::uint64_t bytes() const { return size_ * sizeof(BoxRef); }
+  std::uint64_t bytes() const { return size_ * sizeof(Reference); }
 
-  /// Keeps the first `size` boxes.
+  /// Keeps the first `size` references, and frees the others' memory.
   void shrink(std::size_t size) {
     if (size == size_) return;
     data_.reset(allocate(data_.release(), size));
@@ -41,65 +41,67 @@ class BoxList {
 
  private:
   struct Free {
-    void operator()(BoxRef* p) const { free_cell_memory(p); }
+    void operator()(Reference* p) const { free_cell_memory(p); }
   };
-  static BoxRef* allocate(BoxRef* old, std::size_t size) {
-    void* p = reallocate_cell_memory(old, (size > 0 ? size : 1) * sizeof(BoxRef));
+  static Reference* allocate(Reference* old, std::size_t size) {
+    void* p = reallocate_cell_memory(old, (size > 0 ? size : 1) * sizeof(Reference));
     if (p == nullptr) throw std::bad_alloc();
-    return static_cast<BoxRef*>(p);
+    return static_cast<Reference*>(p);
   }
-  std::unique_ptr<BoxRef, Free> data_;
+  std::unique_ptr<Reference, Free> data_;
   std::size_t size_ = 0;
 };
 
 /// Lists of at least this many references are long: cells keep them in slices (SlicedList).
 inline constexpr std::size_t kLongList = 8192;
 
-/// A long list, immutable, in slices of about kBoxesPerSlice references. A slice is a few spans.
+/// A long list, immutable, in slices of about kReferencesPerSlice references. A slice is a few
+/// spans.
 class SlicedList {
  public:
-  using Piece = std::shared_ptr<const BoxList>;
+  using Piece = std::shared_ptr<const ReferenceList>;
 
   explicit SlicedList(std::vector<Piece> pieces);
 
   std::size_t size() const { return size_; }
   std::size_t slices() const { return slice_ends_.size(); }
   std::size_t slice_size(std::size_t slice) const;
-  std::span<const std::span<const BoxRef>> slice(std::size_t slice) const;
-  std::span<const std::span<const BoxRef>> all() const { return spans_; }
-  /// The reference at a place in the list.
-  const BoxRef& operator[](std::size_t place) const;
-  std::uint64_t bytes() const { return size_ * sizeof(BoxRef); }
+  std::span<const std::span<const Reference>> slice(std::size_t slice) const;
+  std::span<const std::span<const Reference>> all() const { return spans_; }
+  /// The reference at an index of the list.
+  const Reference& operator[](std::size_t index) const;
+  std::uint64_t bytes() const { return size_ * sizeof(Reference); }
 
  private:
   std::vector<Piece> pieces_;
-  std::vector<std::span<const BoxRef>> spans_;
-  std::vector<std::size_t> slice_ends_;  // places in spans_
+  std::vector<std::span<const Reference>> spans_;
+  std::vector<std::size_t> slice_ends_;  // indices into spans_
   std::size_t size_ = 0;
 };
 
-/// What a thread does at a time: with what comes of it, it stays in a core's second cache.
-inline constexpr std::size_t kBoxesPerSlice = 4096;
+/// References in a slice, which one thread works on at a time. A slice and its results fit in a
+/// core's second-level cache.
+inline constexpr std::size_t kReferencesPerSlice = 4096;
 
-/// Copies spans one behind the other.
-BoxList join(std::span<const std::span<const BoxRef>> spans, std::size_t size);
+/// Copies spans into one list of `size` references.
+ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_t size);
 
-/// The list of a cell that is not built.
+/// The list of a deferred cell: short or long.
 class CellList {
  public:
   CellList() = default;
-  explicit CellList(BoxList list) : short_(std::move(list)) {}
+  explicit CellList(ReferenceList list) : short_(std::move(list)) {}
   explicit CellList(std::shared_ptr<const SlicedList> list) : long_(std::move(list)) {}
 
   std::size_t size() const { return long_ ? long_->size() : short_.size(); }
   std::uint64_t bytes() const { return long_ ? long_->bytes() : short_.bytes(); }
 
-  /// Null for a short one.
+  /// Null for a short list.
   const std::shared_ptr<const SlicedList>& sliced() const { return long_; }
-  /// Of a short one.
-  std::span<const BoxRef> whole() const { return short_.all(); }
+  /// The references of a short list.
+  std::span<const Reference> whole() const { return short_.all(); }
 
-  /// Calls visit(span) for every part, until it returns true; returns whether it did.
+  /// Calls visit(span) for every part until one call returns true. Returns whether one did.
   template <class Visit>
   bool any_part(const Visit& visit) const {
     if (!long_) return visit(short_.all());
@@ -107,10 +109,12 @@ class CellList {
   }
 
   /// A copy in one piece.
-  BoxList copy() const { return long_ ? join(long_->all(), long_->size()) : BoxList(short_.all()); }
+  ReferenceList copy() const {
+    return long_ ? join(long_->all(), long_->size()) : ReferenceList(short_.all());
+  }
 
  private:
-  BoxList short_;
+  ReferenceList short_;
   std::shared_ptr<const SlicedList> long_;
 };
 

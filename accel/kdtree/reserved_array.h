@@ -1,5 +1,5 @@
-// An array that is reserved at its largest and paid for as it is used: addresses never move, so
-// readers need no lock.
+// An array with its largest size reserved, which takes memory only as it is used. Addresses never
+// change, so readers need no lock.
 #pragma once
 
 #include <sys/mman.h>
@@ -12,19 +12,20 @@
 
 namespace sightline::accel::kdtree {
 
-/// Room for `capacity` trivial objects, uninitialised. Large ones are address space only, which the
-/// kernel backs page by page on first use. Throws std::bad_alloc.
+/// Reserves `capacity` trivial objects, uninitialised. A large array is address space only; the
+/// kernel adds memory page by page on first use. Throws std::bad_alloc.
 template <class T>
-class Reservation {
+class ReservedArray {
  public:
-  Reservation() = default;
-  explicit Reservation(std::size_t capacity) : capacity_(capacity) {
+  ReservedArray() = default;
+  explicit ReservedArray(std::size_t capacity) : capacity_(capacity) {
     const std::size_t bytes = capacity * sizeof(T);
     if (bytes >= kMapFrom) {
       void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
       if (p == MAP_FAILED) throw std::bad_alloc();
-      // The front of a large one will be written all over; a refusal costs nothing but time.
+      // All of the front of a large array will be written, so large pages pay. A refusal costs only
+      // time.
       if (bytes >= kHugeFrom) (void)::madvise(p, kHugeFrom, MADV_HUGEPAGE);
       data_ = static_cast<T*>(p);
     } else {
@@ -33,14 +34,14 @@ class Reservation {
       if (data_ == nullptr) throw std::bad_alloc();
     }
   }
-  Reservation(Reservation&& o) noexcept
+  ReservedArray(ReservedArray&& o) noexcept
       : data_(std::exchange(o.data_, nullptr)), capacity_(std::exchange(o.capacity_, 0)) {}
-  Reservation& operator=(Reservation&& o) noexcept {
+  ReservedArray& operator=(ReservedArray&& o) noexcept {
     std::swap(data_, o.data_);
     std::swap(capacity_, o.capacity_);
     return *this;
   }
-  ~Reservation() {
+  ~ReservedArray() {
     if (data_ == nullptr) return;
     if (capacity_ * sizeof(T) >= kMapFrom) {
       ::munmap(data_, capacity_ * sizeof(T));

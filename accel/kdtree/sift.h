@@ -1,4 +1,4 @@
-// Sifting: dividing a cell's list by a plane; a straddler goes to both sides. Source: Hunt et al.
+// Sifting: divides a cell's list by a plane; a straddler goes to both sides. Source: Hunt et al.
 // 2006, section 6.3.1. Differs: lists hold the boxes, not pointers to them (docs/decisions/0002).
 #pragma once
 
@@ -9,19 +9,20 @@
 
 namespace sightline::accel::kdtree {
 
-struct Sifted {
+struct PartitionCounts {
   std::size_t left = 0;
   std::size_t right = 0;
 };
 
-/// Where cut.planar_left is not set: by the rule of membership alone.
-inline Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* left, BoxRef* right) {
+/// As below, for splits without planar_left: by the rule of membership alone.
+inline PartitionCounts sift(std::span<const Reference> refs, const Plane& plane, Reference* left,
+                            Reference* right) {
   const auto axis = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
-  BoxRef *end_of_left = left, *end_of_right = right;
-  for (const BoxRef& ref : refs) {
+  Reference *end_of_left = left, *end_of_right = right;
+  for (const Reference& ref : refs) {
     const bool in_left = ref.lo[axis]<x, in_right = ref.hi[axis]> x;
-    const BoxRef copy = ref;  // `ref` may lie where `left` is written
+    const Reference copy = ref;  // `ref` may be in the memory that `left` writes
     *end_of_right = copy;
     *end_of_left = copy;
     end_of_left += in_left;
@@ -32,17 +33,19 @@ inline Sifted sift(std::span<const BoxRef> refs, const Plane& plane, BoxRef* lef
 }
 
 /// Writes the members of the left cell to `left` and those of the right cell to `right`, in order.
-/// Each has room for refs.size() boxes; `left` may be refs.data() itself. Without branches on the
-/// boxes: both sides are always written, and the place moves on only if the box belongs there.
-inline Sifted sift(std::span<const BoxRef> refs, const Cut& cut, BoxRef* left, BoxRef* right) {
+/// Each has capacity for refs.size() references; `left` may be refs.data(). There is no branch per
+/// reference: both sides are always written, and an end advances only if the reference belongs
+/// there.
+inline PartitionCounts sift(std::span<const Reference> refs, const Split& cut, Reference* left,
+                            Reference* right) {
   if (!cut.planar_left) return sift(refs, cut.plane, left, right);
   const auto axis = static_cast<std::size_t>(cut.plane.axis);
   const float x = cut.plane.position;
-  Sifted n;
-  for (const BoxRef& ref : refs) {
+  PartitionCounts n;
+  for (const Reference& ref : refs) {
     const bool planar = ref.lo[axis] == x && is_planar(ref, axis);
     const bool in_left = ref.lo[axis] < x || planar, in_right = ref.hi[axis] > x && !planar;
-    const BoxRef copy = ref;
+    const Reference copy = ref;
     right[n.right] = copy;
     left[n.left] = copy;
     n.left += in_left;

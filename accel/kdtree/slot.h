@@ -1,4 +1,5 @@
-// The one word that says what hangs at a place in the tree. docs/node_layout.md draws it.
+// A slot: the 64-bit word for one child of a node: deferred cell, leaf or inner node.
+// docs/node_layout.md has a drawing.
 #pragma once
 
 #include <bit>
@@ -11,17 +12,17 @@ namespace sightline::accel::kdtree {
 
 struct DeferredCell;
 
-/// A child slot, 64 bits, always read and written as one atomic word:
+/// A child slot of 64 bits, always read and written as one atomic word:
 ///
 ///     tag, bits 0..2        bits 3..31           bits 32..63
 ///     deferred, expanding   the address of a DeferredCell (8-byte aligned)
-///     leaf                  count                the reference if count is 1, else the place of
-///                                                the first in the id array
-///     binary x, y, z        place of the pair    the plane's position, a float
+///     leaf                  count                the reference if count is 1, else the index
+///                                                of the first in the id array
+///     binary x, y, z        index of the pair    the plane's position, a float
 ///                           of child slots
 ///
-/// With the plane in its own slot an inner node is nothing but its two child slots: 16 bytes, one
-/// cache line touched.
+/// The plane is in the slot that refers to the node, so an inner node is just its two child slots:
+/// 16 bytes, one cache line.
 class Slot {
  public:
   enum class Tag : std::uint64_t {
@@ -61,8 +62,8 @@ class Slot {
   constexpr Tag tag() const { return static_cast<Tag>(bits_ & 7); }
   constexpr bool is_binary() const { return (bits_ & 4) != 0; }
   constexpr bool is_leaf() const { return tag() == Tag::kLeaf; }
-  /// Deferred or expanding: there is a cell to ask.
-  constexpr bool is_unbuilt() const { return (bits_ & 7) <= 1; }
+  /// Deferred or expanding: the slot holds a cell.
+  constexpr bool is_deferred() const { return (bits_ & 7) <= 1; }
 
   int axis() const { return static_cast<int>(bits_ & 3); }
   float position() const { return std::bit_cast<float>(static_cast<std::uint32_t>(bits_ >> 32)); }

@@ -1,4 +1,4 @@
-// Walking whole trees to sum them up.
+// Walks whole trees to compute their metrics.
 #include "accel/kdtree/tree_metrics.h"
 
 #include <algorithm>
@@ -10,9 +10,9 @@ namespace {
 void measure_below(const KdTree& tree, Slot slot, const geometry::Aabb& cell, int depth,
                    double root_area, TreeMetrics& m) {
   const double share = root_area > 0 ? half_area(cell) / root_area : 1;
-  if (slot.is_unbuilt()) {
-    ++m.unbuilt_cells;
-    m.given_up_cells += slot.cell()->given_up.load(std::memory_order_relaxed) ? 1 : 0;
+  if (slot.is_deferred()) {
+    ++m.deferred_cells;
+    m.failed_cells += slot.cell()->failed.load(std::memory_order_relaxed) ? 1 : 0;
     return;
   }
   ++m.nodes;
@@ -33,7 +33,7 @@ void measure_below(const KdTree& tree, Slot slot, const geometry::Aabb& cell, in
 }
 
 void grow_below(const KdTree& tree, Slot slot, std::vector<bool>& seen, GrowthMetrics& g) {
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ++g.cells_deferred;
     return;
   }
@@ -67,8 +67,8 @@ TreeMetrics measure(const KdTree& tree) {
 GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids) {
   GrowthMetrics g;
   const Slot root = load(tree.root());
-  // An untouched tree is not worth a bit a reference.
-  std::vector<bool> seen(root.is_unbuilt() ? 0 : ids);
+  // An untouched tree needs no bit for each reference.
+  std::vector<bool> seen(root.is_deferred() ? 0 : ids);
   grow_below(tree, root, seen, g);
   return g;
 }

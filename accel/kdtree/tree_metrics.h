@@ -1,4 +1,4 @@
-// What a tree is like: one set of metrics for all builders. Callers are pinned to an epoch.
+// Metrics of a tree, the same for all builders. Callers are pinned to an epoch.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace sightline::accel::kdtree {
 
-/// Costs are always stated with these, whatever a builder optimised (Wald, Havran 2006: K_T = 1,
-/// K_I = 1.5).
+/// Cost constants of all metrics, also for trees of builders that used others (Wald, Havran 2006:
+/// K_T = 1, K_I = 1.5).
 inline constexpr double kMeasuredTraverse = 1;
 inline constexpr double kMeasuredIntersect = 1.5;
 
@@ -18,29 +18,30 @@ struct TreeMetrics {
   std::uint64_t nodes = 0;   ///< Inner nodes and leaves.
   std::uint64_t leaves = 0;  ///< Empty ones included.
   std::uint64_t nonempty_leaves = 0;
-  std::uint64_t references = 0;  ///< In leaves.
-  int max_depth = 0;             ///< Of a leaf; a lone root has 0.
-  std::uint64_t unbuilt_cells = 0;
-  std::uint64_t given_up_cells =
-      0;  ///< Of the unbuilt ones: for want of room, and searched for good.
+  std::uint64_t references = 0;  ///< In all leaves.
+  int max_depth = 0;             ///< Largest depth of a leaf; 0 if the root is a leaf.
+  std::uint64_t deferred_cells = 0;
+  std::uint64_t failed_cells =
+      0;  ///< Deferred cells for which there was no memory: their lists are always searched.
   double expected_traversals = 0;     ///< Inner nodes met (E_T).
   double expected_leaves = 0;         ///< Leaves met, empty ones included (E_L).
   double expected_intersections = 0;  ///< References in the leaves met (E_I).
   double sah_cost = 0;                ///< kMeasuredTraverse * E_T + kMeasuredIntersect * E_I.
   double overlap =
-      0;  ///< Of siblings' boxes (accel/published/bvh/bvh_measure.h); cells do not overlap.
+      0;  ///< Overlap of siblings' boxes (accel/published/bvh/bvh_measure.h); 0 for kd-trees.
   std::uint64_t bytes = 0;
 };
 
 TreeMetrics measure(const KdTree& tree);
 
-/// How far a lazy tree has grown. `ids` is above every reference in it.
+/// How much of a lazy tree is built.
 struct GrowthMetrics {
   std::uint64_t cells_built = 0;  ///< Inner nodes and leaves.
   std::uint64_t cells_deferred = 0;
-  std::uint64_t references_built = 0;  ///< Distinct references in finished leaves.
+  std::uint64_t references_built = 0;  ///< Distinct references in leaves.
 };
 
+/// `ids`: greater than every reference id in the tree.
 GrowthMetrics measure_growth(const KdTree& tree, std::uint64_t ids);
 
 }  // namespace sightline::accel::kdtree

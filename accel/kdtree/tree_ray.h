@@ -1,4 +1,4 @@
-// A ray prepared for one tree, and where it meets boxes.
+// A ray prepared for one tree, and its tests against boxes.
 #pragma once
 
 #include <algorithm>
@@ -17,23 +17,25 @@ namespace sightline::accel::kdtree {
 /// Work done for rays, in the units of docs/benchmarks.md.
 struct WalkCounters {
   std::uint64_t steps = 0;  ///< Inner nodes visited.
-  std::uint64_t tests = 0;  ///< Triangles tested, scans of unbuilt cells included.
+  std::uint64_t tests = 0;  ///< Triangles tested, scans of deferred cells included.
 };
 
 /// A ray prepared for one tree.
 ///
-/// Why no cell with a hit is passed over: a plane's t is computed to 3 * 2^-53 of itself, a hit's t
-/// to kHitError of the distance, and `slack` is above both for any t inside the tree's bounds.
-/// Intervals are only ever widened by it.
+/// No cell with a hit is missed: a plane's t is computed with a relative error of 3 * 2^-53, a
+/// hit's t with an error of kHitError times the distance, and `slack` is above both for any t
+/// inside the tree's bounds. Intervals are only widened by it.
 struct TreeRay {
   const geometry::LocalRay* local = nullptr;  ///< Must outlive this.
   geometry::Vec3d inverse;             ///< 1 / direction; infinite where the direction is zero.
   std::array<std::size_t, 3> first{};  ///< Child that the ray meets first along each axis.
   double slack = 0;
-  double t_in = 0, t_out = 0;  ///< Where it may be inside the bounds and its own limits, widened.
+  double t_in = 0,
+         t_out = 0;  ///< Interval of t inside both the bounds and the limits, widened by slack.
 };
 
-/// False if the ray cannot meet the bounds between tmin and tmax (local units).
+/// Prepares `out`. Returns false if the ray cannot meet the bounds between tmin and tmax (local
+/// units).
 inline bool enter(const geometry::LocalRay& ray, const geometry::Aabb& bounds, double tmin,
                   double tmax, TreeRay& out) {
   out.local = &ray;
@@ -62,8 +64,8 @@ inline bool enter(const geometry::LocalRay& ray, const geometry::Aabb& bounds, d
   return out.t_in <= out.t_out;
 }
 
-/// Whether the ray may meet a box between its t_in and `limit`; never false for a box it meets. For
-/// searching the lists of cells that are not built.
+/// Whether the ray may meet a box between its t_in and `limit`; never false for a box that it
+/// meets. For searching the lists of deferred cells.
 inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit) {
   double t_in = ray.t_in, t_out = std::min(ray.t_out, limit);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -71,7 +73,7 @@ inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit
     const double hi = (static_cast<double>(box.hi[a]) - ray.local->origin[a]) * ray.inverse[a];
     const double near = (ray.first[a] == 1 ? hi : lo) - ray.slack,
                  far = (ray.first[a] == 1 ? lo : hi) + ray.slack;
-    // A ray along the face has NaN here, which changes nothing.
+    // A ray in the plane of a face has NaN here, which fails both tests.
     if (near > t_in) t_in = near;
     if (far < t_out) t_out = far;
   }

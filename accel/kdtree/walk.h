@@ -1,4 +1,5 @@
-// Walking a ray through a kd-tree: the one traversal loop, for both levels and all kinds of query.
+// The traversal of a kd-tree by a ray: one loop for scene trees and mesh trees, and for all kinds
+// of query.
 #pragma once
 
 #include <array>
@@ -16,13 +17,13 @@ namespace sightline::accel::kdtree {
 ///
 /// `visit` supplies:
 ///   bool leaf(span<const uint32_t> references)          true: stop the walk
-///   Unbuilt unbuilt(AtomicSlot&, const DeferredCell&)   what to do at an unbuilt slot
+///   DeferredAction deferred(AtomicSlot&, const DeferredCell&)   what to do at a deferred slot
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
-enum class Unbuilt {
-  kAgain,  ///< It is built now: look again.
-  kDone,   ///< Dealt with: go on with the next cell.
-  kStop,   ///< Stop the walk.
+enum class DeferredAction {
+  kRetry,  ///< The cell is built now: read the slot again.
+  kDone,   ///< The cell is searched or skipped: continue with the next cell.
+  kStop,   ///< Stop the traversal.
 };
 
 template <class Visit>
@@ -45,8 +46,8 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
           (static_cast<double>(slot.position()) - ray.local->origin[axis]) * ray.inverse[axis];
       AtomicSlot* children = tree.children(slot);
       const std::size_t first = ray.first[axis];
-      // A ray in the plane has t = NaN, which fails both tests: it visits both sides for all of its
-      // interval.
+      // A ray in the plane has t = NaN, which fails both tests: both sides are visited with the
+      // whole interval.
       const bool skip_near = t + ray.slack < t_in;
       const bool skip_far = t - ray.slack > t_out;
       if (skip_near) {
@@ -65,9 +66,9 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
       std::uint32_t storage;
       if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
     } else {
-      const Unbuilt next = visit.unbuilt(*at, *slot.cell());
-      if (next == Unbuilt::kAgain) continue;
-      if (next == Unbuilt::kStop) return;
+      const DeferredAction next = visit.deferred(*at, *slot.cell());
+      if (next == DeferredAction::kRetry) continue;
+      if (next == DeferredAction::kStop) return;
     }
     const double limit = visit.limit();
     do {

@@ -1,4 +1,4 @@
-// The chain of stages, and calling threads to it.
+// The chain of passes, and calling threads to it.
 #include "accel/lazy/cell_task.h"
 
 #include <algorithm>
@@ -12,94 +12,94 @@
 namespace sightline::accel::lazy {
 
 /// A thread's errand; it may come late, when all is done.
-struct Expansion::Call {
-  Expansion* expansion;
-  Stage* stage;
+struct CellTask::Call {
+  CellTask* task;
+  SharedPass* pass;
 
-  Call(Expansion* e, Stage* s) : expansion(e), stage(s) { expansion->join(); }
-  Call(const Call& o) : Call(o.expansion, o.stage) {}
+  Call(CellTask* e, SharedPass* s) : task(e), pass(s) { task->join(); }
+  Call(const Call& o) : Call(o.task, o.pass) {}
   Call& operator=(const Call&) = delete;
-  ~Call() { expansion->leave(); }
+  ~Call() { task->leave(); }
 
   void operator()() const {
     kdtree::BuildCounters counted;
     try {
-      stage->help(counted);
+      pass->help(counted);
     } catch (const std::bad_alloc&) {  // whoever needs the slice will meet it, too
     }
-    expansion->touches_.fetch_add(counted.touches, std::memory_order_relaxed);
-    expansion->touches_prepare_.fetch_add(counted.touches_prepare, std::memory_order_relaxed);
+    task->touches_.fetch_add(counted.touches, std::memory_order_relaxed);
+    task->touches_prepare_.fetch_add(counted.touches_prepare, std::memory_order_relaxed);
   }
 };
 
-Expansion::~Expansion() {
-  for (Stage* stage = first_.load(std::memory_order_acquire); stage != nullptr;) {
-    Stage* next = stage->next.load(std::memory_order_acquire);
-    delete stage;
-    stage = next;
+CellTask::~CellTask() {
+  for (SharedPass* pass = first_.load(std::memory_order_acquire); pass != nullptr;) {
+    SharedPass* next = pass->next.load(std::memory_order_acquire);
+    delete pass;
+    pass = next;
   }
 }
 
-Stage& Expansion::stage_after(Stage* before, std::size_t slices, Stage::Work work) {
-  std::atomic<Stage*>& link = before == nullptr ? first_ : before->next;
-  Stage* stage = link.load(std::memory_order_acquire);
-  if (stage != nullptr) return *stage;
-  auto fresh = std::make_unique<Stage>(slices, std::move(work));
-  if (!link.compare_exchange_strong(stage, fresh.get(), std::memory_order_acq_rel)) return *stage;
-  stage = fresh.release();
-  if (alive_) call_others(*stage);
-  return *stage;
+SharedPass& CellTask::pass_after(SharedPass* before, std::size_t slices, SharedPass::Work work) {
+  std::atomic<SharedPass*>& link = before == nullptr ? first_ : before->next;
+  SharedPass* pass = link.load(std::memory_order_acquire);
+  if (pass != nullptr) return *pass;
+  auto fresh = std::make_unique<SharedPass>(slices, std::move(work));
+  if (!link.compare_exchange_strong(pass, fresh.get(), std::memory_order_acq_rel)) return *pass;
+  pass = fresh.release();
+  if (alive_) call_others(*pass);
+  return *pass;
 }
 
-void Expansion::call_others(Stage& stage) {
+void CellTask::call_others(SharedPass& pass) {
   const auto arena_size = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   // oneTBB would make a thread for a task that is enqueued, whatever the limit.
   const std::size_t allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const std::size_t calls = std::min({arena_size, allowed, stage.slices()}) - 1;
+  const std::size_t calls = std::min({arena_size, allowed, pass.slices()}) - 1;
   if (calls == 0) return;
   tbb::task_arena arena{tbb::task_arena::attach{}};
-  for (std::size_t i = 0; i < calls; ++i) arena.enqueue(Call(this, &stage));
+  for (std::size_t i = 0; i < calls; ++i) arena.enqueue(Call(this, &pass));
 }
 
-Stage* Expansion::last() const {
-  Stage* last = nullptr;
-  for (Stage* s = first_.load(std::memory_order_acquire); s != nullptr;
+SharedPass* CellTask::last() const {
+  SharedPass* last = nullptr;
+  for (SharedPass* s = first_.load(std::memory_order_acquire); s != nullptr;
        s = s->next.load(std::memory_order_acquire))
     last = s;
   return last;
 }
 
-bool Expansion::help(kdtree::BuildCounters& counters) {
-  Stage* stage = last();
-  return stage != nullptr && stage->help(counters) > 0;
+bool CellTask::help(kdtree::BuildCounters& counters) {
+  SharedPass* pass = last();
+  return pass != nullptr && pass->help(counters) > 0;
 }
 
-std::uint64_t Expansion::progress() const {
+std::uint64_t CellTask::progress() const {
   std::uint64_t sum = 0;
-  for (Stage* s = first_.load(std::memory_order_acquire); s != nullptr;
+  for (SharedPass* s = first_.load(std::memory_order_acquire); s != nullptr;
        s = s->next.load(std::memory_order_acquire))
     sum += 1 + s->slices_done();
   return sum;
 }
 
-kdtree::BuildCounters Expansion::take_counters() {
+kdtree::BuildCounters CellTask::take_counters() {
   kdtree::BuildCounters counters;
   counters.touches = touches_.exchange(0, std::memory_order_relaxed);
   counters.touches_prepare = touches_prepare_.exchange(0, std::memory_order_relaxed);
   return counters;
 }
 
-const Stage& Replay::next(std::size_t slices, Stage::Work work) {
-  Stage& stage = expansion_.stage_after(at_, slices, std::move(work));
-  at_ = &stage;
-  stage.help(counters_);
-  for (Patience patience; !stage.done();) {
-    if (patience.wait(stage.slices_done())) continue;
-    stage.finish(counters_);
+const SharedPass& PassSequence::next(std::size_t slices, SharedPass::Work work) {
+  SharedPass& pass = task_.pass_after(at_, slices, std::move(work));
+  at_ = &pass;
+  pass.help(counters_);
+  for (StallDetector stall_detector; !pass.done();) {
+    if (stall_detector.wait(pass.slices_done())) continue;
+    pass.finish(counters_);
     break;
   }
-  return stage;
+  return pass;
 }
 
 }  // namespace sightline::accel::lazy

@@ -1,4 +1,4 @@
-// What the threads share that expand one large cell: a chain of stages.
+// What the threads share that expand one large cell: a chain of passes.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 
 namespace sightline::accel::lazy {
 
-/// How one expands a cell is a sequence of stages, each made from the results of those before. That
+/// How one expands a cell is a sequence of passes, each made from the results of those before. That
 /// sequence is deterministic, so any thread may follow it from the start at any time and finds what
 /// is done already: there is no thread that the others depend on. Threads: any.
-class Expansion final : public kdtree::SharedWork {
+class CellTask final : public kdtree::SharedWork {
  public:
-  /// `alive` keeps what stages read of the geometry; if null, none but those who call help work
+  /// `alive` keeps what passes read of the geometry; if null, none but those who call help work
   /// here.
-  explicit Expansion(std::shared_ptr<const void> alive) : alive_(std::move(alive)) {}
-  ~Expansion() override;
+  explicit CellTask(std::shared_ptr<const void> alive) : alive_(std::move(alive)) {}
+  ~CellTask() override;
 
-  /// The stage behind `before` (null: the first), made from these if it is not there yet. Idle
+  /// The pass behind `before` (null: the first), made from these if it is not there yet. Idle
   /// threads of the caller's arena are called to it.
-  Stage& stage_after(Stage* before, std::size_t slices, Stage::Work work);
+  SharedPass& pass_after(SharedPass* before, std::size_t slices, SharedPass::Work work);
 
-  /// Does what is to be had of the last stage. Returns whether there was anything.
+  /// Does what is to be had of the last pass. Returns whether there was anything.
   bool help(kdtree::BuildCounters& counters);
 
   /// Grows as work gets done.
@@ -34,28 +34,28 @@ class Expansion final : public kdtree::SharedWork {
 
  private:
   struct Call;
-  void call_others(Stage& stage);
-  Stage* last() const;
+  void call_others(SharedPass& pass);
+  SharedPass* last() const;
 
   std::shared_ptr<const void> alive_;
-  std::atomic<Stage*> first_{nullptr};
+  std::atomic<SharedPass*> first_{nullptr};
   std::atomic<std::uint64_t> touches_{0}, touches_prepare_{0};
 };
 
-/// One thread's way through an expansion's stages.
-class Replay {
+/// One thread's way through an expansion's passes.
+class PassSequence {
  public:
-  Replay(Expansion& expansion, kdtree::BuildCounters& counters)
-      : expansion_(expansion), counters_(counters) {}
+  PassSequence(CellTask& task, kdtree::BuildCounters& counters)
+      : task_(task), counters_(counters) {}
 
-  /// The next stage, done: by us, by others while we wait, or by us after all if those have
+  /// The next pass, done: by us, by others while we wait, or by us after all if those have
   /// stopped. Throws std::bad_alloc.
-  const Stage& next(std::size_t slices, Stage::Work work);
+  const SharedPass& next(std::size_t slices, SharedPass::Work work);
 
  private:
-  Expansion& expansion_;
+  CellTask& task_;
   kdtree::BuildCounters& counters_;
-  Stage* at_ = nullptr;
+  SharedPass* at_ = nullptr;
 };
 
 }  // namespace sightline::accel::lazy

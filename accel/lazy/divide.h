@@ -23,35 +23,36 @@ struct DivideContext {
 };
 
 /// The list of one of the cells that come of a division.
-struct Part {
+struct ChildList {
   kdtree::CellList list;
-  kdtree::FirstScan first;
+  kdtree::ChildScan first;
   bool openable = false;
 };
 
 struct Division {
-  enum class Kind { kLeaf, kCut, kCuts, kFiner };
+  enum class Kind { kLeaf, kSplit, kMultiSplit, kRefined };
   Kind kind = Kind::kLeaf;
-  kdtree::Cut cut;                      ///< kCut.
-  kdtree::CellPath path;                ///< kCut: the cell's, as the cut leaves it.
-  Part left, right;                     ///< kCut; kFiner: `left` is the whole.
-  std::shared_ptr<const CutTree> cuts;  ///< kCuts.
-  std::vector<Part> parts;              ///< kCuts: cuts->parts().
+  kdtree::Split cut;                      ///< kSplit.
+  kdtree::CellPath path;                  ///< kSplit: the cell's, as the cut leaves it.
+  ChildList left, right;                  ///< kSplit; kRefined: `left` is the whole.
+  std::shared_ptr<const SplitTree> cuts;  ///< kMultiSplit.
+  std::vector<ChildList> parts;           ///< kMultiSplit: cuts->leaves().
 };
 
 /// Divides a cell with a short list. Throws std::bad_alloc.
 Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
 
-/// The same for a long list, or for one that is not made yet (which gives kFiner): in stages, with
-/// whoever else is at it. Every thread that comes here gets an equal division, its lists shared.
-Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell, Replay replay,
-                     kdtree::BuildCounters& counters);
+/// The same for a long list, or for one that is not made yet (which gives kRefined): in passes,
+/// with whoever else is at it. Every thread that comes here gets an equal division, its lists
+/// shared.
+Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell,
+                     PassSequence passes, kdtree::BuildCounters& counters);
 
 /// The same where a sample of the list tells how: for builders that take samples, and at least
 /// kSampleFrom references that cannot be opened. Nothing otherwise, or if the sample does not tell.
 std::optional<Division> divide_sampled(const DivideContext& context,
-                                       const kdtree::DeferredCell& cell, Replay& replay,
+                                       const kdtree::DeferredCell& cell, PassSequence& passes,
                                        kdtree::BuildCounters& counters);
 
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane

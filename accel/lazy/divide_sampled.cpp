@@ -18,7 +18,7 @@ class LongSource {
       openable_ = cell.openable;
     } else {
       const ReferenceSource::Coarsest coarsest = source.coarsest(counters);
-      size_ = coarsest.places;
+      size_ = coarsest.slots;
       openable_ = coarsest.openable;
     }
   }
@@ -26,30 +26,32 @@ class LongSource {
   std::size_t size() const { return size_; }
   bool openable() const { return openable_; }
   std::size_t slices() const {
-    return (size() + kdtree::kBoxesPerSlice - 1) / kdtree::kBoxesPerSlice;
+    return (size() + kdtree::kReferencesPerSlice - 1) / kdtree::kReferencesPerSlice;
   }
 
   /// Writes a slice; returns how many references it has.
-  std::size_t slice(std::size_t slice, kdtree::BoxRef* out, kdtree::BuildCounters& counters) const {
+  std::size_t slice(std::size_t slice, kdtree::Reference* out,
+                    kdtree::BuildCounters& counters) const {
     if (!list_) {
-      const std::size_t begin = slice * kdtree::kBoxesPerSlice;
-      return source_.list(begin, std::min(begin + kdtree::kBoxesPerSlice, size()), out, counters);
+      const std::size_t begin = slice * kdtree::kReferencesPerSlice;
+      return source_.list(begin, std::min(begin + kdtree::kReferencesPerSlice, size()), out,
+                          counters);
     }
-    kdtree::BoxRef* end = out;
-    for (const std::span<const kdtree::BoxRef> part : list_->slice(slice))
+    kdtree::Reference* end = out;
+    for (const std::span<const kdtree::Reference> part : list_->slice(slice))
       end = std::copy(part.begin(), part.end(), end);
     return static_cast<std::size_t>(end - out);
   }
 
-  std::vector<kdtree::BoxRef> sample(kdtree::BuildCounters& counters) const {
-    const std::vector<std::size_t> places = sample_places(size());
-    std::vector<kdtree::BoxRef> sample(places.size());
+  std::vector<kdtree::Reference> sample(kdtree::BuildCounters& counters) const {
+    const std::vector<std::size_t> indices = sample_indices(size());
+    std::vector<kdtree::Reference> sample(indices.size());
     std::size_t n = 0;
-    for (const std::size_t place : places) {
+    for (const std::size_t index : indices) {
       if (list_) {
-        sample[n++] = (*list_)[place];
+        sample[n++] = (*list_)[index];
       } else {
-        n += source_.list(place, place + 1, &sample[n], counters);
+        n += source_.list(index, index + 1, &sample[n], counters);
       }
     }
     if (list_) counters.touches += n;
@@ -64,47 +66,47 @@ class LongSource {
   bool openable_ = false;
 };
 
-std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context,
-                                           const kdtree::DeferredCell& cell,
-                                           const LongSource& source, Replay& replay) {
-  const Stage& stage =
-      replay.next(1, [source, rule = context.rule, box = cell.box, path = cell.path,
+std::shared_ptr<const SplitTree> choose_cuts(const DivideContext& context,
+                                             const kdtree::DeferredCell& cell,
+                                             const LongSource& source, PassSequence& passes) {
+  const SharedPass& pass =
+      passes.next(1, [source, rule = context.rule, box = cell.box, path = cell.path,
                       depth = context.max_depth](std::size_t, kdtree::BuildCounters& counters) {
-        auto result = std::make_unique<SliceResult>();
-        result->cuts = std::make_shared<const CutTree>(*rule, source.sample(counters), box, path,
-                                                       CutTree::kMostLevels, depth, counters);
+        auto result = std::make_unique<PassSlice>();
+        result->cuts = std::make_shared<const SplitTree>(*rule, source.sample(counters), box, path,
+                                                         SplitTree::kMostLevels, depth, counters);
         return result;
       });
-  return stage[0].cuts;
+  return pass[0].cuts;
 }
 
 }  // namespace
 
 std::optional<Division> divide_sampled(const DivideContext& context,
-                                       const kdtree::DeferredCell& cell, Replay& replay,
+                                       const kdtree::DeferredCell& cell, PassSequence& passes,
                                        kdtree::BuildCounters& counters) {
   if (!context.rule->takes_samples()) return std::nullopt;
   const LongSource source(context.source, cell, counters);
   if (source.openable() || source.size() < kSampleFrom) return std::nullopt;
-  const std::shared_ptr<const CutTree> cuts = choose_cuts(context, cell, source, replay);
+  const std::shared_ptr<const SplitTree> cuts = choose_cuts(context, cell, source, passes);
   if (cuts->empty()) return std::nullopt;
-  const Stage& stage = replay.next(
+  const SharedPass& pass = passes.next(
       source.slices(), [source, cuts](std::size_t slice, kdtree::BuildCounters& of_slice) {
-        const std::span<kdtree::BoxRef> room =
-            scratch(kdtree::kBoxesPerSlice + CutTree::room(kdtree::kBoxesPerSlice));
-        const std::size_t n = source.slice(slice, room.data(), of_slice);
-        auto result = std::make_unique<SliceResult>();
-        result->parts = cuts->divide(room.first(n), room.data() + n, of_slice);
+        const std::span<kdtree::Reference> buffer = scratch(
+            kdtree::kReferencesPerSlice + SplitTree::scratch_size(kdtree::kReferencesPerSlice));
+        const std::size_t n = source.slice(slice, buffer.data(), of_slice);
+        auto result = std::make_unique<PassSlice>();
+        result->parts = cuts->divide(buffer.first(n), buffer.data() + n, of_slice);
         return result;
       });
   Division division;
-  division.kind = Division::Kind::kCuts;
+  division.kind = Division::Kind::kMultiSplit;
   division.cuts = cuts;
-  bool separates = !cell.listed;
-  for (std::size_t p = 0; p < cuts->parts().size(); ++p) {
+  bool separates = !cell.has_list;
+  for (std::size_t p = 0; p < cuts->leaves().size(); ++p) {
     std::vector<kdtree::SlicedList::Piece> pieces;
-    for (std::size_t i = 0; i < stage.slices(); ++i) {
-      if (const auto& piece = stage[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
+    for (std::size_t i = 0; i < pass.slices(); ++i) {
+      if (const auto& piece = pass[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
     }
     division.parts.push_back({make_list(std::move(pieces)), {}, false});
     separates |= division.parts.back().list.size() < cell.size;

@@ -1,4 +1,4 @@
-// A list in slices, with the operations of dividing as stages that any thread helps with.
+// A list in slices, with the operations of dividing as passes that any thread helps with.
 #pragma once
 
 #include <memory>
@@ -6,38 +6,39 @@
 #include <vector>
 
 #include "accel/lazy/divide.h"
-#include "accel/lazy/sieve.h"
+#include "accel/lazy/partition.h"
 
 namespace sightline::accel::lazy {
 
 /// One thread's view of it, for one division. All functions throw std::bad_alloc.
 class LongList {
  public:
-  LongList(const DivideContext& context, const kdtree::DeferredCell& cell, Replay& replay,
+  LongList(const DivideContext& context, const kdtree::DeferredCell& cell, PassSequence& passes,
            kdtree::BuildCounters& counters)
       : context_(context),
         cell_(cell),
         list_(cell.list.sliced()),
-        replay_(replay),
+        passes_(passes),
         counters_(counters) {}
 
-  std::optional<kdtree::Cut> choose();
+  std::optional<kdtree::Split> choose();
   /// Sets the sides of the division.
-  Straddling sift(const Sieve& sieve, Division& out);
-  Part open();
+  Straddling sift(const PartitionInput& input, Division& out);
+  ChildList open();
 
  private:
-  std::optional<kdtree::Cut> choose_whole(kdtree::CellRefs refs);
+  std::optional<kdtree::Split> choose_whole(kdtree::CellRefs refs);
 
   const DivideContext& context_;
   const kdtree::DeferredCell& cell_;
   const std::shared_ptr<const kdtree::SlicedList> list_;
-  Replay& replay_;
+  PassSequence& passes_;
   kdtree::BuildCounters& counters_;
 };
 
 /// The list of a root, made from the source.
-Part list_root(const DivideContext& context, Replay& replay, kdtree::BuildCounters& counters);
+ChildList list_root(const DivideContext& context, PassSequence& passes,
+                    kdtree::BuildCounters& counters);
 
 /// Pieces as a cell's list: sliced if it is long, else joined.
 kdtree::CellList make_list(std::vector<kdtree::SlicedList::Piece> pieces);

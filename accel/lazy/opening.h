@@ -11,11 +11,12 @@ namespace sightline::accel::lazy {
 /// Opens references once, and leaves out what does not reach into the cell. Returns whether any of
 /// what came out is openable. Throws std::bad_alloc.
 bool open_once(const ReferenceSource& source,
-               std::span<const std::span<const kdtree::BoxRef>> spans, const geometry::Aabb& cell,
-               kdtree::BoxList& out, kdtree::BuildCounters& counters);
+               std::span<const std::span<const kdtree::Reference>> spans,
+               const geometry::Aabb& cell, kdtree::ReferenceList& out,
+               kdtree::BuildCounters& counters);
 
 /// The same until nothing is openable.
-kdtree::BoxList open_all(const ReferenceSource& source, kdtree::BoxList list,
-                         const geometry::Aabb& cell, kdtree::BuildCounters& counters);
+kdtree::ReferenceList open_all(const ReferenceSource& source, kdtree::ReferenceList list,
+                               const geometry::Aabb& cell, kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::lazy

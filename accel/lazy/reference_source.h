@@ -14,21 +14,22 @@ namespace sightline::accel::lazy {
 
 /// Threads: all functions, any, several at once; they are pure. They count what they do.
 struct ReferenceSource {
-  /// The coarsest references, which the root is expanded from, have places from 0 on. Not every
+  /// The coarsest references, which the root is expanded from, have slots from 0 on. Not every
   /// place has to hold one.
   struct Coarsest {
-    std::size_t places = 0;
+    std::size_t slots = 0;
     bool openable = false;  ///< Some may be.
   };
   /// Called before `list`; always the same.
   std::function<Coarsest(kdtree::BuildCounters&)> coarsest;
-  /// Writes those at places from `begin` to `end`, and returns how many they are.
-  std::function<std::size_t(std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+  /// Writes those at slots from `begin` to `end`, and returns how many they are.
+  std::function<std::size_t(std::size_t begin, std::size_t end, kdtree::Reference* out,
                             kdtree::BuildCounters&)>
       list;
   /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
   /// within its own. The same reference always opens into the same ones.
-  std::function<void(const kdtree::BoxRef&, std::vector<kdtree::BoxRef>&, kdtree::BuildCounters&)>
+  std::function<void(const kdtree::Reference&, std::vector<kdtree::Reference>&,
+                     kdtree::BuildCounters&)>
       open{};
   /// Keeps alive what the functions read. If null, only threads that hold it by other means call
   /// them: idle threads are not called to help.
@@ -36,15 +37,15 @@ struct ReferenceSource {
 };
 
 /// A source of references that are made already; if some are openable, `open` is to be set.
-inline ReferenceSource source_of(std::span<const kdtree::BoxRef> refs) {
+inline ReferenceSource source_of(std::span<const kdtree::Reference> refs) {
   const bool openable = std::any_of(refs.begin(), refs.end(),
-                                    [](const kdtree::BoxRef& ref) { return ref.openable(); });
+                                    [](const kdtree::Reference& ref) { return ref.openable(); });
   return {.coarsest =
-              [places = refs.size(), openable](kdtree::BuildCounters&) {
-                return ReferenceSource::Coarsest{places, openable};
+              [slots = refs.size(), openable](kdtree::BuildCounters&) {
+                return ReferenceSource::Coarsest{slots, openable};
               },
           .list =
-              [refs](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+              [refs](std::size_t begin, std::size_t end, kdtree::Reference* out,
                      kdtree::BuildCounters& counters) {
                 counters.touches_prepare += end - begin;
                 std::copy(refs.begin() + static_cast<std::ptrdiff_t>(begin),

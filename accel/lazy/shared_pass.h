@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/kdtree/reference_list.h"
-#include "accel/lazy/sieve.h"
+#include "accel/lazy/partition.h"
 #include "accel/lazy/split_tree.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_pass.h"
@@ -17,31 +17,30 @@
 namespace sightline::accel::lazy {
 
 /// What comes of one slice. Each kind of pass fills its part.
-struct SliceResult {
+struct PassSlice {
   split::PassResult sums;  ///< Scanning.
-  std::shared_ptr<const kdtree::BoxList> left,
+  std::shared_ptr<const kdtree::ReferenceList> left,
       right;                                ///< Sifting; opening and listing fill `left`.
-  kdtree::FirstScan left_scan, right_scan;  ///< Of the children's lists.
+  kdtree::ChildScan left_scan, right_scan;  ///< Of the children's lists.
   Straddling straddling;                    ///< Of the division.
   bool openable = false;                    ///< There may be openable ones in the lists.
-  std::optional<kdtree::Cut> cut;           ///< Choosing, where a builder takes no slices.
-  std::shared_ptr<const CutTree> cuts;      ///< Choosing by a sample.
-  std::vector<std::shared_ptr<const kdtree::BoxList>> parts;  ///< Sifting by these cuts.
+  std::optional<kdtree::Split> cut;         ///< Choosing, where a builder takes no slices.
+  std::shared_ptr<const SplitTree> cuts;    ///< Choosing by a sample.
+  std::vector<std::shared_ptr<const kdtree::ReferenceList>> parts;  ///< Sifting by these cuts.
 };
 
-/// Slices are pure functions of what the stage was made with, so it does not matter how often one
+/// Slices are pure functions of what the pass was made with, so it does not matter how often one
 /// is done, nor by whom: the first result is kept. No thread ever waits for another in here, and
 /// none that is stopped keeps the others from going on: see finish(). Threads: any.
-class Stage {
+class SharedPass {
  public:
   /// Owns all that it reads. Adds what it did to the counters.
-  using Work =
-      std::function<std::unique_ptr<SliceResult>(std::size_t slice, kdtree::BuildCounters&)>;
+  using Work = std::function<std::unique_ptr<PassSlice>(std::size_t slice, kdtree::BuildCounters&)>;
 
-  Stage(std::size_t slices, Work work);
-  ~Stage();
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  SharedPass(std::size_t slices, Work work);
+  ~SharedPass();
+  SharedPass(const SharedPass&) = delete;
+  SharedPass& operator=(const SharedPass&) = delete;
 
   /// Does slices that nobody has begun until there is none left. Returns how many. Throws
   /// std::bad_alloc.
@@ -57,18 +56,18 @@ class Stage {
   bool done() const { return slices_done() == results_.size(); }
 
   /// Of a slice that is done.
-  const SliceResult& operator[](std::size_t slice) const {
+  const PassSlice& operator[](std::size_t slice) const {
     return *results_[slice].load(std::memory_order_acquire);
   }
 
-  /// The stage behind this one, or null.
-  std::atomic<Stage*> next{nullptr};
+  /// The pass behind this one, or null.
+  std::atomic<SharedPass*> next{nullptr};
 
  private:
   void run(std::size_t slice, kdtree::BuildCounters& counters);
 
   Work work_;
-  std::vector<std::atomic<SliceResult*>> results_;
+  std::vector<std::atomic<PassSlice*>> results_;
   std::atomic<std::size_t> begun_{0};
   std::atomic<std::size_t> done_{0};
 };

@@ -1,5 +1,4 @@
-// A mesh's arrays streamed through once: the greatest index, the bounds of the vertices, and of
-// some faces.
+// Bounds over a mesh's arrays: the greatest index, the box of all vertices, the box of some faces.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +10,13 @@
 
 namespace sightline::accel::mesh {
 
-/// Zero if there are no faces.
+/// The greatest vertex index; 0 if there are no faces.
 std::uint32_t greatest_index(std::span<const geometry::Face> faces);
 
-/// Nothing if a vertex is not finite, or there is none.
+/// The box of all vertices; nothing if a vertex is not finite or there are none.
 std::optional<geometry::Aabb> bounds_of_vertices(std::span<const geometry::Vec3f> vertices);
 
-/// Of the vertices of every stride-th face. Indices are good, vertices finite.
+/// The box of every stride-th face. Indices must be in range, vertices finite.
 geometry::Aabb bounds_of_faces(const geometry::MeshView& mesh, std::size_t stride);
 
 }  // namespace sightline::accel::mesh

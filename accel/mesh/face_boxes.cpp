@@ -1,4 +1,4 @@
-// Four floats at a time; with equal results on every SIMD target.
+// Loops over four floats at a time, with equal results on every SIMD target.
 #include "accel/mesh/face_boxes.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ bool grow_finite(const geometry::MeshView&, std::size_t, std::size_t, geometry::
 }
 
 std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                       kdtree::BoxRef* out) {
+                       kdtree::Reference* out) {
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (const std::optional<geometry::Aabb> box = face_bounds(mesh, i))
@@ -33,7 +33,7 @@ std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::s
 
 #else
 
-/// Faces of good indices, as four lanes: x, y, z and something else.
+/// Boxes of faces with indices in range, in four lanes: x, y, z and an unused one.
 class Faces {
  public:
   using Tag = hn::FixedTag<float, 4>;
@@ -53,7 +53,7 @@ class Faces {
     const Tag d;
     const geometry::Face& f = mesh_.faces[face];
     const Four a = vertex(f[0]), b = vertex(f[1]), c = vertex(f[2]);
-    // Zero where all are finite, else NaN.
+    // 0 in lanes where all are finite, else NaN.
     const Four zero = hn::Add(hn::Add(hn::Sub(a, a), hn::Sub(b, b)), hn::Sub(c, c));
     lo = hn::Min(hn::Min(a, b), c);
     hi = hn::Max(hn::Max(a, b), c);
@@ -67,7 +67,7 @@ class Faces {
     const Tag d;
     const Four none = hn::Zero(d), tiny = hn::Set(d, std::numeric_limits<float>::min());
     const auto is_tiny = [&](Four x) { return hn::Lt(hn::Abs(x), tiny); };
-    // By bits: where denormals count as zero, comparing does not see them.
+    // Compares bits: a float comparison does not see denormals where they count as zero.
     const hn::RebindToSigned<Tag> di;
     const auto is_zero = [&](Four x) {
       return hn::RebindMask(d, hn::Eq(hn::ShiftLeft<1>(hn::BitCast(di, x)), hn::Zero(di)));
@@ -111,7 +111,7 @@ class Faces {
   float last_[4] = {};
 };
 
-/// Whether all indices of some faces are good.
+/// Whether all indices of some faces are in range.
 HWY_INLINE bool in_range(const geometry::MeshView& mesh, std::size_t begin, std::size_t end) {
   const hn::FixedTag<std::uint32_t, 4> d;
   const std::uint32_t* indices = mesh.faces[begin].data();
@@ -124,7 +124,7 @@ HWY_INLINE bool in_range(const geometry::MeshView& mesh, std::size_t begin, std:
   return most < mesh.vertices.size();
 }
 
-/// Sets the box of faces that all have finite vertices; false if they have not.
+/// Sets the box of some faces; returns false if an index is out of range or a vertex is not finite.
 bool grow_finite(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
                  geometry::Aabb& box) {
   if (!in_range(mesh, begin, end)) return false;
@@ -147,7 +147,7 @@ bool grow_finite(const geometry::MeshView& mesh, std::size_t begin, std::size_t 
 }
 
 std::size_t references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                       kdtree::BoxRef* out) {
+                       kdtree::Reference* out) {
   const Faces::Tag d;
   const Faces faces(mesh);
   std::size_t n = 0;
@@ -233,7 +233,7 @@ FaceSum sum_faces(const geometry::MeshView& mesh, std::size_t begin, std::size_t
 }
 
 std::size_t face_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                            kdtree::BoxRef* out) {
+                            kdtree::Reference* out) {
   return HWY_DYNAMIC_DISPATCH(references)(mesh, begin, end, out);
 }
 

@@ -1,4 +1,4 @@
-// Boxes of a mesh's faces: one, a few with their sum, or a list of references.
+// Boxes of a mesh's faces: of one face, of several together, and as a list of references.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@
 
 namespace sightline::accel::mesh {
 
-/// The bounds of a face as the builder sees them (widen_flat), or nothing if it has no triangle or
-/// a vertex is not finite. Its indices are good.
+/// The bounds of a face, widened by widen_flat; nothing if it has no triangle or a vertex is not
+/// finite. Its indices must be in range.
 std::optional<geometry::Aabb> face_bounds(const geometry::MeshView& mesh, std::size_t face);
 
-/// What a few faces add up to.
+/// Counts and bounds of several faces.
 struct FaceSum {
   static constexpr std::size_t kNone = ~std::size_t{0};
 
-  std::uint64_t triangles = 0;    ///< Faces that hold one.
-  std::uint64_t finite = 0;       ///< With good indices and finite vertices.
+  std::uint64_t triangles = 0;    ///< Faces with a triangle.
+  std::uint64_t finite = 0;       ///< Triangles with indices in range and finite vertices.
   std::size_t first_bad = kNone;  ///< The first face with an index out of range.
-  geometry::Aabb box;             ///< Of the finite ones' face_bounds.
+  geometry::Aabb box;             ///< Union of the face_bounds of finite triangles.
 
   void add(const FaceSum& o);
 };
 
-/// Of the faces from `begin` to `end`; looks at their indices before it uses them.
+/// The sum over faces `begin` to `end` - 1. Indices may be out of range.
 FaceSum sum_faces(const geometry::MeshView& mesh, std::size_t begin, std::size_t end);
 
-/// Writes a reference of weight one for every face from `begin` to `end` that has bounds; there is
-/// room for all. Returns how many. Their indices are good.
+/// Writes a reference of weight 1 for every face from `begin` to `end` - 1 that has bounds, and
+/// returns their number. `out` has capacity for all faces. Indices must be in range.
 std::size_t face_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                            kdtree::BoxRef* out);
+                            kdtree::Reference* out);
 
 }  // namespace sightline::accel::mesh

@@ -1,4 +1,4 @@
-// Making references of faces.
+// References of faces, or of runs of faces.
 #include "accel/mesh/face_references.h"
 
 #include <atomic>
@@ -9,7 +9,7 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// A mesh's faces, or runs of them: decided by whoever asks first.
+/// A mesh's faces or runs of them; the first call decides which.
 class Faces {
  public:
   Faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds, bool may_run)
@@ -22,17 +22,17 @@ class Faces {
       kind_.store(kind, std::memory_order_relaxed);
     }
     const bool runs = kind == Kind::kRuns;
-    return {.places = runs ? count_runs(mesh_) : mesh_.faces.size(), .openable = runs};
+    return {.slots = runs ? count_runs(mesh_) : mesh_.faces.size(), .openable = runs};
   }
 
-  std::size_t list(std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+  std::size_t list(std::size_t begin, std::size_t end, kdtree::Reference* out,
                    kdtree::BuildCounters& counters) const {
     if (coarsest(counters).openable) return run_references(mesh_, begin, end, out, counters);
     counters.touches_prepare += end - begin;
     return face_references(mesh_, begin, end, out);
   }
 
-  void open(const kdtree::BoxRef& run, std::vector<kdtree::BoxRef>& out,
+  void open(const kdtree::Reference& run, std::vector<kdtree::Reference>& out,
             kdtree::BuildCounters& counters) const {
     open_run(mesh_, run, out, counters);
   }
@@ -53,11 +53,11 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh, const geom
   return {
       .coarsest = [faces](kdtree::BuildCounters& counters) { return faces->coarsest(counters); },
       .list =
-          [faces](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+          [faces](std::size_t begin, std::size_t end, kdtree::Reference* out,
                   kdtree::BuildCounters& counters) {
             return faces->list(begin, end, out, counters);
           },
-      .open = [faces](const kdtree::BoxRef& run, std::vector<kdtree::BoxRef>& out,
+      .open = [faces](const kdtree::Reference& run, std::vector<kdtree::Reference>& out,
                       kdtree::BuildCounters& counters) { faces->open(run, out, counters); },
       .alive = std::move(alive)};
 }

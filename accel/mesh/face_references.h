@@ -1,4 +1,4 @@
-// A mesh's faces, or runs of them, as references for its tree to begin with.
+// The references that a mesh's tree starts from: its faces, or runs of them.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace sightline::accel::mesh {
 
-/// `bounds`: of the finite triangles. Whether runs are made of the faces, where they may be, is
-/// decided by whoever asks first. `alive`: see ReferenceSource.
+/// `bounds`: box of the finite triangles. `may_run`: use runs if they are compact, which the first
+/// call of the source decides. `alive`: see ReferenceSource.
 lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh, const geometry::Aabb& bounds,
                                       bool may_run, std::shared_ptr<const void> alive);
 

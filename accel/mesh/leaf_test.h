@@ -1,5 +1,5 @@
-// What every walk through a mesh's tree asks in leaves: the hit rule, the limits of the query, and
-// which of two hits it wants.
+// The test of leaves, the same for all trees of meshes: the hit rule, the limits of the query, and
+// the choice between hits.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +20,15 @@ namespace sightline::accel::mesh {
 
 /// For one ray in one tree.
 struct LeafTest {
-  /// From so many triangles on, looking at all of them at once takes less time than one by one.
+  /// From this many triangles on, testing all with the prefilter takes less time than one by one.
   static constexpr std::size_t kFilterFrom = 4;
 
   const geometry::MeshView& mesh;
   MeshQuery& query;
   const kdtree::TreeRay& ray;
   kdtree::WalkCounters& walked;
-  std::optional<geometry::ShearedRay> seen{};  ///< query.ray, once a leaf is long enough.
+  std::optional<geometry::ShearedRay>
+      sheared_ray{};  ///< query.ray, sheared at the first leaf that is long enough.
 
   double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
@@ -74,13 +75,13 @@ struct LeafTest {
     return false;
   }
 
-  /// All at once, then one by one those that are not certainly missed.
+  /// Tests all with the prefilter, then the candidates one by one.
   bool long_leaf(std::span<const std::uint32_t> ids) {
-    if (!seen) seen = sheared(query.ray);
+    if (!sheared_ray) sheared_ray = sheared(query.ray);
     while (!ids.empty()) {
-      const auto batch = ids.first(std::min(ids.size(), geometry::kMissBatch));
+      const auto batch = ids.first(std::min(ids.size(), geometry::kPrefilterBatch));
       ids = ids.subspan(batch.size());
-      std::uint64_t possible = possible_hits(mesh, *seen, batch);
+      std::uint64_t possible = candidate_mask(mesh, *sheared_ray, batch);
       walked.tests += batch.size() - static_cast<std::size_t>(std::popcount(possible));
       for (; possible != 0; possible &= possible - 1) {
         if (test(batch[static_cast<std::size_t>(std::countr_zero(possible))])) return true;
@@ -89,7 +90,7 @@ struct LeafTest {
     return false;
   }
 
-  /// For want of a tree. True: the walk is over.
+  /// Tests faces without a tree. Returns true if the traversal ends.
   bool search_faces(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
       const std::optional<geometry::Aabb> box = face_bounds(mesh, i);

@@ -1,4 +1,4 @@
-// The one pass over a mesh's arrays, and the slower one over its faces.
+// A fast pass over a mesh's arrays, and a slower one over its faces.
 #include "accel/mesh/mesh_stats.h"
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace sightline::accel::mesh {
 namespace {
 
 constexpr std::size_t kPerTask = 65536;
-/// So many faces show whether the vertices lie where the faces are.
+/// Faces in the sample that shows whether the vertices lie where the faces are.
 constexpr std::size_t kSampled = 64;
-/// Bounds of the vertices are good enough if those of the sample are no smaller a share of them.
+/// The vertices' bounds are used if the sample's bounds have at least this share of their surface.
 constexpr double kShareOfSurface = 0.5;
 
 std::uint32_t greatest_index_in_parallel(std::span<const geometry::Face> faces) {
@@ -44,8 +44,8 @@ std::optional<geometry::Aabb> bounds_in_parallel(std::span<const geometry::Vec3f
       });
 }
 
-/// Where nothing is odd.
-std::optional<MeshSurvey> survey_arrays(const geometry::MeshView& mesh) {
+/// The result if the arrays are regular, from one pass; nothing if they are irregular.
+std::optional<MeshStats> stats_of_arrays(const geometry::MeshView& mesh) {
   const std::size_t faces = mesh.faces.size();
   if (faces == 0 || greatest_index_in_parallel(mesh.faces) >= mesh.vertices.size())
     return std::nullopt;
@@ -58,13 +58,13 @@ std::optional<MeshSurvey> survey_arrays(const geometry::MeshView& mesh) {
   } else if (half_area(sampled) < kShareOfSurface * half_area(*bounds)) {
     return std::nullopt;
   }
-  return MeshSurvey{.triangles = faces, .finite_triangles = faces, .bounds = widen_flat(*bounds)};
+  return MeshStats{.triangles = faces, .finite_triangles = faces, .bounds = widen_flat(*bounds)};
 }
 
 }  // namespace
 
-MeshSurvey survey_mesh(const geometry::MeshView& mesh) {
-  if (const auto survey = survey_arrays(mesh)) return *survey;
+MeshStats compute_mesh_stats(const geometry::MeshView& mesh) {
+  if (const auto stats = stats_of_arrays(mesh)) return *stats;
   const FaceSum all = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.faces.size(), kPerTask), FaceSum{},
       [&](const auto& range, FaceSum sum) {

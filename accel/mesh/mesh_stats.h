@@ -1,5 +1,5 @@
-// What has to be known of a mesh's arrays before any ray comes: are the indices good, what can be
-// hit, and where does it lie.
+// Facts about a mesh's arrays that are needed before the first ray: whether indices are in range,
+// how many triangles can be hit, and their bounds.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,19 @@
 
 namespace sightline::accel::mesh {
 
-struct MeshSurvey {
-  std::uint64_t triangles = 0;         ///< Faces that hold one.
-  std::uint64_t finite_triangles = 0;  ///< With finite vertices: what can be hit.
-  /// The first face with an index out of range; it and its like count as triangles, never as
-  /// finite.
+struct MeshStats {
+  std::uint64_t triangles = 0;         ///< Faces with a triangle.
+  std::uint64_t finite_triangles = 0;  ///< Triangles with finite vertices: those that can be hit.
+  /// The first face with an index out of range. Such faces count as triangles, but not as finite.
   std::size_t first_bad_face = FaceSum::kNone;
-  /// Holds the finite triangles; vertices that none of them has may make it larger, but not by
-  /// much. Of positive extent; empty if there is none.
+  /// Contains all finite triangles. Vertices that no triangle uses may make it a little larger. Has
+  /// a positive extent on each axis; empty if there are no finite triangles.
   geometry::Aabb bounds;
 };
 
-/// Streams through the arrays once, and looks at single faces only where something is odd: an index
-/// out of range, a vertex that is not finite, vertices far from the faces. Parallel in the caller's
-/// arena; the result does not depend on it.
-MeshSurvey survey_mesh(const geometry::MeshView& mesh);
+/// Reads the arrays once. Reads single faces only if the mesh is irregular: an index out of range,
+/// a vertex that is not finite, vertices far from the faces. Parallel in the caller's arena; the
+/// result does not depend on the number of threads.
+MeshStats compute_mesh_stats(const geometry::MeshView& mesh);
 
 }  // namespace sightline::accel::mesh

@@ -1,4 +1,4 @@
-// Asking a mesh's tree, and building it where it is asked.
+// Queries of a mesh's tree, which build it where rays need it.
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
@@ -11,34 +11,35 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// What a walk through a kd-tree asks, at cells that are not built, too.
+/// The visitor of a kd-tree: at leaves and at deferred cells.
 struct KdVisit : LeafTest {
   lazy::LazyTree& lazy;
   kdtree::BuildCounters& built;
 
-  kdtree::Unbuilt unbuilt(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const lazy::Expanded expanded = lazy.expand(slot, query.at_busy, built);
-      if (expanded == lazy::Expanded::kAgain) return kdtree::Unbuilt::kAgain;
-      if (expanded == lazy::Expanded::kBusy) {
-        query.put_aside = true;
+  kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
+    if (query.on_deferred == OnDeferred::kExpand) {
+      const lazy::ExpandResult expanded = lazy.expand(slot, query.when_pending, built);
+      if (expanded == lazy::ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
+      if (expanded == lazy::ExpandResult::kPending) {
+        query.suspended = true;
         query.progress = lazy::LazyTree::progress(slot);
-        return kdtree::Unbuilt::kStop;
+        return kdtree::DeferredAction::kStop;
       }
     }
-    query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return kdtree::Unbuilt::kDone;
-    return search(cell) ? kdtree::Unbuilt::kStop : kdtree::Unbuilt::kDone;
+    query.saw_deferred = true;
+    if (query.on_deferred == OnDeferred::kSkip) return kdtree::DeferredAction::kDone;
+    return search(cell) ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
   }
 
   bool search(const kdtree::DeferredCell& cell) {
-    if (cell.listed)
-      return cell.list.any_part([&](std::span<const kdtree::BoxRef> refs) { return search(refs); });
+    if (cell.has_list)
+      return cell.list.any_part(
+          [&](std::span<const kdtree::Reference> refs) { return search(refs); });
     return search_faces({0, mesh.faces.size()});
   }
 
-  bool search(std::span<const kdtree::BoxRef> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const kdtree::BoxRef& ref) {
+  bool search(std::span<const kdtree::Reference> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const kdtree::Reference& ref) {
       if (!may_meet(ray, ref.bounds(), limit())) return false;
       if (!ref.openable()) return test(ref.id);
       return search_faces(faces_of_run(mesh, ref));
@@ -49,20 +50,20 @@ struct KdVisit : LeafTest {
 }  // namespace
 
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                              const MeshSurvey& survey, const TreeBuilder& builder,
+                              const MeshStats& stats, const TreeBuilder& builder,
                               References references, std::shared_ptr<const void> alive) {
   if (builder.whole != nullptr) return Tree(builder.whole->make(mesh));
   const bool may_run = references == References::kRuns && builder.rule->takes_runs();
-  return Tree(std::in_place_type<lazy::LazyTree>, padded(survey.bounds), survey.finite_triangles,
-              builder.rule, source_of_faces(mesh, survey.bounds, may_run, std::move(alive)), own);
+  return Tree(std::in_place_type<lazy::LazyTree>, padded(stats.bounds), stats.finite_triangles,
+              builder.rule, source_of_faces(mesh, stats.bounds, may_run, std::move(alive)), own);
 }
 
-MeshTree::MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
+MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
                    References references, std::shared_ptr<const void> alive)
     : mesh_(mesh),
-      bounds_(padded(survey.bounds)),
-      finite_triangles_(survey.finite_triangles),
-      tree_(make(mesh, &mesh_, survey, builder, references, std::move(alive))) {}
+      bounds_(padded(stats.bounds)),
+      finite_triangles_(stats.finite_triangles),
+      tree_(make(mesh, &mesh_, stats, builder, references, std::move(alive))) {}
 
 void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built) {
   kdtree::TreeRay ray;
@@ -78,10 +79,10 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
 }
 
 void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
-  if (!tree.is_built() && test.query.at_unbuilt == AtUnbuilt::kExpand) tree.build(built);
+  if (!tree.is_built() && test.query.on_deferred == OnDeferred::kExpand) tree.build(built);
   if (tree.is_built()) return tree.query(test);
-  test.query.met_unbuilt = true;
-  if (test.query.at_unbuilt == AtUnbuilt::kSearch) test.search_faces({0, mesh_.faces.size()});
+  test.query.saw_deferred = true;
+  if (test.query.on_deferred == OnDeferred::kScan) test.search_faces({0, mesh_.faces.size()});
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {
@@ -101,7 +102,7 @@ const WholeTree* MeshTree::whole() const {
 }
 
 bool MeshTree::untouched() const {
-  return kd() != nullptr ? kdtree::load(kd()->root()).is_unbuilt() : !whole()->is_built();
+  return kd() != nullptr ? kdtree::load(kd()->root()).is_deferred() : !whole()->is_built();
 }
 
 std::uint64_t MeshTree::bytes() const { return kd() != nullptr ? kd()->bytes() : whole()->bytes(); }

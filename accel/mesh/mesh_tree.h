@@ -1,5 +1,5 @@
-// The tree over a mesh's triangles: grown by the rays that enter it, asked for the nearest hit, for
-// any, or for every one.
+// The tree over a mesh's triangles, built by the rays that enter it. Queries: the nearest hit, any
+// hit, all hits.
 #pragma once
 
 #include <atomic>
@@ -20,71 +20,72 @@
 
 namespace sightline::accel::mesh {
 
-/// What a mesh's tree is made by.
+/// The builder of a mesh's tree.
 struct TreeBuilder {
   split::SplitRule rule = split::default_rule();
-  /// If set, the tree is built whole by it, and `rule` is not used.
+  /// If set, it builds the whole tree at once, and `rule` is not used.
   std::shared_ptr<const WholeTreeMaker> whole = nullptr;
 };
 
-/// What a mesh's tree begins with.
+/// The references that a mesh's tree starts from.
 enum class References : std::uint8_t {
-  kSoup,  ///< Every triangle on its own, as in the paper.
-  kRuns,  ///< Runs of consecutive triangles, where those are compact; opened where rays look.
+  kSoup,  ///< Single triangles, as in the paper.
+  kRuns,  ///< Runs of consecutive triangles, if those are compact; opened where rays need them.
 };
 
-/// What a walk does at a cell that is not built.
-enum class AtUnbuilt : std::uint8_t {
-  kExpand,  ///< Build it (or join its building, or search it while somebody else builds it).
-  kSearch,  ///< Test the triangles of its list whose boxes the ray meets.
-  kSkip,    ///< Pass it over.
+/// What a query does at a deferred cell.
+enum class OnDeferred : std::uint8_t {
+  kExpand,  ///< Expand it, or help another thread to, or search its list while another thread does.
+  kScan,    ///< Do not expand; test the triangles of its list whose boxes the ray meets.
+  kSkip,    ///< Skip it.
 };
 
-/// The ray as it stands in one mesh's frame, and what has been found so far. t counts in the world
+/// A query: the ray in one mesh's frame, and the hits found so far. t is in units of the world
 /// ray's direction.
 ///
-/// The nearest hit or any: a hit is taken if (t, node, primitive) is less than (best_t, best_node,
-/// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell it is
-/// met in; best_t is then only the t beyond which none is wanted.
+/// Nearest or any hit: a hit is accepted if (t, node, primitive) is less than (best_t, best_node,
+/// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell that
+/// it is found in; best_t is then the t beyond which hits are not needed.
 struct MeshQuery {
   geometry::LocalRay ray;
   double tmin = 0, tmax = geometry::kInfinity;
   geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
-  AtUnbuilt at_unbuilt = AtUnbuilt::kExpand;
-  lazy::AtBusy at_busy = lazy::AtBusy::kWait;
+  OnDeferred on_deferred = OnDeferred::kExpand;
+  lazy::WhenPending when_pending = lazy::WhenPending::kWait;
   bool any = false;  ///< Stop at the first hit found.
   std::uint64_t node = 0;
-  std::uint32_t instance = 0;  ///< The caller's; goes with the node.
+  std::uint32_t instance = 0;  ///< The caller's number for the node.
   double best_t = std::numeric_limits<double>::max();
   std::uint64_t best_node = ~std::uint64_t{0};
   std::uint32_t best_primitive = 0;
   std::uint32_t best_instance = 0;
   bool found = false;
-  bool met_unbuilt = false;  ///< A cell was passed over or searched.
-  /// With AtBusy::kLeave: the walk met a large cell that others are building, and was broken off.
-  /// Ask again, with a fresh query, when `progress` has grown.
-  bool put_aside = false;
+  bool saw_deferred = false;  ///< A deferred cell was skipped or searched.
+  /// With WhenPending::kReturn: the traversal met a large cell that other threads are expanding,
+  /// and stopped. Repeat with a fresh query when `progress` has grown.
+  bool suspended = false;
   std::uint64_t progress = 0;
-  Distinct<ListedHit>* list = nullptr;
-  Distinct<std::uint32_t>* primitives = nullptr;
+  UniqueHits<ListedHit>* list = nullptr;
+  UniqueHits<std::uint32_t>* primitives = nullptr;
 
   bool collects() const { return list != nullptr || primitives != nullptr; }
 };
 
-/// A kd-tree that grows cell by cell. For comparisons a tree that is built whole can stand in.
+/// A kd-tree that grows cell by cell, or, for comparisons, a tree that is built whole.
 ///
 /// Threads: all members, from any thread pinned to an epoch.
 class MeshTree {
  public:
-  /// The view's arrays must outlive the tree; `alive` keeps them for work that is left behind when
-  /// it is gone (see ReferenceSource::alive). Faces are not looked at before the first ray.
-  MeshTree(geometry::MeshView mesh, const MeshSurvey& survey, const TreeBuilder& builder,
+  /// The view's arrays must outlive the tree; `alive` keeps them alive for tasks that outlive it
+  /// (see ReferenceSource::alive). Reads no face before the first ray.
+  MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
            References references = References::kRuns, std::shared_ptr<const void> alive = nullptr);
 
-  /// Looks for hits and updates the query.
+  /// Finds hits and updates the query.
   void query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
-  /// "Expand everything." A hierarchy that has begun is not cancelled.
+  /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
+  /// cancelled.
   void expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
 
   bool untouched() const;
@@ -92,19 +93,19 @@ class MeshTree {
   kdtree::TreeMetrics metrics() const;
   kdtree::GrowthMetrics growth() const;
 
-  /// The one that there is; the other is null.
+  /// The kd-tree or the whole tree; the other is null.
   const kdtree::KdTree* kd() const;
   const WholeTree* whole() const;
 
  private:
   using Tree = std::variant<lazy::LazyTree, std::unique_ptr<WholeTree>>;
   static Tree make(const geometry::MeshView& mesh, const geometry::MeshView* own,
-                   const MeshSurvey& survey, const TreeBuilder& builder, References references,
+                   const MeshStats& stats, const TreeBuilder& builder, References references,
                    std::shared_ptr<const void> alive);
   void query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built);
 
   geometry::MeshView mesh_;
-  geometry::Aabb bounds_;  ///< Holds all references.
+  geometry::Aabb bounds_;  ///< Contains all references.
   std::uint64_t finite_triangles_ = 0;
   Tree tree_;
 };

@@ -1,4 +1,4 @@
-// Runs, and whether they are worth beginning with.
+// Runs of faces, and the test whether they are compact.
 #include "accel/mesh/runs.h"
 
 #include <algorithm>
@@ -9,23 +9,25 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// Fewer are opened as soon as they are looked at.
+/// With fewer runs, the root would open them at once.
 constexpr std::size_t kFewestRuns = 64;
-/// Of so many runs the shape is looked at.
+/// Number of runs in the sample that is measured.
 constexpr std::size_t kSampled = 256;
-/// Longest mean extent of compact runs, as a share of the mesh's: so many of them a plane cuts.
+/// Largest mean extent of compact runs, as a share of the mesh's extent. A plane cuts about this
+/// share of the runs.
 constexpr double kCompact = 1.0 / 5;
 
-/// In the id of a short run, beside kdtree::kOpenable and its place.
+/// Flag in the id of a short run, with kdtree::kOpenable and the index of the run.
 constexpr std::uint32_t kShort = std::uint32_t{1} << 30;
 
-FaceRange faces_at(const geometry::MeshView& mesh, std::size_t place, std::size_t length) {
-  return {place * length, std::min((place + 1) * length, mesh.faces.size())};
+FaceRange faces_at(const geometry::MeshView& mesh, std::size_t index, std::size_t length) {
+  return {index * length, std::min((index + 1) * length, mesh.faces.size())};
 }
 
-/// Writes the reference of a run, if it has a triangle; returns how many that are.
+/// Writes the reference of a run if it has a finite triangle; returns the number of references, 0
+/// or 1.
 std::size_t run_reference(const geometry::MeshView& mesh, FaceRange faces, std::uint32_t id,
-                          kdtree::BoxRef* out) {
+                          kdtree::Reference* out) {
   const FaceSum sum = sum_faces(mesh, faces.begin, faces.end);
   if (sum.finite == 0) return 0;
   *out = {sum.box.lo, kdtree::kOpenable | id, sum.box.hi, static_cast<std::uint32_t>(sum.finite)};
@@ -43,7 +45,7 @@ bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& boun
   double sum = 0;
   std::size_t sampled = 0;
   for (std::size_t i = 0; i < runs; i += stride) {
-    kdtree::BoxRef run;
+    kdtree::Reference run;
     if (run_references(mesh, i, i + 1, &run, counters) == 0) continue;
     sum += static_cast<double>(run.hi[axis]) - static_cast<double>(run.lo[axis]);
     ++sampled;
@@ -53,7 +55,7 @@ bool are_runs_compact(const geometry::MeshView& mesh, const geometry::Aabb& boun
 }
 
 std::size_t run_references(const geometry::MeshView& mesh, std::size_t begin, std::size_t end,
-                           kdtree::BoxRef* out, kdtree::BuildCounters& counters) {
+                           kdtree::Reference* out, kdtree::BuildCounters& counters) {
   std::size_t n = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const FaceRange faces = faces_at(mesh, i, kRunLength);
@@ -63,8 +65,8 @@ std::size_t run_references(const geometry::MeshView& mesh, std::size_t begin, st
   return n;
 }
 
-void open_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run,
-              std::vector<kdtree::BoxRef>& out, kdtree::BuildCounters& counters) {
+void open_run(const geometry::MeshView& mesh, const kdtree::Reference& run,
+              std::vector<kdtree::Reference>& out, kdtree::BuildCounters& counters) {
   const FaceRange faces = faces_of_run(mesh, run);
   counters.touches_prepare += faces.end - faces.begin;
   const std::size_t before = out.size();
@@ -74,16 +76,16 @@ void open_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run,
     end += face_references(mesh, faces.begin, faces.end, &out[end]);
   } else {
     for (std::size_t i = faces.begin; i < faces.end; i += kShortRunLength) {
-      const auto place = static_cast<std::uint32_t>(i / kShortRunLength);
-      end += run_reference(mesh, faces_at(mesh, place, kShortRunLength), kShort | place, &out[end]);
+      const auto index = static_cast<std::uint32_t>(i / kShortRunLength);
+      end += run_reference(mesh, faces_at(mesh, index, kShortRunLength), kShort | index, &out[end]);
     }
   }
   out.resize(end);
 }
 
-FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::BoxRef& run) {
-  const std::uint32_t place = run.id & ~(kdtree::kOpenable | kShort);
-  return faces_at(mesh, place, (run.id & kShort) != 0 ? kShortRunLength : kRunLength);
+FaceRange faces_of_run(const geometry::MeshView& mesh, const kdtree::Reference& run) {
+  const std::uint32_t index = run.id & ~(kdtree::kOpenable | kShort);
+  return faces_at(mesh, index, (run.id & kShort) != 0 ? kShortRunLength : kRunLength);
 }
 
 }  // namespace sightline::accel::mesh

@@ -1,4 +1,5 @@
-// The hits of one ray, each kept once however many cells it was met in, and of those the least few.
+// The hits of one ray, each kept once although several cells may report it; at most a limit of the
+// least.
 #pragma once
 
 #include <algorithm>
@@ -11,32 +12,34 @@
 
 namespace sightline::accel::mesh {
 
-/// Collects values and keeps the `limit` least distinct ones. Its memory, at most twice of what it
-/// keeps, is used again after clear(). Amortised cost of an add: the logarithm of what is kept.
+/// Collects values and keeps the `limit` least distinct ones. Uses memory for at most twice the
+/// kept values, and reuses it after clear(). Amortised cost of add: logarithmic in the number kept.
 template <class T>
-class Distinct {
+class UniqueHits {
  public:
-  explicit Distinct(std::size_t limit = std::numeric_limits<std::size_t>::max()) : limit_(limit) {}
+  explicit UniqueHits(std::size_t limit = std::numeric_limits<std::size_t>::max())
+      : limit_(limit) {}
 
   void clear() {
     values_.clear();
     compact_at_ = kLeast;
   }
 
-  /// Returns whether values were sorted out: greatest() may be less than before.
+  /// Returns whether values were dropped: greatest() may be less than before.
   bool add(const T& value) {
-    if (!values_.empty() && values_.back() == value) return false;  // by far the most frequent twin
+    if (!values_.empty() && values_.back() == value)
+      return false;  // by far the most frequent duplicate
     values_.push_back(value);
     if (values_.size() < compact_at_) return false;
     compact();
     return true;
   }
 
-  /// After an add that returned true: what is greater than this will not be kept. Null while there
-  /// is room.
+  /// Valid after an add that returned true: greater values will not be kept. Null while fewer than
+  /// `limit` are kept.
   const T* greatest() const { return values_.size() == limit_ ? &values_.back() : nullptr; }
 
-  /// What is kept, ascending. Valid until the next add.
+  /// The kept values, ascending. Valid until the next add.
   std::span<const T> sorted() {
     compact();
     return values_;
@@ -57,12 +60,12 @@ class Distinct {
   std::vector<T> values_;
 };
 
-/// A hit as it is listed: less is nearer, ties by node and primitive.
+/// A hit in a list. Less is nearer; ties are ordered by node and primitive.
 struct ListedHit {
   double t = 0;
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
-  std::uint32_t instance = 0;  ///< The caller's, one for each node.
+  std::uint32_t instance = 0;  ///< The caller's number for the node.
 
   auto operator<=>(const ListedHit&) const = default;
 };

@@ -1,4 +1,4 @@
-// Trees over a mesh that are built whole instead of cell by cell.
+// The interface of trees that are built whole instead of cell by cell.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace sightline::accel::mesh {
 
 struct LeafTest;
 
-/// A hierarchy to compare kd-trees with (accel/published/bvh). The service builds none.
-/// Threads: all members, from any.
+/// A hierarchy for comparisons with kd-trees (accel/published/bvh). The server builds none.
+/// Threads: any, all members.
 class WholeTree {
  public:
   WholeTree() = default;
@@ -21,19 +21,19 @@ class WholeTree {
   WholeTree& operator=(const WholeTree&) = delete;
 
   virtual bool is_built() const = 0;
-  /// Builds it, or waits for the thread that does. Throws std::bad_alloc; a later call may try
-  /// again.
+  /// Builds the tree, or waits for the thread that does. Throws std::bad_alloc; a later call may
+  /// try again.
   virtual void build(kdtree::BuildCounters& counters) = 0;
-  /// Needs is_built().
+  /// Requires is_built().
   virtual void query(LeafTest& test) const = 0;
 
   virtual std::uint64_t bytes() const = 0;
   virtual kdtree::TreeMetrics metrics() const = 0;
-  /// Nodes and leaves, once built; else 1.
+  /// Number of nodes and leaves once built; else 1.
   virtual std::uint64_t cells() const = 0;
 };
 
-/// Makes the tree of a mesh, not yet built. The view's arrays must outlive it.
+/// Makes the tree of a mesh, not built yet. The view's arrays must outlive the tree.
 class WholeTreeMaker {
  public:
   virtual ~WholeTreeMaker() = default;

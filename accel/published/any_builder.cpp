@@ -1,4 +1,4 @@
-// Builders by name, parameters by name.
+// Builders and parameters by name.
 #include "accel/published/any_builder.h"
 
 #include <charconv>
@@ -39,8 +39,8 @@ Error invalid(std::string message) {
   return {Code::kInvalidArgument, std::move(message), "BUILDER_PARAMETER"};
 }
 
-/// A parameter by name, and where the builder keeps it. What it is, a number, a count or a switch,
-/// follows from its type. A name may stand for several.
+/// A parameter: its name, and the member of the builder. The type of the member says whether it is
+/// a number, a count or a switch. One name may set several members.
 template <class Builder>
 struct Parameter {
   template <class T>
@@ -66,7 +66,7 @@ const Parameters<split::ScanSplit>& parameters(const split::ScanSplit&) {
       {"retry_above", [](B& b) -> double& { return b.retry_above; }},
       {"refine_all_axes", [](B& b) -> bool& { return b.refine_all_axes; }},
       {"clip", [](B& b) -> bool& { return b.clip; }},
-      {"clip_crowds", [](B& b) -> bool& { return b.clip_crowds; }},
+      {"clip_crowds", [](B& b) -> bool& { return b.clip_dense; }},
       {"budget", [](B& b) -> double& { return b.budget; }},
   };
   return kParameters;
@@ -133,7 +133,7 @@ const Parameters<kd::MinMaxBuilder>& parameters(const kd::MinMaxBuilder&) {
   return kParameters;
 }
 
-/// What all hierarchies know, then what one method knows.
+/// Parameters of all hierarchies, then those of one method.
 Parameters<bvh::BvhBuilder> bvh_parameters(Parameters<bvh::BvhBuilder> own) {
   using B = bvh::BvhBuilder;
   Parameters<B> parameters = {
@@ -177,7 +177,7 @@ const Parameters<bvh::BvhBuilder>& parameters(const bvh::BvhBuilder& builder) {
   return kSpatial;
 }
 
-/// Reads a value of the field's type. Returns what it had to be, if it is not.
+/// Parses a value of the field's type. On failure, returns a description of the expected values.
 std::optional<std::string_view> read(std::string_view text, double& out) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
   if (error == std::errc() && end == text.data() + text.size() && std::isfinite(out))

@@ -1,4 +1,4 @@
-// Builders chosen by name at run time, ours and the papers'.
+// Builders chosen by name at run time: ours and the papers'.
 #pragma once
 
 #include <optional>
@@ -17,25 +17,25 @@
 
 namespace sightline::accel::published {
 
-/// A kd-tree builder as its value: ours, or a paper's.
+/// The value of a kd-tree builder: ours, or a paper's.
 using KdBuilder = std::variant<split::ScanSplit, kd::HuntScan, kd::SpatialMedianBuilder,
                                kd::ObjectMedianBuilder, kd::ExactBuilder, kd::MinMaxBuilder>;
 
-/// The interface to that rule (split/split_search.h).
+/// The builder behind the SplitSearch interface (split/split_search.h).
 split::SplitRule rule_of(const KdBuilder& builder);
 
-/// Any builder that can be named.
+/// Any builder that has a name.
 struct AnyBuilder : std::variant<KdBuilder, bvh::BvhBuilder> {
   using std::variant<KdBuilder, bvh::BvhBuilder>::variant;
 
-  /// What meshes take.
+  /// The builder as meshes take it.
   operator mesh::TreeBuilder() const;  // NOLINT(google-explicit-constructor): it is the same thing
 };
 
-/// What the product grows trees by: scan-fast.
+/// The builder of the product: scan-fast.
 AnyBuilder default_builder();
 
-/// All names that make_builder knows, in the order of docs/builders.md: kd-trees first.
+/// All names of builders, in the order of docs/builders.md: kd-trees first.
 std::vector<std::string_view> builder_names();
 
 /// The builder of that name with its default parameters. Errors: kInvalidArgument, listing the

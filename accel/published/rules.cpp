@@ -1,18 +1,18 @@
-// The papers' builders behind the interface that trees are grown by, and hierarchies behind theirs.
+// Adapters: the papers' kd-tree builders behind SplitSearch, their hierarchies behind WholeTree.
 #include "accel/published/any_builder.h"
 #include "accel/published/bvh/bvh_tree.h"
 
 namespace sightline::accel::published {
 namespace {
 
-/// What all of them have: parameters that choose.
+/// The adapter of a builder whose value has choose().
 template <class Builder>
 class Search : public split::SplitSearch {
  public:
   explicit Search(const Builder& builder) : builder_(builder) {}
 
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const override {
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const override {
     return builder_.choose(cell, counters);
   }
 
@@ -32,8 +32,8 @@ class HuntSearch final : public Search<kd::HuntScan> {
   bool scans_children(std::size_t references) const override {
     return builder().scans_children(references);
   }
-  split::FirstPlanes first_planes(const geometry::Aabb& child) const override {
-    return split::first_planes(child, builder().uniform_samples);
+  split::ChildPlanes child_planes(const geometry::Aabb& child) const override {
+    return split::child_planes(child, builder().uniform_samples);
   }
   std::optional<split::BoundRule> small_rule() const override {
     return builder().clip ? std::nullopt : builder().bound_rule(split::kSmallList);
@@ -57,7 +57,7 @@ class ExactSearchRule final : public Search<kd::ExactBuilder> {
   bool clips(std::size_t, std::size_t) const override { return builder().clips(); }
   bool takes_runs() const override { return false; }
   std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
-                                           std::span<const kdtree::BoxRef> refs,
+                                           std::span<const kdtree::Reference> refs,
                                            const geometry::Aabb& cell, const kdtree::CellPath& path,
                                            kdtree::BuildCounters& counters) const override {
     return builder().grow_subtree(context, refs, cell, path, counters);

@@ -1,4 +1,4 @@
-// The cost of many cuts at once, from counts in registers. Compiled once per SIMD target.
+// The cost of several splits at once, from counts in registers. Compiled once per SIMD target.
 #if defined(SIGHTLINE_BOUND_COST_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_BOUND_COST_INL
 #undef SIGHTLINE_BOUND_COST_INL
@@ -14,18 +14,18 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 
-/// The terms of the cost of a cut along one axis, SA(cell) divided out: left(x) = ends + slope (x -
-/// lo) and so on.
+/// Terms of the cost of a split along one axis, relative to SA(cell): SA_L(x) = ends + slope (x -
+/// lo), SA_R(x) = ends + slope (hi - x).
 struct BoundCosts {
   BoundCosts(const geometry::Aabb& cell, std::size_t axis, double per_whole, double empty_bonus)
       : lo(cell.lo[axis]), hi(cell.hi[axis]), bonus(static_cast<float>(empty_bonus)) {
-    const CutAreas areas(cell, static_cast<int>(axis), per_whole);
+    const SplitAreas areas(cell, static_cast<int>(axis), per_whole);
     ends = static_cast<float>(areas.ends() * per_whole);
     slope = static_cast<float>(areas.slope() * per_whole);
   }
 
-  /// The children's cost for cuts at x with these weights on their sides. Plain products and sums,
-  /// no fused ones: every target gets the same bits.
+  /// Cost of the children for splits at x with these weights on the sides. Uses no fused
+  /// multiply-add, so that every target gets the same bits.
   template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
   V children(D d, V x, V left, V right) const {
     namespace hn = hwy::HWY_NAMESPACE;

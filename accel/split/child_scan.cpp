@@ -1,4 +1,4 @@
-// Sifting and counting at once, compiled once per SIMD target and chosen at run time.
+// Sifting and counting in one pass, compiled once per SIMD target and chosen at run time.
 #include "accel/split/child_scan.h"
 
 #include <algorithm>
@@ -14,23 +14,24 @@ namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Both cells' planes of an axis share registers: those of the left cell in the lower half.
+/// The planes of both cells along an axis share registers: the left cell's are in the lower half.
 using Floats = hn::CappedTag<float, kScanWidth>;
 using Counts = hn::RebindToUnsigned<Floats>;
-using Box = hn::CappedTag<std::uint32_t, sizeof(kdtree::BoxRef) / sizeof(std::uint32_t)>;
+using Box = hn::CappedTag<std::uint32_t, sizeof(kdtree::Reference) / sizeof(std::uint32_t)>;
 constexpr std::size_t kLanes = hn::MaxLanes(Floats());
 constexpr std::size_t kParts = kScanWidth / kLanes;
 constexpr std::size_t kBoxLanes = hn::MaxLanes(Box());
-constexpr std::size_t kBoxParts = sizeof(kdtree::BoxRef) / sizeof(std::uint32_t) / kBoxLanes;
+constexpr std::size_t kBoxParts = sizeof(kdtree::Reference) / sizeof(std::uint32_t) / kBoxLanes;
 
-/// Which lanes a box is counted in: row 1 for the left cell's, 2 for the right cell's, 3 for both.
+/// Mask of the lanes that count a box: row 1 for boxes in the left cell, 2 for the right cell, 3
+/// for both.
 struct alignas(64) Sides {
   std::uint32_t row[4][kScanWidth];
 };
 constexpr Sides sides() {
   Sides s{};
   for (std::size_t i = 0; i < kScanWidth; ++i) {
-    const bool of_left = i < kdtree::kFirstPlanes;
+    const bool of_left = i < kdtree::kUniformPlanes;
     s.row[1][i] = of_left ? ~0u : 0u;
     s.row[2][i] = of_left ? 0u : ~0u;
     s.row[3][i] = ~0u;
@@ -39,16 +40,17 @@ constexpr Sides sides() {
 }
 constexpr Sides kSides = sides();
 
-/// One axis of both cells.
+/// Planes and counts of one axis, for both cells.
 struct Axis {
   hn::Vec<Floats> at[kParts];
   hn::Vec<Counts> left[kParts], right[kParts];
 };
 
-HWY_INLINE void load(const FirstScans& scans, std::size_t a, Axis& axis) {
+HWY_INLINE void load(const ChildScans& scans, std::size_t a, Axis& axis) {
   alignas(64) float at[kScanWidth];
-  std::copy_n(scans.left_planes.at[a].begin(), kdtree::kFirstPlanes, at);
-  std::copy_n(scans.right_planes.at[a].begin(), kdtree::kFirstPlanes, at + kdtree::kFirstPlanes);
+  std::copy_n(scans.left_planes.at[a].begin(), kdtree::kUniformPlanes, at);
+  std::copy_n(scans.right_planes.at[a].begin(), kdtree::kUniformPlanes,
+              at + kdtree::kUniformPlanes);
   for (std::size_t p = 0; p < kParts; ++p) {
     axis.at[p] = hn::Load(Floats(), at + p * kLanes);
     axis.left[p] = axis.right[p] = hn::Zero(Counts());
@@ -66,37 +68,37 @@ HWY_INLINE void count(float lo, float hi, const hn::Vec<Counts>* weight, Axis& a
 }
 
 HWY_INLINE void add(const hn::Vec<Counts>* counts,
-                    std::array<std::uint32_t, kdtree::kFirstPlanes>& low,
-                    std::array<std::uint32_t, kdtree::kFirstPlanes>& high) {
+                    std::array<std::uint32_t, kdtree::kUniformPlanes>& low,
+                    std::array<std::uint32_t, kdtree::kUniformPlanes>& high) {
   alignas(64) std::uint32_t all[kScanWidth];
   for (std::size_t p = 0; p < kParts; ++p) hn::Store(counts[p], Counts(), all + p * kLanes);
-  for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
+  for (std::size_t i = 0; i < kdtree::kUniformPlanes; ++i) {
     low[i] += all[i];
-    high[i] += all[kdtree::kFirstPlanes + i];
+    high[i] += all[kdtree::kUniformPlanes + i];
   }
 }
 
-HWY_INLINE void store(const Axis& axis, std::size_t a, FirstScans& scans) {
+HWY_INLINE void store(const Axis& axis, std::size_t a, ChildScans& scans) {
   add(axis.left, scans.left.axes[a].left, scans.right.axes[a].left);
   add(axis.right, scans.left.axes[a].right, scans.right.axes[a].right);
 }
 
-HWY_INLINE void copy(const hn::Vec<Box>* box, kdtree::BoxRef* to) {
+HWY_INLINE void copy(const hn::Vec<Box>* box, kdtree::Reference* to) {
   for (std::size_t p = 0; p < kBoxParts; ++p)
     hn::StoreU(box[p], Box(), reinterpret_cast<std::uint32_t*>(to) + p * kBoxLanes);
 }
 
-kdtree::Sifted sift(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                    kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
+kdtree::PartitionCounts sift(std::span<const kdtree::Reference> refs, const kdtree::Plane& plane,
+                             kdtree::Reference* left, kdtree::Reference* right, ChildScans& scans) {
   const auto cut = static_cast<std::size_t>(plane.axis);
   const float x = plane.position;
-  Axis along_x, along_y, along_z;  // by name: they have to stay in registers
+  Axis along_x, along_y, along_z;  // separate variables, so that they stay in registers
   load(scans, 0, along_x);
   load(scans, 1, along_y);
   load(scans, 2, along_z);
-  kdtree::Sifted n;
+  kdtree::PartitionCounts n;
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    const kdtree::BoxRef& ref = refs[i];
+    const kdtree::Reference& ref = refs[i];
     const std::size_t in_left = ref.lo[cut]<x, in_right = ref.hi[cut]> x;
     hn::Vec<Counts> weight[kParts];
     for (std::size_t p = 0; p < kParts; ++p) {
@@ -133,12 +135,12 @@ HWY_EXPORT(sift);
 
 namespace {
 
-/// Where the i-th of n planes stands between the faces: row n, place i.
-using Shares = std::array<std::array<double, kdtree::kFirstPlanes>, kdtree::kFirstPlanes + 1>;
+/// Position of plane i of n between the faces, from 0 to 1: row n, column i.
+using Shares = std::array<std::array<double, kdtree::kUniformPlanes>, kdtree::kUniformPlanes + 1>;
 constexpr Shares shares() {
   Shares all{};
-  for (std::size_t n = 2; n <= kdtree::kFirstPlanes; ++n) {
-    for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i)
+  for (std::size_t n = 2; n <= kdtree::kUniformPlanes; ++n) {
+    for (std::size_t i = 0; i < kdtree::kUniformPlanes; ++i)
       all[n][i] = static_cast<double>(std::min(i, n - 1)) / static_cast<double>(n - 1);
   }
   return all;
@@ -147,11 +149,11 @@ constexpr Shares kShares = shares();
 
 }  // namespace
 
-FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n) {
-  FirstPlanes planes;
+ChildPlanes child_planes(const geometry::Aabb& cell, std::uint32_t n) {
+  ChildPlanes planes;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto lo = static_cast<double>(cell.lo[a]), hi = static_cast<double>(cell.hi[a]);
-    for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
+    for (std::size_t i = 0; i < kdtree::kUniformPlanes; ++i) {
       const double share = kShares[n][i];
       planes.at[a][i] = static_cast<float>(lo * (1 - share) + hi * share);
     }
@@ -159,8 +161,9 @@ FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n) {
   return planes;
 }
 
-kdtree::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                             kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans) {
+kdtree::PartitionCounts sift_and_count(std::span<const kdtree::Reference> refs,
+                                       const kdtree::Plane& plane, kdtree::Reference* left,
+                                       kdtree::Reference* right, ChildScans& scans) {
   return HWY_DYNAMIC_DISPATCH(sift)(refs, plane, left, right, scans);
 }
 

@@ -1,5 +1,5 @@
-// The first pass over a cell's list, made while the list is written: a cell's uniform planes are
-// known before what lies in it is, so the sift of the cell above can count them.
+// The first pass over a cell's list, made while the list is written. The planes of that pass depend
+// on the cell's box alone, so the sift of its parent's list can count at them.
 #pragma once
 
 #include <array>
@@ -7,32 +7,33 @@
 #include <cstdint>
 #include <span>
 
-#include "accel/kdtree/first_scan.h"
+#include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference.h"
 #include "accel/kdtree/sift.h"
 #include "accel/split/scan_kernel.h"
 
 namespace sightline::accel::split {
 
-/// The planes of a cell's first pass, on all three axes: n of them evenly from face to face, both
-/// included; the last is repeated in unused places.
-struct FirstPlanes {
-  std::array<std::array<float, kdtree::kFirstPlanes>, 3> at;
+/// The planes of a cell's first pass on three axes: n evenly spaced planes from face to face, both
+/// faces included. The last plane fills unused entries.
+struct ChildPlanes {
+  std::array<std::array<float, kdtree::kUniformPlanes>, 3> at;
 };
 
-/// n in 2 to kdtree::kFirstPlanes. A pure function of the cell.
-FirstPlanes first_planes(const geometry::Aabb& cell, std::uint32_t n);
+/// n: 2 to kdtree::kUniformPlanes.
+ChildPlanes child_planes(const geometry::Aabb& cell, std::uint32_t n);
 
-/// A cell's two halves: where the first pass over each of them counts, and what it counted.
-struct FirstScans {
-  FirstPlanes left_planes, right_planes;
-  kdtree::FirstScan left, right;
+/// The planes and the counts of the first pass over each child of a cell.
+struct ChildScans {
+  ChildPlanes left_planes, right_planes;
+  kdtree::ChildScan left, right;
 };
 
-/// As sift by {plane}, and adds to the scans what the first pass over what was written would find.
-/// One touch a reference. Writes and counts the same on every SIMD target. May be called on one
-/// piece of a list after the other, or with scans of their own on several at once.
-kdtree::Sifted sift_and_scan(std::span<const kdtree::BoxRef> refs, const kdtree::Plane& plane,
-                             kdtree::BoxRef* left, kdtree::BoxRef* right, FirstScans& scans);
+/// As sift by {plane}, and adds to `scans` the counts of the first passes over the written lists.
+/// Touches: one per reference. The result is the same on every SIMD target. May be called for one
+/// piece of a list after the other, or for several at once with separate scans.
+kdtree::PartitionCounts sift_and_count(std::span<const kdtree::Reference> refs,
+                                       const kdtree::Plane& plane, kdtree::Reference* left,
+                                       kdtree::Reference* right, ChildScans& scans);
 
 }  // namespace sightline::accel::split

@@ -1,5 +1,5 @@
-// The surface area heuristic for one cell, as a function of where it is cut. Source: Hunt et al.
-// 2006, section 2.
+// The surface area heuristic (SAH) for one cell, as a function of the position of the split.
+// Source: Hunt et al. 2006, section 2.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sightline::accel::split {
 
-/// Cost of the parts of a method, in units of one triangle test.
+/// Cost constants of a method, in units of one triangle test.
 struct SahConstants {
   double traverse = 1;   ///< C_I: visiting an inner node. Range >= 0.
   double intersect = 1;  ///< Testing one unit of weight. Range > 0.
@@ -18,27 +18,28 @@ struct SahConstants {
   bool operator==(const SahConstants&) const = default;
 };
 
-/// The first of the axes along which the cell is longest.
+/// The longest axis of the cell; of equal ones the first.
 inline int longest_axis(const geometry::Aabb& cell) {
   const geometry::Vec3f e = cell.hi - cell.lo;
   return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
 }
 
-/// 1 / SA(cell), half areas as in CutAreas; 0 for a cell without area.
+/// 1 / SA(cell), in half areas as in SplitAreas; 0 for a cell without area.
 inline double per_area(const geometry::Aabb& cell) {
   const double whole = half_area(cell);
   return whole > 0 ? 1 / whole : 0;
 }
 
-/// A cell's areas along one axis: SA_L and SA_R are linear in the position of the plane.
-class CutAreas {
+/// Half areas of the children of a cell along one axis: SA_L and SA_R are linear in the position of
+/// the plane.
+class SplitAreas {
  public:
-  CutAreas(const geometry::Aabb& cell, int axis) : CutAreas(cell, axis, 0) {
+  SplitAreas(const geometry::Aabb& cell, int axis) : SplitAreas(cell, axis, 0) {
     const double whole = ends_ + slope_ * (hi_ - lo_);
     per_whole_ = whole > 0 ? 1 / whole : 0;
   }
-  /// Where 1 / SA(cell) is known already.
-  CutAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
+  /// For callers that know 1 / SA(cell).
+  SplitAreas(const geometry::Aabb& cell, int axis, double per_whole) : per_whole_(per_whole) {
     const auto a = static_cast<std::size_t>(axis);
     const auto extent = [&](std::size_t i) {
       return static_cast<double>(cell.hi[i]) - static_cast<double>(cell.lo[i]);
@@ -59,17 +60,17 @@ class CutAreas {
   double lo_, hi_, ends_, slope_, per_whole_;
 };
 
-/// Cost of cutting at x with these weights on the sides.
-inline double cut_cost(const SahConstants& c, const CutAreas& areas, double x, double left,
-                       double right) {
+/// Cost of a split at x with these weights on the sides.
+inline double split_cost(const SahConstants& c, const SplitAreas& areas, double x, double left,
+                         double right) {
   double children = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
   if (left == 0 || right == 0) children *= c.empty_bonus;
   return c.traverse + c.intersect * children;
 }
 
-/// The cheapest cut seen so far; earlier candidates win ties, so the order of candidates is part of
+/// The cheapest split so far. Earlier candidates win ties, so the order of candidates is part of
 /// the method.
-struct BestCut {
+struct BestSplit {
   kdtree::Plane plane;
   double cost = 0;
   bool found = false;

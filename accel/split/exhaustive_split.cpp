@@ -22,7 +22,7 @@ using Floats = hn::CappedTag<float, kScanWidth>;
 using Counts = hn::RebindToUnsigned<Floats>;
 constexpr std::size_t kLanes = hn::MaxLanes(Floats());
 
-/// No bound at all: fails every comparison, so it is no candidate and cannot be the best.
+/// Fills unused entries: NaN fails every comparison, so it is never a candidate.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// The bounds of one axis that lie strictly inside the cell, in list order, then kNone.
@@ -31,8 +31,8 @@ struct Candidates {
   alignas(64) float at[2 * kMaxBoundScan + kScanWidth];
 };
 
-/// Read as floats, a box is two groups of four: x, y, z of a bound and something else.
-static_assert(sizeof(kdtree::BoxRef) == 8 * sizeof(float));
+/// As floats, a reference is two groups of four: x, y, z of a bound, and one other value.
+static_assert(sizeof(kdtree::Reference) == 8 * sizeof(float));
 
 template <int kAxes>
 HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int first_axis,
@@ -51,11 +51,11 @@ HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int firs
 }
 
 template <int kAxes>
-HWY_INLINE void collect(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+HWY_INLINE void collect(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                         int first_axis, Candidates* out) {
-  constexpr std::size_t kBoxes = (kLanes + 1) / 2;  // in a register's worth of groups
+  constexpr std::size_t kBoxes = (kLanes + 1) / 2;  // that fill a register
   const std::size_t whole = refs.size() / kBoxes * kBoxes;
-  const auto append_all = [&](const kdtree::BoxRef* begin, const kdtree::BoxRef* end) {
+  const auto append_all = [&](const kdtree::Reference* begin, const kdtree::Reference* end) {
     const auto* last = reinterpret_cast<const float*>(end);
     for (auto* group = reinterpret_cast<const float*>(begin); group < last; group += 4 * kLanes)
       append<kAxes>(group, cell, first_axis, out);
@@ -63,15 +63,15 @@ HWY_INLINE void collect(std::span<const kdtree::BoxRef> refs, const geometry::Aa
   append_all(refs.data(), refs.data() + whole);
   if (whole == refs.size()) return;
   constexpr geometry::Vec3f kNowhere{kNone, kNone, kNone};
-  std::array<kdtree::BoxRef, kBoxes> rest;
+  std::array<kdtree::Reference, kBoxes> rest;
   std::fill(std::copy(refs.begin() + static_cast<std::ptrdiff_t>(whole), refs.end(), rest.begin()),
-            rest.end(), kdtree::BoxRef{.lo = kNowhere, .hi = kNowhere});
+            rest.end(), kdtree::Reference{.lo = kNowhere, .hi = kNowhere});
   append_all(rest.data(), rest.data() + rest.size());
 }
 
 template <int kAxes>
-BoundCut best_on(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int first_axis,
-                 double bonus, std::uint64_t& touches) {
+BoundSplit best_on(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
+                   int first_axis, double bonus, std::uint64_t& touches) {
   const Floats df;
   const Counts du;
   const hn::RebindToSigned<Floats> di;
@@ -79,7 +79,7 @@ BoundCut best_on(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cel
   collect<kAxes>(refs, cell, first_axis, candidates);
 
   const double per_whole = per_area(cell);
-  BoundCut best;
+  BoundSplit best;
   std::size_t longest = 0;
   for (const Candidates& c : candidates) {
     touches += (c.size + kScanWidth - 1) / kScanWidth * refs.size();
@@ -100,7 +100,7 @@ BoundCut best_on(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cel
       x[a] = hn::LoadU(df, candidates[a].at + begin);
       left[a] = right[a] = hn::Zero(du);
     }
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       const auto weight = hn::Set(du, ref.weight);
       for (int a = 0; a < kAxes; ++a) {
         const auto axis = static_cast<std::size_t>(first_axis + a);
@@ -132,12 +132,12 @@ BoundCut best_on(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cel
   return best;
 }
 
-BoundCut all_axes(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int,
-                  double bonus, std::uint64_t& touches) {
+BoundSplit all_axes(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell, int,
+                    double bonus, std::uint64_t& touches) {
   return best_on<3>(refs, cell, 0, bonus, touches);
 }
-BoundCut one_axis(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell, int axis,
-                  double bonus, std::uint64_t& touches) {
+BoundSplit one_axis(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell, int axis,
+                    double bonus, std::uint64_t& touches) {
   return best_on<1>(refs, cell, axis, bonus, touches);
 }
 
@@ -151,18 +151,18 @@ namespace sightline::accel::split {
 HWY_EXPORT(all_axes);
 HWY_EXPORT(one_axis);
 
-std::optional<kdtree::Cut> choose_bound(std::span<const kdtree::BoxRef> refs,
-                                        const geometry::Aabb& cell, const BoundRule& rule,
-                                        kdtree::BuildCounters& counters) {
+std::optional<kdtree::Split> choose_bound(std::span<const kdtree::Reference> refs,
+                                          const geometry::Aabb& cell, const BoundRule& rule,
+                                          kdtree::BuildCounters& counters) {
   const double weight = total_weight(refs);
-  const BoundCut best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
+  const BoundSplit best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
     const double bonus = rule.cost.empty_bonus;
     return range.all()
                ? HWY_DYNAMIC_DISPATCH(all_axes)(refs, cell, 0, bonus, counters.touches)
                : HWY_DYNAMIC_DISPATCH(one_axis)(refs, cell, range.begin, bonus, counters.touches);
   });
   if (!best.found() || !(best.cost(rule.cost) < rule.cost.intersect * weight)) return std::nullopt;
-  return kdtree::Cut{best.plane};
+  return kdtree::Split{best.plane};
 }
 
 }  // namespace sightline::accel::split

@@ -1,5 +1,5 @@
-// A cut from one uniform pass over all three axes and one more where that one says it pays. Ours;
-// the passes are those of Hunt, Mark, Stoll 2006, section 6.1.
+// A split from one uniform pass over all three axes, and from a second pass where the first shows
+// that it can pay. The method is ours; the passes are those of Hunt, Mark, Stoll 2006, section 6.1.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,25 @@
 
 namespace sightline::accel::split {
 
-/// How a list is cut when counts guide where it is looked at.
+/// Parameters of the guided scan.
 struct GuidedRule {
   SahConstants cost;
-  /// Planes an axis in the first pass, the cell's faces included. Range 2 to kdtree::kFirstPlanes.
+  /// Planes an axis in the first pass, the cell's faces included. Range 2 to
+  /// kdtree::kUniformPlanes.
   std::uint32_t uniform_samples = 8;
-  bool refine_all_axes = false;  ///< In the second pass; else the most promising.
-  bool once = false;             ///< No second pass.
+  bool refine_all_axes =
+      false;          ///< The second pass scans all axes; else the one with the best estimate.
+  bool once = false;  ///< No second pass.
 };
 
-/// The cheapest of the planes looked at, if it is cheaper than a leaf. Two passes, or one where the
-/// first is known already (CellRefs::first) or where nothing can be gained.
+/// The cheapest plane found, if it is cheaper than a leaf. Two passes; one less if the first is
+/// known (CellRefs::first), and one less if the second cannot find a better plane.
 ///
-/// C_L and C_R only rise and fall, so what was counted at the ends of a segment between two planes
-/// bounds the cost within. The second pass looks at kScanWidth planes in the segments that may beat
-/// the best plane known, more in those that may by more; each of them then moves, at no cost, to
-/// the bound beside it on its cheaper side: between bounds the cost is linear.
-std::optional<kdtree::Cut> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
-                                         kdtree::BuildCounters& counters);
+/// C_L only rises and C_R only falls along an axis, so the counts at the ends of a segment between
+/// two planes bound the cost within it. The second pass scans kScanWidth planes an axis, spread
+/// over the segments that may beat the best plane known. Each plane is then snapped to the next
+/// bound on its cheaper side, without another pass: between bounds the cost is linear.
+std::optional<kdtree::Split> choose_guided(const kdtree::CellRefs& list, const GuidedRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::split

@@ -1,4 +1,4 @@
-// The sentence that names a parameter out of range.
+// The message for a parameter that is out of range.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 
 namespace sightline::accel::split {
 
-/// "bins is 1, must lie in 2 to 256"; nothing if the value lies in lo to hi, both included. NaN
-/// lies nowhere.
+/// A message such as "bins is 1, must lie in 2 to 256"; nothing if the value lies in lo to hi, both
+/// included. NaN is always out of range.
 template <class T>
 std::optional<std::string> out_of_range(std::string_view name, T value, T lo, T hi) {
   if (value >= lo && value <= hi) return std::nullopt;

@@ -12,16 +12,17 @@ namespace sightline::accel::split {
 
 /// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
 /// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
-/// swell - 1 is a few times sqrt(1 / n) there.
-inline bool is_swollen(const kdtree::CellPath& path, std::size_t references) {
-  constexpr double kLeastSwell = 2, kMost = 256;
-  const double growth = path.swell - 1;
-  return path.swell >= kLeastSwell && growth * growth * static_cast<double>(references) >= kMost;
+/// duplication - 1 is a few times sqrt(1 / n) there.
+inline bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references) {
+  constexpr double kLeastDuplication = 2, kMost = 256;
+  const double growth = path.duplication - 1;
+  return path.duplication >= kLeastDuplication &&
+         growth * growth * static_cast<double>(references) >= kMost;
 }
 
 /// Whether a cut that leaves `straddlers` references on both sides is within the cell's budget.
-inline bool affords(const kdtree::CellPath& path, std::size_t straddlers) {
-  return static_cast<double>(straddlers) <= path.spare;
+inline bool within_budget(const kdtree::CellPath& path, std::size_t straddlers) {
+  return static_cast<double>(straddlers) <= path.references_left;
 }
 
 /// The path of a cell of `before` references, with a smaller budget where its cut, which leaves
@@ -38,14 +39,15 @@ inline kdtree::CellPath cap_below_useless_cut(const kdtree::CellPath& path, std:
   const bool useless =
       before > kLong && more >= before && static_cast<double>(fewer) >= kShare * references;
   kdtree::CellPath capped = path;
-  if (useless && !std::isinf(path.spare)) capped.spare = std::min(path.spare, kMore * references);
+  if (useless && !std::isinf(path.references_left))
+    capped.references_left = std::min(path.references_left, kMore * references);
   return capped;
 }
 
 /// What a cell may still add after its list of `before` references became lists of `after`, all
 /// together.
 inline double left_over(const kdtree::CellPath& path, double before, double after) {
-  return std::max(0.0, path.spare - std::max(0.0, after - before));
+  return std::max(0.0, path.references_left - std::max(0.0, after - before));
 }
 
 /// Measures a child's share of its parent's budget: how often a ray enters the cell, times how many
@@ -58,18 +60,19 @@ inline double demand(const geometry::Aabb& cell, double references) {
 struct HalvedPath {
   kdtree::CellPath left, right;
 };
-inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Cut& cut,
+inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Split& cut,
                              const geometry::HalvedCell& halves, double before, double left,
                              double right) {
   HalvedPath below{path.below(cut), path.below(cut)};
-  if (std::isinf(path.spare)) return below;
-  const double spare = left_over(path, before, left + right);
+  if (std::isinf(path.references_left)) return below;
+  const double references_left = left_over(path, before, left + right);
   const double to_left = demand(halves.left, left);
   const double to_right = demand(halves.right, right);
   const double share = to_left + to_right > 0 ? to_left / (to_left + to_right) : 0.5;
-  below.left.spare = spare * share;
-  below.right.spare = spare - below.left.spare;
-  below.left.swell = below.right.swell = path.swell * std::max(1.0, (left + right) / before);
+  below.left.references_left = references_left * share;
+  below.right.references_left = references_left - below.left.references_left;
+  below.left.duplication = below.right.duplication =
+      path.duplication * std::max(1.0, (left + right) / before);
   return below;
 }
 

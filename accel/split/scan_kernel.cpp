@@ -12,8 +12,8 @@ namespace sightline::accel::split {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The planes of one axis and what is counted there, in registers until the pass ends. The n-th
-/// lane belongs to the n-th plane.
+/// The planes of one axis and their counts, in registers until the pass ends. Lane n belongs to
+/// plane n.
 template <std::size_t kPlanes>
 class Planes {
  public:
@@ -45,9 +45,9 @@ class Planes {
       right_[p] = hn::IfThenElse(in_right, hn::Add(right_[p], more), right_[p]);
     }
   }
-  /// A box that ends below the plane has its upper bound nearest, one that begins above it the
-  /// lower one.
-  HWY_INLINE void come_near(float lo, float hi) {
+  /// The nearest bound of a box that ends below the plane is its upper one; of a box that begins
+  /// above the plane, its lower one.
+  HWY_INLINE void update_neighbours(float lo, float hi) {
     const auto lower = hn::Set(Floats(), lo), upper = hn::Set(Floats(), hi);
     for (std::size_t p = 0; p < kParts; ++p) {
       const auto begins_below = hn::Lt(lower, at_[p]), ends_above = hn::Gt(upper, at_[p]);
@@ -78,14 +78,14 @@ class Planes {
   hn::Vec<Counts> left_[kParts], right_[kParts];
 };
 
-void three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts) {
-  Planes<kdtree::kFirstPlanes> along_x, along_y,
-      along_z;  // by name: they have to stay in registers
+void three_axes(std::span<const kdtree::Reference> refs, const std::array<UniformAxis, 3>& planes,
+                std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>& counts) {
+  Planes<kdtree::kUniformPlanes> along_x, along_y,
+      along_z;  // separate variables, so that they stay in registers
   along_x.load(planes[0], counts[0]);
   along_y.load(planes[1], counts[1]);
   along_z.load(planes[2], counts[2]);
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     along_x.count(ref.lo.x, ref.hi.x, ref.weight);
     along_y.count(ref.lo.y, ref.hi.y, ref.weight);
     along_z.count(ref.lo.z, ref.hi.z, ref.weight);
@@ -95,22 +95,22 @@ void three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis
   along_z.store(counts[2]);
 }
 
-void one_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const FirstAxis& planes,
-              kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts) {
-  Planes<kdtree::kFirstPlanes> along;
+void one_axis(std::span<const kdtree::Reference> refs, std::size_t axis, const UniformAxis& planes,
+              kdtree::PlaneCounts<kdtree::kUniformPlanes>& counts) {
+  Planes<kdtree::kUniformPlanes> along;
   along.load(planes, counts);
-  for (const kdtree::BoxRef& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
+  for (const kdtree::Reference& ref : refs) along.count(ref.lo[axis], ref.hi[axis], ref.weight);
   along.store(counts);
 }
 
-void wide_axis(std::span<const kdtree::BoxRef> refs, std::size_t axis, const WideAxis& planes,
+void wide_axis(std::span<const kdtree::Reference> refs, std::size_t axis, const WideAxis& planes,
                kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   Planes<kScanWidth> along;
   along.load(planes, counts);
   along.load(near);
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     along.count(ref.lo[axis], ref.hi[axis], ref.weight);
-    along.come_near(ref.lo[axis], ref.hi[axis]);
+    along.update_neighbours(ref.lo[axis], ref.hi[axis]);
   }
   along.store(counts);
   along.store(near);
@@ -127,15 +127,16 @@ HWY_EXPORT(three_axes);
 HWY_EXPORT(one_axis);
 HWY_EXPORT(wide_axis);
 
-void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                     std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts) {
+void scan_three_axes(std::span<const kdtree::Reference> refs,
+                     const std::array<UniformAxis, 3>& planes,
+                     std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>& counts) {
   HWY_DYNAMIC_DISPATCH(three_axes)(refs, planes, counts);
 }
-void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
-                   kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts) {
+void scan_one_axis(std::span<const kdtree::Reference> refs, int axis, const UniformAxis& planes,
+                   kdtree::PlaneCounts<kdtree::kUniformPlanes>& counts) {
   HWY_DYNAMIC_DISPATCH(one_axis)(refs, static_cast<std::size_t>(axis), planes, counts);
 }
-void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
+void scan_wide_axis(std::span<const kdtree::Reference> refs, int axis, const WideAxis& planes,
                     kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near) {
   HWY_DYNAMIC_DISPATCH(wide_axis)(refs, static_cast<std::size_t>(axis), planes, counts, near);
 }

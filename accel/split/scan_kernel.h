@@ -1,5 +1,5 @@
-// The inner loops of scan building: one pass over a list, counting what lies below and above a few
-// sample planes. Source: Hunt, Mark, Stoll 2006, section 6.1. Differs: counts are sums of weights.
+// The inner loops of scans: one pass over a list counts the weight below and above a few sample
+// planes. Source: Hunt, Mark, Stoll 2006, section 6.1. Differs: counts are sums of weights.
 #pragma once
 
 #include <array>
@@ -9,17 +9,17 @@
 #include <span>
 #include <string_view>
 
-#include "accel/kdtree/first_scan.h"
+#include "accel/kdtree/plane_counts.h"
 #include "accel/kdtree/reference.h"
 
 namespace sightline::accel::split {
 
-/// Most planes of one axis that a pass looks at.
-inline constexpr std::size_t kScanWidth = 2 * kdtree::kFirstPlanes;
+/// Largest number of planes in a pass over one axis.
+inline constexpr std::size_t kScanWidth = 2 * kdtree::kUniformPlanes;
 
-/// How far the planes of one axis can move while what was counted there holds: down to the next
-/// bound nothing more lies above a plane, up to the next nothing more lies below it. Infinite where
-/// there is no bound.
+/// The bounds next to each plane of one axis. A plane may move down to the next bound without a
+/// change of the weight above it, and up to the next bound without a change of the weight below it.
+/// Infinite where there is no bound.
 struct PlaneNeighbours {
   std::array<float, kScanWidth> below;  ///< The greatest of lo < plane and hi <= plane.
   std::array<float, kScanWidth> above;  ///< The least of lo >= plane and hi > plane.
@@ -38,29 +38,30 @@ struct PlaneNeighbours {
   bool operator==(const PlaneNeighbours&) const = default;
 };
 
-/// The axes that one pass looks at: all three, or one.
+/// The axes of one pass: all three, or one.
 struct AxisRange {
   int begin = 0, end = 3;
   bool all() const { return end - begin == 3; }
 };
 
-/// Planes in any order; unused places repeat a used one.
-using FirstAxis = std::array<float, kdtree::kFirstPlanes>;
+/// Planes in any order; unused entries repeat a used one.
+using UniformAxis = std::array<float, kdtree::kUniformPlanes>;
 using WideAxis = std::array<float, kScanWidth>;
 
-/// Adds what one pass over three axes counts.
-void scan_three_axes(std::span<const kdtree::BoxRef> refs, const std::array<FirstAxis, 3>& planes,
-                     std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>& counts);
+/// Adds the counts of one pass over three axes.
+void scan_three_axes(std::span<const kdtree::Reference> refs,
+                     const std::array<UniformAxis, 3>& planes,
+                     std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>& counts);
 
-/// Adds what one pass over one axis counts.
-void scan_one_axis(std::span<const kdtree::BoxRef> refs, int axis, const FirstAxis& planes,
-                   kdtree::PlaneCounts<kdtree::kFirstPlanes>& counts);
+/// Adds the counts of one pass over one axis.
+void scan_one_axis(std::span<const kdtree::Reference> refs, int axis, const UniformAxis& planes,
+                   kdtree::PlaneCounts<kdtree::kUniformPlanes>& counts);
 
-/// Adds what one pass over one axis counts and which bounds it finds next to the planes.
-void scan_wide_axis(std::span<const kdtree::BoxRef> refs, int axis, const WideAxis& planes,
+/// Adds the counts of one pass over one axis, and the bounds next to the planes.
+void scan_wide_axis(std::span<const kdtree::Reference> refs, int axis, const WideAxis& planes,
                     kdtree::PlaneCounts<kScanWidth>& counts, PlaneNeighbours& near);
 
-/// What the kernels run on here, e.g. "AVX3".
+/// Name of the SIMD target that runs here, such as "AVX3".
 std::string_view simd_target();
 
 }  // namespace sightline::accel::split

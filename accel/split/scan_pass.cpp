@@ -1,4 +1,4 @@
-// Running a pass over a long list at hand.
+// Runs a pass over a long list in parallel.
 #include "accel/split/scan_pass.h"
 
 #include <tbb/blocked_range.h>
@@ -6,7 +6,7 @@
 
 namespace sightline::accel::split {
 
-PassResult run_in_slices(std::span<const kdtree::BoxRef> refs, const PassKernel& kernel) {
+PassResult run_in_slices(std::span<const kdtree::Reference> refs, const PassKernel& kernel) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, refs.size(), kScanSlice), PassResult{},
       [&](const tbb::blocked_range<std::size_t>& slice, PassResult sum) {

@@ -1,5 +1,5 @@
-// A pass over a cell's list as a value: what it looks for, without the list. Whoever holds the list
-// runs it, over pieces, on any thread.
+// A pass over a cell's list as a function object without the list. The owner of the list runs it
+// over pieces, on any thread.
 #pragma once
 
 #include <array>
@@ -15,12 +15,13 @@
 
 namespace sightline::accel::split {
 
-/// What a pass found in some of a list's boxes. Adds up over disjoint pieces of the list, in any
-/// order, to what a pass over the whole finds.
+/// Result of a pass over some of a list. Results of disjoint pieces add up, in any order, to the
+/// result of a pass over the whole list.
 struct PassResult {
-  std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> few;  ///< At few planes, axis by axis.
-  std::array<kdtree::PlaneCounts<kScanWidth>, 3> many;           ///< At many.
-  std::array<PlaneNeighbours, 3> near;                           ///< Beside the many.
+  std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>
+      few;  ///< Counts at kUniformPlanes planes an axis.
+  std::array<kdtree::PlaneCounts<kScanWidth>, 3> many;  ///< Counts at kScanWidth planes an axis.
+  std::array<PlaneNeighbours, 3> near;                  ///< Bounds next to those planes.
 
   PassResult& operator+=(const PassResult& o) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -33,22 +34,22 @@ struct PassResult {
 };
 static_assert(std::is_trivially_copyable_v<PassResult>);
 
-/// Passes once over some of a list's boxes. Holds all it needs: it may outlive who made it, run on
-/// any thread, on several at once, and more than once over the same boxes, with equal results.
-using PassKernel = std::function<PassResult(std::span<const kdtree::BoxRef>)>;
+/// One pass over some of a list. Owns all it reads, so it may outlive its maker. Threads: any,
+/// several at once. Repeated runs over the same references give equal results.
+using PassKernel = std::function<PassResult(std::span<const kdtree::Reference>)>;
 
-/// Runs a kernel over the whole of one list, and returns the sum.
+/// Runs a kernel over one whole list, and returns the sum.
 using RunPass = std::function<PassResult(const PassKernel&)>;
 
-/// Lists of at least twice this many boxes are passed over in parallel slices of this size.
+/// Lists of at least twice this length are scanned in parallel, in slices of this length.
 inline constexpr std::size_t kScanSlice = 32768;
 
-/// Over a list of at least 2 kScanSlice boxes at hand.
-PassResult run_in_slices(std::span<const kdtree::BoxRef> refs, const PassKernel& kernel);
+/// Runs a kernel over a list of at least 2 kScanSlice references in parallel slices.
+PassResult run_in_slices(std::span<const kdtree::Reference> refs, const PassKernel& kernel);
 
-/// One pass over the list of a cell: through `list.run` where there is one, else over `list.refs`,
-/// long ones in parallel slices in the caller's arena. Sums of integers, greatest and least: the
-/// same however the list is cut.
+/// Runs one pass over the list of a cell: through `list.run` if set, else over `list.refs`; long
+/// lists in parallel slices in the caller's arena. The result is made of integer sums, maxima and
+/// minima, so it does not depend on the slices.
 template <class Kernel>
 PassResult run_pass(const kdtree::CellRefs& list, const Kernel& kernel) {
   if (list.run != nullptr) return (*list.run)(kernel);

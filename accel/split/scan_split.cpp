@@ -1,4 +1,4 @@
-// The product's rule: bounds for short lists, a guided scan for the others.
+// The product's rule: exhaustive search for short lists, a guided scan for the others.
 #include "accel/split/scan_split.h"
 
 #include "accel/kdtree/reference_list.h"
@@ -9,19 +9,19 @@
 namespace sightline::accel::split {
 namespace {
 
-/// With `clip_crowds` straddlers are clipped in a list of at least kCrowdFrom references if one in
-/// kCrowd straddles. Long lists are sifted in slices, and a slice does not tell.
-constexpr std::size_t kCrowdFrom = 32, kCrowd = 4;
+/// With `clip_dense` straddlers are clipped in lists of at least kClipFrom references, if one in
+/// kStraddleShare straddles. Long lists are sifted in slices, where the share is not known.
+constexpr std::size_t kClipFrom = 32, kStraddleShare = 4;
 
-/// Lists up to this length are always cut at their bounds: that is cheaper than a scan.
+/// Lists up to this length are always searched exhaustively: that is cheaper than a scan.
 constexpr std::size_t kExactAnyway = 12;
 
 class ScanSearch final : public SplitSearch {
  public:
   explicit ScanSearch(const ScanSplit& rule) : rule_(rule) {}
 
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const override {
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const override {
     return rule_.choose(cell, counters);
   }
   bool clips(std::size_t straddlers, std::size_t references) const override {
@@ -29,13 +29,13 @@ class ScanSearch final : public SplitSearch {
   }
   bool runs_passes() const override { return true; }
   bool takes_samples() const override { return !rule_.clip; }
-  /// Not short lists, most of whose children are cut at their bounds, and not with clipping, which
-  /// changes what was counted.
+  /// Not for short lists, most of whose children are searched exhaustively, and not with clipping,
+  /// which changes the counted boxes.
   bool scans_children(std::size_t references) const override {
     return !rule_.clip && references >= 2 * std::size_t{rule_.exact_below};
   }
-  FirstPlanes first_planes(const geometry::Aabb& child) const override {
-    return split::first_planes(child, rule_.uniform_samples);
+  ChildPlanes child_planes(const geometry::Aabb& child) const override {
+    return split::child_planes(child, rule_.uniform_samples);
   }
   std::optional<BoundRule> small_rule() const override {
     return rule_.clip ? std::nullopt : rule_.bound_rule(kSmallList);
@@ -49,7 +49,7 @@ class ScanSearch final : public SplitSearch {
 }  // namespace
 
 std::optional<std::string> ScanSplit::check() const {
-  const auto most = static_cast<std::uint32_t>(kdtree::kFirstPlanes);
+  const auto most = static_cast<std::uint32_t>(kdtree::kUniformPlanes);
   if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, std::uint32_t{kMaxBoundScan})) return e;
   if (budget != 0) {
@@ -63,8 +63,8 @@ std::optional<std::string> ScanSplit::check() const {
 
 bool ScanSplit::clips(std::size_t straddlers, std::size_t references) const {
   if (clip) return true;
-  return clip_crowds && references >= kCrowdFrom && references < kdtree::kLongList &&
-         straddlers * kCrowd >= references;
+  return clip_dense && references >= kClipFrom && references < kdtree::kLongList &&
+         straddlers * kStraddleShare >= references;
 }
 
 std::optional<BoundRule> ScanSplit::bound_rule(std::size_t references) const {
@@ -72,23 +72,23 @@ std::optional<BoundRule> ScanSplit::bound_rule(std::size_t references) const {
   return BoundRule{.cost = cost, .all_axes_up_to = all_axes_up_to, .retry_above = retry_above};
 }
 
-std::optional<kdtree::Cut> ScanSplit::choose(const kdtree::CellRefs& list,
-                                             kdtree::BuildCounters& counters) const {
+std::optional<kdtree::Split> ScanSplit::choose(const kdtree::CellRefs& list,
+                                               kdtree::BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
-  const bool swollen = list.size > kExactAnyway && is_swollen(list.path, list.size);
-  if (const auto rule = bound_rule(list.size); rule && !swollen)
+  const bool over_duplicated = list.size > kExactAnyway && is_over_duplicated(list.path, list.size);
+  if (const auto rule = bound_rule(list.size); rule && !over_duplicated)
     return choose_bound(list.refs, list.box, *rule, counters);
   return choose_guided(list,
                        {.cost = cost,
                         .uniform_samples = uniform_samples,
                         .refine_all_axes = refine_all_axes,
-                        .once = swollen},
+                        .once = over_duplicated},
                        counters);
 }
 
 ScanSplit scan_fast() {
-  constexpr double kPoorCut = 0.85;  // above this share of a leaf's cost no cut is good
-  return {.retry_above = kPoorCut, .clip_crowds = true};
+  constexpr double kPoorCut = 0.85;  // a split above this share of a leaf's cost is poor
+  return {.retry_above = kPoorCut, .clip_dense = true};
 }
 
 ScanSplit scan_best() {

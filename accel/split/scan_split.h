@@ -1,5 +1,5 @@
-// Where the product cuts cells: an adaptive scan over all axes, with exact search at the bottom.
-// The passes are those of Hunt, Mark, Stoll 2006; what guides them is ours (guided_scan.h).
+// The product's split rule: an adaptive scan over all axes, with exhaustive search for short lists.
+// The passes are those of Hunt, Mark, Stoll 2006; the choice of planes is ours (guided_scan.h).
 #pragma once
 
 #include <cstdint>
@@ -12,47 +12,48 @@
 
 namespace sightline::accel::split {
 
-/// A builder is a value: parameters, `check()`, and one decision.
+/// The rule as a value: its parameters, `check()`, and `choose()`.
 struct ScanSplit {
   /// Sample planes an axis in the first pass, the cell's faces included. Range 2 to
-  /// kdtree::kFirstPlanes.
+  /// kdtree::kUniformPlanes.
   std::uint32_t uniform_samples = 8;
-  /// Lists up to this length are cut at the best of their bounds. Longer ones cost fewer touches
-  /// and no more time by two passes. Range 0 to kMaxBoundScan.
+  /// Lists up to this length are split at the best of their bounds. For longer lists two passes
+  /// cost fewer touches and no more time. Range 0 to kMaxBoundScan.
   std::uint32_t exact_below = 48;
-  /// Lists up to this length that are cut at their bounds try all axes, longer ones the longest.
+  /// Of the lists split at their bounds, those up to this length try all axes, longer ones the
+  /// longest axis.
   std::uint32_t all_axes_up_to = 8;
-  /// Where the longest axis offers no bound below this share of the leaf's cost, the other two are
-  /// tried as well. Range from 1e-6; infinite: never.
+  /// If the longest axis has no bound below this share of the leaf's cost, the other two axes are
+  /// tried, too. Range from 1e-6; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
-  /// The second pass looks at all axes, not at the most promising alone.
+  /// The second pass scans all axes, not only the one with the best estimate.
   bool refine_all_axes = true;
-  /// Perfect splits: straddlers shrink to the part of their triangle in the child
+  /// Perfect splits: the box of a straddler shrinks to the part of its triangle in the child
   /// (grow/clip_straddlers.h).
   bool clip = false;
-  /// The same, but only where one in four references of a list straddles (kCrowd): triangles that
-  /// are long against their cells, so that their boxes say little.
-  bool clip_crowds = false;
-  /// References a triangle that cuts may reach; where that is too few, each subtree gets its share
-  /// (grow/reference_budget.h). Good trees over compact meshes have four to eight. 0: no limit.
-  /// Range 0, 1 to 64.
+  /// The same, but only for lists with a high straddle ratio (kStraddleShare): triangles that are
+  /// long compared with their cells, whose boxes are a poor bound.
+  bool clip_dense = false;
+  /// Limit on references per triangle in the tree; each subtree gets a share of it
+  /// (reference_budget.h). Good trees over compact meshes have four to eight. 0: no limit. Range 0,
+  /// 1 to 64.
   double budget = 16;
   SahConstants cost{};
 
   bool operator==(const ScanSplit&) const = default;
 
-  /// Which parameter is out of range, and the range; nothing if all are fine.
+  /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// The cheapest plane found strictly inside the cell, or nothing if no cut is cheaper than
-  /// testing every box, or no plane fits. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  /// The cheapest plane found strictly inside the cell; nothing if no split is cheaper than a leaf,
+  /// or no plane lies inside. Threads: any.
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   /// See SplitSearch::clips.
   bool clips(std::size_t straddlers, std::size_t references) const;
 
-  /// How lists of this length are cut, if every bound is a candidate.
+  /// The rule for lists of this length, if they are searched exhaustively.
   std::optional<BoundRule> bound_rule(std::size_t references) const;
 };
 
@@ -62,10 +63,10 @@ ScanSplit scan_fast();
 /// The best trees: all axes at the bottom, every straddler clipped.
 ScanSplit scan_best();
 
-/// The interface to that rule.
+/// The rule behind the SplitSearch interface.
 SplitRule make_rule(const ScanSplit& rule);
 
-/// scan_fast(), made once.
+/// The rule of scan_fast(), made once.
 const SplitRule& default_rule();
 
 }  // namespace sightline::accel::split

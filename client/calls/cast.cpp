@@ -41,7 +41,7 @@ struct Writer {
   // Fills the next message with rays. Returns 0 at the end, and after an error, which it stores.
   std::size_t fill() {
     v1::Rays& rays = *request.mutable_request()->mutable_rays();
-    const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
+    const auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rays));
     if (!count) {
       window.source_error = count.error();
       context.TryCancel();
@@ -141,7 +141,8 @@ Result<CastReport> cast(const Connection& connection, const std::string& scene,
   const HitFields fields = fields_of(hits);
   v1::CastRaysRequest request;
   wire::describe(scene, fields, options, request);
-  copy_rays(rays, 0, wire::make_room<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
+  copy_rays(rays, 0,
+            wire::resize_columns<Scalar>(rays.size(), shape_of(rays), *request.mutable_rays()));
 
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);

@@ -91,23 +91,23 @@ Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) 
 
 template <class Scalar>
 void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
-               const RayColumns<Scalar>& room) {
-  copy_rows(rays.origins, first, 3, room.origins);
-  copy_rows(rays.directions, first, 3, room.directions);
-  copy_bound(rays.tmin, first, Scalar{0}, room.tmin);
-  copy_bound(rays.tmax, first, std::numeric_limits<Scalar>::infinity(), room.tmax);
-  if (!room.masks.empty()) copy_rows(rays.masks, first, 1, room.masks);
+               const RayColumns<Scalar>& buffer) {
+  copy_rows(rays.origins, first, 3, buffer.origins);
+  copy_rows(rays.directions, first, 3, buffer.directions);
+  copy_bound(rays.tmin, first, Scalar{0}, buffer.tmin);
+  copy_bound(rays.tmax, first, std::numeric_limits<Scalar>::infinity(), buffer.tmax);
+  if (!buffer.masks.empty()) copy_rows(rays.masks, first, 1, buffer.masks);
 }
 
 template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays) {
   return [&rays,
-          sent = std::size_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min(room.size(), rays.size() - sent);
-    RayColumns<Scalar> rows{room.origins.first(3 * n), room.directions.first(3 * n)};
-    if (!room.tmin.empty()) rows.tmin = room.tmin.first(n);
-    if (!room.tmax.empty()) rows.tmax = room.tmax.first(n);
-    if (!room.masks.empty()) rows.masks = room.masks.first(n);
+          sent = std::size_t{0}](const RayColumns<Scalar>& buffer) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(buffer.size(), rays.size() - sent);
+    RayColumns<Scalar> rows{buffer.origins.first(3 * n), buffer.directions.first(3 * n)};
+    if (!buffer.tmin.empty()) rows.tmin = buffer.tmin.first(n);
+    if (!buffer.tmax.empty()) rows.tmax = buffer.tmax.first(n);
+    if (!buffer.masks.empty()) rows.masks = buffer.masks.first(n);
     copy_rays(rays, sent, rows);
     sent += n;
     return n;

@@ -24,10 +24,10 @@ Status check_kind(QueryKind kind);
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);
 
-/// Fills all of `room` with rays, beginning with ray `first`.
+/// Fills all of `buffer` with rays, beginning with ray `first`.
 template <class Scalar>
 void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
-               const RayColumns<Scalar>& room);
+               const RayColumns<Scalar>& buffer);
 
 /// A source that gives the rays message by message. The columns of `rays` must outlive it.
 template <class Scalar>

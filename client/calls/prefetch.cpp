@@ -75,7 +75,7 @@ Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::st
   PrefetchReport report;
   for (bool first = true;; first = false) {
     v1::Rays& rays = *request.mutable_rays();
-    const auto count = source(wire::make_room<Scalar>(kRaysPerMessage, shape, rays));
+    const auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rays));
     if (!count) return count.error();
     // One call is made even without rays, so that an unknown scene is still an error.
     if (*count == 0 && !first) return report;

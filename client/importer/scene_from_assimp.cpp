@@ -138,9 +138,9 @@ Status add_nodes(const aiNode& root, ConvertedScene& out) {
 
 std::string node_name(std::string_view name, std::string_view suffix) {
   std::string out = is_utf8(name) ? std::string(name) : utf8_from_latin1(name);
-  const std::size_t room = kMaxNodeName - suffix.size();
-  if (out.size() > room) {
-    std::size_t end = room;
+  const std::size_t longest = kMaxNodeName - suffix.size();
+  if (out.size() > longest) {
+    std::size_t end = longest;
     while (end > 0 && is_continuation(static_cast<unsigned char>(out[end]))) --end;
     out.resize(end);
   }

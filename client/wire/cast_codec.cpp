@@ -127,22 +127,22 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
 }
 
 template <class Scalar>
-RayColumns<Scalar> make_room(std::size_t n, RayShape shape, v1::Rays& rays) {
+RayColumns<Scalar> resize_columns(std::size_t n, RayShape shape, v1::Rays& rays) {
   rays.set_float64(std::is_same_v<Scalar, double>);
-  RayColumns<Scalar> room;
-  room.origins = resize<Scalar>(n, 3, *rays.mutable_origins());
-  room.directions = resize<Scalar>(n, 3, *rays.mutable_directions());
+  RayColumns<Scalar> columns;
+  columns.origins = resize<Scalar>(n, 3, *rays.mutable_origins());
+  columns.directions = resize<Scalar>(n, 3, *rays.mutable_directions());
   if (shape.interval) {
-    room.tmin = resize<Scalar>(n, 1, *rays.mutable_tmin());
-    room.tmax = resize<Scalar>(n, 1, *rays.mutable_tmax());
+    columns.tmin = resize<Scalar>(n, 1, *rays.mutable_tmin());
+    columns.tmax = resize<Scalar>(n, 1, *rays.mutable_tmax());
   }
-  if (shape.masks) room.masks = resize<std::uint32_t>(n, 1, *rays.mutable_masks());
-  return room;
+  if (shape.masks) columns.masks = resize<std::uint32_t>(n, 1, *rays.mutable_masks());
+  return columns;
 }
 
 template <class Scalar>
 void trim(std::size_t n, RayShape shape, v1::Rays& rays) {
-  make_room<Scalar>(n, shape, rays);
+  resize_columns<Scalar>(n, shape, rays);
 }
 
 Result<HitView> view_hits(const v1::CastRaysResponse& response, HitFields fields, std::size_t n) {
@@ -159,10 +159,10 @@ Result<HitView> view_all_hits(const v1::CastRaysResponse& response, HitFields fi
   const std::size_t rays = column == nullptr ? 0 : column->size() / sizeof(std::uint32_t) - 1;
   if (rays > n || !view_column(response, true, v1::HIT_FIELD_OFFSET, rays + 1, hits.offsets))
     return incomplete(n);
-  const bool is_in_place = response.first_ray() == first && rays <= n - first &&
-                           response.more() == (first + rays < n) && hits.offsets.front() == 0 &&
-                           std::is_sorted(hits.offsets.begin(), hits.offsets.end());
-  if (!is_in_place) {
+  const bool continues_the_batch =
+      response.first_ray() == first && rays <= n - first && response.more() == (first + rays < n) &&
+      hits.offsets.front() == 0 && std::is_sorted(hits.offsets.begin(), hits.offsets.end());
+  if (!continues_the_batch) {
     return Error{Code::kInternal,
                  fmt::format("the server answered {} rays from {} on, instead of from {} to {}",
                              rays, response.first_ray(), first, n),
@@ -193,8 +193,8 @@ void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
   report.trace_us += stats.trace_us();
 }
 
-template RayColumns<float> make_room(std::size_t, RayShape, v1::Rays&);
-template RayColumns<double> make_room(std::size_t, RayShape, v1::Rays&);
+template RayColumns<float> resize_columns(std::size_t, RayShape, v1::Rays&);
+template RayColumns<double> resize_columns(std::size_t, RayShape, v1::Rays&);
 template void trim<float>(std::size_t, RayShape, v1::Rays&);
 template void trim<double>(std::size_t, RayShape, v1::Rays&);
 

@@ -20,7 +20,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
 
 /// The columns of a message, sized for n rays. The caller fills them in place.
 template <class Scalar>
-RayColumns<Scalar> make_room(std::size_t n, RayShape shape, v1::Rays& rays);
+RayColumns<Scalar> resize_columns(std::size_t n, RayShape shape, v1::Rays& rays);
 
 /// Reduces the columns to the first n rays.
 template <class Scalar>

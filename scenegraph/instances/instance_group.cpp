@@ -11,7 +11,7 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 
 /// A group whose box covers more than this share of its parent's surface is opened immediately: its
 /// box does not help culling.
@@ -178,11 +178,11 @@ std::span<const model::NodeId> slice_of(const std::vector<model::NodeId>& childr
 }
 
 std::unique_ptr<const Opened::Siblings> collect_siblings(const Group& group, const Opened& opened) {
-  std::vector<BoxRef> refs;
+  std::vector<Reference> refs;
   refs.reserve(opened.slices.size() == 1 ? opened.slices[0].refs.size()
                                          : opened.slices.size() * kChildrenPerSlice);
   for (std::size_t slice = 0; slice < opened.slices.size(); ++slice) {
-    const std::vector<BoxRef>& more = opened.slices[slice].refs;
+    const std::vector<Reference>& more = opened.slices[slice].refs;
     refs.insert(refs.end(), more.begin(), more.end());
   }
   auto siblings = std::make_unique<Opened::Siblings>();

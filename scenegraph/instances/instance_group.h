@@ -52,7 +52,7 @@ struct OpenedSlice {
   std::uint32_t first_group = 0, first_cluster = 0;  ///< As of Group.
   std::vector<Instance> instances;
   std::vector<Group> groups;
-  std::vector<accel::kdtree::BoxRef> refs;
+  std::vector<accel::kdtree::Reference> refs;
 };
 
 /// The members of a group, made by the first thread that needs them; threads that arrive later
@@ -66,7 +66,7 @@ struct Opened {
   };
   struct Siblings {
     SiblingClusters levels;
-    std::vector<std::span<const accel::kdtree::BoxRef>>
+    std::vector<std::span<const accel::kdtree::Reference>>
         clusters;                    ///< By number, from Group::first_cluster.
     bool some_open_at_once = false;  ///< Of the groups.
   };

@@ -6,7 +6,7 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 
 /// Groups that do not help culling are opened immediately until there are this many references.
 constexpr std::size_t kMaxImmediateRefs = kMaxUnclustered;
@@ -33,11 +33,10 @@ void Instances::begin() const {
   auto made = std::make_unique<Roots>();
   append(opened(*root_group_), 0, made->coarsest);
   accel::geometry::Aabb bounds;
-  for (const BoxRef& ref : made->coarsest) bounds.grow(ref.bounds());
+  for (const Reference& ref : made->coarsest) bounds.grow(ref.bounds());
   accel::lazy::ReferenceSource source = accel::lazy::source_of(made->coarsest);
-  source.open = [this](const BoxRef& ref, std::vector<BoxRef>& out, accel::kdtree::BuildCounters&) {
-    open(ref, out);
-  };
+  source.open = [this](const Reference& ref, std::vector<Reference>& out,
+                       accel::kdtree::BuildCounters&) { open(ref, out); };
   made->tree = std::make_unique<accel::lazy::LazyTree>(bounds, size(), accel::split::default_rule(),
                                                        std::move(source));
   const Roots* none = nullptr;
@@ -45,7 +44,7 @@ void Instances::begin() const {
     (void)made.release();
 }
 
-void Instances::open(const BoxRef& ref, std::vector<BoxRef>& out) const {
+void Instances::open(const Reference& ref, std::vector<Reference>& out) const {
   const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
   if ((number & kCluster) != 0) {
     const Cluster& members = cluster(number & ~kCluster);
@@ -105,14 +104,14 @@ void Instances::enlist(const Opened& opened) const {
 }
 
 /// Appended references begin at `first`.
-void Instances::append(const Opened& opened, std::size_t first, std::vector<BoxRef>& out) const {
+void Instances::append(const Opened& opened, std::size_t first, std::vector<Reference>& out) const {
   const Opened::Siblings& siblings = opened.siblings[0];
-  const std::vector<BoxRef>& refs = siblings.levels.coarsest();
+  const std::vector<Reference>& refs = siblings.levels.coarsest();
   if (!siblings.some_open_at_once) {
     out.insert(out.end(), refs.begin(), refs.end());
     return;
   }
-  for (const BoxRef& ref : refs) {
+  for (const Reference& ref : refs) {
     const std::uint32_t number = ref.id & ~accel::kdtree::kOpenable;
     if (ref.openable() && (number & kCluster) == 0 && out.size() - first < kMaxImmediateRefs) {
       const Group& group = child_towards_group(opened, number);

@@ -44,10 +44,10 @@ class Instances {
   accel::lazy::LazyTree& tree() const { return *opened_roots().tree; }
 
   /// References that stand for all instances: the coarsest, openable or not.
-  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return opened_roots().coarsest; }
+  const std::vector<accel::kdtree::Reference>& coarsest() const { return opened_roots().coarsest; }
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
-  void open(const accel::kdtree::BoxRef& ref, std::vector<accel::kdtree::BoxRef>& out) const;
+  void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
   /// Opens everything. In the order of a walk down from the roots, nodes before their children.
   InstanceList list() const;
 
@@ -55,11 +55,11 @@ class Instances {
   std::uint64_t opened_members() const { return opened_members_.load(std::memory_order_relaxed); }
 
  private:
-  using Cluster = std::span<const accel::kdtree::BoxRef>;
+  using Cluster = std::span<const accel::kdtree::Reference>;
 
   /// Made when the roots are opened.
   struct Roots {
-    std::vector<accel::kdtree::BoxRef> coarsest;
+    std::vector<accel::kdtree::Reference> coarsest;
     std::unique_ptr<accel::lazy::LazyTree> tree;
   };
 
@@ -69,7 +69,7 @@ class Instances {
   const Opened& opened(const Group& group) const;
   void enlist(const Opened& opened) const;
   void append(const Opened& opened, std::size_t first,
-              std::vector<accel::kdtree::BoxRef>& out) const;
+              std::vector<accel::kdtree::Reference>& out) const;
   void open_all() const;
 
   MobilityView view_;

@@ -33,7 +33,7 @@ std::vector<accel::geometry::Vec3d> built_points(const Instances& grown) {
           accel::geometry::halve(box, slot.axis(), slot.position());
       waiting.push_back({accel::kdtree::load(tree.children(slot)[0]), halves.left});
       waiting.push_back({accel::kdtree::load(tree.children(slot)[1]), halves.right});
-    } else if (!slot.is_unbuilt() && slot.leaf_count() > 0) {
+    } else if (!slot.is_deferred() && slot.leaf_count() > 0) {
       points.push_back((accel::geometry::Vec3d(box.lo) + accel::geometry::Vec3d(box.hi)) * 0.5 +
                        grown.center());
     }
@@ -45,8 +45,9 @@ void grow_at(accel::lazy::LazyTree& tree, const accel::geometry::Vec3d& point) {
   accel::kdtree::BuildCounters built;
   for (accel::kdtree::AtomicSlot* at = &tree.root();;) {
     const Slot slot = accel::kdtree::load(*at);
-    if (slot.is_unbuilt()) {
-      if (tree.expand(*at, accel::lazy::AtBusy::kWait, built) == accel::lazy::Expanded::kAgain)
+    if (slot.is_deferred()) {
+      if (tree.expand(*at, accel::lazy::WhenPending::kWait, built) ==
+          accel::lazy::ExpandResult::kRetry)
         continue;
       return;
     }

@@ -40,7 +40,9 @@ class SharedSlices {
       run(slice, make);
     }
     for (int stalls = 0; wait && done() < size() && stalls < kStalls; ++stalls) {
-      for (accel::lazy::Patience patience; done() < size() && patience.wait(done());) continue;
+      for (accel::lazy::StallDetector stall_detector;
+           done() < size() && stall_detector.wait(done());)
+        continue;
     }
     for (std::size_t slice = 0; slice < size(); ++slice) run(slice, make);
   }

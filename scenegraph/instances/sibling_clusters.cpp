@@ -9,16 +9,16 @@ namespace sightline::scenegraph::instances {
 namespace {
 
 using accel::geometry::Aabb;
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 
 /// Clusters whose boxes have on average more than this share of the parent's surface do not help
 /// culling.
 constexpr double kLargestShare = 0.25;
 
-BoxRef cluster_over(std::span<const BoxRef> members, std::uint32_t number) {
+Reference cluster_over(std::span<const Reference> members, std::uint32_t number) {
   Aabb box;
   std::uint64_t weight = 0;
-  for (const BoxRef& ref : members) {
+  for (const Reference& ref : members) {
     box.grow(ref.bounds());
     weight += ref.weight;
   }
@@ -28,8 +28,9 @@ BoxRef cluster_over(std::span<const BoxRef> members, std::uint32_t number) {
 }
 
 /// Empty if the clusters would be too large.
-std::vector<BoxRef> level_over(std::span<const BoxRef> refs, const Aabb& box, std::uint32_t first) {
-  std::vector<BoxRef> clusters;
+std::vector<Reference> level_over(std::span<const Reference> refs, const Aabb& box,
+                                  std::uint32_t first) {
+  std::vector<Reference> clusters;
   clusters.reserve((refs.size() + kClusterSize - 1) / kClusterSize);
   double areas = 0;
   for (std::size_t i = 0; i < refs.size(); i += kClusterSize) {
@@ -51,7 +52,7 @@ std::uint32_t spread(std::uint32_t x) {
 }
 
 /// By Morton code: neighbours on the curve are mostly near in space (Morton 1966).
-void sort_along_curve(std::vector<BoxRef>& refs, const Aabb& box) {
+void sort_along_curve(std::vector<Reference>& refs, const Aabb& box) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order(refs.size());
   for (std::size_t i = 0; i < refs.size(); ++i) {
     std::uint32_t code = 0;
@@ -65,7 +66,7 @@ void sort_along_curve(std::vector<BoxRef>& refs, const Aabb& box) {
     order[i] = {code, static_cast<std::uint32_t>(i)};
   }
   std::sort(order.begin(), order.end());
-  std::vector<BoxRef> sorted;
+  std::vector<Reference> sorted;
   sorted.reserve(refs.size());
   for (const auto& [code, i] : order) sorted.push_back(refs[i]);
   refs = std::move(sorted);
@@ -73,21 +74,22 @@ void sort_along_curve(std::vector<BoxRef>& refs, const Aabb& box) {
 
 }  // namespace
 
-std::vector<std::span<const BoxRef>> SiblingClusters::members() const {
-  std::vector<std::span<const BoxRef>> clusters;
+std::vector<std::span<const Reference>> SiblingClusters::members() const {
+  std::vector<std::span<const Reference>> clusters;
   for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
-    const std::span<const BoxRef> refs = levels[level];
+    const std::span<const Reference> refs = levels[level];
     for (std::size_t i = 0; i < refs.size(); i += kClusterSize)
       clusters.push_back(refs.subspan(i, std::min(kClusterSize, refs.size() - i)));
   }
   return clusters;
 }
 
-SiblingClusters make_clusters(std::vector<BoxRef> siblings, const Aabb& box, std::uint32_t first) {
+SiblingClusters make_clusters(std::vector<Reference> siblings, const Aabb& box,
+                              std::uint32_t first) {
   SiblingClusters made;
   made.levels.push_back(std::move(siblings));
   while (made.coarsest().size() > kMaxUnclustered) {
-    std::vector<BoxRef> clusters = level_over(made.coarsest(), box, first);
+    std::vector<Reference> clusters = level_over(made.coarsest(), box, first);
     if (clusters.empty() && made.levels.size() == 1) {
       sort_along_curve(made.levels[0], box);
       clusters = level_over(made.coarsest(), box, first);

@@ -20,17 +20,17 @@ using hierarchy::max_clusters;
 
 /// Levels of references, each in the order of the clusters above it, the siblings first.
 struct SiblingClusters {
-  std::vector<std::vector<accel::kdtree::BoxRef>> levels;
+  std::vector<std::vector<accel::kdtree::Reference>> levels;
 
-  const std::vector<accel::kdtree::BoxRef>& coarsest() const { return levels.back(); }
+  const std::vector<accel::kdtree::Reference>& coarsest() const { return levels.back(); }
   /// The members of each cluster, in the order of the cluster ids.
-  std::vector<std::span<const accel::kdtree::BoxRef>> members() const;
+  std::vector<std::span<const accel::kdtree::Reference>> members() const;
 };
 
 /// `box` holds all siblings; `first` is the number of the first cluster. Consecutive siblings make
 /// a cluster. If those are not near each other, siblings are sorted along a space-filling curve
 /// first. If that does not help either, there are no clusters. A pure function of its arguments.
-SiblingClusters make_clusters(std::vector<accel::kdtree::BoxRef> siblings,
+SiblingClusters make_clusters(std::vector<accel::kdtree::Reference> siblings,
                               const accel::geometry::Aabb& box, std::uint32_t first);
 
 }  // namespace sightline::scenegraph::instances

@@ -30,13 +30,13 @@ Result<std::shared_ptr<const Mesh>> Mesh::make(std::vector<accel::geometry::Vec3
       std::move(vertices),
       std::make_shared<const std::vector<accel::geometry::Face>>(std::move(faces)));
   const accel::geometry::MeshView view{arrays->vertices, *arrays->faces};
-  const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
+  const accel::mesh::MeshStats survey = accel::mesh::compute_mesh_stats(view);
   if (const std::size_t bad = survey.first_bad_face; bad < view.faces.size())
     return bad_index(view.faces[bad], bad, view.vertices.size());
   return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder, references));
 }
 
-Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
+Mesh::Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& survey,
            const accel::mesh::TreeBuilder& builder, accel::mesh::References references)
     : arrays_(std::move(arrays)),
       bounds_(survey.bounds),
@@ -56,8 +56,8 @@ Result<std::shared_ptr<const Mesh>> Mesh::deformed(
                  "COUNT_MISMATCH"};
   }
   auto arrays = std::make_shared<const Arrays>(std::move(vertices), arrays_->faces);
-  const accel::mesh::MeshSurvey survey =
-      accel::mesh::survey_mesh({arrays->vertices, *arrays->faces});
+  const accel::mesh::MeshStats survey =
+      accel::mesh::compute_mesh_stats({arrays->vertices, *arrays->faces});
   return std::shared_ptr<const Mesh>(new Mesh(std::move(arrays), survey, builder_, references_));
 }
 

@@ -53,7 +53,7 @@ class Mesh {
     std::vector<accel::geometry::Vec3f> vertices;
     std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
-  Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshSurvey& survey,
+  Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& survey,
        const accel::mesh::TreeBuilder& builder, accel::mesh::References references);
 
   std::shared_ptr<const Arrays> arrays_;

@@ -173,10 +173,10 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
     const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-      answer_block(caster, block, [&](std::size_t i, accel::lazy::AtBusy at_busy) {
+      answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
         accel::geometry::Hit hit;
-        return counts ? caster.count(part[i], at_busy).has_value()
-                      : caster.cast(part[i], at_busy, hit);
+        return counts ? caster.count(part[i], when_pending).has_value()
+                      : caster.cast(part[i], when_pending, hit);
       });
     };
     const auto cast = answer_in_blocks(snapshot, part.size(), kRaysPerBlock, options, answer);

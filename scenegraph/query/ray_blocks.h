@@ -25,31 +25,31 @@ struct RayBlock {
   std::size_t first = 0, end = 0;
 };
 
-/// Answers the rays of a block: answer(ray, AtBusy) returns false if the ray is suspended because
-/// other threads build a cell that it needs. Suspended rays are postponed until all others are
-/// answered. Then they wait, without spinning, for those threads, and in the end build the cell
+/// Answers the rays of a block: answer(ray, WhenPending) returns false if the ray is suspended
+/// because other threads build a cell that it needs. Suspended rays are postponed until all others
+/// are answered. Then they wait, without spinning, for those threads, and in the end build the cell
 /// themselves.
 template <class Answer>
 void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
   std::deque<std::size_t> postponed;
   for (std::size_t ray = block.first; ray < block.end; ++ray) {
-    if (!answer(ray, accel::lazy::AtBusy::kLeave)) postponed.push_back(ray);
+    if (!answer(ray, accel::lazy::WhenPending::kReturn)) postponed.push_back(ray);
   }
-  accel::lazy::AtBusy at_busy = accel::lazy::AtBusy::kLeave;
-  accel::lazy::Patience patience;
+  accel::lazy::WhenPending when_pending = accel::lazy::WhenPending::kReturn;
+  accel::lazy::StallDetector stall_detector;
   for (std::size_t in_vain = 0; !postponed.empty();) {
     const std::size_t ray = postponed.front();
     postponed.pop_front();
-    if (answer(ray, at_busy)) {
+    if (answer(ray, when_pending)) {
       in_vain = 0;
-      patience = {};
+      stall_detector = {};
       continue;
     }
     postponed.push_back(ray);
     constexpr std::size_t kTries = 8;
     if (++in_vain < std::min(kTries, postponed.size())) continue;
     in_vain = 0;
-    if (!patience.wait(caster.progress())) at_busy = accel::lazy::AtBusy::kWait;
+    if (!stall_detector.wait(caster.progress())) when_pending = accel::lazy::WhenPending::kWait;
   }
 }
 

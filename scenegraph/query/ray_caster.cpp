@@ -16,26 +16,26 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
-using accel::kdtree::BoxRef;
-using accel::mesh::AtUnbuilt;
+using accel::kdtree::Reference;
 using accel::mesh::MeshQuery;
+using accel::mesh::OnDeferred;
 
-AtUnbuilt at_unbuilt(Growth growth) {
+OnDeferred on_deferred(Growth growth) {
   switch (growth) {
     case Growth::kNone:
-      return AtUnbuilt::kSearch;
+      return OnDeferred::kScan;
     case Growth::kBuiltOnly:
-      return AtUnbuilt::kSkip;
+      return OnDeferred::kSkip;
     case Growth::kFirstTouch:
     case Growth::kFull:
       break;
   }
-  return AtUnbuilt::kExpand;
+  return OnDeferred::kExpand;
 }
 
 }  // namespace
 
-/// What a walk of the static or dynamic tree does at leaves and unbuilt cells.
+/// What a walk of the static or dynamic tree does at leaves and deferred cells.
 struct RayCaster::Visit {
   RayCaster& caster;
   const Ray& ray;
@@ -52,41 +52,43 @@ struct RayCaster::Visit {
     return false;
   }
 
-  accel::kdtree::Unbuilt unbuilt(accel::kdtree::AtomicSlot& slot,
-                                 const accel::kdtree::DeferredCell& cell) {
-    if (query.at_unbuilt == AtUnbuilt::kExpand) {
-      const accel::lazy::Expanded expanded =
-          entry.instances->tree().expand(slot, query.at_busy, *entry.built);
-      if (expanded == accel::lazy::Expanded::kAgain) return accel::kdtree::Unbuilt::kAgain;
-      if (expanded == accel::lazy::Expanded::kBusy) {
-        query.put_aside = true;
+  accel::kdtree::DeferredAction deferred(accel::kdtree::AtomicSlot& slot,
+                                         const accel::kdtree::DeferredCell& cell) {
+    if (query.on_deferred == OnDeferred::kExpand) {
+      const accel::lazy::ExpandResult expanded =
+          entry.instances->tree().expand(slot, query.when_pending, *entry.built);
+      if (expanded == accel::lazy::ExpandResult::kRetry)
+        return accel::kdtree::DeferredAction::kRetry;
+      if (expanded == accel::lazy::ExpandResult::kPending) {
+        query.suspended = true;
         query.progress = accel::lazy::LazyTree::progress(slot);
-        return accel::kdtree::Unbuilt::kStop;
+        return accel::kdtree::DeferredAction::kStop;
       }
     }
-    query.met_unbuilt = true;
-    if (query.at_unbuilt == AtUnbuilt::kSkip) return accel::kdtree::Unbuilt::kDone;
-    return search(cell) ? accel::kdtree::Unbuilt::kStop : accel::kdtree::Unbuilt::kDone;
+    query.saw_deferred = true;
+    if (query.on_deferred == OnDeferred::kSkip) return accel::kdtree::DeferredAction::kDone;
+    return search(cell) ? accel::kdtree::DeferredAction::kStop
+                        : accel::kdtree::DeferredAction::kDone;
   }
 
   bool search(const accel::kdtree::DeferredCell& cell) {
-    if (cell.listed)
-      return cell.list.any_part([&](std::span<const BoxRef> refs) { return search(refs); });
+    if (cell.has_list)
+      return cell.list.any_part([&](std::span<const Reference> refs) { return search(refs); });
     return search(entry.instances->coarsest());
   }
 
-  bool search(std::span<const BoxRef> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const BoxRef& ref) {
+  bool search(std::span<const Reference> refs) {
+    return std::any_of(refs.begin(), refs.end(), [&](const Reference& ref) {
       return ref.openable() ? search_below(ref) : enter(ref.id);
     });
   }
 
   /// Opens groups whose boxes the ray may meet.
-  bool search_below(const BoxRef& ref) {
-    std::vector<BoxRef>& pending = caster.pending_;
+  bool search_below(const Reference& ref) {
+    std::vector<Reference>& pending = caster.pending_;
     pending.assign(1, ref);
     while (!pending.empty()) {
-      const BoxRef next = pending.back();
+      const Reference next = pending.back();
       pending.pop_back();
       if (!next.openable()) {
         if (enter(next.id)) return true;
@@ -107,7 +109,7 @@ struct RayCaster::Visit {
     if (!accel::kdtree::may_meet(entry.ray, instance.box, limit())) return false;
     if (query.collects() && !caster.entered_.add(index)) return false;
     caster.enter_instance(ray, instance, index, *entry.built, query);
-    return query.put_aside || (query.any && query.found);
+    return query.suspended || (query.any && query.found);
   }
 
   bool is_seen(std::uint32_t id, std::uint32_t index) const {
@@ -120,7 +122,7 @@ struct RayCaster::Visit {
 RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
     : trees_(trees),
       options_(options),
-      at_unbuilt_(at_unbuilt(options.growth)),
+      on_deferred_(on_deferred(options.growth)),
       list_(std::size_t{options.max_hits} + 1) {
   static_entry_.instances = &trees_.static_tree;
   static_entry_.removed = trees_.removed;
@@ -130,9 +132,9 @@ RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& opti
   dynamic_entry_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
 }
 
-bool RayCaster::cast(const Ray& ray, accel::lazy::AtBusy at_busy, Hit& hit) {
+bool RayCaster::cast(const Ray& ray, accel::lazy::WhenPending when_pending, Hit& hit) {
   MeshQuery query;
-  query.at_busy = at_busy;
+  query.when_pending = when_pending;
   query.any = options_.kind == QueryKind::kAny;
   const Search searched = search(ray, query);
   if (searched == Search::kSuspended) return false;
@@ -150,9 +152,9 @@ bool RayCaster::cast(const Ray& ray, accel::lazy::AtBusy at_busy, Hit& hit) {
   return true;
 }
 
-std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::AtBusy at_busy) {
+std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::WhenPending when_pending) {
   MeshQuery query;
-  query.at_busy = at_busy;
+  query.when_pending = when_pending;
   query.primitives = &primitives_;
   counted_ = 0;
   const Search searched = search(ray, query);
@@ -201,9 +203,9 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
   }
   query.tmin = ray.tmin;
   query.tmax = ray.tmax;
-  query.at_unbuilt = at_unbuilt_;
+  query.on_deferred = on_deferred_;
   walk_trees(ray, query);
-  if (query.put_aside) {
+  if (query.suspended) {
     --stats_.rays;  // it is asked again
     progress_ = query.progress;
     return Search::kSuspended;
@@ -215,7 +217,7 @@ RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
 /// The tree that the ray enters first is walked first: its hits bound the walk of the other.
 void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
   for (const Entry* entry : trees_by_entry(ray)) {
-    if (entry != nullptr && !query.put_aside && !(query.any && query.found))
+    if (entry != nullptr && !query.suspended && !(query.any && query.found))
       walk_instances(ray, *entry, query);
   }
 }
@@ -254,8 +256,8 @@ void RayCaster::walk_instances(const Ray& ray, const Entry& entry, MeshQuery& qu
 std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
   const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
   return static_cast<std::uint32_t>(
-             std::min<std::uint64_t>(work, accel::geometry::kWorkUnbuilt - 1)) |
-         (query.met_unbuilt ? accel::geometry::kWorkUnbuilt : 0);
+             std::min<std::uint64_t>(work, accel::geometry::kWorkDeferred - 1)) |
+         (query.saw_deferred ? accel::geometry::kWorkDeferred : 0);
 }
 
 void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instance,
@@ -269,7 +271,8 @@ void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instan
   }
   if (!in_frame_) return;
   ++stats_.instances_entered;
-  if (query.at_unbuilt != AtUnbuilt::kSkip && !instance.entered->load(std::memory_order_relaxed)) {
+  if (query.on_deferred != OnDeferred::kSkip &&
+      !instance.entered->load(std::memory_order_relaxed)) {
     instance.entered->store(true, std::memory_order_relaxed);
   }
   query.node = instance.node;

@@ -20,12 +20,14 @@ class RayCaster {
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
-  /// Sets the nearest hit or, for kAny, whether there is one. With AtBusy::kLeave: false if the ray
-  /// met a large cell that other threads are building; ask again when progress() has increased.
-  bool cast(const accel::geometry::Ray& ray, accel::lazy::AtBusy at_busy,
+  /// Sets the nearest hit or, for kAny, whether there is one. With WhenPending::kReturn: false if
+  /// the ray met a large cell that other threads are building; ask again when progress() has
+  /// increased.
+  bool cast(const accel::geometry::Ray& ray, accel::lazy::WhenPending when_pending,
             accel::geometry::Hit& hit);
   /// The number of hits; nothing if suspended, as cast().
-  std::optional<RayTally> count(const accel::geometry::Ray& ray, accel::lazy::AtBusy at_busy);
+  std::optional<RayTally> count(const accel::geometry::Ray& ray,
+                                accel::lazy::WhenPending when_pending);
   /// Of the cell that suspended the last ray.
   std::uint64_t progress() const { return progress_; }
   /// Adds the nearest max_hits hits to `hits`, in order.
@@ -60,14 +62,14 @@ class RayCaster {
 
   const instances::OpenTrees trees_;
   TraceOptions options_;
-  accel::mesh::AtUnbuilt at_unbuilt_;
-  accel::mesh::Distinct<accel::mesh::ListedHit> list_;
-  accel::mesh::Distinct<std::uint32_t> primitives_;  // hit in the instance that the ray is in
+  accel::mesh::OnDeferred on_deferred_;
+  accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
+  accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
-  std::vector<accel::kdtree::BoxRef> pending_;  // references of a searched list not yet visited
-  const model::Affine* frame_ = nullptr;        // of the instance that the ray entered last
-  bool in_frame_ = false;                       // the query's ray is valid in that frame
-  std::uint64_t counted_ = 0;                   // hits of the ray in earlier instances
+  std::vector<accel::kdtree::Reference> pending_;  // references of a searched list not yet visited
+  const model::Affine* frame_ = nullptr;           // of the instance that the ray entered last
+  bool in_frame_ = false;                          // the query's ray is valid in that frame
+  std::uint64_t counted_ = 0;                      // hits of the ray in earlier instances
   std::uint64_t work_before_ = 0;
   std::uint64_t progress_ = 0;
   TraceStats stats_;

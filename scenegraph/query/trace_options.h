@@ -26,8 +26,8 @@ enum class QueryKind : std::uint8_t {
 enum class Growth : std::uint8_t {
   kFirstTouch,  ///< The first ray that enters a cell expands it.
   kFull,        ///< Everything is built before the first ray.
-  kNone,        ///< Nothing is grown; unbuilt cells are searched triangle by triangle.
-  kBuiltOnly,   ///< Nothing is grown and unbuilt cells are skipped. Shows what exists; not an
+  kNone,        ///< Nothing is grown; deferred cells are searched triangle by triangle.
+  kBuiltOnly,   ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
                 ///< answer to a query.
 };
 

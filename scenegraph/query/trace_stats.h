@@ -15,7 +15,7 @@ struct TraceStats {
   std::uint64_t hits_found = 0;       ///< kCount: sum of the counts. kAll: hits listed.
   std::uint64_t cut_off = 0;          ///< kAll: rays with more than max_hits.
   std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
-  std::uint64_t triangle_tests = 0;   ///< Scans of unbuilt cells included.
+  std::uint64_t triangle_tests = 0;   ///< Scans of deferred cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
   std::uint64_t touches = 0;  ///< Reference bounds read by build passes.

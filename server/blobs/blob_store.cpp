@@ -73,7 +73,7 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
     freed.push_back(old->upload);
     erase(old->upload.get());
   }
-  if (const Status room = make_room(digest.size, freed); !room) return room.error();
+  if (const Status evicted = evict_for(digest.size, freed); !evicted) return evicted.error();
   auto upload = std::make_shared<Upload>(digest);
   pending_.push_back({upload, false});
   bytes_used_ += digest.size;
@@ -151,7 +151,7 @@ void BlobStore::erase(const Upload* upload) {
   pending_.erase(found);
 }
 
-Status BlobStore::make_room(std::uint64_t bytes, Freed& freed) {
+Status BlobStore::evict_for(std::uint64_t bytes, Freed& freed) {
   if (bytes > limits_.memory_budget) {
     return Error{Code::kResourceExhausted,
                  fmt::format("a blob of {} bytes exceeds the memory budget of {}", bytes,
@@ -177,11 +177,10 @@ Status BlobStore::make_room(std::uint64_t bytes, Freed& freed) {
   return {};
 }
 
-bool BlobStore::drop_upload(bool standing_still, Freed& freed) {
+bool BlobStore::drop_upload(bool idle, Freed& freed) {
   const auto idle_since = Upload::Clock::now() - limits_.idle;
   const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
-    const bool may_go =
-        standing_still ? pending.upload->last_active() <= idle_since : pending.set_aside;
+    const bool may_go = idle ? pending.upload->last_active() <= idle_since : pending.set_aside;
     return may_go && pending.upload->drop();
   });
   if (found == pending_.end()) return false;

@@ -117,8 +117,8 @@ class BlobStore {
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
   void erase(const Upload* upload);
-  Status make_room(std::uint64_t bytes, Freed& freed);
-  bool drop_upload(bool standing_still, Freed& freed);
+  Status evict_for(std::uint64_t bytes, Freed& freed);
+  bool drop_upload(bool idle, Freed& freed);
   bool drop_unused_mesh(Freed& freed);
 
   const BlobLimits limits_;

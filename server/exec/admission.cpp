@@ -41,14 +41,14 @@ AdmissionLimits Admission::in_flight() const {
 
 Admission::Ticket& Admission::Ticket::operator=(Ticket&& other) noexcept {
   if (this == &other) return *this;
-  give_back();
+  release();
   admission_ = std::exchange(other.admission_, nullptr);
   rays_ = other.rays_;
   bytes_ = other.bytes_;
   return *this;
 }
 
-void Admission::Ticket::give_back() {
+void Admission::Ticket::release() {
   if (admission_ == nullptr) return;
   const std::lock_guard lock(admission_->mutex_);
   admission_->in_flight_.rays -= rays_;

@@ -26,13 +26,13 @@ class Admission {
     Ticket() = default;
     Ticket(Ticket&& other) noexcept { *this = std::move(other); }
     Ticket& operator=(Ticket&& other) noexcept;
-    ~Ticket() { give_back(); }
+    ~Ticket() { release(); }
 
    private:
     friend class Admission;
     Ticket(Admission* admission, std::uint64_t rays, std::uint64_t bytes)
         : admission_(admission), rays_(rays), bytes_(bytes) {}
-    void give_back();
+    void release();
 
     Admission* admission_ = nullptr;
     std::uint64_t rays_ = 0;

@@ -206,8 +206,8 @@ struct Encoder {
   }
 
  private:
-  std::size_t end_of_rows(std::size_t rows, std::size_t room, std::size_t bytes_per_row) const {
-    return std::min(rows, first + std::max<std::size_t>(1, room / bytes_per_row));
+  std::size_t end_of_rows(std::size_t rows, std::size_t budget, std::size_t bytes_per_row) const {
+    return std::min(rows, first + std::max<std::size_t>(1, budget / bytes_per_row));
   }
 };
 

@@ -1,4 +1,4 @@
-// Lists of boxes to try builders on.
+// Lists of boxes as input for builders.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,18 @@
 
 namespace sightline::tests {
 
-inline accel::kdtree::BoxRef box_ref(const accel::geometry::Vec3f& lo,
-                                     const accel::geometry::Vec3f& hi, std::uint32_t id = 0,
-                                     std::uint32_t weight = 1) {
+inline accel::kdtree::Reference box_ref(const accel::geometry::Vec3f& lo,
+                                        const accel::geometry::Vec3f& hi, std::uint32_t id = 0,
+                                        std::uint32_t weight = 1) {
   const accel::geometry::Aabb box = accel::geometry::widen_flat({lo, hi});
   return {box.lo, id, box.hi, weight};
 }
 
 /// Corners uniform in the unit cube, extents uniform up to `size`.
-inline std::vector<accel::kdtree::BoxRef> random_boxes(std::size_t n, double size,
-                                                       std::uint64_t seed) {
+inline std::vector<accel::kdtree::Reference> random_boxes(std::size_t n, double size,
+                                                          std::uint64_t seed) {
   Random random(seed);
-  std::vector<accel::kdtree::BoxRef> refs;
+  std::vector<accel::kdtree::Reference> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.uniform()); };
     const accel::geometry::Vec3f lo{x(), x(), x()};
@@ -33,10 +33,10 @@ inline std::vector<accel::kdtree::BoxRef> random_boxes(std::size_t n, double siz
 }
 
 /// Bounds on a coarse lattice, many of them flat, weights of 1 to `heaviest`.
-inline std::vector<accel::kdtree::BoxRef> lattice_boxes(std::size_t n, std::uint32_t heaviest,
-                                                        std::uint64_t seed) {
+inline std::vector<accel::kdtree::Reference> lattice_boxes(std::size_t n, std::uint32_t heaviest,
+                                                           std::uint64_t seed) {
   Random random(seed);
-  std::vector<accel::kdtree::BoxRef> refs;
+  std::vector<accel::kdtree::Reference> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.below(6)); };
     accel::geometry::Aabb box;
@@ -48,9 +48,9 @@ inline std::vector<accel::kdtree::BoxRef> lattice_boxes(std::size_t n, std::uint
   return refs;
 }
 
-inline accel::geometry::Aabb bounds_of(const std::vector<accel::kdtree::BoxRef>& refs) {
+inline accel::geometry::Aabb bounds_of(const std::vector<accel::kdtree::Reference>& refs) {
   accel::geometry::Aabb b;
-  for (const accel::kdtree::BoxRef& r : refs) b.grow(r.bounds());
+  for (const accel::kdtree::Reference& r : refs) b.grow(r.bounds());
   return b;
 }
 

@@ -1,5 +1,5 @@
-// The invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its cell's
-// members, or, where the builder clips, all that is to be met there.
+// Checks the invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its
+// cell's members, or, if the builder clips, all references that a ray can meet there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace sightline::tests {
 
 inline std::vector<std::uint32_t> ids_of(const accel::kdtree::CellList& list) {
   std::vector<std::uint32_t> ids;
-  list.any_part([&](std::span<const accel::kdtree::BoxRef> refs) {
-    for (const accel::kdtree::BoxRef& ref : refs) ids.push_back(ref.id);
+  list.any_part([&](std::span<const accel::kdtree::Reference> refs) {
+    for (const accel::kdtree::Reference& ref : refs) ids.push_back(ref.id);
     return false;
   });
   return ids;
@@ -37,9 +37,9 @@ inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     return;
   }
   std::vector<std::uint32_t> held, members;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ASSERT_EQ(slot.cell()->box, cell);
-    if (!slot.cell()->listed || slot.cell()->openable) return;
+    if (!slot.cell()->has_list || slot.cell()->openable) return;
     held = ids_of(slot.cell()->list);
   } else {
     std::uint32_t storage;
@@ -60,7 +60,7 @@ inline void check_tree(const accel::kdtree::KdTree& tree,
   check_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, bounds);
 }
 
-/// Whether some leaf whose closed cell holds the point holds the reference.
+/// Whether some leaf whose closed cell contains the point holds the reference.
 inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
                        const accel::geometry::Aabb& cell, const accel::geometry::Vec3f& point,
                        std::uint32_t id) {
@@ -73,8 +73,8 @@ inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     return is_held_at(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, point, id) ||
            is_held_at(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, point, id);
   }
-  if (slot.is_unbuilt()) {
-    if (!slot.cell()->listed || slot.cell()->openable) return true;
+  if (slot.is_deferred()) {
+    if (!slot.cell()->has_list || slot.cell()->openable) return true;
     const std::vector<std::uint32_t> ids = ids_of(slot.cell()->list);
     return std::find(ids.begin(), ids.end(), id) != ids.end();
   }
@@ -101,7 +101,7 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
     return;
   }
   std::vector<std::uint32_t> held;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ASSERT_EQ(slot.cell()->box, cell);
     if (!slot.cell()->openable) held = ids_of(slot.cell()->list);
   } else if (slot.leaf_count() > 0) {
@@ -118,9 +118,9 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
   }
 }
 
-/// For builders that clip or choose the side of flat boxes, as their papers do: cells tile the
-/// bounds, flat ones among them; a leaf holds nothing twice and nothing that does not touch its
-/// closed cell; and every corner of every face is in the closed cell of a leaf that holds the face.
+/// For builders that clip or choose the side of flat boxes, as their papers do: cells (some of them
+/// flat) tile the bounds; a leaf holds no reference twice and none that does not touch its closed
+/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face.
 /// `bounds` as above.
 inline void check_closed_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                               const std::vector<accel::geometry::Aabb>& bounds) {

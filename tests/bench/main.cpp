@@ -122,8 +122,9 @@ Verb add_verb_dynamic(CLI::App& app) {
       ->required();
   verb.add_option("--copies", options->copies, "Of a directory's meshes, side by side")
       ->check(CLI::Range(std::size_t{1}, std::size_t{100'000}));
-  verb.add_option("--static", options->still, "A scene: ten times as large, under what moves");
-  verb.add_option("--static-small", options->still_small,
+  verb.add_option("--static", options->static_scene,
+                  "A scene: ten times as large, under what moves");
+  verb.add_option("--static-small", options->small_static_scene,
                   "Another, over which the frames are played too, for comparison");
   add_rays(verb, options->rays);
   verb.add_flag("--shadow", options->shadow, "And a ray toward a light from every hit");
@@ -256,7 +257,7 @@ Verb add_verb_chart(CLI::App& app) {
 }
 
 int run(const CommonOptions& common, const Verb& verb) {
-  // Room for more threads than processors; they are made only where an arena asks for them.
+  // Allows more threads than processors; an arena creates them on demand.
   const tbb::global_control limit(
       tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(std::max({common.threads, hardware_threads(), kMostAnswerThreads})));

@@ -15,7 +15,7 @@ namespace {
 using tests::kScene;
 using tests::LiveClient;
 
-TEST_F(LiveClient, TellsOfTheServer) {
+TEST_F(LiveClient, ReportsTheServersInfo) {
   const auto info = client_.server_info();
   ASSERT_TRUE(info) << info.error().message;
   EXPECT_FALSE(info->version.empty());
@@ -23,7 +23,7 @@ TEST_F(LiveClient, TellsOfTheServer) {
   EXPECT_GT(info->max_triangles_per_mesh, 0U);
 }
 
-TEST_F(LiveClient, ScenesComeAndGo) {
+TEST_F(LiveClient, CreatesAndDeletesScenes) {
   const auto created = client_.create_scene(kScene, UpAxis::kZ, 0.01);
   ASSERT_TRUE(created) << created.error().message;
   EXPECT_EQ(created->name, kScene);
@@ -58,7 +58,7 @@ TEST_F(LiveClient, ListsMoreScenesThanOnePage) {
   EXPECT_TRUE(client_.list_scenes("projects/none")->empty());
 }
 
-TEST_F(LiveClient, NodesComeBackAsTheyWent) {
+TEST_F(LiveClient, ReturnsNodesUnchanged) {
   importer::ImportedScene scene = tests::row_of_sheets(1500);
   const auto uploaded = upload_scene(client_, kScene, scene, {.mobility = Mobility::kRigid});
   ASSERT_TRUE(uploaded) << uploaded.error().message;
@@ -75,7 +75,7 @@ TEST_F(LiveClient, NodesComeBackAsTheyWent) {
   EXPECT_EQ((*nodes)[1501].id, 0U);
 }
 
-TEST_F(LiveClient, StatsStartWithNothingEntered) {
+TEST_F(LiveClient, StatsOfANewSceneHaveNothingEntered) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(3), {}));
   const auto stats = client_.scene_stats(kScene);
   ASSERT_TRUE(stats) << stats.error().message;
@@ -84,7 +84,7 @@ TEST_F(LiveClient, StatsStartWithNothingEntered) {
   EXPECT_EQ(stats->triangles_total, 4U);
 }
 
-TEST(ClientConnect, TakesEndpointsOnly) {
+TEST(ClientConnect, AcceptsOnlyEndpoints) {
   EXPECT_TRUE(Client::connect("127.0.0.1:50151"));
   EXPECT_TRUE(Client::connect("[::1]:1"));
   EXPECT_TRUE(Client::connect("unix:/tmp/socket"));
@@ -93,7 +93,7 @@ TEST(ClientConnect, TakesEndpointsOnly) {
   }
 }
 
-TEST_F(LiveClient, AServerThatIsGoneIsUnavailable) {
+TEST_F(LiveClient, AStoppedServerIsUnavailable) {
   stop_server();
   const auto scenes = client_.list_scenes("projects/default");
   ASSERT_FALSE(scenes);

@@ -1,4 +1,4 @@
-// The bytes of a mesh and their name.
+// The bytes of a mesh and their digest.
 #include "client/mesh_blob.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(MeshBlob, IsHeaderThenPositionsThenIndices) {
   EXPECT_EQ(bytes.substr(72), std::string(12, '\xff'));
 }
 
-TEST(MeshBlob, AnyPartIsThatPartOfTheWhole) {
+TEST(MeshBlob, AnyPartEqualsThatPartOfTheWhole) {
   const MeshBlob blob(kVertices, kFaces);
   const std::string whole = bytes_of(blob);
   for (std::size_t first = 0; first <= whole.size(); ++first) {
@@ -45,7 +45,7 @@ TEST(MeshBlob, AnyPartIsThatPartOfTheWhole) {
 
 TEST(MeshBlob, AnEmptyMeshHasAHeader) { EXPECT_EQ(MeshBlob({}, {}).size(), 24U); }
 
-TEST(MeshBlob, TheDigestIsTheSha256OfTheBytesAndTheirNumber) {
+TEST(MeshBlob, TheDigestIsTheSha256OfTheBytesAndTheirCount) {
   // printf 'SLM1\0\0\0\0...' | sha256sum, of the 24 bytes of an empty mesh
   EXPECT_EQ(MeshBlob({}, {}).digest(),
             "sha256:81dd3a1c45cf24d263579221ac7bad0ab8bd8df5521a3f1f6c73ce059aec5715/24");

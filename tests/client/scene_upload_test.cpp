@@ -14,7 +14,7 @@ namespace {
 using SceneUpload = tests::LiveClient;
 using tests::kScene;
 
-TEST_F(SceneUpload, CountsAreTheScenes) {
+TEST_F(SceneUpload, ReportsTheScenesCounts) {
   importer::ImportedScene scene = tests::row_of_sheets(5);
   scene.up_axis = UpAxis::kZ;
   scene.meters_per_unit = 0.5;
@@ -32,7 +32,7 @@ TEST_F(SceneUpload, CountsAreTheScenes) {
   EXPECT_NEAR((*info->bounds)[3], 41, 1e-3);
 }
 
-TEST_F(SceneUpload, EqualMeshesOfAFileStaySeveralAndUnusedOnesAreNotSent) {
+TEST_F(SceneUpload, EqualMeshesStayDistinctAndUnusedOnesAreNotSent) {
   importer::ImportedScene scene = tests::row_of_sheets(2);
   scene.meshes.push_back(scene.meshes[0]);
   scene.meshes.push_back(tests::sheets(9));
@@ -46,7 +46,7 @@ TEST_F(SceneUpload, EqualMeshesOfAFileStaySeveralAndUnusedOnesAreNotSent) {
   EXPECT_EQ(total, 2 * MeshBlob(scene.meshes[0].vertices, scene.meshes[0].faces).size());
 }
 
-TEST_F(SceneUpload, WhatTheServerHasIsNotSentAgain) {
+TEST_F(SceneUpload, MeshesThatTheServerHasAreNotSentAgain) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
   bool sent = false;
   const auto again = upload_scene(client_, "projects/default/scenes/other", tests::row_of_sheets(2),
@@ -72,7 +72,7 @@ TEST_F(SceneUpload, AnExistingSceneIsAConflictUnlessReplaced) {
   EXPECT_EQ(replaced->revision, 1U);
 }
 
-TEST_F(SceneUpload, ASceneThatCannotBeIsRefusedWithTheOldOneInPlace) {
+TEST_F(SceneUpload, AnInvalidSceneIsRefusedAndTheOldOneKept) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
   importer::ImportedScene flat = tests::row_of_sheets(1);
   flat.nodes[1].parent_from_local[0] = 0;
@@ -80,16 +80,16 @@ TEST_F(SceneUpload, ASceneThatCannotBeIsRefusedWithTheOldOneInPlace) {
   EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
 }
 
-TEST_F(SceneUpload, AHalfMadeSceneIsDeletedAgain) {
+TEST_F(SceneUpload, APartlyUploadedSceneIsDeleted) {
   importer::ImportedScene scene = tests::row_of_sheets(3);
-  scene.nodes[3].name = std::string(2000, 'x');  // longer than servers take
+  scene.nodes[3].name = std::string(2000, 'x');  // Longer than servers accept
   const auto refused = upload_scene(client_, kScene, scene, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kInvalidArgument);
   EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
 }
 
-TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
+TEST_F(SceneUpload, AStopDoesNotChangeTheScene) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
   importer::ImportedScene other = tests::row_of_sheets(3);
   other.meshes[0] = tests::sheets(9);
@@ -98,15 +98,15 @@ TEST_F(SceneUpload, AStopLeavesTheSceneAsItWas) {
     const auto stopped =
         upload_scene(client_, name, other, {.replace = true, .stop = stop.get_token()},
                      [&](std::uint64_t, std::uint64_t) { stop.request_stop(); });
-    ASSERT_FALSE(stopped) << "the mesh is on its way, or has just arrived";
+    ASSERT_FALSE(stopped) << "the mesh is being sent, or has just arrived";
     EXPECT_EQ(stopped.error().code, Code::kCancelled);
-    other.meshes[0] = tests::sheets(11);  // for the server may have the other by now
+    other.meshes[0] = tests::sheets(11);  // As the server may already have the first mesh
   }
   EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
   EXPECT_EQ(client_.get_scene("projects/default/scenes/new").error().code, Code::kNotFound);
 }
 
-TEST_F(SceneUpload, NodesMayBeAddedToWhatThereIs) {
+TEST_F(SceneUpload, NodesMayBeAddedToAnExistingScene) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
   importer::ImportedScene more = tests::row_of_sheets(1);
   more.meshes[0] = tests::sheets(9);
@@ -128,7 +128,7 @@ TEST_F(SceneUpload, NodesMayBeAddedToWhatThereIs) {
   EXPECT_EQ(add_to_scene(client_, kScene, more, 77, options).error().code, Code::kNotFound);
 }
 
-TEST_F(SceneUpload, AnEmptySceneIsAScene) {
+TEST_F(SceneUpload, AnEmptySceneIsValid) {
   const auto info = upload_scene(client_, kScene, {}, {});
   ASSERT_TRUE(info) << info.error().message;
   EXPECT_EQ(info->nodes, 0U);

@@ -1,4 +1,4 @@
-// Streams of updates: in order, once each, through everything that breaks.
+// Streams of updates: in order and exactly once, through broken connections.
 #include "client/update_stream.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST_F(UpdateStreamTest, BatchesAreAppliedInOrderOneRevisionEach) {
   EXPECT_EQ(stream.send(put("late")).error().code, Code::kFailedPrecondition);
 }
 
-TEST_F(UpdateStreamTest, AnswersAreTold) {
+TEST_F(UpdateStreamTest, ReportsAnswers) {
   std::vector<StreamAck> acks;
   std::vector<StreamReject> rejects;
   UpdateStreamOptions options;
@@ -84,7 +84,7 @@ TEST_F(UpdateStreamTest, AnswersAreTold) {
   EXPECT_EQ(refused.error().code, Code::kNotFound);
   EXPECT_NE(refused.error().message.find("77"), std::string::npos);
   EXPECT_TRUE(stream.wait(3));
-  ASSERT_TRUE(stream.close()) << "a reject leaves the stream alive";
+  ASSERT_TRUE(stream.close()) << "a reject does not end the stream";
   ASSERT_EQ(rejects.size(), 1U);
   EXPECT_EQ(rejects[0].sequence, 2U);
   std::vector<std::uint64_t> ids;
@@ -106,7 +106,7 @@ TEST_F(UpdateStreamTest, ARejectIsAnAnswer) {
   EXPECT_TRUE(stream.close());
 }
 
-TEST_F(UpdateStreamTest, ANewStreamOfTheProducerGoesOnWhereTheLastEnded) {
+TEST_F(UpdateStreamTest, ANewStreamOfTheProducerContinuesWhereTheLastEnded) {
   {
     UpdateStream first = open(client_);
     for (int k = 0; k < 3; ++k) ASSERT_TRUE(first.send(put("x")));
@@ -119,12 +119,12 @@ TEST_F(UpdateStreamTest, ANewStreamOfTheProducerGoesOnWhereTheLastEnded) {
   EXPECT_EQ(client_.get_scene(kScene)->revision, 4U);
 }
 
-TEST_F(UpdateStreamTest, WhoOpensUnderTheSameNameTakesOver) {
+TEST_F(UpdateStreamTest, ASecondStreamOfTheSameNameTakesOver) {
   UpdateStream first = open(client_);
   ASSERT_TRUE(first.send(put("a")));
   ASSERT_TRUE(first.flush());
   UpdateStream second = open(client_);
-  static_cast<void>(first.send(put("b")));  // may not have heard of it yet
+  static_cast<void>(first.send(put("b")));  // The first stream may not have been notified yet
   const Status closed = first.close();
   ASSERT_FALSE(closed);
   EXPECT_EQ(closed.error().code, Code::kAborted);
@@ -133,7 +133,7 @@ TEST_F(UpdateStreamTest, WhoOpensUnderTheSameNameTakesOver) {
   EXPECT_TRUE(second.close());
 }
 
-// The audit: a node for each batch, named by its number; one too many or too few would be seen.
+// One node for each batch, named by its number; a lost or repeated batch would show.
 class BrokenConnections : public UpdateStreamTest,
                           public testing::WithParamInterface<std::pair<std::size_t, std::size_t>> {
 };
@@ -143,12 +143,12 @@ TEST_P(BrokenConnections, EveryBatchIsAppliedOnce) {
   tests::Relay relay(server_->port());
   relay.cut_each_after(GetParam().first, GetParam().second);
   const Client through = connect(relay.endpoint());
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   UpdateStreamOptions options;
   options.on_ack = [&](const StreamAck& ack) {
     for (const StreamAck::Put& each : ack.put) {
       EXPECT_EQ(each.nodes, std::vector<std::uint64_t>{each.sequence});
-      told.push_back(each.sequence);
+      reported.push_back(each.sequence);
     }
   };
   UpdateStream stream = open(through, options);
@@ -163,8 +163,8 @@ TEST_P(BrokenConnections, EveryBatchIsAppliedOnce) {
   EXPECT_EQ(client_.get_scene(kScene)->nodes, kBatches);
   const auto names_now = names(kBatches);
   for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(std::stoul(names_now[k]), k + 1);
-  ASSERT_EQ(told.size(), kBatches) << "the ids of every batch were told, once";
-  for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(told[k], k + 1);
+  ASSERT_EQ(reported.size(), kBatches) << "the ids of every batch are reported once";
+  for (std::size_t k = 0; k < kBatches; ++k) EXPECT_EQ(reported[k], k + 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cuts, BrokenConnections,
@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Cuts, BrokenConnections,
                                          std::pair{std::size_t{0}, std::size_t{1'500}},
                                          std::pair{std::size_t{0}, std::size_t{777}}));
 
-TEST_F(UpdateStreamTest, AFullWindowIsFeltAndEmptied) {
+TEST_F(UpdateStreamTest, AFullWindowRefusesUpdatesUntilAnswersArrive) {
   tests::Relay relay(server_->port());
   const Client through = connect(relay.endpoint());
   UpdateStream stream = open(through);
@@ -189,7 +189,7 @@ TEST_F(UpdateStreamTest, AFullWindowIsFeltAndEmptied) {
   relay.hold(false);
   const auto sent = stream.send(put("z"));
   ASSERT_TRUE(sent);
-  EXPECT_EQ(*sent, window + 1) << "what was refused has no number";
+  EXPECT_EQ(*sent, window + 1) << "a refused batch has no number";
   EXPECT_TRUE(stream.close());
   EXPECT_EQ(client_.get_scene(kScene)->nodes, window + 1);
 }
@@ -204,7 +204,7 @@ TEST_F(UpdateStreamTest, CanBeAbandonedAtAnyTime) {
   relay.hold(false);
 }
 
-TEST_F(UpdateStreamTest, AServerThatStaysAwayIsAnError) {
+TEST_F(UpdateStreamTest, AServerThatDoesNotReturnIsAnError) {
   UpdateStream stream = open(client_, {.attempts = 2});
   ASSERT_TRUE(stream.send(put("x")));
   ASSERT_TRUE(stream.flush());
@@ -216,18 +216,18 @@ TEST_F(UpdateStreamTest, AServerThatStaysAwayIsAnError) {
   EXPECT_EQ(stream.close().error().code, Code::kUnavailable);
 }
 
-TEST_F(UpdateStreamTest, ASceneThatIsDeletedEndsTheStream) {
+TEST_F(UpdateStreamTest, ADeletedSceneEndsTheStream) {
   UpdateStream stream = open(client_);
   ASSERT_TRUE(stream.send(put("x")));
   ASSERT_TRUE(stream.flush());
   ASSERT_TRUE(client_.delete_scene(kScene));
-  static_cast<void>(stream.send(put("y")));  // may not have heard of it yet
+  static_cast<void>(stream.send(put("y")));  // The stream may not have been notified yet
   const Status closed = stream.close();
   ASSERT_FALSE(closed);
   EXPECT_EQ(closed.error().code, Code::kNotFound);
 }
 
-TEST_F(UpdateStreamTest, WhatCannotBeOpenedIsToldAtOnce) {
+TEST_F(UpdateStreamTest, AStreamThatCannotBeOpenedFailsAtOnce) {
   EXPECT_EQ(client_.open_update_stream("projects/default/scenes/none", "p").error().code,
             Code::kNotFound);
   EXPECT_EQ(client_.open_update_stream(kScene, "no name").error().code, Code::kInvalidArgument);
@@ -258,7 +258,7 @@ TEST_F(UpdateStreamTest, ABatchLargerThanAMessageIsOneRevision) {
   EXPECT_EQ(t[0], 6) << "the highest sheet is at -1 now";
 }
 
-TEST_F(UpdateStreamTest, TheNewestWinsAtTheEnd) {
+TEST_F(UpdateStreamTest, TheNewestTransformWins) {
   ASSERT_TRUE(client_.apply(kScene, put("moved")));
   UpdateStream stream = open(client_, {.latest_wins = true});
   for (int k = 1; k <= 200; ++k) {

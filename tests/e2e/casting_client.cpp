@@ -1,4 +1,4 @@
-// Casting at a scene that changes.
+// Casts at a changing scene.
 #include "tests/e2e/casting_client.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 using scenegraph::RayTally;
 
 constexpr std::size_t kRays = 24;
-constexpr std::uint64_t kFarBack = 100;  // revisions, some of which are no longer kept
+constexpr std::uint64_t kFarBack = 100;  // Revisions, some of which are no longer kept
 
 template <class T>
 std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
@@ -27,7 +27,7 @@ std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
   return out;
 }
 
-// A row a ray, or a row a hit.
+// One row for each ray, or for each hit.
 std::vector<accel::geometry::Hit> rows_of(const v1::CastRaysResponse& reply) {
   const auto t = values<double>(reply, v1::HIT_FIELD_T);
   const auto node = values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
@@ -81,10 +81,10 @@ void begin(Api& api, ServedStress& stress) {
     updates.push_back(sightline::tests::to_message(update));
   const grpc::Status applied = api.apply(kMovingScene, updates);
   ASSERT_TRUE(applied.ok()) << applied.error_message();
-  stress.history.tell(std::move(first.after));
+  stress.history.add(std::move(first.after));
 }
 
-void CastingClient::knows(const v1::SceneRevision& revision) {
+void CastingClient::record_revision(const v1::SceneRevision& revision) {
   if (revision.revision() > known_.revision()) known_ = revision;
 }
 
@@ -113,8 +113,7 @@ v1::CastRaysRequest CastingClient::request(const RandomQuestion& question) {
   return request;
 }
 
-// By the time that the server answers, a node that the question names may be gone, or not yet be
-// there.
+// When the server answers, a node that the query names may be deleted, or not exist yet.
 void CastingClient::cast() {
   const RandomQuestion question = random_question(*stress_.history.latest(), kRays, random_);
   if (question.rays.empty()) return;
@@ -132,9 +131,9 @@ void CastingClient::cast() {
   if (exact) {
     ASSERT_EQ(reply.served().revision(), asked.consistency().exact_revision());
   } else {
-    // What this client was told to be there is not taken back.
+    // No answer is older than a revision that the server has reported to this client.
     ASSERT_GE(reply.served().revision(), known_.revision());
-    knows(reply.served());
+    record_revision(reply.served());
   }
   const auto plain = stress_.history.at(reply.served().revision());
   ASSERT_NE(plain, nullptr) << "revision " << reply.served().revision() << " is not kept";

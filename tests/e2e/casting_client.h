@@ -1,4 +1,4 @@
-// A client that casts at a scene which others change, and judges what it is answered.
+// A client that casts at a scene which others change, and checks the answers.
 #pragma once
 
 #include <atomic>
@@ -15,34 +15,34 @@ namespace sightline::tests {
 
 inline const std::string kMovingScene = "projects/p/scenes/moving";
 
-/// What the clients of a stress have in common, and how far they have come.
+/// The shared state of the clients of a stress, and their progress.
 struct ServedStress {
   explicit ServedStress(std::uint64_t updates) : wanted(updates) {}
 
   PlainHistory history;
-  std::vector<MeshChoice> meshes;  ///< Uploaded.
+  std::vector<MeshChoice> meshes;  ///< The uploaded meshes.
   const std::uint64_t wanted;
   std::atomic<std::uint64_t> applied{0}, refused{0}, outrun{0}, casts{0}, hits{0}, gone{0};
 
   bool done() const { return applied >= wanted || testing::Test::HasFailure(); }
 };
 
-/// Makes the scene, uploads meshes, and puts the ground. Fails the test if it cannot.
+/// Creates the scene, uploads meshes, and puts the ground. Fails the test on an error.
 void begin(Api& api, ServedStress& stress);
 
-/// Has a connection of its own. One thread.
+/// Has its own connection. Threads: one caller.
 class CastingClient {
  public:
   CastingClient(ServedStress& stress, int port, std::uint64_t seed)
       : stress_(stress), api_(connect(port)), random_(seed) {}
 
-  /// Asks something at random, of the latest revision, one that is at least as new as it knows, or
-  /// an exact one; fails the test where the answer is not that of brute force at the revision that
-  /// it names.
+  /// Casts random rays at the latest revision, at one that is at least as new as it knows, or at an
+  /// exact one; fails the test if the answer differs from brute force at the revision that it
+  /// names.
   void cast();
 
-  /// To be told of a revision that this client has made.
-  void knows(const v1::SceneRevision& revision);
+  /// Reports a revision that this client has made.
+  void record_revision(const v1::SceneRevision& revision);
 
  protected:
   ServedStress& stress_;
@@ -54,7 +54,7 @@ class CastingClient {
   void judge(const PlainScene& plain, const RandomQuestion& question, v1::QueryKind kind,
              const v1::CastRaysResponse& reply);
 
-  v1::SceneRevision known_;  // the newest that this client knows of
+  v1::SceneRevision known_;  // The newest revision that this client knows
 };
 
 /// The status that an error of this code has on the wire.

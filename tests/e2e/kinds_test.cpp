@@ -1,4 +1,4 @@
-// Closest, any, count and all through the wire: they agree with each other and with brute force on
+// Closest, any, count and all over the wire: they agree with each other and with brute force on
 // every ray, with masks, culling, roots, exclusions and limits.
 #include <gtest/gtest.h>
 
@@ -27,12 +27,12 @@ constexpr std::uint32_t kMaxHits = 1000;
 struct Case {
   const char* name;
   const char* file;
-  std::size_t rays;  // asked of every kind
+  std::size_t rays;  // Traced with every kind
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& scene) { return out << scene.name; }
 
-// Together a million rays.
+// One million rays in all.
 constexpr Case kCases[] = {
     {"bunny", "bunny.ply", 125'000},
     {"sponza", "sponza.glb", 125'000},
@@ -44,7 +44,7 @@ constexpr Case kCases[] = {
     {"sterngarten", "sterngarten.obj", 125'000},
 };
 
-// What is asked beside the kind.
+// The options besides the kind.
 struct Question {
   client::Culling culling = client::Culling::kNone;
   std::uint64_t root = 0;
@@ -61,7 +61,7 @@ struct Question {
   }
 };
 
-// Nodes that the question hides, by the parents that the file gives them.
+// Nodes that the query hides, from the parents in the file.
 std::vector<std::uint64_t> hidden_nodes(const bench::SceneSource& scene, const Question& question) {
   std::vector<std::uint64_t> hidden;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -75,7 +75,7 @@ std::vector<std::uint64_t> hidden_nodes(const bench::SceneSource& scene, const Q
   return hidden;
 }
 
-// The first asks for everything; the others leave something out, but never all meshes.
+// The first query sees everything; the others exclude something, but never all meshes.
 std::vector<Question> questions(const bench::SceneSource& scene) {
   Random random(5);
   std::vector<std::uint64_t> with_mesh;
@@ -108,7 +108,7 @@ double diagonal_of(const std::vector<PlacedMesh>& placed) {
   return length(bounds.hi - bounds.lo);
 }
 
-// Half of them with limits around where the scene is, and three in four with a mask.
+// Half of them have limits around the scene, and three quarters have a mask.
 void vary(double diagonal, std::vector<Ray>& rays) {
   Random random(6);
   for (Ray& ray : rays) {
@@ -244,13 +244,13 @@ TEST_P(KindsTest, AgreeWithEachOtherAndWithBruteForce) {
   const auto scene = bench::load_scene(file_.string());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   ASSERT_NO_FATAL_FAILURE(set_masks(scene->nodes.size()));
-  std::vector<PlacedMesh> placed = place(*scene);
+  std::vector<PlacedMesh> placed = placed_meshes(*scene);
   for (PlacedMesh& mesh : placed) mesh.mask = mask_of(mesh.node);
   const double diagonal = diagonal_of(placed);
   const BruteForce oracle(std::move(placed));
 
   std::vector<Ray> rays = mixed_rays(*scene, GetParam().rays / divisor());
-  Random random(7);  // so that every question gets both kinds of ray
+  Random random(7);  // So that every query gets both kinds of ray
   for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[random.below(i)]);
   vary(diagonal, rays);
   const std::vector<Question> asked = questions(*scene);

@@ -1,4 +1,4 @@
-// A raster of nodes, group by group.
+// A grid of nodes, group by group.
 #include "tests/e2e/large_scene.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using scenegraph::model::NodeRef;
 
 namespace {
 
-constexpr double kApart = 4;  // a mesh is about two units wide
+constexpr double kSpacing = 4;  // A mesh is about two units wide
 
 std::size_t side_of(std::size_t count) {
   return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
@@ -24,10 +24,10 @@ Affine moved(double x, double y, double z) { return {{1, 0, 0, x, 0, 1, 0, y, 0,
 
 }  // namespace
 
-// Groups come first.
+// Groups are first.
 NodeId LargeScene::id(std::size_t n) const { return groups + n + 1; }
 
-// Nodes stand on a raster within their group, groups on a raster of such rasters.
+// Nodes are on a grid within their group, groups on a grid of such grids.
 struct LargeScene::Raster {
   explicit Raster(const LargeScene& scene)
       : in_group(scene.groups == 0 ? scene.nodes : (scene.nodes + scene.groups - 1) / scene.groups),
@@ -35,7 +35,7 @@ struct LargeScene::Raster {
         groups_side(side_of(std::max<std::size_t>(scene.groups, 1))) {}
 
   Affine group(std::size_t g) const {
-    const double width = kApart * static_cast<double>(side + 1);
+    const double width = kSpacing * static_cast<double>(side + 1);
     return moved(width * static_cast<double>(g % groups_side), 0,
                  width * static_cast<double>(g / groups_side));
   }
@@ -43,17 +43,17 @@ struct LargeScene::Raster {
   std::size_t in_group, side, groups_side;
 };
 
-Affine LargeScene::place(std::size_t n, std::uint64_t step) const {
+Affine LargeScene::transform(std::size_t n, std::uint64_t step) const {
   const Raster raster(*this);
   const std::size_t k = n % raster.in_group;
   const double wave = 0.02 * static_cast<double>((step + n) % 50);
-  return moved(kApart * static_cast<double>(k % raster.side), wave,
-               kApart * static_cast<double>(k / raster.side));
+  return moved(kSpacing * static_cast<double>(k % raster.side), wave,
+               kSpacing * static_cast<double>(k / raster.side));
 }
 
 accel::geometry::Vec3d LargeScene::where(std::size_t n) const {
   const Raster raster(*this);
-  const accel::geometry::Vec3d at = place(n, 0).point({});
+  const accel::geometry::Vec3d at = transform(n, 0).point({});
   return groups == 0 ? at : raster.group(n / raster.in_group).point(at);
 }
 
@@ -68,7 +68,7 @@ std::vector<scenegraph::model::Update> LargeScene::batch(
       put.parent_from_local = raster.group(i);
     } else {
       const std::size_t n = i - groups;
-      put.parent_from_local = place(n, 0);
+      put.parent_from_local = transform(n, 0);
       if (groups > 0) {
         const std::size_t group = n / raster.in_group;
         put.parent =
@@ -88,10 +88,10 @@ scenegraph::model::SetTransforms LargeScene::move(std::size_t moving, bool rando
   Random draw(step);
   scenegraph::model::SetTransforms set;
   for (std::size_t k = 0; k < std::min(moving, nodes); ++k) {
-    // The same nodes are spread over all groups, too.
+    // These nodes, too, are spread over all groups.
     const std::size_t n = random ? draw.below(nodes) : k * (nodes / std::min(moving, nodes));
     set.nodes.push_back(static_cast<NodeRef>(id(n)));
-    set.parent_from_local.push_back(place(n, step + 1));
+    set.parent_from_local.push_back(transform(n, step + 1));
   }
   return set;
 }

@@ -12,22 +12,22 @@
 namespace sightline::tests {
 
 struct LargeScene {
-  std::size_t nodes = 1'000'000;  ///< With a mesh.
-  std::size_t groups = 1000;      ///< Of equal size, a node each; 0: all nodes are roots.
+  std::size_t nodes = 1'000'000;  ///< Nodes with a mesh.
+  std::size_t groups = 1000;      ///< Groups of equal size, one node each; 0: all nodes are roots.
 
-  /// Nodes in all.
+  /// The total number of nodes.
   std::size_t all_nodes() const { return nodes + groups; }
-  /// The id of the n-th node with a mesh, in a scene that these nodes were put into first.
+  /// The id of the n-th node with a mesh, if these nodes were the first ones put into the scene.
   scenegraph::model::NodeId id(std::size_t n) const;
-  /// Of that node, and how far it stands from there in a step.
-  scenegraph::model::Affine place(std::size_t n, std::uint64_t step) const;
-  /// The nodes from number `first` on, groups before what is in them, in batches of `most` at most;
-  /// empty when there are none left. Ids of nodes put by batches before are taken for granted.
+  /// The transform of that node, which moves with each step.
+  scenegraph::model::Affine transform(std::size_t n, std::uint64_t step) const;
+  /// The nodes from number `first` on, groups before their members, in batches of at most `most`;
+  /// empty if none are left. Assumes the ids of nodes put by earlier batches.
   std::vector<scenegraph::model::Update> batch(std::size_t first, std::size_t most,
                                                const std::vector<MeshChoice>& meshes) const;
-  /// `moving` nodes, the same each time or random ones, a step further.
+  /// `moving` nodes, the same ones each time or random ones, one step further.
   scenegraph::model::SetTransforms move(std::size_t moving, bool random, std::uint64_t step) const;
-  /// Where that node stands at first, in the world.
+  /// The initial world position of that node.
   accel::geometry::Vec3d where(std::size_t n) const;
 
  private:

@@ -1,5 +1,5 @@
-// Millimetres ten thousand kilometres out, through client, wire and server; and a scene that its
-// importer has brought near, beside the same one that it has not.
+// Millimeters at ten thousand kilometers from the origin, through client, wire and server; and a
+// far scene with and without the importer's rebase.
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
@@ -28,7 +28,7 @@ constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;
 constexpr std::size_t kRays = 20'000;
 
-client::importer::ImportedScene plate_at(const Vec3d& place) {
+client::importer::ImportedScene plate_at(const Vec3d& position) {
   const TestMesh plate = ridged_plate();
   client::importer::ImportedMesh mesh;
   for (const accel::geometry::Vec3f& v : plate.vertices) mesh.vertices.push_back({v.x, v.y, v.z});
@@ -38,7 +38,7 @@ client::importer::ImportedScene plate_at(const Vec3d& place) {
   scene.meshes.push_back(std::move(mesh));
   scene.nodes.push_back(
       {.name = "plate",
-       .parent_from_local = {1, 0, 0, place.x, 0, 1, 0, place.y, 0, 0, 1, place.z},
+       .parent_from_local = {1, 0, 0, position.x, 0, 1, 0, position.y, 0, 0, 1, position.z},
        .mesh = 0});
   return scene;
 }
@@ -94,7 +94,7 @@ class Millimetres : public testing::Test {
   std::optional<client::Client> client_;
 };
 
-TEST_F(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
+TEST_F(Millimetres, AreHitTenThousandKilometersAwayAsAtTheOrigin) {
   const Vec3d far{1e7 + 1.0 / 3, -1e7 - 0.7, 1e7 + 0.1};
   ASSERT_NO_FATAL_FAILURE(upload(kHere, plate_at({0, 0, 0})));
   ASSERT_NO_FATAL_FAILURE(upload(kThere, plate_at(far)));
@@ -108,8 +108,9 @@ TEST_F(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
   std::cout << d.report() << "\n";
 }
 
-// What a file of this plate a kilometre out would hold: floats, an eighth of a millimetre apart.
-TEST_F(Millimetres, AFileBroughtNearAnswersAsItStood) {
+// The content of a file of this plate at one kilometer: floats with a spacing of an eighth of a
+// millimeter.
+TEST_F(Millimetres, ARebasedFileGivesTheSameAnswers) {
   const Vec3d far{1024, 0, -1024};
   client::importer::ImportedScene stood = plate_at({0, 0, 0});
   for (client::Vertex& v : stood.meshes[0].vertices) {

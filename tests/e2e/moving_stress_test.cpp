@@ -1,5 +1,5 @@
-// Updates of every kind and casts from several clients of one server, in random order: every answer
-// is that of brute force at the revision it names.
+// Updates and casts of every kind from several clients of one server, in random order: every answer
+// equals brute force at the revision it names.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kClients = 4;
 
-// Changes the scene and casts at it, as chance has it.
+// Updates the scene and casts at it, at random.
 class Actor : public CastingClient {
  public:
   Actor(ServedStress& stress, int port, std::uint64_t seed)
@@ -56,8 +56,8 @@ class Actor : public CastingClient {
     ASSERT_EQ(reply.revision().revision(), edit.after.revision());
     ASSERT_EQ(std::vector<std::uint64_t>(reply.nodes().begin(), reply.nodes().end()),
               edit.put_nodes);
-    knows(reply.revision());
-    stress_.history.tell(std::move(edit.after));
+    record_revision(reply.revision());
+    stress_.history.add(std::move(edit.after));
     ++stress_.applied;
     if (random_.below(8) == 0) repeat(request, reply);
   }
@@ -83,7 +83,7 @@ class Actor : public CastingClient {
 
 class MovingStress : public LiveServer {};
 
-TEST_F(MovingStress, EveryAnswerIsThatOfTheRevisionItNames) {
+TEST_F(MovingStress, EveryAnswerEqualsBruteForceAtItsRevision) {
   ServedStress stress(stress_updates(150));
   ASSERT_NO_FATAL_FAILURE(begin(api_, stress));
   std::vector<std::jthread> clients;

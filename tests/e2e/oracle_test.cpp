@@ -21,7 +21,7 @@ using accel::geometry::Ray;
 struct Case {
   const char* name;
   const char* file;
-  std::size_t rays;  // half overview, half random
+  std::size_t rays;  // Half overview, half random
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& scene) { return out << scene.name; }
@@ -38,7 +38,7 @@ constexpr Case kCases[] = {
     {"dragon", "dragon.ply", 2'000},
 };
 
-// All columns of an answer, in the memory that the client fills.
+// All columns of an answer, in memory that the client fills.
 struct Columns {
   std::vector<double> t;
   std::vector<std::uint64_t> node;
@@ -110,7 +110,7 @@ TEST_P(OracleTest, HitsThroughTheServerEqualBruteForceLazyAndFull) {
   EXPECT_EQ(report.rays, rays.size());
   EXPECT_EQ(report.invalid, 0u);
 
-  const BruteForce oracle(place(*scene));
+  const BruteForce oracle(placed_meshes(*scene));
   const Comparison result = compare(rays, lazy.hits(), oracle, {.surface = true});
   EXPECT_EQ(result.mismatches, 0u) << result.report();
   EXPECT_EQ(result.edges, 0u) << result.report();

@@ -18,11 +18,11 @@ void ServedScene::serve(const std::string& file) {
   file_ = std::filesystem::path(directory) / file;
   ASSERT_TRUE(std::filesystem::exists(file_)) << file_;
 
-  // Held for good: when the last user goes, the library waits for its client's poller, for up to
-  // ten seconds.
+  // Never released: when its last user is destroyed, the library waits up to ten seconds for its
+  // client's poller.
   static const bool library_held = (grpc_init(), true);
   static_cast<void>(library_held);
-  spdlog::set_level(spdlog::level::warn);  // sterngarten alone uploads thousands of meshes
+  spdlog::set_level(spdlog::level::warn);  // Sterngarten alone uploads thousands of meshes
   server::ServerConfig config;
   config.listen = "127.0.0.1:0";
   auto started = server::Server::start(config);
@@ -38,7 +38,7 @@ void ServedScene::serve(const std::string& file) {
   ASSERT_TRUE(uploaded.ok()) << uploaded.error().message;
 }
 
-std::vector<PlacedMesh> place(const bench::SceneSource& scene) {
+std::vector<PlacedMesh> placed_meshes(const bench::SceneSource& scene) {
   std::vector<PlacedMesh> placed;
   std::vector<scenegraph::model::Affine> world;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {

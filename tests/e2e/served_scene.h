@@ -1,4 +1,4 @@
-// A real scene, imported and brought to a server in this process.
+// A real scene, imported and uploaded to a server in this process.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,10 +18,11 @@
 
 namespace sightline::tests {
 
-/// Scenes come from the directory that SIGHTLINE_SCENES names; without it tests are skipped.
+/// Scenes are in the directory SIGHTLINE_SCENES; without it the tests are skipped.
 class ServedScene : public testing::Test {
  protected:
-  /// Starts a server and imports the scene of that file; skips or fails the test if it cannot.
+  /// Starts a server and imports the scene of that file; skips the test without the file, fails it
+  /// on an error.
   void serve(const std::string& file);
 
   static constexpr const char* kScene = "projects/default/scenes/oracle";
@@ -30,9 +31,9 @@ class ServedScene : public testing::Test {
   std::optional<client::Client> client_;
 };
 
-/// The scene as its file says, placed without any help from the product's scene graph. The server
-/// gives ids from 1 upward in the order of the file's nodes.
-std::vector<PlacedMesh> place(const bench::SceneSource& scene);
+/// The scene of the file with world transforms, computed without the product's scene graph. The
+/// server assigns ids from 1 upward in the order of the file's nodes.
+std::vector<PlacedMesh> placed_meshes(const bench::SceneSource& scene);
 
 /// Half overview, half random.
 std::vector<accel::geometry::Ray> mixed_rays(const bench::SceneSource& scene, std::size_t count);

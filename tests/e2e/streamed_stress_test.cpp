@@ -1,5 +1,5 @@
-// A producer streams updates of every kind, is cut off and resumes, while others cast: every batch
-// is applied once, and every answer is that of brute force at the revision it names.
+// A producer streams updates of every kind, is disconnected and resumes, while others cast: every
+// batch is applied once, and every answer equals brute force at the revision it names.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
@@ -19,13 +19,13 @@ namespace {
 
 constexpr int kClients = 3;
 
-// Draws batches ahead of the server's answers, and knows what each of them must come to.
+// Draws batches ahead of the server's answers, with the expected result of each.
 class Producer {
  public:
   Producer(ServedStress& stress, int port)
       : stress_(stress), api_(connect(port)), edits_(stress.meshes, 77) {}
 
-  /// Until `count` batches are answered, or if `cut`, sent: then the call is given up.
+  /// Streams until `count` batches are answered, or, if `cut`, sent: then the call is cancelled.
   void stream(std::uint64_t count, bool cut) {
     grpc::ClientContext context;
     const auto call = api_.scenes->StreamUpdates(&context);
@@ -44,7 +44,7 @@ class Producer {
       if (sent == batches_.size()) draw();
       {
         std::unique_lock lock(mutex_);
-        room_.wait(lock, [&] {
+        answered_changed_.wait(lock, [&] {
           return over_ || testing::Test::HasFailure() || sent < answered_ + reply.opened().window();
         });
         if (over_) ADD_FAILURE() << "the call has ended";
@@ -69,7 +69,7 @@ class Producer {
   struct Batch {
     v1::StreamUpdatesRequest message;
     std::optional<Code> refusal;
-    std::uint64_t revision = 0;  // the scene's, after it
+    std::uint64_t revision = 0;  // The scene's revision after the batch
     std::vector<scenegraph::model::NodeId> put_nodes;
   };
 
@@ -86,7 +86,7 @@ class Producer {
       ++stress_.refused;
     } else {
       batch.revision = edit.after.revision();
-      stress_.history.tell(std::move(edit.after));
+      stress_.history.add(std::move(edit.after));
     }
   }
 
@@ -96,11 +96,11 @@ class Producer {
       const std::lock_guard lock(mutex_);
       if (reply.has_ack()) check(reply.ack());
       if (reply.has_reject()) check(reply.reject());
-      room_.notify_all();
+      answered_changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);
     over_ = true;
-    room_.notify_all();
+    answered_changed_.notify_all();
   }
 
   void check(const v1::UpdateAck& ack) {
@@ -128,7 +128,7 @@ class Producer {
   Api api_;
   RandomEdits edits_;
   std::mutex mutex_;
-  std::condition_variable room_;
+  std::condition_variable answered_changed_;
   std::vector<Batch> batches_;
   std::uint64_t answered_ = 0;
   bool over_ = false;
@@ -136,7 +136,7 @@ class Producer {
 
 class StreamedStress : public LiveServer {};
 
-TEST_F(StreamedStress, EveryBatchIsAppliedOnceThoughTheCallIsCutOff) {
+TEST_F(StreamedStress, EveryBatchIsAppliedOnceThroughBrokenCalls) {
   ServedStress stress(stress_updates(150));
   ASSERT_NO_FATAL_FAILURE(begin(api_, stress));
   std::atomic<bool> over{false};

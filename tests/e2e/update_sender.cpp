@@ -59,7 +59,7 @@ class StreamSender final : public UpdateSender {
   Status send(Updates updates) override {
     {
       std::unique_lock lock(mutex_);
-      room_.wait(lock, [&] { return over_ || sent_ < acked_.size() + window_; });
+      acked_changed_.wait(lock, [&] { return over_ || sent_ < acked_.size() + window_; });
       if (over_) return failed(complaint_);
     }
     v1::StreamUpdatesRequest request;
@@ -86,11 +86,11 @@ class StreamSender final : public UpdateSender {
       if (reply.has_opened()) window_ = reply.opened().window();
       if (reply.has_reject()) complaint_ = reply.reject().message();
       if (reply.has_ack()) acked_.resize(reply.ack().up_to_sequence(), Clock::now());
-      room_.notify_all();
+      acked_changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);
     over_ = true;
-    room_.notify_all();
+    acked_changed_.notify_all();
   }
 
   std::unique_ptr<v1::SceneService::Stub> stub_;
@@ -98,9 +98,9 @@ class StreamSender final : public UpdateSender {
   std::unique_ptr<grpc::ClientReaderWriter<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>>
       call_;
   std::mutex mutex_;
-  std::condition_variable room_;
+  std::condition_variable acked_changed_;
   std::uint64_t sent_ = 0;
-  std::uint64_t window_ = 0;  // until the call is opened
+  std::uint64_t window_ = 0;  // Until the call is opened
   bool over_ = false;
   std::string complaint_;
   std::vector<Time> acked_;

@@ -1,4 +1,4 @@
-// Sends one revision after the other, and notes when each was acknowledged.
+// Sends revisions one after the other, and records when each was acknowledged.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -13,25 +13,25 @@
 
 namespace sightline::tests {
 
-/// One user.
+/// Threads: one caller.
 class UpdateSender {
  public:
   using Updates = google::protobuf::RepeatedPtrField<v1::Update>;
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A call of ApplyUpdates for each, the next when the one before has returned.
+  /// One call of ApplyUpdates for each; the next starts when the one before has returned.
   static std::unique_ptr<UpdateSender> unary(const std::shared_ptr<grpc::Channel>& channel,
                                              const std::string& scene);
-  /// All through one call of StreamUpdates, as far ahead of the acks as its window lets.
+  /// One call of StreamUpdates for all, as far ahead of the acks as its window allows.
   static std::unique_ptr<UpdateSender> stream(const std::shared_ptr<grpc::Channel>& channel,
                                               const std::string& scene);
   virtual ~UpdateSender() = default;
 
-  /// Errors: what the server answers.
+  /// Errors: the server's.
   virtual Status send(Updates updates) = 0;
-  /// Waits for what is not acknowledged yet. Errors: as of send().
+  /// Waits for missing acknowledgements. Errors: as of send().
   virtual Status finish() = 0;
-  /// After finish(): when each was acknowledged, in the order in which they were sent.
+  /// After finish(): the time of each acknowledgement, in the order of sending.
   virtual std::vector<Time> acked() const = 0;
 };
 

@@ -1,4 +1,4 @@
-// sightline-updates: how fast a server takes revisions of a very large scene while clients cast.
+// sightline-updates: how fast a server applies revisions of a very large scene while clients cast.
 // Exit codes: 0 done, 1 failed, 2 usage.
 #include <fmt/core.h>
 

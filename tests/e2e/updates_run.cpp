@@ -1,4 +1,4 @@
-// Revisions at a rate, and casts beside them.
+// Revisions at a fixed rate, and concurrent casts.
 #include "tests/e2e/updates_run.h"
 
 #include <fmt/core.h>
@@ -30,7 +30,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 const std::string kScene = "projects/default/scenes/updates";
-constexpr std::size_t kNodesPerBatch = 3000;  // under a message's megabyte
+constexpr std::size_t kNodesPerBatch = 3000;  // Below the message limit of one mebibyte
 
 double ms_since(Clock::time_point then) {
   return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
@@ -40,9 +40,9 @@ Error failed(const grpc::Status& status) {
   return {Code::kInternal, "the server: " + status.error_message(), "SERVER"};
 }
 
-// What was measured of each of several things.
+// Latencies of several events.
 struct Latencies {
-  std::vector<double> ms, due_s;  // when it was due, from the beginning
+  std::vector<double> ms, due_s;  // The time at which each was due, from the beginning
 
   void add(double latency_ms, double due) {
     ms.push_back(latency_ms);
@@ -105,13 +105,13 @@ std::vector<accel::geometry::Ray> some_rays(const UpdatesOptions& options, Rando
   return rays;
 }
 
-// Casts until it is told to stop.
+// Casts until it is stopped.
 class Caster {
  public:
   Caster(const UpdatesOptions& options, int port, std::uint64_t seed)
       : options_(options), api_(connect(port)), random_(seed) {}
 
-  /// One cast, which is not counted. Returns its milliseconds.
+  /// One warm-up cast. Returns its milliseconds.
   double warm_up() {
     v1::CastRaysResponse reply;
     const auto begun = Clock::now();
@@ -145,7 +145,7 @@ class Caster {
 
   Latencies latencies;
   std::uint64_t hits = 0;
-  std::uint64_t revisions = 0;  // changes of the revision seen
+  std::uint64_t revisions = 0;  // Changes of the revision seen
 
  private:
   const UpdatesOptions& options_;
@@ -160,11 +160,11 @@ std::vector<scenegraph::model::Update> revision(const UpdatesOptions& options, s
 }
 
 struct Sent {
-  Latencies acks;  // from when the revision was due
+  Latencies acks;  // From the time at which the revision was due
   double seconds = 0;
 };
 
-// Open loop: what is due is sent, however late.
+// Open loop: due revisions are sent even if they are late.
 Result<Sent> send_revisions(const UpdatesOptions& options, UpdateSender& sender) {
   const auto count = static_cast<std::uint64_t>(options.rate * options.seconds);
   const auto begin = Clock::now();
@@ -190,8 +190,8 @@ Result<Sent> send_revisions(const UpdatesOptions& options, UpdateSender& sender)
   return sent;
 }
 
-// The scene's own share: applying a revision in this process. Rays look at each before the next,
-// off the clock; what is to settle settles meanwhile.
+// The scene's own share: applies revisions in this process. Between them, untimed, rays see each
+// revision, and static trees are rebuilt.
 Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshChoice>& meshes) {
   scenegraph::Scene scene;
   for (std::size_t first = 0; first < options.scene.all_nodes(); first += kNodesPerBatch) {

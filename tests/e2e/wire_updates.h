@@ -8,7 +8,7 @@
 
 namespace sightline::tests {
 
-/// Meshes go by their digests.
+/// Meshes are referenced by their digests.
 v1::Update to_message(const scenegraph::model::Update& update);
 
 template <class Request>

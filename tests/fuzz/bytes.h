@@ -1,4 +1,4 @@
-// A fuzzer's input, taken from the front.
+// A fuzzer's input, read from the front.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class Bytes {
   bool empty() const { return bytes_.empty(); }
   std::span<const std::uint8_t> rest() const { return bytes_; }
 
-  /// What is missing is zero.
+  /// Missing bytes are zero.
   template <class T>
   T take() {
     T value{};
@@ -31,7 +31,7 @@ class Bytes {
   }
   /// One byte, as a number below `n`; n > 0.
   std::size_t below(std::size_t n) { return take<std::uint8_t>() % n; }
-  /// Finite: the exponent of infinity and NaN loses its first bit.
+  /// Finite: the exponents of infinity and NaN lose their first bit.
   template <class T>
   T take_number() {
     const T x = take<T>();

@@ -1,4 +1,4 @@
-// Holds the intersector against the exact reference on one ray and its patch of triangles.
+// Checks the intersector against the exact reference on one ray and its patch of triangles.
 #include "tests/fuzz/check_case.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kFindingsKept = 5;
 constexpr double kNear = 1e-6;
 
-/// While it lives, denormal results are zero in this thread.
+/// During its lifetime, denormal results are zero in this thread.
 class FlushDenormals {
  public:
 #if defined(__SSE2__)
@@ -68,7 +68,7 @@ void report(Tally& tally, const std::string& what, const LocalRay& ray, const Ha
   tally.findings.push_back(text);
 }
 
-/// What of v - o lies across the ray, all in double: good to a few roundings of |v - o|.
+/// The part of v - o across the ray, in double: accurate to a few roundings of |v - o|.
 Vec3d across(const LocalRay& ray, const Vec3d& v) {
   const Vec3d p = v - ray.origin;
   return p - ray.direction * (dot(p, ray.direction) / dot(ray.direction, ray.direction));
@@ -149,8 +149,8 @@ class Check {
       if (t) weights = accel::geometry::barycentric(ray_, *t, a, b, c);
       facing = accel::geometry::facing(ray_, a, b, c);
       const std::uint32_t first = 0;
-      possible = accel::geometry::possible_hits({vertices_, {&face, 1}},
-                                                accel::geometry::sheared(ray_), {&first, 1});
+      possible = accel::geometry::candidate_mask({vertices_, {&face, 1}},
+                                                 accel::geometry::sheared(ray_), {&first, 1});
     }
     if (expected && !possible) {
       ++count_.wrong_misses;
@@ -171,7 +171,7 @@ class Check {
 
   void check_meeting(const accel::geometry::Face& face, double t, const Barycentric& weights) {
     const auto [u, v] = weights;
-    // What is no number cannot be given to the reference.
+    // The reference does not accept non-finite numbers.
     double t_error = accel::geometry::kInfinity, point_error = accel::geometry::kInfinity;
     const RationalMeeting meeting(exact_ray_, exact_[face[0]], exact_[face[1]], exact_[face[2]]);
     if (std::isfinite(t)) t_error = meeting.t_error(t);
@@ -208,7 +208,7 @@ class Check {
   Tally& tally_;
   PairCount& count_;
   ExactVertices exact_;
-  std::array<Vec3f, HardCase::kMaxVertices + 1> vertices_{};  ///< No face has the last.
+  std::array<Vec3f, HardCase::kMaxVertices + 1> vertices_{};  ///< No face uses the last one.
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Holds the intersector against the exact reference on one ray and its patch of triangles.
+// Checks the intersector against the exact reference on one ray and its patch of triangles.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace sightline::tests {
 
-/// Pairs of a ray and a triangle. Only `wrong_*` speak of mistakes.
+/// Counts pairs of a ray and a triangle. Only `wrong_*` are errors.
 struct PairCount {
   std::uint64_t pairs = 0;
   std::uint64_t near = 0;  ///< The ray passes within 1e-6 of an edge, relative to the triangle.
@@ -21,9 +21,9 @@ struct PairCount {
   std::uint64_t folded = 0;  ///< Patches that must be hit twice or not at all.
 
   std::uint64_t wrong_hits = 0;
-  std::uint64_t wrong_misses = 0;   ///< Hits that possible_hits takes for certain misses.
+  std::uint64_t wrong_misses = 0;   ///< Hits that the prefilter rejects.
   std::uint64_t wrong_t = 0;        ///< Beyond kHitError.
-  std::uint64_t wrong_weights = 0;  ///< Below 0, above 1 together, or those of another point.
+  std::uint64_t wrong_weights = 0;  ///< Below 0, with a sum above 1, or of another point.
   std::uint64_t wrong_facing = 0;
   std::uint64_t wrong_sums = 0;
 
@@ -43,14 +43,14 @@ struct Tally {
   PairCount total() const;
 };
 
-/// How the intersector is asked.
+/// How the intersector is called.
 struct Asking {
-  bool all_orders = false;  ///< Every order of every triangle's vertices.
+  bool all_orders = false;  ///< All orders of each triangle's vertices.
   bool flush_denormals =
       false;  ///< With results that are denormal flushed to zero, if the machine can.
 };
 
-/// A ray that is none for make_local_ray is left out.
+/// Rays that make_local_ray refuses are skipped.
 void check(const HardCase& hard, const Asking& asking, Tally& tally);
 
 }  // namespace sightline::tests

@@ -1,4 +1,4 @@
-// Holds make_local_ray to its word.
+// Checks make_local_ray against its contract.
 #include "tests/fuzz/check_local_ray.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ double largest(const Vec3d& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
-/// Whether `kept` is x * unit, or zero where that is too small. Exactly.
+/// Whether `kept` is exactly x * unit, or zero if that is too small.
 bool scaled(double kept, double x, double unit) {
   const Dyadic exact = Dyadic(x) * Dyadic(unit);
   if ((exact.magnitude() - Dyadic(accel::geometry::kSmallestRay)).sign() < 0) return kept == 0;

@@ -1,4 +1,4 @@
-// Holds make_local_ray to its word: what it refuses, what it scales, what it drops.
+// Checks make_local_ray against its contract: what it refuses, scales and drops.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace sightline::tests {
 
-/// What is wrong, or nothing. Origin and direction may be anything but NaN and infinite.
+/// Describes an error, or nothing. Origin and direction may be any finite vectors.
 std::optional<std::string> check_local_ray(const accel::geometry::Vec3d& origin,
                                            const accel::geometry::Vec3d& direction);
 

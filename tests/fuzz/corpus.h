@@ -1,4 +1,4 @@
-// The inputs that are kept of a fuzzer.
+// The stored inputs of a fuzzer.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ struct KeptInput {
   std::vector<std::uint8_t> bytes;
 };
 
-/// All in tests/fuzz/corpus/`fuzzer`, by name.
+/// All files in tests/fuzz/corpus/`fuzzer`, by name.
 inline std::vector<KeptInput> kept_inputs(const std::string& fuzzer) {
   std::vector<KeptInput> inputs;
   const std::filesystem::path folder = std::filesystem::path(SIGHTLINE_FUZZ_CORPUS) / fuzzer;

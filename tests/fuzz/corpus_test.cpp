@@ -1,4 +1,4 @@
-// Replays what is kept of the intersector's fuzzer, so that every compiler and sanitizer sees it.
+// Replays the corpus of the intersector's fuzzer, so that every compiler and sanitizer runs it.
 #include "tests/fuzz/corpus.h"
 
 #include <gtest/gtest.h>

@@ -21,7 +21,7 @@ T one_step(T x, bool up) {
   return std::isfinite(next) ? next : x;
 }
 
-/// One change to a case; `to`, `from` and `with` choose places in it, whatever their size.
+/// One change to a case; `to`, `from` and `with` select elements, modulo their number.
 struct Step {
   std::uint8_t kind = 0, to = 0, from = 0, with = 0;
 };
@@ -86,9 +86,9 @@ class Steps {
   }
 
  private:
-  Vec3f& vertex(std::uint8_t place) { return hard_.vertex[place % 16 % hard_.vertex_count]; }
+  Vec3f& vertex(std::uint8_t index) { return hard_.vertex[index % 16 % hard_.vertex_count]; }
 
-  /// A part of sixteenths.
+  /// A fraction in sixteenths.
   static double share(const Step& step) { return static_cast<double>(step.to >> 4) * 0x1p-4; }
   static Vec3d between(const Vec3f& p, const Vec3f& q, const Step& step) {
     return Vec3d(p) + (Vec3d(q) - Vec3d(p)) * share(step);
@@ -98,7 +98,7 @@ class Steps {
     if (largest < static_cast<double>(std::numeric_limits<float>::max())) to = Vec3f(x);
   }
 
-  /// The direction stays as it is, and so the ray passes exactly through the target if it can.
+  /// The direction does not change, so the ray passes exactly through the target if it can.
   void aim_from_afar(const Vec3d& target, std::uint8_t distance) {
     const Vec3d origin = target - hard_.direction * std::ldexp(1.0, distance % 64 - 32);
     if (is_finite(origin)) hard_.origin = origin;

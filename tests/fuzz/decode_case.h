@@ -1,4 +1,4 @@
-// Bytes as a ray and a patch of triangles, for a fuzzer to play with.
+// Fuzzer bytes as a ray and a patch of triangles.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@ namespace sightline::tests {
 
 /// Any bytes make a case: a patch, then the bit patterns of its vertices and of the ray, then steps
 /// of four bytes that make ties: copy a coordinate or a vertex, move it by one float, aim the ray
-/// at a vertex, along an edge, from a face. What is missing is zero; what is not finite is made so.
+/// at a vertex, along an edge, from a face. Missing bytes are zero; non-finite numbers are made
+/// finite.
 HardCase decode_case(std::span<const std::uint8_t> bytes);
 
 }  // namespace sightline::tests

@@ -4,8 +4,8 @@
 namespace sightline::tests {
 namespace {
 
-/// Strictly inside all outer edges, seen from the triangle that they belong to, the line is in one
-/// of the two triangles or on the open edge between them.
+/// If the line is strictly inside all outer edges, seen from the triangles that they belong to, it
+/// is in one of the two triangles or on the open edge between them.
 ExpectedSum over_edge(const RationalRay& ray, const ExactVertices& v) {
   const DyadicVec &p = v[0], &q = v[1], &r = v[2], &s = v[3];
   const int first = ray.facing(p, q, r), second = ray.facing(q, p, s);
@@ -17,15 +17,16 @@ ExpectedSum over_edge(const RationalRay& ray, const ExactVertices& v) {
   return first == second ? ExpectedSum::kOne : ExpectedSum::kNoneOrTwo;
 }
 
-/// Whether the rim, seen along the ray, goes around the hub just once. All triangles face `turn`.
+/// Whether the rim, seen along the ray, goes around the hub exactly once. All triangles face
+/// `turn`.
 bool goes_around_once(const RationalRay& ray, const ExactVertices& v, std::size_t rim, int turn) {
-  // Angles from the first rim vertex; each step is less than half a turn. A turn is complete where
+  // Angles from the first rim vertex; each step is less than half a turn. A turn is complete when
   // the angle goes from the second half [pi, 2 pi) to the first one.
   int turns = 0;
   bool in_second_half = false;
   for (std::size_t i = 1; i <= rim; ++i) {
     const int side = i == rim ? 0 : ray.facing(v[0], v[1], v[1 + i]) * turn;
-    // On the line of the first vertex: behind it if the step came from the first half.
+    // On the line of the first vertex: behind it if the step started in the first half.
     const bool second = side < 0 || (side == 0 && !in_second_half);
     if (in_second_half && !second) ++turns;
     in_second_half = second;
@@ -33,7 +34,7 @@ bool goes_around_once(const RationalRay& ray, const ExactVertices& v, std::size_
   return turns == 1 && !in_second_half;
 }
 
-/// Strictly inside all edges of the rim, the line is in the polygon that the fan covers.
+/// If the line is strictly inside all edges of the rim, it is in the polygon that the fan covers.
 ExpectedSum around_vertex(const RationalRay& ray, const ExactVertices& v, std::size_t rim) {
   const int turn = ray.facing(v[0], v[1], v[2]);
   if (turn == 0) return ExpectedSum::kAny;

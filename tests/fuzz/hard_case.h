@@ -1,4 +1,4 @@
-// A ray and a patch of triangles around the edge or vertex that it is aimed at.
+// A ray and a patch of triangles around the edge or vertex at which it is aimed.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace sightline::tests {
 
 enum class Patch : std::uint8_t {
   kTriangle,     ///< Vertices 0, 1, 2.
-  kPair,         ///< Edge 0 1 with a triangle to 2 and one to 3.
-  kFan,          ///< Vertex 0 with the others around it.
+  kPair,         ///< Edge 0 1 with one triangle to 2 and one to 3.
+  kFan,          ///< Vertex 0 surrounded by the others.
   kTetrahedron,  ///< Four vertices, four faces.
 };
 inline constexpr std::size_t kPatches = 4;
@@ -31,7 +31,7 @@ struct HardCase {
   std::array<accel::geometry::Face, kMaxFaces> face;
 
   std::span<const accel::geometry::Face> faces() const { return {face.data(), face_count}; }
-  /// Sets vertex_count and the faces; `rim` is how many vertices surround a fan.
+  /// Sets vertex_count and the faces; `rim` is the number of vertices around a fan.
   void connect(Patch as, std::size_t rim = 0);
 };
 

@@ -1,4 +1,4 @@
-// Rays and triangles on which methods that round lose hits.
+// Rays and triangles on which methods with rounding lose hits.
 #include "tests/fuzz/hard_cases.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ int HardCases::integer(int low, int high) {
 }
 
 HardCase HardCases::next() {
-  choose_place();
+  choose_frame();
   HardCase hard;
   hard.direction = choose_direction();
   hard.connect(static_cast<Patch>(random_.below(kPatches)),
@@ -40,7 +40,7 @@ HardCase HardCases::next() {
   if (hard.patch == Patch::kFan) {
     surround_hub(hard);
   } else {
-    for (std::size_t i = 0; i < hard.vertex_count; ++i) hard.vertex[i] = place(local_point());
+    for (std::size_t i = 0; i < hard.vertex_count; ++i) hard.vertex[i] = to_world(local_point());
   }
   if (chance(0.3)) spoil(hard);
   shuffle_faces(hard);
@@ -55,7 +55,7 @@ HardCase HardCases::next() {
   return hard;
 }
 
-void HardCases::choose_place() {
+void HardCases::choose_frame() {
   lattice_ = chance(0.4);
   // Floats end at 2^128 and become denormal below 2^-126.
   const double kind = random_.uniform();
@@ -72,7 +72,7 @@ void HardCases::choose_place() {
   }
 }
 
-Vec3f HardCases::place(const Vec3d& local) const { return Vec3f(center_ + local * size_); }
+Vec3f HardCases::to_world(const Vec3d& local) const { return Vec3f(center_ + local * size_); }
 
 Vec3d HardCases::local_point() {
   Vec3d p;
@@ -114,7 +114,7 @@ void HardCases::surround_hub(HardCase& hard) {
     if (std::fabs(hard.direction[axis]) > std::fabs(hard.direction[depth])) depth = axis;
   }
   const Vec3d hub = local_point() * 0.5;
-  hard.vertex[0] = place(hub);
+  hard.vertex[0] = to_world(hub);
   const std::size_t rim = hard.vertex_count - 1;
   for (std::size_t i = 0; i < rim; ++i) {
     const double jitter = lattice_ ? 0 : random_.uniform(-0.4, 0.4);
@@ -125,7 +125,7 @@ void HardCases::surround_hub(HardCase& hard) {
     p[(depth + 1) % 3] += x * reach;
     p[(depth + 2) % 3] += y * reach;
     p[depth] += lattice_ ? integer(-1, 1) * 0.125 : random_.uniform(-0.1, 0.1);
-    hard.vertex[1 + i] = place(p);
+    hard.vertex[1 + i] = to_world(p);
   }
 }
 
@@ -165,7 +165,7 @@ void HardCases::aim(HardCase& hard) {
   const Vec3d target = beside(point_on_border(hard));
   const double away = stand_off(hard.direction);
   hard.origin = target - hard.direction * away;
-  // As users aim: at a point, from a point.
+  // As users aim: from a point at a point.
   if (chance(0.5) && target != hard.origin) hard.direction = target - hard.origin;
 }
 
@@ -210,7 +210,7 @@ Vec3d HardCases::beside(Vec3d point) {
   return is_finite(point) ? point : Vec3d{0, 0, 0};
 }
 
-/// How many directions before the target the ray begins; behind it for negative numbers.
+/// How many direction lengths before the target the ray begins; after it for negative numbers.
 double HardCases::stand_off(const Vec3d& direction) {
   const double unit = std::ldexp(size_, -std::ilogb(largest(direction)));
   const double kind = random_.uniform();
@@ -221,7 +221,7 @@ double HardCases::stand_off(const Vec3d& direction) {
   return sign() * std::ldexp(unit, integer(24, 70));
 }
 
-/// A ray in the plane of a face, as far as rounding lets it: along an edge, from a vertex, across.
+/// A ray in the plane of a face, up to rounding: along an edge, from a vertex, across.
 void HardCases::lie_in_plane(HardCase& hard) {
   const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
@@ -230,7 +230,7 @@ void HardCases::lie_in_plane(HardCase& hard) {
   hard.direction = (b - a) * weight() + (c - a) * (chance(0.4) ? 0 : weight());
 }
 
-/// A direction by which a face is seen nearly edge-on.
+/// A direction that sees a face nearly edge-on.
 void HardCases::graze(HardCase& hard) {
   const accel::geometry::Face& face = hard.face[random_.below(hard.face_count)];
   const Vec3d a(hard.vertex[face[0]]), b(hard.vertex[face[1]]), c(hard.vertex[face[2]]);
@@ -242,7 +242,7 @@ void HardCases::graze(HardCase& hard) {
 
 void HardCases::rescale_direction(HardCase& hard) {
   const int exponent = std::ilogb(largest(hard.direction));
-  // Sizes of any kind, and not too small for the products above to be normal.
+  // Sizes of any magnitude, but large enough for the products above to be normal.
   const int wanted = chance(0.7) ? std::clamp(exponent, -300, 300) : integer(-300, 300);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double& d = hard.direction[axis];

@@ -1,5 +1,5 @@
-// Rays and triangles on which methods that round lose hits: aimed at edges and vertices, exactly or
-// beside them by little, of all sizes and at all distances.
+// Rays and triangles on which methods with rounding lose hits: aimed at edges and vertices, exactly
+// or slightly beside them, of all sizes and at all distances.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class HardCases {
  public:
   HardCases(std::uint64_t seed, std::uint64_t stream) : random_(seed, stream) {}
 
-  /// All vertices are finite, origin and direction too, and the direction is not zero.
+  /// All vertices, the origin and the direction are finite, and the direction is not zero.
   HardCase next();
 
  private:
@@ -22,9 +22,9 @@ class HardCases {
   int integer(int low, int high);
   double sign() { return chance(0.5) ? 1 : -1; }
 
-  // What the case is made in: coordinates of about `size_` around `center_`.
-  void choose_place();
-  accel::geometry::Vec3f place(const accel::geometry::Vec3d& local) const;
+  // The frame of the case: coordinates of about `size_` around `center_`.
+  void choose_frame();
+  accel::geometry::Vec3f to_world(const accel::geometry::Vec3d& local) const;
   accel::geometry::Vec3d local_point();
 
   accel::geometry::Vec3d choose_direction();
@@ -32,7 +32,7 @@ class HardCases {
   void spoil(HardCase& hard);
   void shuffle_faces(HardCase& hard);
 
-  // The ray: where to, where from.
+  // The ray: its target and its origin.
   void aim(HardCase& hard);
   accel::geometry::Vec3d point_on_border(const HardCase& hard);
   accel::geometry::Vec3d beside(accel::geometry::Vec3d point);
@@ -44,7 +44,7 @@ class HardCases {
   Random random_;
   double size_ = 1;
   accel::geometry::Vec3d center_;
-  bool lattice_ = false;  // vertices at small integers
+  bool lattice_ = false;  // Vertices have small integer coordinates
 };
 
 }  // namespace sightline::tests

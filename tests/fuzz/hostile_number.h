@@ -1,4 +1,4 @@
-// Numbers on which arithmetic goes wrong, from a fuzzer's bytes.
+// Numbers on which arithmetic fails, from a fuzzer's bytes.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace sightline::tests {
 
-/// Anything: NaN, infinite, denormal, huge; often a small whole number.
+/// Any number: NaN, infinite, denormal, huge; often a small integer.
 inline float take_float(Bytes& bytes) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   static constexpr float kHostile[] = {kInf,    -kInf,    std::numeric_limits<float>::quiet_NaN(),

@@ -1,4 +1,4 @@
-// libFuzzer's target: the intersector against exact arithmetic. Built and run by tests/fuzz/run.
+// libFuzzer target: the intersector against exact arithmetic. Built and run by tests/fuzz/run.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// near_edge [--pairs N] [--seed S] [--flush]: holds the intersector against exact arithmetic on
-// rays that pass near edges and vertices. Exits with 1 if anything is wrong.
+// near_edge [--pairs N] [--seed S] [--flush]: checks the intersector against exact arithmetic on
+// rays that pass near edges and vertices. Exits with 1 on any error.
 #include <charconv>
 #include <chrono>
 #include <cmath>

@@ -7,9 +7,9 @@
 
 namespace sightline::tests {
 
-/// Checks hard cases until `near` pairs whose ray passes near an edge are among them, rounded up to
-/// whole blocks. The same seed gives the same cases whatever the number of threads: those of the
-/// calling thread's oneTBB arena.
+/// Checks hard cases until they include `near` pairs whose ray passes near an edge, rounded up to
+/// whole blocks. The same seed gives the same cases for any number of threads of the calling
+/// thread's oneTBB arena.
 Tally check_near_edges(std::uint64_t near, std::uint64_t seed, const Asking& asking = {});
 
 }  // namespace sightline::tests

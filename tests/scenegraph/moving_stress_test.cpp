@@ -1,5 +1,5 @@
-// Updates of every kind and casts in random order, from several threads: every answer is that of
-// brute force at the revision it names. And a revision that is held stays what it was.
+// Updates and casts of every kind in random order, from several threads: every answer equals brute
+// force at the revision it names. A held revision does not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ using scenegraph::revision::Snapshot;
 constexpr std::size_t kRays = 24;
 constexpr int kThreads = 4;
 
-// A scene, what it was at each revision, and how far the stress has come.
+// A scene, its plain copy at each revision, and the progress of the stress.
 struct Stress {
   explicit Stress(std::uint64_t updates) : wanted(updates) {}
 
@@ -44,7 +44,7 @@ struct Stress {
   bool done() const { return applied >= wanted || testing::Test::HasFailure(); }
 };
 
-// One thread: changes the scene and casts at it, as chance has it.
+// One thread: updates the scene and casts at it, at random.
 class Actor {
  public:
   Actor(Stress& stress, std::uint64_t seed)
@@ -77,7 +77,7 @@ class Actor {
     }
     ASSERT_EQ(applied->revision, edit.after.revision());
     ASSERT_EQ(applied->nodes, edit.put_nodes);
-    stress_.history.tell(std::move(edit.after));
+    stress_.history.add(std::move(edit.after));
     ++stress_.applied;
     if (applied->rebuild_static || random_.below(50) == 0) {
       stress_.scene.rebuild_static();
@@ -85,7 +85,7 @@ class Actor {
     }
   }
 
-  // A revision of the scene, and what it says in plain words.
+  // A revision of the scene, and its plain copy.
   struct Revision {
     std::shared_ptr<const Snapshot> snapshot;
     std::shared_ptr<const PlainScene> plain;
@@ -136,11 +136,11 @@ class Actor {
   std::deque<Revision> held_;
 };
 
-TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
+TEST(MovingStress, EveryAnswerEqualsBruteForceAtItsRevision) {
   Stress stress(stress_updates(200));
   RandomEdit begin = ground(stress.meshes);
   ASSERT_TRUE(stress.scene.apply(begin.updates));
-  stress.history.tell(std::move(begin.after));
+  stress.history.add(std::move(begin.after));
   std::vector<std::jthread> threads;
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&stress, i] { Actor(stress, static_cast<std::uint64_t>(i)).run(); });
@@ -159,7 +159,7 @@ TEST(MovingStress, EveryAnswerIsThatOfItsRevision) {
     RecordProperty(name, std::to_string(*count));
 }
 
-// Twenty balls in a row; the odd ones declared to move.
+// Twenty balls in a row; the odd ones are declared rigid.
 std::vector<scenegraph::model::Update> row_of_balls(
     const std::shared_ptr<const scenegraph::model::Mesh>& ball) {
   std::vector<scenegraph::model::Update> updates;
@@ -177,11 +177,12 @@ std::vector<scenegraph::model::Update> row_of_balls(
 std::vector<scenegraph::model::Update> step(std::uint64_t revision) {
   scenegraph::model::SetTransforms set;
   for (int i = 0; i < 20; ++i) {
-    scenegraph::model::Affine place;
-    place.m[3] = 3 * i;
-    place.m[7] = 0.01 * static_cast<double>((revision * 7 + static_cast<std::uint64_t>(i)) % 100);
+    scenegraph::model::Affine transform;
+    transform.m[3] = 3 * i;
+    transform.m[7] =
+        0.01 * static_cast<double>((revision * 7 + static_cast<std::uint64_t>(i)) % 100);
     set.nodes.push_back(i + 1);
-    set.parent_from_local.push_back(place);
+    set.parent_from_local.push_back(transform);
   }
   return {set};
 }
@@ -196,13 +197,13 @@ std::vector<accel::geometry::Ray> rays_along(std::size_t count) {
   return rays;
 }
 
-// Seconds for which the writer goes on; SIGHTLINE_HOLD_SECONDS=10 is the full size.
+// Seconds for which the writer runs; SIGHTLINE_HOLD_SECONDS=10 is the full size.
 double hold_seconds() {
   const char* text = std::getenv("SIGHTLINE_HOLD_SECONDS");
   return text != nullptr ? std::strtod(text, nullptr) : 0;
 }
 
-TEST(HeldSnapshot, StaysWhatItWasWhileAWriterGoesOnAndLetsTheOthersDie) {
+TEST(HeldSnapshot, DoesNotChangeWhileAWriterContinuesAndOthersAreFreed) {
   const TestMesh sphere = icosphere(4);
   Scene scene;
   ASSERT_TRUE(
@@ -246,7 +247,7 @@ TEST(HeldSnapshot, StaysWhatItWasWhileAWriterGoesOnAndLetsTheOthersDie) {
   reader.join();
   EXPECT_GT(casts, 0u);
 
-  superseded.pop_back();  // the newest lives on
+  superseded.pop_back();  // The newest revision stays alive
   const auto alive = [&] {
     return std::count_if(superseded.begin(), superseded.end(),
                          [](const auto& snapshot) { return !snapshot.expired(); });

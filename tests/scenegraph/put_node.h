@@ -1,4 +1,4 @@
-// Updates that tests write often.
+// Frequent updates of tests.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ inline std::shared_ptr<const scenegraph::model::Mesh> mesh_of(const TestMesh& me
   return *scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
 }
 
-/// A node where its parent is; without a mesh, a group.
+/// A node with its parent's transform; without a mesh, a group.
 inline scenegraph::model::PutNode put_node(scenegraph::model::NodeRef node,
                                            scenegraph::model::NodeRef parent,
                                            std::shared_ptr<const scenegraph::model::Mesh> mesh) {

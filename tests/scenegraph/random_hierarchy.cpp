@@ -37,7 +37,7 @@ Affine random_shear(Random& random) {
   }
 }
 
-/// Far from what Scene::apply refuses.
+/// Far from the limits of Scene::apply.
 bool is_moderate(const Affine& a) {
   const auto back = inverse(a);
   return back && condition(a, *back) < 1e8;
@@ -59,7 +59,7 @@ std::shared_ptr<const Mesh> to_mesh(const TestMesh& mesh) {
   return *Mesh::make(mesh.vertices, mesh.faces);
 }
 
-std::shared_ptr<const Mesh> some_mesh(std::uint64_t place) {
+std::shared_ptr<const Mesh> some_mesh(std::uint64_t index) {
   const auto not_finite = [] {
     TestMesh mesh = single_triangle();
     for (accel::geometry::Vec3f& v : mesh.vertices) v.x = std::numeric_limits<float>::quiet_NaN();
@@ -69,7 +69,7 @@ std::shared_ptr<const Mesh> some_mesh(std::uint64_t place) {
       to_mesh(icosphere(1)), to_mesh(single_triangle()),
       to_mesh(cube()),       to_mesh(random_soup(60, 0.3, 3)),
       to_mesh(TestMesh{}),   to_mesh(not_finite())};
-  return kMeshes[place % std::size(kMeshes)];
+  return kMeshes[index % std::size(kMeshes)];
 }
 
 std::vector<Update> random_hierarchy(int nodes, Frames frames, std::uint64_t seed) {
@@ -153,7 +153,7 @@ std::shared_ptr<const Snapshot> tiled_plane(std::size_t leaves, std::size_t fan)
   };
   std::size_t side = 1;
   while (side * side < leaves) side *= 2;
-  // Halves by turns along x and y, so that a subtree is a rectangle.
+  // Splits into halves along x and y alternately, so that a subtree is a rectangle.
   const std::function<void(NodeRef, std::size_t, std::size_t, std::size_t, std::size_t, int)>
       split = [&](NodeRef parent, std::size_t x, std::size_t y, std::size_t count,
                   std::size_t parts, int axis) {

@@ -1,4 +1,4 @@
-// Batches of updates: whole or not at all, and what is refused.
+// Batches of updates: all or nothing, and refused updates.
 #include "scenegraph/scene.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ model::PutNode put(model::NodeRef node, model::NodeRef parent, std::string name,
 
 model::Affine shifted(double x) { return model::Affine{{1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}; }
 
-/// Refused with this reason, and the scene is as it was.
+/// Expects a refusal with this reason and an unchanged scene.
 void expect_refused(Scene& scene, const std::vector<model::Update>& updates, Code code,
                     const std::string& reason) {
   const auto before = scene.snapshot();
@@ -45,7 +45,7 @@ TEST(Scene, BeginsEmptyAtRevisionZero) {
   EXPECT_EQ(scene.snapshot()->node_count(), 0u);
 }
 
-TEST(Scene, PutsAHierarchyInOneBatch) {
+TEST(Scene, AcceptsAHierarchyInOneBatch) {
   Scene scene;
   const auto applied =
       scene.apply({put(-1, 0, "root"), put(-2, -1, "arm"), put(-3, -2, "hand", true)});
@@ -59,7 +59,7 @@ TEST(Scene, PutsAHierarchyInOneBatch) {
   EXPECT_EQ(snapshot->find(4), nullptr);
 }
 
-TEST(Scene, SnapshotsAreImmutableAndShareWhatDidNotChange) {
+TEST(Scene, SnapshotsAreImmutableAndShareUnchangedParts) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, 0, "b")}));
   const auto first = scene.snapshot();
@@ -71,7 +71,7 @@ TEST(Scene, SnapshotsAreImmutableAndShareWhatDidNotChange) {
   EXPECT_EQ(first->find(2), second->find(2));
 }
 
-TEST(Scene, IdsAreNeverUsedAgain) {
+TEST(Scene, IdsAreNeverReused) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
   ASSERT_TRUE(scene.apply({model::DeleteNode{1}}));
@@ -92,7 +92,7 @@ TEST(Scene, ReplacesAndMovesNodes) {
   EXPECT_EQ(scene.snapshot()->roots(), (std::vector<model::NodeId>{1, 2, 3}));
 }
 
-TEST(Scene, DeletesSubtreesOnlyIfAsked) {
+TEST(Scene, DeletesSubtreesOnlyOnRequest) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b"), put(-3, -2, "c")}));
   expect_refused(scene, {model::DeleteNode{1}}, Code::kFailedPrecondition, "NODE_HAS_CHILDREN");
@@ -121,7 +121,7 @@ TEST(Scene, RefusesCyclesUnknownNodesAndDepth) {
   EXPECT_TRUE(scene.apply(chain));
 }
 
-TEST(Scene, RefusesTransformsThatCannotBeInverted) {
+TEST(Scene, RefusesSingularTransforms) {
   Scene scene;
   model::PutNode flat = put(-1, 0, "flat");
   flat.parent_from_local = model::Affine{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}};
@@ -131,14 +131,14 @@ TEST(Scene, RefusesTransformsThatCannotBeInverted) {
                  Code::kInvalidArgument, "SINGULAR_TRANSFORM");
   expect_refused(scene, {model::SetTransforms{{1, 2}, {model::Affine{}}}}, Code::kInvalidArgument,
                  "COUNT_MISMATCH");
-  // Each is fine alone; both, one above the other, are not.
+  // Each transform alone is valid; both, one above the other, are not.
   const model::Affine thin{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-8, 0}};
   ASSERT_TRUE(scene.apply({model::SetTransforms{{2}, {thin}}}));
   expect_refused(scene, {model::SetTransforms{{1}, {thin}}}, Code::kInvalidArgument,
                  "SINGULAR_TRANSFORM");
 }
 
-TEST(Scene, AppliesABatchWholeOrNotAtAll) {
+TEST(Scene, AppliesAllOfABatchOrNothing) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
   expect_refused(scene,
@@ -148,7 +148,7 @@ TEST(Scene, AppliesABatchWholeOrNotAtAll) {
   EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, model::Affine{});
 }
 
-TEST(Scene, HoldsWritersToTheExpectedRevision) {
+TEST(Scene, ChecksTheExpectedRevision) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}, 0));
   const auto late = scene.apply({put(-1, 0, "b")}, 0);
@@ -157,7 +157,7 @@ TEST(Scene, HoldsWritersToTheExpectedRevision) {
   EXPECT_EQ(late.error().message, "expected revision 0, but the scene is at 1");
 }
 
-TEST(Scene, WritersTakeTurns) {
+TEST(Scene, SerializesWriters) {
   Scene scene;
   std::vector<std::thread> writers;
   for (int i = 0; i < 4; ++i) {

@@ -28,8 +28,8 @@ std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
   return *model::Mesh::make(m.vertices, m.faces);
 }
 
-model::PutNode place(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
-                     const model::Affine& where, model::NodeRef parent = 0) {
+model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
+                        const model::Affine& where, model::NodeRef parent = 0) {
   model::PutNode p;
   p.node = node;
   p.parent = parent;
@@ -50,15 +50,15 @@ model::Affine random_affine(tests::Random& random, double reach) {
   }
 }
 
-/// Two meshes, many instances: turned, sheared, mirrored, overlapping, some under a moved parent.
-std::shared_ptr<const revision::Snapshot> crowd(int instances, double reach = 4) {
+/// Two meshes, many instances: rotated, sheared, mirrored, overlapping, some under a moved parent.
+std::shared_ptr<const revision::Snapshot> random_scene(int instances, double reach = 4) {
   tests::Random random(21);
   const auto sphere = to_mesh(tests::icosphere(3)), soup = to_mesh(tests::random_soup(500, 0.2, 5));
   Scene scene;
-  std::vector<model::Update> updates{place(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
   for (int i = 0; i < instances; ++i) {
-    updates.push_back(place(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach),
-                            i % 2 == 0 ? -1 : 0));
+    updates.push_back(put_mesh(-2 - i, i % 3 == 0 ? soup : sphere, random_affine(random, reach),
+                               i % 2 == 0 ? -1 : 0));
   }
   EXPECT_TRUE(scene.apply(updates));
   return scene.snapshot();
@@ -101,7 +101,7 @@ void expect_same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
 }
 
 TEST(Trace, EqualsTheOracleOverInstances) {
-  const auto snapshot = crowd(40);
+  const auto snapshot = random_scene(40);
   const std::vector<Ray> rays = rays_through(*snapshot, 3000, 1);
   const tests::BruteForce oracle(snapshot);
   const auto comparison =
@@ -110,43 +110,45 @@ TEST(Trace, EqualsTheOracleOverInstances) {
   EXPECT_GT(comparison.hits, 500u);
 }
 
-TEST(Trace, LazyFullAndSearchedAnswerAlikeForAnyThreadsAndBatches) {
-  const std::vector<Ray> rays = rays_through(*crowd(60), 4000, 2);
+TEST(Trace, LazyFullAndScannedAgreeForAnyThreadsAndBatches) {
+  const std::vector<Ray> rays = rays_through(*random_scene(60), 4000, 2);
   TraceOptions full;
   full.growth = Growth::kFull;
-  const std::vector<Hit> expected = cast(*crowd(60), rays, full);
+  const std::vector<Hit> expected = cast(*random_scene(60), rays, full);
   for (const int threads : {1, 2, 8}) {
-    const auto snapshot = crowd(60);
+    const auto snapshot = random_scene(60);
     tbb::task_arena arena(threads);
     arena.execute([&] { expect_same(cast(*snapshot, rays), expected); });
   }
   TraceOptions none;
   none.growth = Growth::kNone;
   const std::vector<Ray> few(rays.begin(), rays.begin() + 200);
-  expect_same(cast(*crowd(60), few, none), {expected.begin(), expected.begin() + 200});
-  // One by one, backwards, against a tree that grows another way.
-  const auto snapshot = crowd(60);
+  expect_same(cast(*random_scene(60), few, none), {expected.begin(), expected.begin() + 200});
+  // One by one, in reverse, against a tree that grows differently.
+  const auto snapshot = random_scene(60);
   for (std::size_t i = rays.size(); i-- > rays.size() - 500;) {
     ASSERT_TRUE(same(cast(*snapshot, {rays[i]})[0], expected[i]));
   }
 }
 
 TEST(Trace, AnyAgreesWithClosest) {
-  const auto snapshot = crowd(40);
+  const auto snapshot = random_scene(40);
   const std::vector<Ray> rays = rays_through(*snapshot, 2000, 3);
   TraceOptions any;
   any.kind = QueryKind::kAny;
-  const std::vector<Hit> occluded = cast(*crowd(40), rays, any), closest = cast(*snapshot, rays);
+  const std::vector<Hit> occluded = cast(*random_scene(40), rays, any),
+                         closest = cast(*snapshot, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(occluded[i].state == HitState::kHit, std::isfinite(closest[i].t));
   }
 }
 
-TEST(Trace, TheSameRaysAgainExpandNothing) {
-  const auto snapshot = crowd(40);
+TEST(Trace, RepeatedRaysExpandNothing) {
+  const auto snapshot = random_scene(40);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 4);
   std::vector<Hit> hits(rays.size());
-  // On one thread: a ray that comes second to a cell searches its list, and leaves it for later.
+  // On one thread: with several, a ray that comes second to a busy cell would scan its list and
+  // leave it deferred.
   tbb::task_arena arena(1);
   arena.execute([&] {
     EXPECT_GT(trace(*snapshot, rays, hits, {})->cells_expanded, 0u);
@@ -160,8 +162,8 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
   const auto sphere = to_mesh(tests::icosphere(3)), other = to_mesh(tests::icosphere(4));
   Scene scene;
   ASSERT_TRUE(
-      scene.apply({place(-1, sphere, model::Affine{}),
-                   place(-2, other, model::Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
+      scene.apply({put_mesh(-1, sphere, model::Affine{}),
+                   put_mesh(-2, other, model::Affine{{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}})}));
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(cast(*snapshot, {Ray{{0, 0, 5}, {0, 0, -1}}})[0].node, 1u);
   const revision::BuildSummary s = summarize_build(*snapshot);
@@ -171,28 +173,28 @@ TEST(Trace, OnlyEnteredInstancesGrow) {
   EXPECT_GT(s.triangles_built, 0u);
   EXPECT_LT(s.triangles_built, sphere->triangles());
   EXPECT_TRUE(other->tree().untouched());
-  // What was grown stays when the scene changes.
+  // Grown cells are kept when the scene changes.
   ASSERT_TRUE(scene.apply(
       {model::SetTransforms{{2}, {model::Affine{{1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}}}}));
   EXPECT_EQ(summarize_build(*scene.snapshot()).triangles_built, s.triangles_built);
 }
 
-TEST(Trace, BuiltOnlyPassesOverWhatIsNotBuilt) {
-  const auto snapshot = crowd(10);
+TEST(Trace, BuiltOnlySkipsDeferredCells) {
+  const auto snapshot = random_scene(10);
   const std::vector<Ray> rays = rays_through(*snapshot, 200, 6);
   TraceOptions sketch;
   sketch.growth = Growth::kBuiltOnly;
   for (const Hit& hit : cast(*snapshot, rays, sketch)) {
     EXPECT_EQ(hit.state, HitState::kMiss);
-    EXPECT_EQ(hit.work & ~accel::geometry::kWorkUnbuilt, 0u);
+    EXPECT_EQ(hit.work & ~accel::geometry::kWorkDeferred, 0u);
   }
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 0u);
   ASSERT_TRUE(build_all(*snapshot));
   expect_same(cast(*snapshot, rays, sketch), cast(*snapshot, rays));
 }
 
-TEST(Trace, MarksBadRaysAndAnswersTheRest) {
-  const auto snapshot = crowd(5);
+TEST(Trace, MarksBadRaysAndAnswersTheOthers) {
+  const auto snapshot = random_scene(5);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = accel::geometry::kInfinity;
   std::vector<Ray> rays = rays_through(*snapshot, 7, 7);
   const std::vector<Hit> good = cast(*snapshot, rays);
@@ -216,7 +218,7 @@ TEST(Trace, MarksBadRaysAndAnswersTheRest) {
 
 TEST(Trace, LimitsAreClosedAndMasksHide) {
   Scene scene;
-  model::PutNode wall = place(-1, to_mesh(tests::cube()), model::Affine{});
+  model::PutNode wall = put_mesh(-1, to_mesh(tests::cube()), model::Affine{});
   wall.mask = 2;
   ASSERT_TRUE(scene.apply({wall}));
   const auto snapshot = scene.snapshot();
@@ -246,8 +248,8 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
 TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
   const auto mesh = to_mesh(tests::duplicates(5));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, mesh, model::Affine{}), place(-2, mesh, model::Affine{}),
-                           place(-3, mesh, model::Affine{})}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, mesh, model::Affine{}), put_mesh(-2, mesh, model::Affine{}),
+                           put_mesh(-3, mesh, model::Affine{})}));
   ASSERT_TRUE(scene.apply({model::DeleteNode{1}}));
   const Hit hit = cast(*scene.snapshot(), {Ray{{0.2, 0.2, 1}, {0, 0, -1}}})[0];
   EXPECT_EQ(hit.node, 2u);
@@ -258,9 +260,9 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
   const auto sphere = to_mesh(tests::icosphere(3));
   const model::Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
   Scene scene, home;
-  ASSERT_TRUE(scene.apply({place(-1, sphere, far)}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, far)}));
   ASSERT_TRUE(home.apply(
-      {place(-1, sphere, model::Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
+      {put_mesh(-1, sphere, model::Affine{{1e-3, 0, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1e-3, 0}})}));
   // On a lattice of 2^-20 the far origin is exact.
   const auto lattice = [](double x) { return std::round(x * 0x1p+20) * 0x1p-20; };
   tests::Random random(5);
@@ -278,7 +280,7 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
 }
 
 TEST(Trace, StopsWhenCancelled) {
-  const auto snapshot = crowd(5);
+  const auto snapshot = random_scene(5);
   const std::vector<Ray> rays = rays_through(*snapshot, 2000, 8);
   std::vector<Hit> hits(rays.size());
   const std::atomic<bool> cancelled{true};
@@ -295,14 +297,14 @@ TEST(Trace, StopsWhenCancelled) {
 TEST(Trace, EmptyScenesAndBatches) {
   const Scene scene;
   EXPECT_EQ(cast(*scene.snapshot(), {Ray{{0, 0, 0}, {1, 0, 0}}})[0].state, HitState::kMiss);
-  EXPECT_TRUE(cast(*crowd(1), {}).empty());
+  EXPECT_TRUE(cast(*random_scene(1), {}).empty());
   EXPECT_TRUE(build_all(*scene.snapshot()));
 }
 
 TEST(Trace, EightThreadsMeetInAColdScene) {
-  const auto snapshot = crowd(80, 2);
+  const auto snapshot = random_scene(80, 2);
   const std::vector<Ray> rays = rays_through(*snapshot, 3000, 9);
-  const std::vector<Hit> expected = cast(*crowd(80, 2), rays);
+  const std::vector<Hit> expected = cast(*random_scene(80, 2), rays);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) {
@@ -318,7 +320,7 @@ TEST(Trace, EightThreadsMeetInAColdScene) {
 TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
   const auto sphere = to_mesh(tests::icosphere(3));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, sphere, model::Affine{})}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, model::Affine{})}));
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     for (int i = 1; !stop; ++i) {

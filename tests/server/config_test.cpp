@@ -24,7 +24,7 @@ TEST(CommandLine, HasTheDocumentedDefaults) {
   EXPECT_FALSE(config.insecure);
 }
 
-TEST(CommandLine, TakesEveryFlag) {
+TEST(CommandLine, AcceptsEveryFlag) {
   const auto line = parse({"--listen",          "127.0.0.1:0", "--port-file",        "p",
                            "--data-dir",        "d",           "--threads",          "3",
                            "--policy",          "full",        "--memory-budget",    "1000000",
@@ -67,7 +67,7 @@ TEST(CommandLine, AnyMistakeIsAUsageError) {
   }
 }
 
-TEST(CommandLine, HelpAndVersionEndWell) {
+TEST(CommandLine, HelpAndVersionExitWithZero) {
   EXPECT_EQ(std::get<int>(parse({"--help"})), 0);
   EXPECT_EQ(std::get<int>(parse({"--version"})), 0);
 }
@@ -83,14 +83,14 @@ TEST(ListenAddress, Parses) {
   EXPECT_EQ(v6->text(), "[::1]:0");
 }
 
-TEST(ListenAddress, RefusesOthers) {
+TEST(ListenAddress, RefusesOtherForms) {
   for (const char* text : {"", "localhost", "50151", ":50151", "h:", "h:-1", "h:65536", "h:1x",
                            "::1:5", "[::1]", "[]:1"}) {
     EXPECT_FALSE(ListenAddress::parse(text)) << text;
   }
 }
 
-TEST(ListenAddress, KnowsLoopback) {
+TEST(ListenAddress, RecognizesLoopback) {
   for (const char* text : {"127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "localhost:1"}) {
     EXPECT_TRUE(ListenAddress::parse(text)->is_loopback()) << text;
   }

@@ -1,4 +1,4 @@
-// A server as a whole: starting, standing up to bad peers, and draining.
+// A whole server: start, misbehaving peers, and draining.
 #include "server/server.h"
 
 #include <grpcpp/client_context.h>
@@ -21,7 +21,7 @@ namespace {
 
 const std::string kScene = "projects/p/scenes/s";
 
-/// One message there and one back, as bytes, on a stream that stays open until `context` is
+/// One message in each direction, as bytes, on a stream that stays open until `context` is
 /// cancelled.
 class RawCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
@@ -39,7 +39,7 @@ class RawCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::Byt
     changed_.wait(lock, [&] { return done_; });
   }
 
-  /// Waits for the next message; empty once the call has ended.
+  /// Waits for the next message; empty after the call has ended.
   std::string next() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !unread_.empty() || done_; });
@@ -84,7 +84,7 @@ class ServerTest : public LiveServer {
   }
 };
 
-TEST_F(ServerTest, TellsItsLimits) {
+TEST_F(ServerTest, ReportsItsLimits) {
   grpc::ClientContext context;
   v1::GetServerInfoResponse info;
   ASSERT_TRUE(api_.server->GetServerInfo(&context, {}, &info).ok());
@@ -128,11 +128,11 @@ TEST_F(ServerTest, ServesHealthAndReflection) {
   }
   std::thread drain([&] { server_->drain(); });
   EXPECT_EQ(health->next(), not_serving);
-  health.reset();  // or draining would wait for it
+  health.reset();  // Otherwise draining would wait for it
   drain.join();
 }
 
-TEST_F(ServerTest, GarbageOnThePortHurtsNobody) {
+TEST_F(ServerTest, GarbageOnThePortDoesNoHarm) {
   api_.make_scene(kScene, planar_sheet(1));
   for (int i = 0; i < 20; ++i) send_garbage(server_->port());
   EXPECT_TRUE(cast_one().ok());
@@ -159,7 +159,7 @@ TEST_F(ServerTest, DrainsOnceAndRefusesCallsAfterwards) {
   EXPECT_EQ(cast_one().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST(Server, CancelsWhatIsStillOpenWhenDrainingEnds) {
+TEST(Server, CancelsRemainingCallsWhenDrainingEnds) {
   server::ServerConfig config = test_config();
   config.drain = std::chrono::milliseconds(0);
   const auto server = server::Server::start(config);
@@ -190,7 +190,7 @@ TEST(Server, DrainingEndsAPrefetchAtOnce) {
   grpc::ClientContext context;
   const auto reader = api.rays->Prefetch(&context, request);
   v1::PrefetchResponse report;
-  ASSERT_TRUE(reader->Read(&report));  // it is at work, or has just done
+  ASSERT_TRUE(reader->Read(&report));  // The prefetch is running, or has just finished
   const bool was_done = report.done();
   (*server)->drain();
   while (reader->Read(&report)) {
@@ -211,7 +211,7 @@ TEST(Server, RefusesAPortInUse) {
   EXPECT_NE(second.error().message.find(config.listen), std::string::npos);
 }
 
-TEST(Server, RefusesAnOpenAddressUnlessToldSo) {
+TEST(Server, RefusesAPublicAddressWithoutTheFlag) {
   server::ServerConfig config = test_config();
   config.listen = "0.0.0.0:0";
   const auto refused = server::Server::start(config);

@@ -29,7 +29,7 @@ const std::string kScene = "projects/p/scenes/s";
 
 struct ChildServer : ChildProcess {
   explicit ChildServer(const std::vector<std::string>& flags) : ChildProcess(SIGHTLINED, flags) {}
-  /// Where it serves, once it does; 0 if it has ended before.
+  /// The port that it serves, as soon as it serves; 0 if it has ended before.
   int port() { return std::atoi(rest_of_line(" port=").c_str()); }
 };
 
@@ -45,7 +45,7 @@ class Sightlined : public testing::Test {
   fs::path root_;
 };
 
-TEST_F(Sightlined, ServesWritesItsPortAndEndsOnSigterm) {
+TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
   for (const int number : {SIGTERM, SIGINT}) {
     const fs::path port_file = root_ / "port";
     const fs::path data_dir = root_ / "data" / "dir";
@@ -64,12 +64,12 @@ TEST_F(Sightlined, ServesWritesItsPortAndEndsOnSigterm) {
   }
 }
 
-TEST_F(Sightlined, TellsWhyItDoesNotStart) {
+TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   const auto expect_end = [](const std::vector<std::string>& flags, int code,
-                             const std::string& told) {
+                             const std::string& message) {
     ChildServer child(flags);
     EXPECT_EQ(child.wait(), code) << child.output();
-    EXPECT_NE(child.output().find(told), std::string::npos) << child.output();
+    EXPECT_NE(child.output().find(message), std::string::npos) << child.output();
   };
   expect_end({"--policy", "sometimes"}, 2, "sometimes");
   expect_end({"--listen", "0.0.0.0:0"}, 2, "--insecure");
@@ -82,14 +82,14 @@ TEST_F(Sightlined, TellsWhyItDoesNotStart) {
   expect_end({"--listen", taken}, 1, taken);
 }
 
-// The address sanitizer keeps what is freed.
+// The address sanitizer keeps freed memory.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool kMemoryIsPlain = false;
 #else
 constexpr bool kMemoryIsPlain = true;
 #endif
 
-/// A server that is to keep within 64 MiB of what it held before the abuse.
+/// A server whose memory may grow by at most 64 MiB under the abuse.
 class SightlinedAbuse : public Sightlined {
  protected:
   static constexpr std::uint64_t kSlack = std::uint64_t{64} << 20;
@@ -181,7 +181,7 @@ TEST_F(SightlinedAbuse, ClientsThatNeverRead) {
   expect_serving_in_bounds("never reading");
 }
 
-TEST_F(SightlinedAbuse, RaysThatAreNoRays) {
+TEST_F(SightlinedAbuse, InvalidRays) {
   auto rays = rays_downward(server::queries::kMaxRaysPerRequest);
   for (auto& ray : rays) ray.direction.x = std::numeric_limits<double>::quiet_NaN();
   v1::CastRaysResponse reply;
@@ -199,7 +199,7 @@ TEST_F(SightlinedAbuse, UploadsThatAreNeverFinished) {
     v1::UploadBlobRequest chunk;
     std::string sum = std::to_string(i);
     sum.insert(0, 64 - sum.size(), '0');
-    chunk.set_digest("sha256:" + sum + "/12000024");  // a header of 24 bytes and rows of 12
+    chunk.set_digest("sha256:" + sum + "/12000024");  // A header of 24 bytes and rows of 12
     chunk.set_data(std::string("SLM1\0\0\0\0\1\0\0\0\0\0\0\0\x3f\x42\x0f\0\0\0\0\0", 24));
     writer->Write(chunk);
     writer->WritesDone();

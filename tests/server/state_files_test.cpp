@@ -24,7 +24,7 @@ class StateFiles : public testing::Test {
   fs::path root_;
 };
 
-TEST_F(StateFiles, MakesTheDataDirectory) {
+TEST_F(StateFiles, CreatesTheDataDirectory) {
   EXPECT_TRUE(make_data_dir(root_ / "a" / "b"));
   EXPECT_TRUE(fs::is_directory(root_ / "a" / "b"));
   EXPECT_TRUE(make_data_dir(root_ / "a" / "b")) << "again";
@@ -39,7 +39,7 @@ TEST_F(StateFiles, RefusesADirectoryThatIsAFile) {
   EXPECT_FALSE(make_data_dir(root_ / "file" / "below"));
 }
 
-TEST_F(StateFiles, WritesThePortWholeAndLeavesNothingElse) {
+TEST_F(StateFiles, WritesThePortFileAtomicallyAndLeavesNoOtherFile) {
   ASSERT_TRUE(write_port_file(root_ / "port", 50151));
   std::string text;
   std::getline(std::ifstream(root_ / "port"), text);

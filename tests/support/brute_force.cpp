@@ -1,4 +1,4 @@
-// The oracle: boxes and doubles say "clearly not", 113 bits decide the rest.
+// The oracle: doubles and boxes reject certain misses, 113 bits decide the rest.
 #include "tests/support/brute_force.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -37,15 +37,15 @@ scenegraph::model::Affine compose_in_double(const scenegraph::model::Affine& out
   return product;
 }
 
-void place_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
-                   const scenegraph::model::Affine& world_from_parent,
-                   std::vector<PlacedMesh>& placed) {
+void collect_subtree(const scenegraph::revision::Snapshot& snapshot, scenegraph::model::NodeId id,
+                     const scenegraph::model::Affine& world_from_parent,
+                     std::vector<PlacedMesh>& placed) {
   const scenegraph::model::Node* node = snapshot.find(id);
   const scenegraph::model::Affine world_from_local =
       compose_in_double(world_from_parent, node->parent_from_local);
   if (node->mesh) placed.push_back({node->mesh->view(), world_from_local, id, node->mask});
   for (const scenegraph::model::NodeId child : node->children) {
-    place_subtree(snapshot, child, world_from_local, placed);
+    collect_subtree(snapshot, child, world_from_local, placed);
   }
 }
 
@@ -66,7 +66,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return spread;
 }
 
-// The order only decides how tight the chunks' boxes are, never what is found.
+// The order only affects how tight the chunks' boxes are, not the results.
 std::uint64_t morton(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   std::uint64_t code = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -77,7 +77,8 @@ std::uint64_t morton(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   return code;
 }
 
-// Removes what does not exist for the query; where rounding decides on the side, all is possible.
+// Removes candidates that the query excludes; where rounding decides the side, both sides stay
+// possible.
 void cull(accel::geometry::Culling culling, std::vector<Candidate>& found) {
   if (culling == accel::geometry::Culling::kNone) return;
   const int culled = culling == accel::geometry::Culling::kBack ? 1 : -1;
@@ -95,12 +96,12 @@ bool is_valid(const accel::geometry::Ray& ray) {
 std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot) {
   std::vector<PlacedMesh> placed;
   for (const scenegraph::model::NodeId root : snapshot.roots()) {
-    place_subtree(snapshot, root, scenegraph::model::Affine{}, placed);
+    collect_subtree(snapshot, root, scenegraph::model::Affine{}, placed);
   }
   return placed;
 }
 
-// The ray's line, its direction scaled so that the largest component is about 1.
+// The ray's line, with its direction scaled so that the largest component is about 1.
 struct BruteForce::Line {
   const accel::geometry::Ray& ray;
   Vec3d direction;
@@ -186,7 +187,7 @@ BruteForce::Instance BruteForce::make_instance(const PlacedMesh& placed) {
 }
 
 // Whether the whole line stays clear of the box widened by `pad`. A line that meets the box itself
-// is inside the widened slabs by pad / |d| on both sides, which no rounding below comes near.
+// is inside the widened slabs by pad / |d| on both sides, far more than any rounding below.
 bool BruteForce::misses(const Box& box, const Line& line, double pad) {
   double enter = -std::numeric_limits<double>::infinity();
   double leave = std::numeric_limits<double>::infinity();
@@ -211,7 +212,7 @@ void BruteForce::test_chunk(const Instance& instance, const Chunk& chunk, const 
   const Vec3d d = line.direction;
   const double reach =
       2 * std::max(largest(chunk.box.lo - o), largest(chunk.box.hi - o));  // >= any |corner - o|
-  // Rounding of the volume itself, and of corners that are `scale` times a few epsilon off.
+  // Covers rounding of the volume, and of corners that are off by a few epsilon times `scale`.
   const double doubt =
       2 * (64 * kEpsilon * reach * reach + 2 * (tolerance_.edge + 64 * kEpsilon) * scale * reach);
 

@@ -1,5 +1,5 @@
 // The oracle: every ray against every triangle of every instance, in world space and in 113 bits.
-// Shares no code with the intersector and the trees that it judges.
+// Shares no code with the intersector and the trees that it checks.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace sightline::tests {
 
-/// A mesh at a place in the world. The arrays must outlive the oracle.
+/// A mesh with its transform to world space. The arrays must outlive the oracle.
 struct PlacedMesh {
   accel::geometry::MeshView mesh;
   scenegraph::model::Affine world_from_local{};
@@ -24,24 +24,24 @@ struct PlacedMesh {
   std::uint32_t mask = accel::geometry::kAllMasks;
 };
 
-/// Every node of the snapshot that carries a mesh. Transforms are composed root to leaf in double.
+/// All nodes of the snapshot that have a mesh. Transforms are composed root to leaf in double.
 std::vector<PlacedMesh> placed_meshes(const scenegraph::revision::Snapshot& snapshot);
 
-/// Less the candidates that lie farther than the first that is accepted beyond doubt.
+/// Without the candidates that lie farther than the first certainly accepted one.
 Reference nearest_part(Reference all);
 
 class BruteForce {
  public:
   explicit BruteForce(std::vector<PlacedMesh> meshes, Tolerance tolerance = {});
-  /// Keeps the snapshot alive.
+  /// Shares ownership of the snapshot.
   explicit BruteForce(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
                       Tolerance tolerance = {});
 
   /// nearest_part of trace_all. Threads: any.
   Reference trace(const accel::geometry::Ray& ray, const Filter& filter = {}) const;
-  /// With every candidate, however far.
+  /// With all candidates, at any distance.
   Reference trace_all(const accel::geometry::Ray& ray, const Filter& filter = {}) const;
-  /// In parallel in the calling thread's oneTBB arena.
+  /// Parallel in the calling thread's oneTBB arena.
   std::vector<Reference> trace(std::span<const accel::geometry::Ray> rays) const;
 
   const Tolerance& tolerance() const { return tolerance_; }
@@ -54,7 +54,7 @@ class BruteForce {
     void grow(const accel::geometry::Vec3d& p);
   };
 
-  /// Triangles that lie together, as double world coordinates: good enough to say "clearly not".
+  /// Neighboring triangles in double world coordinates: accurate enough to reject certain misses.
   struct Chunk {
     Box box;
     std::size_t count = 0;
@@ -65,7 +65,7 @@ class BruteForce {
   struct Instance {
     PlacedMesh placed;
     Box box;
-    double magnitude = 0;  // no world coordinate, nor a term of the sum that makes one, is larger
+    double magnitude = 0;  // Bounds all world coordinates and the terms of their sums
     std::vector<Chunk> chunks;
   };
 

@@ -91,7 +91,7 @@ TEST(BruteForce, CubeGivesItsSides) {
   }
 }
 
-TEST(BruteForce, StaircaseAndWalls) {
+TEST(BruteForce, StaircaseAndWallsGiveTheNearestHit) {
   const TestMesh stairs = staircase(10);
   const BruteForce on_stairs = over(stairs);
   const TestMesh walls = flat_walls(10);
@@ -108,7 +108,7 @@ TEST(BruteForce, StaircaseAndWalls) {
   }
 }
 
-TEST(BruteForce, EqualTIsDecidedByNodeThenPrimitiveAndTiesAreKept) {
+TEST(BruteForce, EqualTGoesToTheLeastNodeThenPrimitiveAndTiesAreKept) {
   const TestMesh mesh = duplicates(5);
   const BruteForce oracle({{.mesh = mesh.view(), .node = 7}, {.mesh = mesh.view(), .node = 3}});
   const Reference hit = oracle.trace(ray({0.25, 0.25, 1}, {0, 0, -1}));
@@ -119,7 +119,7 @@ TEST(BruteForce, EqualTIsDecidedByNodeThenPrimitiveAndTiesAreKept) {
   EXPECT_EQ(hit.candidates[9].primitive, 4u);
 }
 
-TEST(BruteForce, PlacesMeshesByTheirTransforms) {
+TEST(BruteForce, TransformsMeshes) {
   const TestMesh mesh = single_triangle();
   // Scaled by 2 in x, mirrored in z, far away.
   const Affine placed{{2, 0, 0, 1e6, 0, 1, 0, 0, 0, 0, -1, 5}};
@@ -128,7 +128,7 @@ TEST(BruteForce, PlacesMeshesByTheirTransforms) {
   ASSERT_NE(hit.closest(), nullptr);
   EXPECT_DOUBLE_EQ(hit.closest()->t, 5);
   EXPECT_DOUBLE_EQ(hit.closest()->u, 0.25);
-  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "the winding of the mirrored corners counts";
+  EXPECT_DOUBLE_EQ(hit.closest()->normal.z, 1) << "follows the winding of the mirrored corners";
 }
 
 TEST(BruteForce, MasksHideInstances) {
@@ -174,8 +174,8 @@ TEST(BruteForce, TinyAndHugeDirectionsChangeOnlyT) {
   }
 }
 
-// Boxes must reject nothing: a lone oracle over each triangle has no box to speak of.
-TEST(BruteForce, BoxesLoseNoTriangleOfASoup) {
+// Boxes must reject no hit: an oracle over a single triangle has no box.
+TEST(BruteForce, BoxesRejectNoHitOfASoup) {
   const TestMesh soup = random_soup(500, 0.2, 5);
   const std::vector<Ray> rays = rays_at(soup, 200, 6);
   const BruteForce oracle = over(soup);

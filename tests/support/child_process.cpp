@@ -1,4 +1,4 @@
-// A program as a process of its own.
+// A program in a separate process.
 #include "tests/support/child_process.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// A program as a process of its own: what it writes, how it ends, what it does on signals.
+// A program in a separate process: its output, its exit code, its reaction to signals.
 #pragma once
 
 #include <sys/types.h>
@@ -14,25 +14,26 @@ namespace sightline::tests {
 
 class ChildProcess {
  public:
-  /// Starts the program, a path, with these arguments; its standard input never says anything.
-  /// Throws std::system_error.
+  /// Starts the program, given as a path, with these arguments and a silent standard input. Throws
+  /// std::system_error.
   ChildProcess(const std::string& program, const std::vector<std::string>& arguments);
-  /// Kills it if it still runs.
+  /// Kills the program if it is still running.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Waits until it has written this text to stdout or stderr; false if it has ended without.
+  /// Waits until the program has written this text to stdout or stderr; false if it ended without
+  /// writing it.
   bool writes(const std::string& text);
-  /// Waits for this text and the end of its line, and returns what is between; empty if the program
-  /// has ended without.
+  /// Waits for this text and the end of its line, and returns the text between; empty if the
+  /// program ended without writing it.
   std::string rest_of_line(const std::string& text);
-  /// Waits until it catches the signal itself; false if it has ended before.
+  /// Waits until the program handles the signal itself; false if it ended before.
   bool catches(int signal);
   void signal(int number);
-  /// Waits for its end. Returns its exit code, or -1 if a signal has ended it.
+  /// Waits for its end. Returns its exit code, or -1 if a signal ended it.
   int wait();
-  /// What it has written so far.
+  /// Its output so far.
   std::string output();
   std::uint64_t resident_bytes() const;
 

@@ -1,4 +1,4 @@
-// Holds answers against the oracle's.
+// Compares answers with the oracle's.
 #include "tests/support/compare_hits.h"
 
 #include <fmt/core.h>

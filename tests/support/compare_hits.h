@@ -1,4 +1,4 @@
-// Holds answers against the oracle's: equal up to ties, or a report of what differs.
+// Compares answers with the oracle's: equal except for ties, or a report of the differences.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 namespace sightline::tests {
 
 enum class Agreement : std::uint8_t {
-  kEqual,     ///< Same miss or hit, t within the tolerance, same (node, primitive).
-  kTie,       ///< Equal but for the triangle, which ties with the nearest within the tolerance.
-  kEdge,      ///< Right if a ray this near to an edge, to tmin or to tmax may go either way.
+  kEqual,  ///< Same miss or hit, t within the tolerance, same (node, primitive).
+  kTie,    ///< Another triangle, which ties with the nearest one within the tolerance.
+  kEdge,   ///< Right if a ray this close to an edge, to tmin or to tmax may be decided either way.
   kMismatch,  ///< Wrong.
 };
 
 Agreement compare(const accel::geometry::Hit& hit, const Reference& reference);
-/// For any-hit answers: `state` alone.
+/// For any-hit answers: only `state`.
 Agreement compare_any(const accel::geometry::Hit& hit, const Reference& reference);
 
 struct Comparison {
@@ -39,11 +39,11 @@ struct Comparison {
 
 struct CompareOptions {
   bool any = false;      ///< The answers are any-hit answers.
-  bool surface = false;  ///< Check u, v and the normal too.
+  bool surface = false;  ///< Also checks u, v and the normal.
 };
 
 /// hits[i] answers rays[i]. The oracle traces the rays in the calling thread's oneTBB arena.
-/// Sizes that disagree are a mismatch.
+/// Different sizes are a mismatch.
 Comparison compare(std::span<const accel::geometry::Ray> rays,
                    std::span<const accel::geometry::Hit> hits, const BruteForce& oracle,
                    const CompareOptions& options = {});

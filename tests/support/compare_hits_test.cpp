@@ -53,7 +53,7 @@ TEST_F(CompareHits, WrongTTriangleNodeOrMissIsAMismatch) {
   EXPECT_EQ(compare(hit_at(1, 1, 0), outside), Agreement::kMismatch);
 }
 
-TEST_F(CompareHits, SharedEdgeBelongsToEitherAndALeakIsNotEqual) {
+TEST_F(CompareHits, SharedEdgeMayBelongToEitherTriangleAndALeakIsNotEqual) {
   const Reference diagonal = reference(0.5, 0.5);
   EXPECT_EQ(compare(hit_at(1, 1, 0), diagonal), Agreement::kEqual);
   EXPECT_EQ(compare(hit_at(1, 1, 1), diagonal), Agreement::kTie);
@@ -80,7 +80,7 @@ TEST_F(CompareHits, BadRaysMustBeMarked) {
   EXPECT_EQ(compare_any(marked, reference(0.75, 0.25)), Agreement::kMismatch);
 }
 
-TEST_F(CompareHits, AnyLooksAtTheStateAlone) {
+TEST_F(CompareHits, AnyComparesOnlyTheState) {
   Hit found;
   found.state = HitState::kHit;
   EXPECT_EQ(compare_any(found, reference(0.75, 0.25)), Agreement::kEqual);

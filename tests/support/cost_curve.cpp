@@ -1,12 +1,12 @@
-// The counts under the cost of cutting a cell.
+// The counts in the cost of splitting a cell.
 #include "tests/support/cost_curve.h"
 
 #include <algorithm>
 
 namespace sightline::tests {
 
-TrueCounts::TrueCounts(std::span<const accel::kdtree::BoxRef> refs, std::size_t axis) {
-  for (const accel::kdtree::BoxRef& ref : refs) {
+TrueCounts::TrueCounts(std::span<const accel::kdtree::Reference> refs, std::size_t axis) {
+  for (const accel::kdtree::Reference& ref : refs) {
     lower_.push_back({static_cast<double>(ref.lo[axis]), static_cast<double>(ref.weight)});
     upper_.push_back({static_cast<double>(ref.hi[axis]), static_cast<double>(ref.weight)});
     steps_.push_back(lower_.back().at);

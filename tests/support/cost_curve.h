@@ -1,4 +1,4 @@
-// The counts under the cost of cutting a cell, along one axis: exactly, and as samples suggest.
+// The counts in the cost of splitting a cell along one axis: exact, and from samples.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@ namespace sightline::tests {
 /// C_L and C_R by their definition, from sorted bounds.
 class TrueCounts {
  public:
-  TrueCounts(std::span<const accel::kdtree::BoxRef> refs, std::size_t axis);
+  TrueCounts(std::span<const accel::kdtree::Reference> refs, std::size_t axis);
 
   double left(double x) const;   ///< Weight with lo < x.
   double right(double x) const;  ///< Weight with hi > x.
-  /// Where one of them steps, ascending, each once. Both are constant between neighbours.
+  /// The positions of their steps, ascending, without duplicates. Both are constant in between.
   const std::vector<double>& steps() const { return steps_; }
 
  private:
   struct Bound {
     double at;
-    double weight_to_here;  // of this bound and all before it
+    double weight_to_here;  // Of this bound and all bounds before it
   };
   static void accumulate(std::vector<Bound>& bounds);
 
@@ -32,12 +32,12 @@ class TrueCounts {
   std::vector<double> steps_;
 };
 
-/// Two neighbouring samples; C_L and C_R are taken to be linear between them.
+/// Two neighboring samples; C_L and C_R are assumed to be linear between them.
 struct SampleSegment {
   accel::published::kd::Sample begin, end;
 
   double width() const { return end.position - begin.position; }
-  /// Of C_L - C_R, which only rises: that of C_L and that of -C_R together.
+  /// The rise of C_L - C_R, which only rises: the rise of C_L plus that of -C_R.
   double rise() const { return (end.left - end.right) - (begin.left - begin.right); }
   double left(double x) const { return between(x, begin.left, end.left); }
   double right(double x) const { return between(x, begin.right, end.right); }
@@ -48,11 +48,11 @@ struct SampleSegment {
   }
 };
 
-/// All segments of some width, in order.
+/// All segments of positive width, in order.
 std::vector<SampleSegment> segments(const accel::published::kd::Samples& samples);
 
-/// The segment that holds x, the left one at a border; x lies between the first sample and the
-/// last.
+/// The segment that contains x, the left one at a border; x lies between the first and the last
+/// sample.
 const SampleSegment& segment_at(const std::vector<SampleSegment>& segments, double x);
 
 }  // namespace sightline::tests

@@ -1,5 +1,4 @@
-// One ray against one triangle in 113 bits, by the signed volumes that the line spans with the
-// edges.
+// One ray against one triangle in 113 bits, by the signed volumes of the line and the edges.
 #include "tests/support/exact_triangle.h"
 
 #include <algorithm>
@@ -11,8 +10,7 @@ namespace {
 using accel::geometry::cross;
 using accel::geometry::dot;
 
-// Below this share of its largest possible value a volume is what rounding in 113 bits left of
-// zero.
+// A volume below this share of its largest possible value is a rounding error of zero in 113 bits.
 constexpr double kQuadNoise = 1e-30;
 
 double norm(const QuadVec& v) {
@@ -23,9 +21,9 @@ double norm(const QuadVec& v) {
 }
 
 struct Sides {
-  bool inside = false;      // the closed triangle
-  bool candidate = false;   // inside, or outside by no more than the tolerance
-  bool borderline = false;  // within the tolerance of an edge
+  bool inside = false;      // The closed triangle
+  bool candidate = false;   // Inside, or outside by at most the tolerance
+  bool borderline = false;  // Within the tolerance of an edge
 };
 
 Sides classify(const std::array<Quad, 3>& volume, const std::array<Quad, 3>& near) {
@@ -78,10 +76,10 @@ std::optional<Candidate> test_triangle(const accel::geometry::Ray& ray,
   c.normal = {static_cast<double>(normal.x / Quad{area}),
               static_cast<double>(normal.y / Quad{area}),
               static_cast<double>(normal.z / Quad{area})};
-  // Corners that are off by the tolerance turn the normal by as much times an edge.
+  // Corners that are off by the tolerance rotate the normal by the tolerance over the edge length.
   const Quad doubt = Quad{8 * tolerance.edge * scale} * Quad{speed} * Quad{longest};
   c.side = absolute(facing) <= doubt ? 0 : facing > 0 ? 1 : -1;
-  // The triangle's extent along the ray bounds how wrong t can be, however grazing the ray.
+  // The triangle's extent along the ray bounds the error of t, at any grazing angle.
   Quad first = dot(p[0], d), last = first;
   for (const QuadVec& corner : p) {
     first = std::min(first, dot(corner, d));

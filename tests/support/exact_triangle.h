@@ -9,9 +9,8 @@
 
 namespace sightline::tests {
 
-/// The candidate that the triangle (in world space) makes for the ray, node and primitive left out.
-/// `scale` is the largest coordinate in play.
-/// Nothing where the ray misses by more than the tolerance.
+/// The candidate of the triangle (in world space) for the ray, without node and primitive. `scale`
+/// is the largest coordinate involved. Nothing if the ray misses by more than the tolerance.
 std::optional<Candidate> test_triangle(const accel::geometry::Ray& ray,
                                        const std::array<QuadVec, 3>& corners, double scale,
                                        const Tolerance& tolerance);

@@ -1,4 +1,4 @@
-// Where methods of the literature go beyond the bounds of hard meshes, and why they must.
+// Where methods of the literature exceed the bounds of hard meshes, and why.
 #include <algorithm>
 #include <vector>
 
@@ -8,7 +8,7 @@ namespace sightline::tests {
 namespace {
 
 struct Rule {
-  std::vector<std::string_view> builders, meshes;  // no meshes: all
+  std::vector<std::string_view> builders, meshes;  // No meshes: all
   std::vector<Bound> bounds;
   std::string_view why;
 
@@ -31,7 +31,7 @@ std::vector<Rule> make_rules() {
   return {
       {medians,
        overlapping,
-       {kReferences, kTouches, kWork, kGivenUp},
+       {kReferences, kTouches, kWork, kFailedCells},
        "cuts in the middle though nearly all lies on both sides, and stops at a depth alone"},
       {{"spatial-median"},
        {"rooms", "furnished"},
@@ -50,11 +50,11 @@ std::vector<Rule> make_rules() {
       {exact,
        {"slivers", "stacks", "fan", "rods", "large-over-small", "turned-halls", "nested", "halving",
         "compact", "zero-area"},
-       {kReferences, kTouches, kGivenUp},
+       {kReferences, kTouches, kFailedCells},
        "cuts as long as the next cut pays, whatever that takes: there is no budget of references"},
       {{"scan-hybrid", "scan-all-axes"},
        {"fan"},
-       {kReferences, kTouches, kWork, kGivenUp},
+       {kReferences, kTouches, kWork, kFailedCells},
        "cuts as long as the next cut pays, with boxes that are not clipped"},
       {unclipped,
        {"slivers", "stacks", "fan", "rods", "turned-halls", "large-over-small"},

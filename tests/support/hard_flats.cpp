@@ -1,4 +1,4 @@
-// Hard shapes of flat triangles along the axes.
+// Hard shapes of flat axis-aligned triangles.
 #include <algorithm>
 #include <numbers>
 
@@ -11,11 +11,11 @@ using accel::geometry::Vec3d;
 using accel::geometry::Vec3f;
 
 TestMesh walls_among_scattered(std::uint32_t triangles, std::uint32_t walls, std::uint64_t seed) {
-  constexpr double kPlaces[] = {1 / std::numbers::phi, 1 / std::numbers::pi};
+  constexpr double kOffsets[] = {1 / std::numbers::phi, 1 / std::numbers::pi};
   TestMesh mesh;
   Random random(seed);
   for (std::uint32_t wall = 0; wall < walls; ++wall) {
-    const double x = kPlaces[wall % std::size(kPlaces)];
+    const double x = kOffsets[wall % std::size(kOffsets)];
     add_lattice(mesh, triangles / 2 / walls, {x, 0, 0}, {0, 1, 0}, {0, 0, 1});
   }
   const auto rest = triangles - static_cast<std::uint32_t>(mesh.faces.size());
@@ -47,8 +47,8 @@ TestMesh tiled_cube(std::uint32_t triangles) {
 
 TestMesh rooms(std::uint32_t triangles, std::uint64_t seed) {
   constexpr double kShare = 0.7;
-  // Over k cells an axis there are 3 k k (k + 1) quads. An odd number: over 2^k cells every middle
-  // would be a wall, which makes cuts in the middle look better than they are.
+  // With k cells an axis there are 3 k k (k + 1) quads. An odd number: with 2^k cells every middle
+  // would be a wall, which makes median cuts look better than they are.
   std::uint32_t cells = 1;
   const auto expected = [](double k) { return kShare * 6 * k * k * (k + 1); };
   while (expected(cells + 2) <= triangles) cells += 2;
@@ -74,12 +74,12 @@ TestMesh rooms(std::uint32_t triangles, std::uint64_t seed) {
 }
 
 TestMesh furnished_rooms(std::uint32_t triangles) {
-  constexpr std::uint32_t kPerRoom = 17 * 12;
-  const std::uint32_t count = triangles / kPerRoom;
+  constexpr std::uint32_t kPerCell = 17 * 12;
+  const std::uint32_t count = triangles / kPerCell;
   const auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(count))));
   TestMesh mesh;
-  for (std::uint32_t room = 0; room < count; ++room) {
-    const double x = room % side * 10.0, z = room / side * 10.0;
+  for (std::uint32_t cell = 0; cell < count; ++cell) {
+    const double x = cell % side * 10.0, z = cell / side * 10.0;
     mesh.append(box(Vec3f(Vec3d{x, 0, z}), Vec3f(Vec3d{x + 10, 3, z + 10})));
     for (std::uint32_t i = 0; i < 16; ++i) {
       const double left = x + 1 + i % 4 * 2.25, front = z + 1 + i / 4 * 2.25;

@@ -1,4 +1,4 @@
-// The meshes at which methods fail, by name.
+// The meshes on which methods fail, by name.
 #include "tests/support/hard_meshes.h"
 
 #include <fmt/core.h>
@@ -88,7 +88,8 @@ double HardMesh::allowed(Bound bound) const {
 }
 
 double TreeCost::of(Bound bound) const {
-  return std::array{references, depth, touches, work, given_up}[static_cast<std::size_t>(bound)];
+  return std::array{references, depth, touches, work,
+                    failed_cells}[static_cast<std::size_t>(bound)];
 }
 
 const std::vector<HardMesh>& hard_meshes() {
@@ -117,7 +118,7 @@ std::vector<Breach> breaches(const HardMesh& mesh, std::string_view builder, con
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto bound = static_cast<Bound>(i);
     const double value = cost.of(bound), allowed = mesh.allowed(bound);
-    if (!(value > allowed)) continue;  // unknown ones are not held against anything
+    if (!(value > allowed)) continue;  // Unknown values break no bound
     found.push_back({bound, value, allowed, design_failure(mesh.name, builder, bound)});
   }
   return found;

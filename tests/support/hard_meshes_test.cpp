@@ -1,4 +1,4 @@
-// Hard meshes have the size asked for and are the same every time; bounds are judged as the table
+// Hard meshes have the requested size and are the same every time; bounds are checked as the table
 // says.
 #include "tests/support/hard_meshes.h"
 
@@ -19,7 +19,7 @@ bool same_bits(const TestMesh& a, const TestMesh& b) {
                      a.vertices.size() * sizeof(accel::geometry::Vec3f)) == 0;
 }
 
-TEST(HardMeshes, HaveAboutAsManyTrianglesAsAskedFor) {
+TEST(HardMeshes, HaveAboutTheRequestedNumberOfTriangles) {
   for (const HardMesh& mesh : hard_meshes()) {
     for (const std::uint32_t n : {0u, 1u, 5u, 40u, 700u, 3000u}) {
       const TestMesh made = mesh.make(n, 1);
@@ -50,13 +50,13 @@ TEST(HardMeshes, AreFoundByTheirNames) {
   EXPECT_EQ(find_hard_mesh("torus"), nullptr);
 }
 
-TEST(HardMeshes, BreachesAreWhatExceedsTheBounds) {
+TEST(HardMeshes, BreachesAreValuesAboveTheBounds) {
   const HardMesh& rods = *find_hard_mesh("rods");
-  EXPECT_TRUE(breaches(rods, "scan-fast", {}).empty());  // nothing is known
-  TreeCost cost{.references = rods.references, .depth = rods.depth, .given_up = 0};
+  EXPECT_TRUE(breaches(rods, "scan-fast", {}).empty());  // All costs are unknown
+  TreeCost cost{.references = rods.references, .depth = rods.depth, .failed_cells = 0};
   EXPECT_TRUE(breaches(rods, "scan-fast", cost).empty());
   cost.work = rods.work + 1;
-  cost.given_up = 1;
+  cost.failed_cells = 1;
   const std::vector<Breach> found = breaches(rods, "scan-fast", cost);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].text(), "work 3 over 2");
@@ -65,13 +65,13 @@ TEST(HardMeshes, BreachesAreWhatExceedsTheBounds) {
   EXPECT_NE(breaches(rods, "spatial-median", cost)[0].by_design, "");
 }
 
-TEST(HardMeshes, LevelsAreCountedFromAGoodTrees) {
+TEST(HardMeshes, LevelsAreCountedBeyondThoseOfAGoodTree) {
   EXPECT_EQ(levels_beyond_good(5, 0), 0);
   EXPECT_EQ(levels_beyond_good(22, 1024), 1);
   EXPECT_EQ(levels_beyond_good(10, 1024), 0);
 }
 
-TEST(HardRays, AreValidAndTakeTurns) {
+TEST(HardRays, AreValidAndCycleThroughTheirKinds) {
   for (const HardMesh& mesh : hard_meshes()) {
     const TestMesh made = mesh.make(300, 1);
     const auto rays = make_hard_rays(made, 10 * kHardRayKinds, 2);

@@ -1,4 +1,4 @@
-// Hard shapes by what is odd about their arrays.
+// Hard shapes with unusual arrays.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -56,7 +56,7 @@ TestMesh with_zero_area(std::uint32_t triangles, std::uint64_t seed) {
       case 1:
         face = {face[0], face[1], face[0]};
         break;
-      default: {  // the middle of two corners that a float can tell from both
+      default: {  // The midpoint of two corners, distinct from both in float
         const accel::geometry::Vec3d middle = (accel::geometry::Vec3d(mesh.vertices[face[0]]) +
                                                accel::geometry::Vec3d(mesh.vertices[face[1]])) *
                                               0.5;

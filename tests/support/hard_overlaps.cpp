@@ -1,4 +1,4 @@
-// Hard shapes whose triangles have boxes that lie over each other.
+// Hard shapes whose triangles have overlapping boxes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -56,7 +56,7 @@ TestMesh fan_about_vertex(std::uint32_t triangles, std::uint64_t seed) {
     mesh.vertices.push_back(Vec3f(Vec3d{x, y, random.uniform(-0.05, 0.05)}));
   }
   for (std::uint32_t i = 0; i < triangles; ++i) {
-    // Over the whole circle, whatever power of two it has.
+    // Over the whole circle; the number of corners is a power of two.
     const auto at = static_cast<std::uint32_t>(std::uint64_t{i} * corners / triangles);
     mesh.faces.push_back({0, 1 + at, 1 + (at + 1) % corners});
   }

@@ -1,4 +1,4 @@
-// What hard shapes are put together from.
+// Building blocks of hard shapes.
 #pragma once
 
 #include <cmath>
@@ -18,11 +18,11 @@ inline void add_triangle(TestMesh& mesh, const accel::geometry::Vec3d& a,
 }
 
 /// A lattice over the parallelogram at `corner`, exactly `triangles` faces, row by row.
-/// `place(point, i, j)` moves a lattice point.
-template <class Place>
+/// `displace(point, i, j)` moves a lattice point.
+template <class Displace>
 void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::geometry::Vec3d& corner,
                  const accel::geometry::Vec3d& u, const accel::geometry::Vec3d& v,
-                 const Place& place) {
+                 const Displace& displace) {
   const std::uint32_t quads = (triangles + 1) / 2;
   if (quads == 0) return;
   const auto columns = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(quads)));
@@ -32,7 +32,7 @@ void add_lattice(TestMesh& mesh, std::uint32_t triangles, const accel::geometry:
     for (std::uint32_t i = 0; i <= columns; ++i) {
       const accel::geometry::Vec3d p =
           corner + u * (static_cast<double>(i) / columns) + v * (static_cast<double>(j) / rows);
-      mesh.vertices.push_back(accel::geometry::Vec3f(place(p, i, j)));
+      mesh.vertices.push_back(accel::geometry::Vec3f(displace(p, i, j)));
     }
   }
   const std::size_t end = mesh.faces.size() + triangles;
@@ -51,7 +51,7 @@ inline void add_lattice(TestMesh& mesh, std::uint32_t triangles,
               [](const accel::geometry::Vec3d& p, std::uint32_t, std::uint32_t) { return p; });
 }
 
-/// Triangles of a size that leaves room between them, in the cube of this width at `corner`.
+/// Triangles small enough not to touch, in the cube of this width at `corner`.
 inline void add_scattered(TestMesh& mesh, std::uint32_t triangles,
                           const accel::geometry::Vec3d& corner, double width, Random& random) {
   const double size = 0.5 * width / std::cbrt(1.0 + triangles);

@@ -1,4 +1,4 @@
-// Rays at which walks and tests fail.
+// Rays on which walks and tests fail.
 #include "tests/support/hard_rays.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using accel::geometry::Ray;
 using accel::geometry::Vec3d;
 using accel::geometry::Vec3f;
 
-// One of the 26 directions to the neighbours in a lattice; zeros have either sign.
+// One of the 26 directions to the neighbors in a lattice; zeros have either sign.
 Vec3d lattice_direction(Random& random) {
   for (;;) {
     Vec3d d;
@@ -77,7 +77,7 @@ class HardRays {
     return {x, y, random.uniform(lo_.z, hi_.z)};
   }
 
-  // Begins in the plane across an axis through the vertex, and stays there every other time.
+  // Begins in the plane across an axis through the vertex; every other time it stays in that plane.
   Ray in_plane(const Vec3d& vertex, const Vec3d& within, Random& random) const {
     const std::size_t axis = random.below(3);
     Ray ray{within, random.direction()};

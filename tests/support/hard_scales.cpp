@@ -1,4 +1,4 @@
-// Hard shapes of very different sizes, and the plain one that all are held against.
+// Hard shapes of very different sizes, and the plain shape that all are compared with.
 #include <algorithm>
 
 #include "tests/support/hard_parts.h"
@@ -13,7 +13,7 @@ TestMesh hills(std::uint32_t triangles, std::uint64_t seed) {
   Random random(seed);
   const double step = 1 / std::sqrt(0.5 * triangles + 1);
   const auto height = [](double x, double z) {
-    // Parabolas instead of sines: these round alike everywhere.
+    // Parabolas instead of sines: they round the same way on every machine.
     const auto wave = [](double t) {
       const double phase = t - std::floor(t) - 0.5;
       return 4 * phase * phase;
@@ -45,7 +45,7 @@ TestMesh ball(std::uint32_t triangles, const Vec3d& center, double radius, doubl
 }
 
 TestMesh ball_in_stadium(std::uint32_t triangles, std::uint64_t seed) {
-  constexpr double kRadius = 0.004;  // of a box of 1 by 0.25 by 1: about a millionth of its volume
+  constexpr double kRadius = 0.004;  // In a box of 1 by 0.25 by 1: about a millionth of its volume
   const std::uint32_t seats = triangles / 10;
   TestMesh mesh;
   Random random(seed);

@@ -1,4 +1,4 @@
-// Holds the kinds of query against each other and against the oracle.
+// Compares the kinds of query with each other and with the oracle.
 #include "tests/support/kinds.h"
 
 #include <fmt/core.h>

@@ -1,5 +1,4 @@
-// The answers of all kinds of query to the same rays: whether they agree with each other, and with
-// the oracle.
+// The answers of all kinds of query to the same rays, compared with each other and with the oracle.
 #pragma once
 
 #include <cstddef>
@@ -15,38 +14,41 @@
 
 namespace sightline::tests {
 
-/// Row i of each answers ray i.
+/// Row i of each column answers ray i.
 struct KindAnswers {
   std::vector<accel::geometry::Hit> closest, any;
   std::vector<scenegraph::RayTally> counts, lists;
-  std::vector<accel::geometry::Hit> listed;  ///< lists[i].count for ray i, one ray after the other.
+  std::vector<accel::geometry::Hit>
+      listed;  ///< lists[i].count hits for ray i, in the order of rays.
 };
 
-/// Asks for every kind, with these options but for the kind.
+/// Traces the rays with every kind; the options apply except for their kind.
 KindAnswers ask_all_kinds(const scenegraph::revision::Snapshot& snapshot,
                           std::span<const accel::geometry::Ray> rays,
                           scenegraph::TraceOptions options);
 
-/// In words, how the kinds contradict each other for the first ray where they do; empty if they
-/// agree on all. A list that is cut off must hold `max_hits` hits.
+/// Describes how the kinds contradict each other for the first ray where they do; empty if they
+/// agree on all rays. A list that was cut must hold `max_hits` hits.
 std::string contradiction(const KindAnswers& answers, std::uint32_t max_hits);
 
-/// A whole list against a reference of trace_all: hits that are in it, in order, each once, and
-/// none left out; of one that is cut off, none that is nearer than its last.
+/// Checks a list against a reference of trace_all: its hits are in the reference, in order, without
+/// duplicates, and none is missing; if the list was cut, no missing hit is nearer than its last
+/// one.
 Agreement compare_list(std::span<const accel::geometry::Hit> hits,
                        const scenegraph::RayTally& tally, const Reference& all);
 Agreement compare_count(const scenegraph::RayTally& tally, const Reference& all);
 
 struct KindComparison {
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;  ///< Listed.
+  std::uint64_t hits = 0;  ///< In lists.
   std::uint64_t edges = 0;
   std::uint64_t mismatches = 0;
   std::vector<std::string> examples;
   std::string report() const;
 };
 
-/// Every kind against the oracle, ray by ray, in parallel in the calling thread's oneTBB arena.
+/// Compares all kinds with the oracle, ray by ray, in parallel in the calling thread's oneTBB
+/// arena.
 KindComparison compare_kinds(std::span<const accel::geometry::Ray> rays, const KindAnswers& answers,
                              const BruteForce& oracle, const Filter& filter);
 

@@ -1,4 +1,4 @@
-// What compares the kinds of query finds what is wrong with them.
+// The comparisons of query kinds find wrong answers.
 #include "tests/support/kinds.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ Hit hit_at(double t, std::uint32_t primitive) {
   return hit;
 }
 
-/// Right answers to one ray down through a cube, which has faces 10 (or 11) and 8 (or 9) there.
+/// Right answers to one ray down through a cube, which meets faces 10 (or 11) and 8 (or 9).
 struct OneRay {
   TestMesh mesh = cube();
   BruteForce oracle{{PlacedMesh{mesh.view()}}};
@@ -40,7 +40,7 @@ struct OneRay {
   }
 };
 
-TEST(Oracle, ListsEveryCandidateLessWhatIsLeftOut) {
+TEST(Oracle, ListsEveryCandidateExceptExclusions) {
   const OneRay one;
   const auto seen = [&](const Filter& filter) {
     std::vector<double> t;
@@ -52,10 +52,10 @@ TEST(Oracle, ListsEveryCandidateLessWhatIsLeftOut) {
   EXPECT_EQ(seen({.culling = accel::geometry::Culling::kFront}), std::vector<double>{6});
   EXPECT_EQ(seen({.hidden = {1}}), std::vector<double>{});
   EXPECT_EQ(seen({.hidden = {2}}), (std::vector<double>{4, 6}));
-  EXPECT_EQ(one.oracle.trace(one.ray).candidates.size(), 1u) << "the nearest alone";
+  EXPECT_EQ(one.oracle.trace(one.ray).candidates.size(), 1u) << "only the nearest";
 }
 
-TEST(Contradiction, IsNoneWhereKindsAgree) {
+TEST(Contradiction, IsEmptyIfKindsAgree) {
   const OneRay one;
   EXPECT_EQ(contradiction(one.answers, 2), "");
   EXPECT_EQ(one.mismatches(), 0u);
@@ -79,7 +79,7 @@ TEST(Contradiction, IsFoundInEachKind) {
   EXPECT_NE(wrong([](KindAnswers& a) { a.any.clear(); }), "");
 }
 
-TEST(CompareKinds, FindsWhatTheOracleDoesNot) {
+TEST(CompareKinds, FindsDifferencesFromTheOracle) {
   const auto mismatches = [](auto spoil) {
     OneRay one;
     spoil(one.answers);
@@ -93,18 +93,18 @@ TEST(CompareKinds, FindsWhatTheOracleDoesNot) {
               a.listed.resize(1);
             }),
             1u)
-      << "a hit is left out";
+      << "a hit is missing";
   EXPECT_EQ(mismatches([](KindAnswers& a) {
               a.lists[0] = {.count = 1, .state = HitState::kHit, .cut_off = true};
               a.listed.resize(1);
             }),
             0u)
-      << "and said so";
+      << "and it is marked";
   EXPECT_EQ(OneRay().mismatches({.culling = accel::geometry::Culling::kFront}), 3u)
       << "any is right";
 }
 
-TEST(CompareKinds, KnowsABadRay) {
+TEST(CompareKinds, HandlesABadRay) {
   OneRay one;
   one.ray.direction = {0, 0, 0};
   EXPECT_EQ(one.mismatches(), 4u);

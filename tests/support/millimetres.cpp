@@ -29,7 +29,7 @@ constexpr std::size_t kNudged = 5;
 
 TestMesh ridged_plate() {
   TestMesh mesh;
-  constexpr std::uint32_t kColumns = 2 * kRidges;  // up and down
+  constexpr std::uint32_t kColumns = 2 * kRidges;  // Up and down
   for (std::uint32_t row = 0; row <= kPieces; ++row) {
     for (std::uint32_t column = 0; column <= kColumns; ++column) {
       mesh.vertices.push_back(Vec3f(Vec3d{static_cast<double>(column) / kColumns - 0.5,

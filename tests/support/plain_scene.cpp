@@ -1,4 +1,4 @@
-// A scene kept in the plainest way.
+// A scene in the simplest representation.
 #include "tests/support/plain_scene.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A scene kept in the plainest way: a map of nodes, copied whole for every revision. Shares no code
-// with the scene graph that it judges, but for the words in which updates are told.
+// A scene in the simplest representation: a map of nodes, copied for every revision. Apart from the
+// update types it shares no code with the scene graph that it checks.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct PlainNode {
   scenegraph::model::Affine parent_from_local;
   std::shared_ptr<const scenegraph::model::Mesh> mesh;  ///< As it was put; null: a group.
   std::string mesh_digest;
-  /// Where they have been changed since; null: those of the mesh.
+  /// The current vertices if they were patched; null: those of the mesh.
   std::shared_ptr<const std::vector<accel::geometry::Vec3f>> vertices;
   scenegraph::model::Mobility mobility = scenegraph::model::Mobility::kStatic;
   std::uint32_t mask = accel::geometry::kAllMasks;
@@ -38,31 +38,31 @@ class PlainScene {
   const Nodes& nodes() const { return nodes_; }
   std::uint64_t revision() const { return revision_; }
   std::uint64_t triangles() const;
-  /// Nodes from a root to this one, itself included.
+  /// The number of nodes from the root to this node, including both.
   int depth(scenegraph::model::NodeId id) const;
-  /// Nodes on the longest way down from this one, itself included.
+  /// The number of nodes on the longest path down from this node, including it.
   int height(scenegraph::model::NodeId id) const;
   bool is_under(scenegraph::model::NodeId id,
-                scenegraph::model::NodeId ancestor) const;  ///< Or is it.
+                scenegraph::model::NodeId ancestor) const;  ///< True also for the node itself.
   std::vector<scenegraph::model::NodeId> children(scenegraph::model::NodeId id) const;
   scenegraph::model::Affine world_from_local(scenegraph::model::NodeId id) const;
 
-  /// One update of a batch that the scene accepts. New nodes get the ids that a scene gives: from 1
-  /// upward, in the order of the batch.
+  /// Applies one update of a batch that the scene accepts. New nodes get the ids that a scene
+  /// assigns: from 1 upward, in the order of the batch.
   void apply(const scenegraph::model::Update& update);
-  /// After the last update of a batch: the next revision.
+  /// Ends a batch: makes the next revision.
   void publish();
 
-  /// The id of a node that a reference names.
+  /// The id of the referenced node.
   scenegraph::model::NodeId resolve(scenegraph::model::NodeRef ref) const;
-  /// How the batch under way names a node: by its alias if it has made it.
+  /// How the current batch refers to a node: by its alias if the batch has created it.
   scenegraph::model::NodeRef refer(scenegraph::model::NodeId id) const;
-  /// Of the PutNodes of the batch under way, in order.
+  /// Ids of the PutNodes of the current batch, in order.
   const std::vector<scenegraph::model::NodeId>& put_nodes() const { return put_nodes_; }
 
-  /// For the oracle; the arrays belong to this scene.
+  /// Meshes for the oracle; the arrays belong to this scene.
   std::vector<PlacedMesh> placed() const;
-  /// Ascending: the nodes that a query of this root (0: all) and without these does not see.
+  /// Ascending: the nodes that a query with this root (0: all) and these exclusions does not see.
   std::vector<scenegraph::model::NodeId> hidden(
       scenegraph::model::NodeId root, std::span<const scenegraph::model::NodeId> excluded) const;
 

@@ -1,4 +1,4 @@
-// SplitMix64: a small random generator that gives the same numbers on every machine and compiler.
+// SplitMix64: a small random generator with the same numbers on every machine and compiler.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
-  /// A stream of its own for every (seed, index), so that work can be cut among threads.
+  /// An independent stream for every (seed, index), so that threads can share work.
   Random(std::uint64_t seed, std::uint64_t index) : state_(seed) {
     state_ = next() ^ (index * 0xd1342543de82ef95u);
     state_ = next();
@@ -32,7 +32,7 @@ class Random {
   /// In [0, n); n > 0. The bias is below n / 2^64.
   std::uint64_t below(std::uint64_t n) { return next() % n; }
 
-  /// Uniform on the unit sphere. By rejection: sine and cosine differ between C libraries.
+  /// Uniform on the unit sphere, by rejection: sine and cosine differ between C libraries.
   accel::geometry::Vec3d direction() {
     for (;;) {
       const accel::geometry::Vec3d p{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kFewNodes = 12, kManyNodes = 40;
 constexpr int kDeep = 7;
 constexpr double kReach = 5;
-constexpr NodeRef kNobody = 1'000'000'000'000;
+constexpr NodeRef kUnknownNode = 1'000'000'000'000;
 
 PutNode same_again(const PlainScene& scene, NodeId id) {
   const PlainNode& node = scene.nodes().at(id);
@@ -74,7 +74,7 @@ RandomEdit ground(const std::vector<MeshChoice>& meshes) {
 
 struct RandomEdits::Batch {
   std::vector<scenegraph::model::Update> updates;
-  PlainScene scene;  // with all of them
+  PlainScene scene;  // After all updates of the batch
   NodeRef next_alias = -1;
 
   void add(scenegraph::model::Update update) {
@@ -122,7 +122,7 @@ void RandomEdits::edit(Batch& batch) {
   }
 }
 
-// A turn about a random axis by quarter-tangent, a mild scale, sometimes a mirror.
+// A random rotation, a mild scale, and sometimes a mirror.
 Affine RandomEdits::frame() {
   const Vec3d x = random_.direction();
   Vec3d y = cross(x, random_.direction());
@@ -165,14 +165,14 @@ void RandomEdits::put_new(Batch& batch, NodeRef parent, bool group) {
   batch.add(put);
 }
 
-// A node and some below it, named by aliases.
+// A node and some descendants, named by aliases.
 void RandomEdits::put_group(Batch& batch) {
   const NodeRef group = batch.next_alias;
   put_new(batch, 0, random_.below(2) == 0);
   for (std::uint64_t n = 1 + random_.below(3); n > 0; --n) put_new(batch, group, false);
 }
 
-// Another place in the hierarchy, mask, mobility or mesh.
+// Another parent, mask, mobility or mesh.
 void RandomEdits::change(Batch& batch) {
   const NodeId id = *pick(batch.scene, false);
   PutNode put = same_again(batch.scene, id);
@@ -197,7 +197,7 @@ void RandomEdits::change(Batch& batch) {
 void RandomEdits::move(Batch& batch) {
   scenegraph::model::SetTransforms set;
   for (std::uint64_t n = 1 + random_.below(8); n > 0; --n) {
-    // Now and then the ground itself.
+    // Sometimes the ground itself.
     const bool whole = random_.below(100) == 0 && batch.scene.nodes().contains(1);
     const NodeId id = whole ? 1 : *pick(batch.scene, false);
     set.nodes.push_back(batch.scene.refer(id));
@@ -206,14 +206,14 @@ void RandomEdits::move(Batch& batch) {
   batch.add(std::move(set));
 }
 
-// Of one node or of several that share its mesh, some vertices or all.
+// Patches one node or several that share its mesh, some vertices or all.
 void RandomEdits::patch(Batch& batch) {
   const auto id = pick(batch.scene, true);
   if (!id) return;
   const PlainNode& node = batch.scene.nodes().at(*id);
   scenegraph::model::PatchVertices patch;
-  for (const auto& [other, twin] : batch.scene.nodes()) {
-    const bool shares = twin.mesh && twin.same_mesh(node);
+  for (const auto& [other, other_node] : batch.scene.nodes()) {
+    const bool shares = other_node.mesh && other_node.same_mesh(node);
     if (other == *id || (shares && random_.below(2) == 0))
       patch.nodes.push_back(batch.scene.refer(other));
   }
@@ -232,12 +232,12 @@ void RandomEdits::remove(Batch& batch) {
   batch.add(scenegraph::model::DeleteNode{batch.scene.refer(id), height > 1});
 }
 
-// Adds an update for which the batch is to be refused.
+// Adds an update for which the batch must be refused.
 Code RandomEdits::spoil(Batch& batch) {
   const auto id = pick(batch.scene, true);
   const std::uint64_t what = id ? random_.below(6) : 0;
   if (what == 0) {
-    batch.updates.push_back(scenegraph::model::SetTransforms{{kNobody}, {Affine{}}});
+    batch.updates.push_back(scenegraph::model::SetTransforms{{kUnknownNode}, {Affine{}}});
     return Code::kNotFound;
   }
   const NodeRef ref = batch.scene.refer(*id);

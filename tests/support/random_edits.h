@@ -1,4 +1,4 @@
-// Batches of updates drawn at random: every kind, good ones and such as must be refused.
+// Random batches of updates of all kinds, valid ones and ones that must be refused.
 #pragma once
 
 #include <memory>
@@ -23,24 +23,24 @@ std::vector<MeshChoice> small_meshes();
 
 struct RandomEdit {
   std::vector<scenegraph::model::Update> updates;
-  std::optional<Code> refusal;  ///< Why the whole batch is to be refused; nothing: it is good.
-  /// Of a good one: what the scene is to be then, and which ids its PutNodes' nodes are to get.
+  std::optional<Code> refusal;  ///< Why the whole batch must be refused; nothing: it is valid.
+  /// For a valid batch: the resulting scene, and the ids that its PutNodes get.
   PlainScene after;
   std::vector<scenegraph::model::NodeId> put_nodes;
 };
 
-/// A wide group that mostly rests, to begin with: kGround small nodes under one.
+/// A wide, mostly static group for the beginning: kGround small nodes under one.
 inline constexpr std::size_t kGround = 300;
 RandomEdit ground(const std::vector<MeshChoice>& meshes);
 
-/// Keeps some dozens of nodes and seven levels beside the ground, which it changes seldom. One
-/// user.
+/// Keeps some dozens of nodes and seven levels besides the ground, which it changes rarely.
+/// Threads: one caller.
 class RandomEdits {
  public:
   RandomEdits(std::vector<MeshChoice> meshes, std::uint64_t seed)
       : meshes_(std::move(meshes)), random_(seed) {}
 
-  /// For the scene as it is now.
+  /// For the current scene.
   RandomEdit next(const PlainScene& now);
 
  private:

@@ -1,4 +1,4 @@
-// Drawing rays, and judging the answers.
+// Random rays, and checks of their answers.
 #include "tests/support/random_questions.h"
 
 #include <iterator>
@@ -23,8 +23,8 @@ Vec3d point_on(const PlacedMesh& placed, Random& random) {
 }
 
 NodeId any_node(const PlainScene& scene, Random& random) {
-  const auto place = static_cast<std::ptrdiff_t>(random.below(scene.nodes().size()));
-  return std::next(scene.nodes().begin(), place)->first;
+  const auto index = static_cast<std::ptrdiff_t>(random.below(scene.nodes().size()));
+  return std::next(scene.nodes().begin(), index)->first;
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ RandomQuestion random_question(const PlainScene& scene, std::size_t rays, Random
   const std::vector<PlacedMesh> placed = scene.placed();
   if (placed.empty()) return question;
   for (std::size_t i = 0; i < rays; ++i) {
-    // Of those put last, or of all.
+    // From recently put nodes, or from all.
     const std::size_t first =
         random.below(2) == 0 && placed.size() > kNewest ? placed.size() - kNewest : 0;
     const Vec3d at = point_on(placed[first + random.below(placed.size() - first)], random);

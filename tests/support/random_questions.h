@@ -1,4 +1,4 @@
-// Rays and what is asked of them, drawn at random over a plain scene.
+// Random rays and queries over a plain scene.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sightline::tests {
 
-/// A root that there is, nodes to leave out, sides to leave out; each of them not always.
+/// An existing root, excluded nodes, culled sides; each of them only sometimes.
 struct RandomQuestion {
   std::vector<accel::geometry::Ray> rays;
   scenegraph::model::NodeId root = 0;
@@ -20,11 +20,11 @@ struct RandomQuestion {
   std::uint32_t max_hits = 256;
 };
 
-/// The rays go through points of triangles, from near by and from far, some with limits and masks.
+/// The rays pass through points of triangles, from near and far, some with limits and masks.
 /// Without a mesh there are none.
 RandomQuestion random_question(const PlainScene& scene, std::size_t rays, Random& random);
 
-/// Every kind of answer against brute force over that scene.
+/// Compares answers of all kinds with brute force over that scene.
 KindComparison judge(const PlainScene& scene, const RandomQuestion& question,
                      const KindAnswers& answers);
 

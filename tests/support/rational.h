@@ -1,5 +1,4 @@
-// Exact numbers: integers times a power of two, as long as they need to be. Every float and double
-// is one.
+// Exact numbers: integers times a power of two, of any length. Every float and double is one.
 #pragma once
 
 #include <gmpxx.h>
@@ -14,7 +13,7 @@
 
 namespace sightline::tests {
 
-/// mantissa * 2^exponent. Sums and products are exact; division leads to the rationals (mpq_class).
+/// mantissa * 2^exponent. Sums and products are exact; quotients are rationals (mpq_class).
 class Dyadic {
  public:
   Dyadic() = default;
@@ -23,7 +22,7 @@ class Dyadic {
     if (x == 0) return;
     const auto whole = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent_), 53));
     const int zeros =
-        std::countr_zero(static_cast<std::uint64_t>(whole));  // short numbers are fast
+        std::countr_zero(static_cast<std::uint64_t>(whole));  // Short numbers are fast
     exponent_ += zeros - 53;
     mantissa_ = static_cast<long>(whole / (std::int64_t{1} << zeros));
   }
@@ -73,7 +72,7 @@ class Dyadic {
     return x << static_cast<mp_bitcnt_t>(bits);
   }
 
-  mpz_class mantissa_;  // zero: the exponent says nothing
+  mpz_class mantissa_;  // If zero, the exponent is meaningless
   int exponent_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace sightline::tests {
 namespace {
 
-/// In e. The determinant of the moved ray has degree five: e^2 of y times e^3 of z.
+/// A polynomial in e. The determinant of the moved ray has degree five: e^2 of y times e^3 of z.
 using Polynomial = std::array<Dyadic, 6>;
 
 Polynomial product(const Polynomial& a, const Polynomial& b) {
@@ -19,7 +19,7 @@ Polynomial product(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-/// p - o(e), a polynomial a component.
+/// p - o(e), one polynomial a component.
 std::array<Polynomial, 3> from_moved_origin(const DyadicVec& p, const DyadicVec& origin) {
   std::array<Polynomial, 3> result;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -37,7 +37,7 @@ RationalRay::RationalRay(const accel::geometry::Vec3d& origin,
       direction_(exactly(direction)),
       moment_(cross(origin_, direction_)) {}
 
-// By Pluecker's coordinates of the two lines.
+// By the Pluecker coordinates of the two lines.
 int RationalRay::side(const DyadicVec& p, const DyadicVec& q) const {
   return (dot(direction_, cross(p, q)) + dot(moment_, q - p)).sign();
 }

@@ -17,7 +17,7 @@ bool hits(const RationalRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c
   return judge(ray, exactly(a), exactly(b), exactly(c)).hit;
 }
 
-TEST(Dyadic, IsExactWhereDoublesAreNot) {
+TEST(Dyadic, IsExactWhereDoublesRound) {
   const Dyadic big(0x1p+250), small(0x1p-1074);
   EXPECT_EQ((big + small - big - small).sign(), 0);
   EXPECT_EQ((big + small - big).sign(), 1);
@@ -56,21 +56,21 @@ TEST(RationalRay, SidesAreSigned) {
   EXPECT_EQ(RationalRay({0.5, -least, 5}, {0, 0, -1}).side(p, q), 1);
 }
 
-/// The origin stands at (e, e^2, e^3): first toward x, then much less toward y.
-TEST(RationalHit, ZerosGoTheWayOfTheMovedOrigin) {
+/// The origin is moved to (e, e^2, e^3): first toward x, then much less toward y.
+TEST(RationalHit, ZerosAreDecidedByTheMovedOrigin) {
   const RationalRay down({0, 0, 5}, {0, 0, -1});
-  // An edge along y through the line belongs to the triangle on the side of x.
+  // An edge along y through the line belongs to the triangle on the side of positive x.
   EXPECT_TRUE(hits(down, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(hits(down, {0, -1, 0}, {-1, 0, 0}, {0, 1, 0}));
-  // Along x: on the side of y.
+  // An edge along x: to the one on the side of positive y.
   EXPECT_TRUE(hits(down, {-1, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(hits(down, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}));
-  // A vertex: e outweighs e^2, so the owner holds the points just beside it toward x, above the
+  // A vertex: e dominates e^2, so the owner contains the points next to it toward x, above the
   // axis.
   EXPECT_TRUE(hits(down, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}));
   EXPECT_FALSE(hits(down, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}));
   EXPECT_FALSE(hits(down, {0, 0, 0}, {1, 0, 0}, {1, -1, 0}));
-  // Seen along x only y and z count.
+  // Seen along x, only y and z matter.
   const RationalRay along_x({-5, 0, 0}, {1, 0, 0});
   EXPECT_TRUE(hits(along_x, {0, 0, 0}, {0, 1, 0}, {0, 1, 1}));
   EXPECT_FALSE(hits(along_x, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}));
@@ -83,9 +83,9 @@ TEST(RationalHit, CountsZerosAndRefusesEdgeOnTriangles) {
     EXPECT_FALSE(verdict.hit);
     return verdict.zeros;
   };
-  EXPECT_EQ(zeros({-1, 0, 0}, {1, 0, 0}, {0, 0, 3}), 3);  // the line lies in its plane
+  EXPECT_EQ(zeros({-1, 0, 0}, {1, 0, 0}, {0, 0, 3}), 3);  // The line lies in the triangle's plane
   EXPECT_EQ(zeros({1, 0, 0}, {1, 0, 2}, {2, 0, 0}), 3);
-  EXPECT_EQ(zeros({1, 1, 0}, {1, 1, 2}, {2, 1, 0}), 1);  // one edge is parallel to it
+  EXPECT_EQ(zeros({1, 1, 0}, {1, 1, 2}, {2, 1, 0}), 1);  // One edge is parallel to the line
   EXPECT_EQ(zeros({0, 0, 0}, {0, 0, 0}, {0, 0, 0}), 3);
 }
 
@@ -97,7 +97,7 @@ TEST(RationalMeeting, IsExact) {
   EXPECT_EQ(meeting.t(), mpq_class(1, 3));
   EXPECT_LT(meeting.t_error(1.0 / 3), 0x1p-54);
   EXPECT_GT(meeting.t_error(1.0 / 3), 0);
-  EXPECT_DOUBLE_EQ(meeting.t_error(1.0), 1.0 / 3);  // off by 2/3; the farthest v - o is 2 away
+  EXPECT_DOUBLE_EQ(meeting.t_error(1.0), 1.0 / 3);  // Off by 2/3; the farthest v - o has length 2
   EXPECT_LT(meeting.point_error(1.0 / 3, 1.0 / 3), 0x1p-53);
   EXPECT_DOUBLE_EQ(meeting.point_error(0, 0), 0.5);
 }

@@ -1,4 +1,4 @@
-// What the oracle says of one ray: every triangle that may rightly be called a hit of it.
+// The oracle's answer for one ray: all triangles that may be its hit.
 #pragma once
 
 #include <cstdint>
@@ -11,34 +11,34 @@ namespace sightline::tests {
 
 struct Tolerance {
   double t = 1e-5;  ///< Relative: two candidates closer than this tie.
-  /// Distance from an edge below which rounding decides, over the largest coordinate in play.
+  /// Distance to an edge below which rounding decides, over the largest coordinate involved.
   double edge = 1e-12;
 };
 
-/// What a query leaves out.
+/// The exclusions of a query.
 struct Filter {
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   std::vector<std::uint64_t> hidden{};  ///< Nodes, ascending.
 };
 
-/// A triangle that the ray meets, or comes so near to that rounding decides.
+/// A triangle that the ray meets, or passes so closely that rounding decides.
 struct Candidate {
   double t = 0;            ///< In units of the direction's length.
-  double t_tolerance = 0;  ///< How far a correct t may lie from it: more at a grazing angle.
+  double t_tolerance = 0;  ///< The tolerance of a correct t: larger at a grazing angle.
   std::uint64_t node = 0;
   std::uint32_t primitive = 0;
   double u = 0, v = 0;            ///< Weights of the face's vertices 1 and 2.
-  accel::geometry::Vec3d normal;  ///< Geometric, unit, by the winding in scene coordinates.
+  accel::geometry::Vec3d normal;  ///< Geometric, unit length, by the winding in scene coordinates.
   int side = 0;           ///< -1: the ray meets the front, 1: the back, 0: rounding decides.
-  bool accepted = false;  ///< In the closed triangle, tmin <= t <= tmax.
+  bool accepted = false;  ///< In the closed triangle, with tmin <= t <= tmax.
   bool borderline =
       false;  ///< Within the edge tolerance of an edge, of tmin or of tmax, or edge-on.
 };
 
 struct Reference {
   bool invalid = false;  ///< NaN, infinite or zero direction, ...: there is no answer.
-  /// By (t, node, primitive). From BruteForce::trace, complete up to the nearest candidate that is
-  /// accepted beyond doubt, and for all that tie with it; what lies farther is left out.
+  /// By (t, node, primitive). BruteForce::trace lists all candidates up to the nearest certainly
+  /// accepted one and all that tie with it; farther ones are left out.
   std::vector<Candidate> candidates;
 
   /// The nearest accepted candidate by (t, node, primitive); null for a miss.

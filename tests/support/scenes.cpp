@@ -1,4 +1,4 @@
-// Small meshes whose answers are known in closed form, and some that are only random.
+// Small meshes whose answers are known in closed form, and random ones.
 #include "tests/support/scenes.h"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ TestMesh icosahedron() {
       }
     }
   }
-  // The twenty faces are the triples of vertices one edge apart, turned outward.
+  // The twenty faces are the triples of vertices at edge distance from each other, facing outward.
   const auto joined = [&](std::uint32_t a, std::uint32_t b) {
     return length(mesh.vertices[a] - mesh.vertices[b]) < 1.1f;
   };
@@ -121,7 +121,8 @@ TestMesh duplicates(std::uint32_t count) {
 }
 
 std::vector<std::pair<double, double>> unit_circle(std::uint32_t corners) {
-  // Halving a quarter turn needs only square roots, which round alike everywhere; sines do not.
+  // Halving a quarter turn needs only square roots, which round the same way everywhere; sines do
+  // not.
   double cosine = 0, sine = 1;
   for (std::uint32_t n = 4; n < corners; n *= 2) {
     const double half = std::sqrt((1 + cosine) / 2);
@@ -163,13 +164,13 @@ TestMesh icosphere(int level) {
   for (int step = 0; step < level; ++step) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, is_new] =
+      const auto [entry, is_new] =
           middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices.size()));
       if (is_new) {
         const Vec3d sum = Vec3d(mesh.vertices[a]) + Vec3d(mesh.vertices[b]);
         mesh.vertices.push_back(Vec3f(sum * (1 / length(sum))));
       }
-      return place->second;
+      return entry->second;
     };
     std::vector<Face> finer;
     finer.reserve(mesh.faces.size() * 4);

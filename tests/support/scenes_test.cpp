@@ -1,4 +1,4 @@
-// The shared scenes are what their comments say, the same everywhere.
+// The shared scenes have their documented properties, and are the same everywhere.
 #include "tests/support/scenes.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using accel::geometry::Vec3d;
 
-// Each edge of a closed surface is walked once in each direction.
+// Each edge of a closed surface appears once in each direction.
 bool is_closed(const TestMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const accel::geometry::Face& f : mesh.faces) {
@@ -46,7 +46,7 @@ TEST(Scenes, CubeAndSpheresAreClosedAndOutward) {
   }
 }
 
-TEST(Scenes, CountsAreThoseAskedFor) {
+TEST(Scenes, HaveTheRequestedCounts) {
   EXPECT_EQ(staircase(7).faces.size(), 28u);
   EXPECT_EQ(planar_sheet(5).faces.size(), 50u);
   EXPECT_EQ(flat_walls(4).faces.size(), 8u);
@@ -55,7 +55,7 @@ TEST(Scenes, CountsAreThoseAskedFor) {
   EXPECT_EQ(random_soup(11, 0.1, 1).faces.size(), 11u);
 }
 
-TEST(Scenes, CircleClosesOnItself) {
+TEST(Scenes, CircleIsClosed) {
   const auto circle = unit_circle(64);
   ASSERT_EQ(circle.size(), 64u);
   EXPECT_NEAR(circle[16].first, 0, 1e-14);

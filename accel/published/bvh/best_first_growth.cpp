@@ -1,4 +1,5 @@
-// Waves: all new nodes are looked at, at once, then the best of those that are open are split.
+// Works in waves: all new nodes are examined in parallel, then the best of the open nodes are
+// split.
 #include "accel/published/bvh/best_first_growth.h"
 
 #include <algorithm>
@@ -13,11 +14,11 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// How many nodes are split before their children are compared with the others. More: fewer, longer
-/// waves; part of the method, as it decides what is split last.
+/// Number of nodes split before their children are compared with the others. Larger values give
+/// fewer, longer waves. Part of the method, because it decides which nodes are split last.
 constexpr std::size_t kAtOnce = 32;
 
-/// Lists of several nodes may lie in one piece of memory.
+/// Memory that the lists of several nodes may share.
 using Storage = std::shared_ptr<Fragment[]>;
 
 enum class State : std::uint8_t { kNew, kOpen, kClosed, kDivided, kGrown };
@@ -27,16 +28,16 @@ struct PlanNode {
   PlanNode(const CenterLists& l, Storage s, int d) : lists(l), storage(std::move(s)), depth(d) {}
 
   CenterLists lists;
-  Storage storage;  ///< Of the lists; null for those of the root.
+  Storage storage;  ///< Memory of the lists; null for the root.
   int depth = 0;
   State state = State::kNew;
   ObjectSplit object;
-  PlaneSplit plane;      ///< kOpen: the spatial split that it asks for.
-  std::size_t left = 0;  ///< kDivided: the place of the first child; the second follows.
-  BvhChild grown;        ///< kGrown.
+  PlaneSplit plane;      ///< kOpen: the spatial split to make.
+  std::size_t left = 0;  ///< kDivided: index of the first child; the second follows it.
+  BvhChild grown;        ///< kGrown: the finished subtree.
 
   std::size_t added() const { return plane.added(lists.size()); }
-  /// Saved for each reference added.
+  /// Saved cost per added reference.
   double merit() const {
     return (object.sum - plane.sum()) / static_cast<double>(std::max<std::size_t>(added(), 1));
   }
@@ -46,7 +47,7 @@ struct Children {
   PlanNode left, right;
 };
 
-/// Scratch for whoever needs it; a task keeps it while others run on its thread.
+/// Scratch buffers of tasks. A task keeps its buffers while other tasks run on its thread.
 class ScratchPool {
  public:
   std::unique_ptr<SplitScratch> take() {
@@ -56,7 +57,7 @@ class ScratchPool {
     free_.pop_back();
     return scratch;
   }
-  void give_back(std::unique_ptr<SplitScratch> scratch) {
+  void put_back(std::unique_ptr<SplitScratch> scratch) {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(scratch));
   }
@@ -87,7 +88,7 @@ class BestFirstGrowth {
   }
 
  private:
-  /// Takes these nodes a step further, all at once. Returns the children that came of it.
+  /// Advances these nodes by one step, in parallel. Returns the indices of the new children.
   std::vector<std::size_t> advance(const std::vector<std::size_t>& wave,
                                    kdtree::BuildCounters& counters) {
     std::vector<std::unique_ptr<Children>> made(wave.size());
@@ -95,7 +96,7 @@ class BestFirstGrowth {
     tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t i) {
       std::unique_ptr<SplitScratch> scratch = scratches_.take();
       made[i] = step(nodes_[wave[i]], *scratch, counted[i]);
-      scratches_.give_back(std::move(scratch));
+      scratches_.put_back(std::move(scratch));
     });
     std::vector<std::size_t> next;
     for (std::size_t i = 0; i < wave.size(); ++i) {
@@ -134,23 +135,23 @@ class BestFirstGrowth {
 
   std::unique_ptr<Children> divide(PlanNode& node, bool by_plane, SplitScratch& scratch,
                                    kdtree::BuildCounters& counters) const {
-    Storage room = node.storage;
+    Storage storage = node.storage;
     ListHalves halves;
     if (by_plane) {
-      room = Storage(new Fragment[3 * node.plane.right]);
-      halves = divide_by_plane(node.lists, node.plane, room.get(), counters);
+      storage = Storage(new Fragment[3 * node.plane.right]);
+      halves = divide_by_plane(node.lists, node.plane, storage.get(), counters);
     } else {
       halves = divide_by_centers(node.lists, node.object.axis, node.object.left, scratch.lists,
                                  counters);
     }
     auto children = std::make_unique<Children>();
     children->left = PlanNode(halves.left, node.storage, node.depth + 1);
-    children->right = PlanNode(halves.right, std::move(room), node.depth + 1);
+    children->right = PlanNode(halves.right, std::move(storage), node.depth + 1);
     drop(node, State::kDivided);
     return children;
   }
 
-  /// Lets go of what a node needs no more.
+  /// Frees what a node no longer needs.
   static std::unique_ptr<Children> drop(PlanNode& node, State state) {
     node.state = state;
     node.storage = nullptr;
@@ -170,8 +171,7 @@ class BestFirstGrowth {
     std::push_heap(offers_.begin(), offers_.end());
   }
 
-  /// The open nodes to be taken further next: the best, split as they ask for if there is enough
-  /// left for it, closed if not.
+  /// The next wave: the best open nodes. A node whose split exceeds the remaining budget is closed.
   std::vector<std::size_t> pay_for_best() {
     std::vector<std::size_t> wave;
     while (!offers_.empty() && wave.size() < kAtOnce) {
@@ -201,9 +201,9 @@ class BestFirstGrowth {
   const BvhLeafRule& leaf_;
   BvhGrowth& growth_;
   ListGrowth closed_;
-  std::size_t unspent_;  ///< Of the budget.
+  std::size_t unspent_;  ///< Rest of the budget, in references.
   std::vector<PlanNode> nodes_;
-  std::vector<Offer> offers_;  ///< A heap of the open nodes.
+  std::vector<Offer> offers_;  ///< Heap of the open nodes.
   ScratchPool scratches_;
 };
 

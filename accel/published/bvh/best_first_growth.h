@@ -1,4 +1,5 @@
-// Growing a hierarchy where not all spatial splits can be paid for: those that gain most are made.
+// Grows a hierarchy when the budget does not suffice for all spatial splits: makes those that save
+// most.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +10,13 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Splits first, among all nodes there are, those whose spatial split saves most over their object
-/// split, for each reference that it adds; a few at a time, until `budget` references were added.
-/// A node whose split would add more than is left, and all below it, get object splits.
+/// Makes, among all open nodes, the spatial splits that save most compared with the object split,
+/// per added reference; a few at a time, until `budget` references are added. A node whose split
+/// would exceed the budget gets object splits only, and so do all nodes below it.
 ///
-/// Saved is the sum of half area times references over both children. In, touches: as
-/// grow_by_sweep (sweep_growth.h). Parallel in the caller's arena; the result does not depend on
-/// it. Throws std::bad_alloc.
+/// The cost of a split is the sum over both children of half area times references. Input and
+/// touches: as grow_by_sweep (sweep_growth.h). Parallel in the caller's arena; the result does not
+/// depend on the number of threads. Throws std::bad_alloc.
 BvhChild grow_best_first(const SplitSearch& search, const BvhLeafRule& leaf,
                          const CenterLists& root, std::size_t budget, BvhGrowth& growth,
                          kdtree::BuildCounters& counters);

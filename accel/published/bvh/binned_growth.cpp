@@ -1,4 +1,4 @@
-// Binning, dividing in place, and so on below.
+// Bins a list, divides it in place, and recurses.
 #include "accel/published/bvh/binned_growth.h"
 
 #include <algorithm>
@@ -18,10 +18,10 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// From this length on, several threads look at one list.
+/// Lists of at least this length are binned by several threads.
 constexpr std::size_t kShareFrom = std::size_t{1} << 16;
 
-ListSpan span_of(std::span<const kdtree::BoxRef> refs) {
+ListSpan span_of(std::span<const kdtree::Reference> refs) {
   const auto add = [refs](const tbb::blocked_range<std::size_t>& range, ListSpan span) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) span.add(refs[i]);
     return span;
@@ -34,8 +34,8 @@ ListSpan span_of(std::span<const kdtree::BoxRef> refs) {
   });
 }
 
-/// Minima, maxima and whole numbers: the same however the work is cut.
-void count(CenterBins& bins, std::span<const kdtree::BoxRef> refs) {
+/// Minima, maxima and integer sums, so the result does not depend on the slices.
+void count(CenterBins& bins, std::span<const kdtree::Reference> refs) {
   if (refs.size() < kShareFrom) return bins.add(refs);
   const CenterBins none = bins;
   bins = tbb::parallel_reduce(
@@ -47,7 +47,7 @@ void count(CenterBins& bins, std::span<const kdtree::BoxRef> refs) {
       [](CenterBins a, const CenterBins& b) { return a += b; });
 }
 
-/// A list in two parts, and what they span.
+/// The lengths and bounds of a divided list.
 struct Parts {
   std::size_t left = 0;
   std::array<ListSpan, 2> spans{};
@@ -58,7 +58,7 @@ class Growing {
   Growing(const BvhLeafRule& leaf, std::uint32_t bins, BvhGrowth& growth)
       : leaf_(leaf), bins_(bins), growth_(growth) {}
 
-  BvhChild grow(std::span<kdtree::BoxRef> refs, const ListSpan& span, int depth,
+  BvhChild grow(std::span<kdtree::Reference> refs, const ListSpan& span, int depth,
                 kdtree::BuildCounters& counters) {
     const geometry::Aabb box = span.boxes.aabb();
     if (refs.size() < 2) return growth_.leaf(refs, box);
@@ -81,8 +81,8 @@ class Growing {
   }
 
  private:
-  /// Nothing: they become a leaf.
-  std::optional<Parts> divide(std::span<kdtree::BoxRef> refs, const ListSpan& span,
+  /// Divides a list; nothing if it becomes a leaf.
+  std::optional<Parts> divide(std::span<kdtree::Reference> refs, const ListSpan& span,
                               const geometry::Aabb& box, int depth,
                               kdtree::BuildCounters& counters) const {
     if (refs.size() <= leaf_.leaf_size && !leaf_.split_small) return std::nullopt;
@@ -100,14 +100,14 @@ class Growing {
     return divided(refs, bins, best);
   }
 
-  static Parts halved(std::span<kdtree::BoxRef> refs, std::size_t axis) {
+  static Parts halved(std::span<kdtree::Reference> refs, std::size_t axis) {
     Parts parts{.left = halve_by_center(refs, axis)};
     parts.spans = {span_of(refs.first(parts.left)), span_of(refs.subspan(parts.left))};
     return parts;
   }
 
-  /// From both ends at once, adding up what both sides span on the way.
-  static Parts divided(std::span<kdtree::BoxRef> refs, const CenterBins& bins,
+  /// Partitions from both ends, and computes the bounds of both sides on the way.
+  static Parts divided(std::span<kdtree::Reference> refs, const CenterBins& bins,
                        const BinSplit& split) {
     Parts parts;
     std::size_t i = 0, end = refs.size();
@@ -133,7 +133,7 @@ class Growing {
 
 }  // namespace
 
-BvhChild grow_binned(std::span<kdtree::BoxRef> refs, const BvhLeafRule& leaf, std::uint32_t bins,
+BvhChild grow_binned(std::span<kdtree::Reference> refs, const BvhLeafRule& leaf, std::uint32_t bins,
                      BvhGrowth& growth, kdtree::BuildCounters& counters) {
   const ListSpan span = span_of(refs);
   counters.touches += refs.size();

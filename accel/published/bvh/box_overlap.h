@@ -1,4 +1,4 @@
-// What two boxes have in common.
+// The intersection of two boxes.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Half the surface of what both hold; 0 if they are apart.
+/// Half the surface of the intersection; 0 if the boxes are disjoint.
 inline double common_half_area(const geometry::Aabb& a, const geometry::Aabb& b) {
   geometry::Aabb common;
   for (std::size_t axis = 0; axis < 3; ++axis) {

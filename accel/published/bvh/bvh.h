@@ -1,5 +1,5 @@
-// The bounding volume hierarchy as it is kept: nodes of two children each, and the ids its leaves
-// hold. Built whole and not changed afterwards.
+// Storage of a bounding volume hierarchy: nodes with two children each, and the ids in its leaves.
+// Built whole, and immutable afterwards.
 #pragma once
 
 #include <array>
@@ -12,21 +12,20 @@
 
 namespace sightline::accel::published::bvh {
 
-/// What hangs at a place in the hierarchy: an inner node or a leaf, and the box around what is
-/// below. Made without arguments: an empty leaf.
+/// A child of a node: an inner node or a leaf, with its box. By default an empty leaf.
 struct BvhChild {
   geometry::Aabb box{};
-  std::uint32_t first = 0;  ///< Inner: the place of its node. Leaf: of its first id.
+  std::uint32_t first = 0;  ///< Inner: index of the node. Leaf: index of the first id.
   std::uint32_t count = 0;  ///< Ids in the leaf.
   bool inner = false;
 };
 
-/// An inner node. It holds its children's boxes, so that one cache line decides about both; the two
-/// numbers for the same face of both boxes stand side by side, as they are computed with.
+/// An inner node. It holds its children's boxes, so that one cache line suffices to test both. The
+/// same face of both boxes is stored side by side, for vector arithmetic.
 struct alignas(64) BvhNode {
   static constexpr std::uint32_t kInner = 0xffffffffu;
 
-  /// [axis] lower, [3 + axis] upper bounds, [child].
+  /// bounds[axis][child]: lower bounds; bounds[3 + axis][child]: upper bounds.
   std::array<std::array<float, 2>, 6> bounds{};
   std::array<std::uint32_t, 2> first{};
   std::array<std::uint32_t, 2> count{};  ///< kInner for an inner node.
@@ -54,11 +53,11 @@ struct alignas(64) BvhNode {
 };
 static_assert(sizeof(BvhNode) == 64);
 
-/// Nodes stand in depth-first order, left children first; ids in the order of their leaves. A
-/// triangle whose reference was split is named by several leaves.
+/// Nodes are in depth-first order, left children first; ids in the order of their leaves. A
+/// triangle whose reference was split is in several leaves.
 ///
-/// Boxes hold all of what of their triangles they are responsible for: every point of a triangle
-/// lies in the box of a leaf that names it, and in all boxes above that leaf.
+/// Every point of a triangle lies in the box of a leaf that has the triangle, and in all boxes
+/// above that leaf.
 struct Bvh {
   BvhChild root;
   std::vector<BvhNode> nodes;
@@ -72,11 +71,11 @@ struct Bvh {
   }
 };
 
-/// Greatest depth of a leaf in any hierarchy: walks keep a stack of this size.
+/// Largest depth of a leaf in any hierarchy: traversals keep a stack of this size.
 inline constexpr int kMaxBvhDepth = 96;
 
-/// From this depth on lists are halved, by the order of their centers along the longest axis: with
-/// fewer than 2^32 references no leaf comes to lie deeper than kMaxBvhDepth.
+/// From this depth on lists are halved, in the order of their centers along the longest axis. With
+/// fewer than 2^32 references no leaf is then deeper than kMaxBvhDepth.
 inline constexpr int kHalvingDepth = 64;
 
 }  // namespace sightline::accel::published::bvh

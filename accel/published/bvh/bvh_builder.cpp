@@ -1,4 +1,4 @@
-// References from faces, split or not, and a hierarchy over them.
+// Makes references of faces, splits them if the method does, and builds a hierarchy over them.
 #include "accel/published/bvh/bvh_builder.h"
 
 #include <vector>
@@ -22,7 +22,7 @@ std::optional<std::string> BvhBuilder::check() const {
 }
 
 Bvh BvhBuilder::build(const geometry::MeshView& mesh, kdtree::BuildCounters& counters) const {
-  std::vector<kdtree::BoxRef> refs(mesh.faces.size());
+  std::vector<kdtree::Reference> refs(mesh.faces.size());
   refs.resize(mesh::face_references(mesh, 0, mesh.faces.size(), refs.data()));
   counters.touches_prepare += mesh.faces.size();
   if (refs.empty()) return {};
@@ -34,7 +34,7 @@ Bvh BvhBuilder::build(const geometry::MeshView& mesh, kdtree::BuildCounters& cou
     return growth.finish(grow_binned(refs, leaf, bins, growth, counters));
   }
   const SpatialRule rule = method == BvhMethod::kSpatial ? spatial : SpatialRule{.alpha = 1};
-  BvhGrowth growth(sweep_room(refs.size(), rule), repeats);
+  BvhGrowth growth(sweep_capacity(refs.size(), rule), repeats);
   return growth.finish(grow_by_sweep(&mesh, std::move(refs), leaf, rule, growth, counters));
 }
 

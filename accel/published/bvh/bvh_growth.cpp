@@ -6,7 +6,7 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// Copies what is below a place, in depth-first order.
+/// Copies the nodes and ids below a node, in depth-first order.
 class Flattening {
  public:
   Flattening(const BvhNode* nodes, const std::uint32_t* ids, Bvh& out)
@@ -19,12 +19,12 @@ class Flattening {
       out_.ids.insert(out_.ids.end(), ids_ + from.first, ids_ + from.first + from.count);
       return to;
     }
-    const std::size_t place = out_.nodes.size();
-    to.first = static_cast<std::uint32_t>(place);
+    const std::size_t index = out_.nodes.size();
+    to.first = static_cast<std::uint32_t>(index);
     out_.nodes.emplace_back();
     for (const std::size_t side : {0u, 1u}) {
       const BvhChild child = copy(nodes_[from.first].child(side));
-      out_.nodes[place].set(side, child);
+      out_.nodes[index].set(side, child);
     }
     return to;
   }
@@ -40,11 +40,11 @@ class Flattening {
 BvhGrowth::BvhGrowth(std::size_t references, bool repeats)
     : nodes_(references), ids_(references), repeats_(repeats) {}
 
-BvhChild BvhGrowth::leaf(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& box) {
+BvhChild BvhGrowth::leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& box) {
   const std::size_t first = ids_used_.fetch_add(refs.size(), std::memory_order_relaxed);
   std::uint32_t* const begin = ids_.data() + first;
   std::uint32_t* end = begin;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     if (repeats_ || std::find(begin, end, ref.id) == end) *end++ = ref.id;
   }
   return {.box = box,
@@ -53,13 +53,13 @@ BvhChild BvhGrowth::leaf(std::span<const kdtree::BoxRef> refs, const geometry::A
 }
 
 BvhChild BvhGrowth::inner(const BvhChild& left, const BvhChild& right) {
-  const std::size_t place = nodes_used_.fetch_add(1, std::memory_order_relaxed);
-  BvhNode& node = nodes_.data()[place];
+  const std::size_t index = nodes_used_.fetch_add(1, std::memory_order_relaxed);
+  BvhNode& node = nodes_.data()[index];
   node.set(0, left);
   node.set(1, right);
   geometry::Aabb box = left.box;
   box.grow(right.box);
-  return {.box = box, .first = static_cast<std::uint32_t>(place), .inner = true};
+  return {.box = box, .first = static_cast<std::uint32_t>(index), .inner = true};
 }
 
 Bvh BvhGrowth::finish(const BvhChild& root) const {

@@ -1,4 +1,4 @@
-// Walking a whole hierarchy to sum it up.
+// Walks a whole hierarchy to compute its metrics.
 #include "accel/published/bvh/bvh_measure.h"
 
 #include <algorithm>

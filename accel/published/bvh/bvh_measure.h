@@ -1,4 +1,4 @@
-// What a hierarchy is like, in the metrics of all trees.
+// Metrics of a hierarchy, in the form of all trees.
 #pragma once
 
 #include "accel/kdtree/tree_metrics.h"
@@ -6,8 +6,8 @@
 
 namespace sightline::accel::published::bvh {
 
-/// As for kd-trees, with boxes for cells; a step here meets two boxes, there a plane. `overlap` is
-/// the sum over inner nodes of SA(intersection of the children's boxes) / SA(root).
+/// As for kd-trees, with boxes instead of cells. A step tests two boxes, in a kd-tree one plane.
+/// `overlap` is the sum over inner nodes of SA(intersection of the children's boxes) / SA(root).
 kdtree::TreeMetrics measure(const Bvh& bvh);
 
 }  // namespace sightline::accel::published::bvh

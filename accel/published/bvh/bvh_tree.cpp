@@ -1,4 +1,4 @@
-// Building once, and walking what is built.
+// Builds once, then answers queries.
 #include "accel/published/bvh/bvh_tree.h"
 
 #include <chrono>
@@ -16,7 +16,7 @@ void BvhTree::build(kdtree::BuildCounters& counters) {
   if (is_built()) return;
   const auto begun = std::chrono::steady_clock::now();
   std::unique_ptr<const Bvh> bvh;
-  // Isolated: this thread must not take up a ray meanwhile that waits for this very lock.
+  // Isolated: this thread must not start a task meanwhile that waits for this lock.
   tbb::this_task_arena::isolate(
       [&] { bvh = std::make_unique<const Bvh>(builder_.build(mesh_, counters)); });
   ++counters.cells_expanded;
@@ -29,7 +29,7 @@ void BvhTree::query(mesh::LeafTest& test) const { walk(*built(), test.ray, test.
 
 kdtree::TreeMetrics BvhTree::metrics() const {
   if (is_built()) return measure(*built());
-  return {.unbuilt_cells = 1};
+  return {.deferred_cells = 1};
 }
 
 }  // namespace sightline::accel::published::bvh

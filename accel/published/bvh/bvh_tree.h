@@ -1,4 +1,4 @@
-// A hierarchy over a mesh's triangles, built when the first ray asks for it.
+// A hierarchy over a mesh's triangles, built by the first ray that enters it.
 #pragma once
 
 #include <atomic>
@@ -12,8 +12,8 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Hierarchies over boxes do not grow piece by piece: what is below a node has to be known before
-/// its box is. The first ray that enters builds all of it, while others wait.
+/// A hierarchy is not built lazily, because the box of a node depends on all that is below it. The
+/// first ray that enters builds all of it, while others wait.
 class BvhTree final : public mesh::WholeTree {
  public:
   /// The view's arrays must outlive the tree.

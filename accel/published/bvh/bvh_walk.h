@@ -1,4 +1,4 @@
-// Walking a ray through a bounding volume hierarchy.
+// The traversal of a bounding volume hierarchy by a ray.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Where a ray meets the boxes of a node's two children.
+/// Whether and where a ray meets the boxes of a node's two children.
 struct BvhMeeting {
   std::array<double, 2> t_in;
   std::array<bool, 2> meets;
 };
 
-/// Never false for a box in which the ray has a hit between its t_in and `limit`: both ends are
-/// widened by the ray's slack (see TreeRay).
+/// Tests both children. `meets` is never false for a box in which the ray has a hit between its
+/// t_in and `limit`: both ends are widened by the ray's slack (see TreeRay).
 inline BvhMeeting meet_children(const BvhNode& node, const kdtree::TreeRay& ray, double limit) {
   std::array<double, 2> in{ray.t_in, ray.t_in}, out{limit, limit};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -28,7 +28,7 @@ inline BvhMeeting meet_children(const BvhNode& node, const kdtree::TreeRay& ray,
     for (std::size_t side = 0; side < 2; ++side) {
       const double t_near = (static_cast<double>(nearer[side]) - origin) * inverse;
       const double t_far = (static_cast<double>(farther[side]) - origin) * inverse;
-      // A ray along the face has NaN here, which changes nothing.
+      // A ray in the plane of a face has NaN here, which fails both tests.
       in[side] = t_near > in[side] ? t_near : in[side];
       out[side] = t_far < out[side] ? t_far : out[side];
     }
@@ -81,7 +81,7 @@ void walk(const Bvh& bvh, const kdtree::TreeRay& ray, kdtree::WalkCounters& coun
           both ? (meeting.t_in[1] < meeting.t_in[0] ? 1u : 0u) : (meeting.meets[1] ? 1u : 0u);
       if (both) {
         stack[waiting++] = {meeting.t_in[1 - next], node.first[1 - next], node.count[1 - next]};
-        // Asked for now, it is there when the walk comes back.
+        // Prefetched for when the traversal returns to it.
         fetch(bvh, node.first[1 - next], node.count[1 - next]);
       }
       first = node.first[next];

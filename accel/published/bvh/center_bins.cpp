@@ -1,4 +1,4 @@
-// Binning centers, and weighing the boundaries.
+// Counts centers in bins, and finds the cheapest boundary.
 #include "accel/published/bvh/center_bins.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ Lanes middle(Lanes lo, Lanes hi) { return lo * all_lanes(0.5f) + hi * all_lanes(
 
 }  // namespace
 
-void ListSpan::add(const kdtree::BoxRef& ref) {
+void ListSpan::add(const kdtree::Reference& ref) {
   const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
   boxes.grow(lo, hi);
   centers.grow(middle(lo, hi));
@@ -28,15 +28,15 @@ CenterBins::CenterBins(const LaneBox& centers, std::uint32_t bins)
     lo_[a] = centers.lo[lane];
     const double extent =
         static_cast<double>(centers.hi[lane]) - static_cast<double>(centers.lo[lane]);
-    // So small an extent that its inverse is no float has no bins.
+    // An extent whose inverse is not a finite float has no bins.
     const double per_width = extent > 0 ? bins / extent : 0;
     per_width_[a] = per_width < 1e38 ? static_cast<float>(per_width) : 0;
     if (per_width_[a] > 0) std::fill_n(counted_[a].begin(), bins, Bin{none.lo, none.hi, 0});
   }
 }
 
-void CenterBins::add(std::span<const kdtree::BoxRef> refs) {
-  for (const kdtree::BoxRef& ref : refs) {
+void CenterBins::add(std::span<const kdtree::Reference> refs) {
+  for (const kdtree::Reference& ref : refs) {
     const Lanes lo = lanes(ref.lo), hi = lanes(ref.hi);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!(per_width_[a] > 0)) continue;
@@ -62,7 +62,7 @@ CenterBins& CenterBins::operator+=(const CenterBins& o) {
 
 BinSplit CenterBins::best() const {
   BinSplit best;
-  std::array<double, kMaxBins> from;  // of all bins from there on
+  std::array<double, kMaxBins> from;  // cost of all bins from this one on
   for (std::size_t a = 0; a < 3; ++a) {
     if (!(per_width_[a] > 0)) continue;
     const auto& counted = counted_[a];
@@ -87,7 +87,7 @@ BinSplit CenterBins::best() const {
   return best;
 }
 
-bool CenterBins::goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const {
+bool CenterBins::goes_left(const kdtree::Reference& ref, const BinSplit& split) const {
   return bin(center(ref, split.axis), split.axis) <= split.last_left;
 }
 

@@ -1,4 +1,4 @@
-// Bins over the centers of boxes: how many lie in each, and what they span.
+// Bins over the centers of boxes: the number of boxes in each, and their bounds.
 #pragma once
 
 #include <array>
@@ -11,22 +11,22 @@
 
 namespace sightline::accel::published::bvh {
 
-/// What a list spans: its boxes, and their centers.
+/// Bounds of a list: of its boxes, and of their centers.
 struct ListSpan {
   LaneBox boxes, centers;
 
-  void add(const kdtree::BoxRef& ref);
+  void add(const kdtree::Reference& ref);
   void grow(const ListSpan& o) {
     boxes.grow(o.boxes);
     centers.grow(o.centers);
   }
 };
 
-/// Where a list is divided: bins up to `last_left` go left.
+/// A split between bins: bins up to `last_left` go left.
 struct BinSplit {
   std::size_t axis = 0;
   std::uint32_t last_left = 0;
-  double sum = 0;  ///< Of half area times references, over both children.
+  double sum = 0;  ///< Sum over both children of half area times references.
   bool found = false;
 };
 
@@ -34,16 +34,16 @@ class CenterBins {
  public:
   static constexpr std::uint32_t kMaxBins = 256;
 
-  /// `bins` bins an axis over these centers, 2 to kMaxBins. An axis along which they coincide has
-  /// none.
+  /// Makes `bins` bins per axis over the bounds of centers, 2 to kMaxBins. An axis along which all
+  /// centers coincide has no bins.
   CenterBins(const LaneBox& centers, std::uint32_t bins);
 
-  void add(std::span<const kdtree::BoxRef> refs);
+  void add(std::span<const kdtree::Reference> refs);
   CenterBins& operator+=(const CenterBins& o);
 
-  /// The cheapest boundary that leaves something on both sides.
+  /// The cheapest boundary with references on both sides.
   BinSplit best() const;
-  bool goes_left(const kdtree::BoxRef& ref, const BinSplit& split) const;
+  bool goes_left(const kdtree::Reference& ref, const BinSplit& split) const;
 
  private:
   struct Bin {
@@ -59,7 +59,7 @@ class CenterBins {
   std::array<float, 3> lo_{}, per_width_{};  // per_width 0: no bins
   float last_ = 0;
   std::uint32_t bins_ = 0;
-  std::array<std::array<Bin, kMaxBins>, 3> counted_;  // as many as are used are set
+  std::array<std::array<Bin, kMaxBins>, 3> counted_;  // only the first bins_ are set
 };
 
 }  // namespace sightline::accel::published::bvh

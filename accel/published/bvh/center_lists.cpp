@@ -1,4 +1,4 @@
-// Sorting by centers once, and keeping the order.
+// Sorts by centers once, and keeps the order in splits.
 #include "accel/published/bvh/center_lists.h"
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kAxes = 3;
 
-/// Where a reference stands in the input, and its center as a number that orders alike.
-struct Place {
+/// The center of a reference as an integer in the same order, and its index in the input.
+struct SortKey {
   std::uint32_t key, order;
 };
 
@@ -26,23 +26,23 @@ std::uint32_t ordered_bits(float x) {
   return (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
 }
 
-/// Least digit first, so that places alike in key stay in their order.
-void sort_places(std::vector<Place>& places) {
+/// Radix sort, least digit first: stable for equal keys.
+void sort_keys(std::vector<SortKey>& keys) {
   constexpr std::size_t kDigits = 1u << 11;
-  std::vector<Place> other(places.size());
+  std::vector<SortKey> other(keys.size());
   for (const int shift : {0, 11, 22}) {
-    const auto digit = [shift](const Place& p) { return p.key >> shift & (kDigits - 1); };
+    const auto digit = [shift](const SortKey& p) { return p.key >> shift & (kDigits - 1); };
     std::vector<std::size_t> start(kDigits);
-    for (const Place& p : places) ++start[digit(p)];
+    for (const SortKey& p : keys) ++start[digit(p)];
     std::size_t next = 0;
     for (std::size_t& s : start) next += std::exchange(s, next);
-    for (const Place& p : places) other[start[digit(p)]++] = p;
-    places.swap(other);
+    for (const SortKey& p : keys) other[start[digit(p)]++] = p;
+    keys.swap(other);
   }
 }
 
-/// The places of references by ascending id, equal ids as they stand.
-std::vector<std::uint32_t> by_id(std::span<const kdtree::BoxRef> refs) {
+/// Indices of references by ascending id, stable for equal ids.
+std::vector<std::uint32_t> by_id(std::span<const kdtree::Reference> refs) {
   std::vector<std::uint32_t> order(refs.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return refs[a].id < refs[b].id; };
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> by_id(std::span<const kdtree::BoxRef> refs) {
   return order;
 }
 
-/// Runs it for each axis, at once where lists are long.
+/// Calls `each` for every axis, in parallel for long lists.
 template <class Each>
 void for_each_axis(std::size_t size, Each&& each) {
   if (size >= grow::kForkFrom) {
@@ -61,9 +61,9 @@ void for_each_axis(std::size_t size, Each&& each) {
   }
 }
 
-/// Those before `first_right` along `axis`, `left` of them, to the front, the others behind them,
-/// both in order. The fewer of them are put aside meanwhile: `spare` has room for those and one
-/// more, as every one is written to both places, and counts in one.
+/// Stable partition: the `left` fragments before `first_right` along `axis` move to the front. The
+/// smaller side is buffered in `spare`, which has capacity for one more: every fragment is written
+/// to both sides, and one end advances.
 void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& first_right,
                  std::size_t left, Fragment* spare) {
   if (left > list.size() / 2) {
@@ -91,7 +91,7 @@ void divide_list(std::span<Fragment> list, std::size_t axis, const Fragment& fir
 
 }  // namespace
 
-CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack& stack,
+CenterLists sort_by_centers(std::span<const kdtree::Reference> refs, FragmentStack& stack,
                             kdtree::BuildCounters& counters) {
   const std::vector<std::uint32_t> order = by_id(refs);
   CenterLists lists;
@@ -100,14 +100,14 @@ CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack&
     stack.take(refs.size());
   }
   for_each_axis(refs.size(), [&](std::size_t axis) {
-    std::vector<Place> places(refs.size());
+    std::vector<SortKey> keys(refs.size());
     for (std::uint32_t i = 0; i < refs.size(); ++i) {
-      const kdtree::BoxRef& ref = refs[order[i]];
-      places[i] = {ordered_bits(0.5f * ref.lo[axis] + 0.5f * ref.hi[axis]), i};
+      const kdtree::Reference& ref = refs[order[i]];
+      keys[i] = {ordered_bits(0.5f * ref.lo[axis] + 0.5f * ref.hi[axis]), i};
     }
-    sort_places(places);
-    std::transform(places.begin(), places.end(), lists.along[axis].begin(), [&](const Place& p) {
-      const kdtree::BoxRef& ref = refs[order[p.order]];
+    sort_keys(keys);
+    std::transform(keys.begin(), keys.end(), lists.along[axis].begin(), [&](const SortKey& p) {
+      const kdtree::Reference& ref = refs[order[p.order]];
       return Fragment(ref.bounds(), ref.id, p.order);
     });
   });
@@ -120,12 +120,12 @@ ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::si
                              FragmentStack& stack, kdtree::BuildCounters& counters) {
   const std::size_t size = lists.size();
   const Fragment first_right = lists.along[axis][left];
-  const std::size_t room = std::min(left, size - left) + 1;
-  Fragment* const spare = stack.top(2 * room);  // two lists are divided, maybe at once
+  const std::size_t capacity = std::min(left, size - left) + 1;
+  Fragment* const spare = stack.top(2 * capacity);  // two lists are divided, maybe at once
   for_each_axis(size, [&](std::size_t a) {
     if (a == axis) return;
     const bool second = a == (axis + 2) % kAxes;
-    divide_list(lists.along[a], axis, first_right, left, spare + (second ? room : 0));
+    divide_list(lists.along[a], axis, first_right, left, spare + (second ? capacity : 0));
   });
   ListHalves halves;
   for (std::size_t a = 0; a < kAxes; ++a) {

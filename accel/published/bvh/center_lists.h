@@ -1,4 +1,4 @@
-// What a node holds, three times over: in the order of the centers along each axis.
+// The references of a node in three lists, one per axis, in the order of their centers.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace sightline::accel::published::bvh {
 
-/// A reference of which a part may have been split off: eight lanes, so that bounds take it in in
-/// two steps. The fourth lanes hold the bits of numbers, not floats.
+/// A reference, or a part of one that was split: eight lanes, so that growing a box by it takes two
+/// vector steps. The fourth lanes hold the bits of integers.
 struct Fragment {
   Lanes lo, hi;
 
   Fragment() = default;
-  /// `order`: its place in the list that the hierarchy is built over, ids ascending. A node holds
-  /// one fragment of each at most.
+  /// `order`: index of the reference in the list of the whole hierarchy, sorted by id. A node has
+  /// at most one fragment of each reference.
   Fragment(const geometry::Aabb& box, std::uint32_t id, std::uint32_t order)
       : lo{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(id)},
         hi{box.hi.x, box.hi.y, box.hi.z, std::bit_cast<float>(order)} {}
@@ -32,7 +32,7 @@ struct Fragment {
   Fragment with(const geometry::Aabb& box) const { return {box, id(), order()}; }
 };
 
-/// The order along an axis: total within a node.
+/// The order along an axis; a total order within a node.
 inline bool precedes(const Fragment& a, const Fragment& b, std::size_t axis) {
   const float x = a.center(axis), y = b.center(axis);
   return x != y ? x < y : a.order() < b.order();
@@ -42,7 +42,7 @@ using FragmentStack = grow::ListStack<Fragment>;
 
 struct CenterLists {
   std::array<std::span<Fragment>, 3> along;
-  geometry::Aabb box;  ///< Around all of them.
+  geometry::Aabb box;  ///< Bounds of all fragments.
 
   std::size_t size() const { return along[0].size(); }
 };
@@ -53,16 +53,16 @@ inline geometry::Aabb box_around(std::span<const Fragment> fragments) {
   return box.aabb();
 }
 
-/// All references, on the stack. Touches: a sort an axis.
-CenterLists sort_by_centers(std::span<const kdtree::BoxRef> refs, FragmentStack& stack,
+/// Sorted lists of all references, on the stack. Touches: a sort per axis.
+CenterLists sort_by_centers(std::span<const kdtree::Reference> refs, FragmentStack& stack,
                             kdtree::BuildCounters& counters);
 
 struct ListHalves {
   CenterLists left, right;
 };
 
-/// The first `left` fragments along `axis` and the others, both where the lists were; the stack is
-/// used meanwhile. Touches: a pass for the boxes and one an axis to divide.
+/// Divides lists into the first `left` fragments along `axis` and the others, in the memory of the
+/// lists; the stack is scratch memory. Touches: a pass for the boxes and one per axis to divide.
 ListHalves divide_by_centers(const CenterLists& lists, std::size_t axis, std::size_t left,
                              FragmentStack& stack, kdtree::BuildCounters& counters);
 

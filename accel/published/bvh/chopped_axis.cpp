@@ -1,5 +1,5 @@
-// Chopping: each edge of an outline leaves a point at every plane it crosses, which the bins on
-// both sides take in; of a flat convex outline, that and its corners are all that bounds its parts.
+// Each edge of an outline adds a point at every plane it crosses to the bins on both sides. These
+// points and the corners bound the parts of a flat convex outline.
 #include "accel/published/bvh/chopped_axis.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ ChoppedAxis::ChoppedAxis(std::size_t axis, std::span<const float> planes)
     : axis_(axis), bins_(planes.size() - 1), most_(static_cast<float>(planes.size())) {
   std::copy(planes.begin(), planes.end(), planes_.begin());
   const double width = static_cast<double>(planes.back()) - static_cast<double>(planes.front());
-  // Where it is no float, guesses are far off, and put right.
+  // Not a finite float: guesses are then far off, and corrected by search.
   per_width_ = width > 1e-36 ? static_cast<float>(static_cast<double>(bins_) / width) : 0;
 }
 
@@ -26,13 +26,13 @@ void ChoppedAxis::add(const Fragment& f, const Span& span, std::span<const Lanes
 
 void ChoppedAxis::chop(std::span<const Lanes> corners, const Span& span) {
   if (corners.empty()) return;
-  const auto place_of = [&](Lanes p) {
-    return std::clamp(place_above(p[axis_]), span.first, span.last);
+  const auto bin_of = [&](Lanes p) {
+    return std::clamp(bin_above(p[axis_]), span.first, span.last);
   };
   Lanes p = corners.back();
-  std::size_t from = place_of(p);
+  std::size_t from = bin_of(p);
   for (const Lanes q : corners) {
-    const std::size_t to = place_of(q);
+    const std::size_t to = bin_of(q);
     inside_[to].grow(q);
     if (from != to) {
       const bool rises = from < to;

@@ -1,4 +1,4 @@
-// Boxes cut in the middle, and drawn tight.
+// Splits boxes in the middle, and clips the halves.
 #include "accel/published/bvh/early_split.h"
 
 #include <algorithm>
@@ -15,18 +15,18 @@ namespace {
 
 struct BoxPiece {
   geometry::Aabb box;
-  std::uint32_t source;  ///< The place of its reference in the list.
+  std::uint32_t source;  ///< Index of its reference in the list.
 };
 
-/// Where the box is cut; a bound of it if there is no float between.
+/// The middle of a box; one of its bounds if there is no float between.
 float middle(const geometry::Aabb& box, std::size_t axis) {
   return 0.5f * box.lo[axis] + 0.5f * box.hi[axis];
 }
 
-/// Of boxes that no plane divides: 0.
+/// Half area; 0 for a box that no plane divides.
 double size_of(const geometry::Aabb& box) {
   const auto axis = static_cast<std::size_t>(split::longest_axis(box));
-  // A few floats wide: widen_flat might make the halves as wide again.
+  // At least a few floats wide: widen_flat could widen smaller halves back to the whole.
   const float least = geometry::least_above(
       geometry::least_above(geometry::least_above(geometry::least_above(box.lo[axis]))));
   return box.hi[axis] > least ? half_area(box) : 0;
@@ -34,7 +34,7 @@ double size_of(const geometry::Aabb& box) {
 
 class EarlySplit {
  public:
-  EarlySplit(const geometry::MeshView& mesh, const std::vector<kdtree::BoxRef>& refs)
+  EarlySplit(const geometry::MeshView& mesh, const std::vector<kdtree::Reference>& refs)
       : mesh_(mesh), refs_(refs) {}
 
   SplitPiece<BoxPiece> operator()(const BoxPiece& piece) const {
@@ -43,7 +43,7 @@ class EarlySplit {
         halve(piece.box, axis, middle(piece.box, static_cast<std::size_t>(axis)));
     std::optional<geometry::Aabb> left = part_in(halves.left, piece),
                                   right = part_in(halves.right, piece);
-    // Rounding can leave a box that holds no point of the triangle. It may stay as it is.
+    // Because of rounding, a box may contain no point of the triangle. It is kept.
     if (!left && !right) left = halves.left;
     if (!left) return {{*right, piece.source}, std::nullopt};
     if (!right) return {{*left, piece.source}, std::nullopt};
@@ -57,14 +57,15 @@ class EarlySplit {
   }
 
   const geometry::MeshView& mesh_;
-  const std::vector<kdtree::BoxRef>& refs_;
+  const std::vector<kdtree::Reference>& refs_;
 };
 
 }  // namespace
 
-std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters) {
+std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters) {
   std::vector<BoxPiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) pieces.push_back({refs[i].bounds(), i});
@@ -77,10 +78,10 @@ std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
         counters.touches_prepare += 2;
         return split(piece);
       });
-  std::vector<kdtree::BoxRef> out;
+  std::vector<kdtree::Reference> out;
   out.reserve(pieces.size());
   for (const BoxPiece& piece : pieces) {
-    const kdtree::BoxRef& ref = refs[piece.source];
+    const kdtree::Reference& ref = refs[piece.source];
     out.push_back({piece.box.lo, ref.id, piece.box.hi, ref.weight});
   }
   return out;

@@ -10,16 +10,17 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Splits boxes in the middle of their longest axis, each half drawn tight around its part of the
-/// triangle, while their surface is above rule.threshold of the surface around all.
+/// Splits boxes in the middle of their longest axis, and clips each half to its part of the
+/// triangle, while their surface is above rule.threshold of the surface of the root.
 ///
-/// In: one reference a face, bounds through widen_flat. Out: pieces in the order of what they come
-/// from, those of one face together; all of a face lies in its pieces. A face counts several times
-/// where a hierarchy is built over them, as in the paper; BvhGrowth::leaf names it once in a leaf.
+/// In: one reference per face, bounds through widen_flat. Out: pieces in the order of their
+/// references, so those of one face are together; the pieces of a face cover it. The builder counts
+/// a face once per piece, as in the paper; BvhGrowth::leaf drops duplicates within a leaf.
 ///
-/// Touches_prepare: a box made. Deterministic. Throws std::bad_alloc.
-std::vector<kdtree::BoxRef> split_early(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters);
+/// Touches_prepare: one per box made. Deterministic. Throws std::bad_alloc.
+std::vector<kdtree::Reference> split_early(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -1,4 +1,4 @@
-// Triangles cut at the middle of their worst edge.
+// Splits triangles at the middle of their worst edge.
 #include "accel/published/bvh/edge_split.h"
 
 #include <algorithm>
@@ -14,18 +14,19 @@ namespace {
 
 struct TrianglePiece {
   std::array<geometry::Vec3d, 3> corner;
-  std::uint32_t source;  ///< The place of its reference in the list.
-  std::uint32_t depth;   ///< How often it was split.
+  std::uint32_t source;  ///< Index of its reference in the list.
+  std::uint32_t depth;   ///< Number of splits that led to it.
 };
 
-/// Each level moves corners by a rounding at most; what boxes are widened by covers so many.
+/// Each split moves a corner by at most one rounding. The slack of box_of covers this many.
 constexpr std::uint32_t kMaxDepth = 64;
 
 double volume(const geometry::Vec3d& a, const geometry::Vec3d& b) {
   return std::fabs((b.x - a.x) * (b.y - a.y) * (b.z - a.z));
 }
 
-/// The edge from this corner to the next has the largest bounds; the first of equal ones.
+/// Index i of the edge from corner i to the next whose bounds have the largest volume; of equal
+/// ones the first.
 std::size_t worst_edge(const TrianglePiece& piece) {
   std::size_t worst = 0;
   for (const std::size_t i : {1u, 2u}) {
@@ -54,7 +55,7 @@ SplitPiece<TrianglePiece> split(const TrianglePiece& piece) {
   return {first, second};
 }
 
-/// Around the piece, and not beyond the bounds of its whole triangle.
+/// The box of a piece, not beyond the bounds of its whole triangle.
 geometry::Aabb box_of(const TrianglePiece& piece, const geometry::Aabb& whole) {
   geometry::Aabb box;
   double largest = 0;
@@ -78,9 +79,10 @@ double volume_of(const geometry::Aabb& box) {
 
 }  // namespace
 
-std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters) {
+std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters) {
   std::vector<TrianglePiece> pieces;
   pieces.reserve(refs.size());
   for (std::uint32_t i = 0; i < refs.size(); ++i) {
@@ -90,11 +92,11 @@ std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
   }
   const double least = rule.budget > 0 ? 0 : rule.threshold * volume_of(bounds_of(refs));
   split_largest_first(pieces, least, rule.most_pieces(refs.size()), size_of, split);
-  std::vector<kdtree::BoxRef> out;
+  std::vector<kdtree::Reference> out;
   out.reserve(pieces.size());
   for (const TrianglePiece& piece : pieces) {
-    const kdtree::BoxRef& ref = refs[piece.source];
-    // A triangle that stayed whole has bounds already.
+    const kdtree::Reference& ref = refs[piece.source];
+    // A triangle that stayed whole has its bounds already.
     const geometry::Aabb box = piece.depth > 0 ? box_of(piece, ref.bounds()) : ref.bounds();
     counters.touches_prepare += piece.depth > 0 ? 1 : 0;
     out.push_back({box.lo, ref.id, box.hi, ref.weight});

@@ -1,6 +1,6 @@
-// The Edge Volume Heuristic: triangles that lie askew are split before the hierarchy is built.
-// Source: Dammertz, Keller 2008, "The Edge Volume Heuristic - Robust Triangle Subdivision for
-// Improved BVH Performance".
+// The Edge Volume Heuristic: triangles that are not axis-aligned are split before the hierarchy is
+// built. Source: Dammertz, Keller 2008, "The Edge Volume Heuristic - Robust Triangle Subdivision
+// for Improved BVH Performance".
 #pragma once
 
 #include <vector>
@@ -11,13 +11,14 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Splits triangles in the middle of the edge whose bounds have the largest volume, while that is
-/// above rule.threshold of the volume around all. Triangles with axis-aligned edges stay whole.
+/// Splits triangles at the middle of the edge whose bounds have the largest volume, while that is
+/// above rule.threshold of the volume of the root. Triangles with axis-aligned edges stay whole.
 ///
-/// In, out, touches: as split_early (early_split.h). Pieces are boxes around parts of triangles,
-/// which are bounded by their corners, computed in double and rounded outward.
-std::vector<kdtree::BoxRef> split_edges(const geometry::MeshView& mesh,
-                                        std::vector<kdtree::BoxRef> refs, const PreSplitRule& rule,
-                                        kdtree::BuildCounters& counters);
+/// In, out, touches: as split_early (early_split.h). A piece is the box around the corners of a
+/// part of a triangle, computed in double and rounded outward.
+std::vector<kdtree::Reference> split_edges(const geometry::MeshView& mesh,
+                                           std::vector<kdtree::Reference> refs,
+                                           const PreSplitRule& rule,
+                                           kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -1,4 +1,4 @@
-// The outline of what a fragment holds of its triangle.
+// The outline of the part of a triangle in a fragment.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// Cut in float: off by roundings, for estimates only.
+/// The corners of one fragment. Clipped in float: off by roundings, for estimates only.
 class FragmentCorners {
  public:
   FragmentCorners(const geometry::MeshView& mesh, const Fragment& fragment) {
@@ -31,7 +31,7 @@ class FragmentCorners {
   std::span<const Lanes> all() const { return {at_[now_].data(), size_}; }
 
  private:
-  /// Keeps what has sign * (x[axis] - position) >= 0.
+  /// Keeps the part with sign * (x[axis] - position) >= 0.
   void cut(std::size_t axis, float position, float sign) {
     if (size_ == 0) return;
     const auto& from = at_[now_];
@@ -54,12 +54,13 @@ class FragmentCorners {
     size_ = n;
   }
 
-  /// What is cut, and what comes of it, in turn. Six cuts add at most one corner each to three.
+  /// Input and output of a cut, in turn. A triangle has three corners, and each of six cuts adds at
+  /// most one.
   std::array<std::array<Lanes, 9>, 2> at_;
   std::size_t now_ = 0, size_ = 0;
 };
 
-/// Those of all fragments of a list, for passes over it that follow each other.
+/// The corners of all fragments of a list, kept for several passes over it.
 class ListCorners {
  public:
   void set(const geometry::MeshView& mesh, std::span<const Fragment> list) {
@@ -71,9 +72,9 @@ class ListCorners {
       end_.push_back(corners_.size());
     }
   }
-  std::span<const Lanes> of(std::size_t place) const {
-    const std::size_t begin = place > 0 ? end_[place - 1] : 0;
-    return std::span(corners_).subspan(begin, end_[place] - begin);
+  std::span<const Lanes> of(std::size_t index) const {
+    const std::size_t begin = index > 0 ? end_[index - 1] : 0;
+    return std::span(corners_).subspan(begin, end_[index] - begin);
   }
 
  private:

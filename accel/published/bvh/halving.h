@@ -1,4 +1,4 @@
-// Splitting a list that no heuristic splits: in two equal halves.
+// Splits a list into two equal halves, where the heuristic finds no split.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +10,15 @@
 namespace sightline::accel::published::bvh {
 
 /// The middle of a box along an axis; finite for finite boxes.
-inline float center(const kdtree::BoxRef& ref, std::size_t axis) {
+inline float center(const kdtree::Reference& ref, std::size_t axis) {
   return 0.5f * ref.lo[axis] + 0.5f * ref.hi[axis];
 }
 
-/// Orders by center, then by id: lower halves first. Returns how many the first half has.
-inline std::size_t halve_by_center(std::span<kdtree::BoxRef> refs, std::size_t axis) {
+/// Partitions by center, then by id: the lower half first. Returns the length of the first half.
+inline std::size_t halve_by_center(std::span<kdtree::Reference> refs, std::size_t axis) {
   const std::size_t half = refs.size() / 2;
   std::nth_element(refs.begin(), refs.begin() + static_cast<std::ptrdiff_t>(half), refs.end(),
-                   [axis](const kdtree::BoxRef& a, const kdtree::BoxRef& b) {
+                   [axis](const kdtree::Reference& a, const kdtree::Reference& b) {
                      const float x = center(a, axis), y = center(b, axis);
                      return x != y ? x < y : a.id < b.id;
                    });

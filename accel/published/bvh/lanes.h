@@ -1,4 +1,4 @@
-// Boxes in vector registers: x, y, z, and a fourth lane that takes part and means nothing.
+// Boxes in vector registers: x, y, z, and an unused fourth lane.
 #pragma once
 
 #include <limits>
@@ -9,14 +9,14 @@ namespace sightline::accel::published::bvh {
 
 using Lanes = float __attribute__((vector_size(16)));
 
-/// Lane by lane; of a NaN in `a` and a number the number.
+/// Per lane; if `a` is NaN, the result is `b`.
 inline Lanes least(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes greatest(Lanes a, Lanes b) { return a > b ? a : b; }
 
 inline Lanes lanes(const geometry::Vec3f& v) { return Lanes{v.x, v.y, v.z, 0}; }
 inline Lanes all_lanes(float x) { return Lanes{x, x, x, x}; }
 
-/// Made without arguments: empty.
+/// By default empty.
 struct LaneBox {
   Lanes lo = all_lanes(std::numeric_limits<float>::infinity());
   Lanes hi = all_lanes(-std::numeric_limits<float>::infinity());

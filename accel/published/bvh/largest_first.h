@@ -1,4 +1,4 @@
-// Splitting the largest pieces first.
+// Splits the largest pieces first.
 #pragma once
 
 #include <algorithm>
@@ -8,19 +8,18 @@
 
 namespace sightline::accel::published::bvh {
 
-/// What comes of a piece; the second may be empty space, and is not kept then.
+/// The parts of a piece. There is no second part if it is empty space.
 template <class Piece>
 struct SplitPiece {
   Piece first;
   std::optional<Piece> second;
 };
 
-/// Splits the largest piece, of equal ones the oldest, until none is larger than `least` or there
-/// are `most`.
+/// Splits the largest piece, of equal ones the oldest, until no piece is larger than `least` or
+/// there are `most` pieces.
 ///
-/// `size(piece)`: a number above 0 if it can be split. `split(piece)`: a SplitPiece whose parts are
-/// smaller. Out: the parts of a piece together, in the order of the pieces they come from, which
-/// have their numbers in `source`, ascending.
+/// `size(piece)`: above 0 if the piece can be split. `split(piece)`: a SplitPiece whose parts are
+/// smaller. In: pieces with their index as `source`. Out: pieces sorted by `source`.
 template <class Piece, class Size, class Split>
 void split_largest_first(std::vector<Piece>& pieces, double least, std::size_t most, Size&& size,
                          Split&& split) {

@@ -11,12 +11,12 @@ namespace {
 
 ListHalves by_plane(const CenterLists& node, const PlaneSplit& plan, SplitScratch& scratch,
                     kdtree::BuildCounters& counters) {
-  Fragment* const room = scratch.lists.top(3 * plan.right);
+  Fragment* const buffer = scratch.lists.top(3 * plan.right);
   scratch.lists.take(3 * plan.right);
-  return divide_by_plane(node, plan, room, counters);
+  return divide_by_plane(node, plan, buffer, counters);
 }
 
-/// The end of the range of BvhLeafRule::leaf_size.
+/// Upper end of the range of BvhLeafRule::leaf_size.
 constexpr std::size_t kMostInLeaf = 64;
 
 }  // namespace
@@ -55,13 +55,13 @@ BvhChild ListGrowth::grow_children(const ListHalves& halves, int depth, SplitScr
     left = grow(halves.left, depth, scratch, counters);
     right = grow(halves.right, depth, scratch, counters);
   }
-  // What was given up has no place among the nodes that there is room for.
+  // After exceeding the budget there may be no capacity for further nodes.
   if (budget_ != nullptr && budget_->exceeded()) return {};
   return growth_.inner(left, right);
 }
 
 BvhChild ListGrowth::leaf(const CenterLists& node) const {
-  std::array<kdtree::BoxRef, kMostInLeaf> refs;
+  std::array<kdtree::Reference, kMostInLeaf> refs;
   std::size_t n = 0;
   for (const Fragment& f : node.along[0]) {
     const geometry::Aabb box = f.bounds();
@@ -69,7 +69,7 @@ BvhChild ListGrowth::leaf(const CenterLists& node) const {
   }
   const auto end = refs.begin() + static_cast<std::ptrdiff_t>(n);
   std::sort(refs.begin(), end,
-            [](const kdtree::BoxRef& a, const kdtree::BoxRef& b) { return a.id < b.id; });
+            [](const kdtree::Reference& a, const kdtree::Reference& b) { return a.id < b.id; });
   return growth_.leaf({refs.data(), n}, node.box);
 }
 

@@ -1,4 +1,4 @@
-// Growing a hierarchy from sorted lists, depth first.
+// Grows a hierarchy from sorted lists, depth first.
 #pragma once
 
 #include <atomic>
@@ -9,12 +9,12 @@
 
 namespace sightline::accel::published::bvh {
 
-/// How many references splits may add. Threads: any.
+/// The number of references that splits may add. Threads: any.
 class ReferenceBudget {
  public:
   explicit ReferenceBudget(std::size_t most) : most_(most) {}
 
-  /// Takes so many, or finds that all together want more than there are.
+  /// Takes some of the budget; false, and exceeded(), if all together take more than there is.
   bool take(std::size_t references) {
     if (taken_.fetch_add(references, std::memory_order_relaxed) + references <= most_) return true;
     exceeded_.store(true, std::memory_order_relaxed);
@@ -30,13 +30,13 @@ class ReferenceBudget {
 
 class ListGrowth {
  public:
-  /// `budget` null: object splits only. All outlive it.
+  /// `budget` null: object splits only. All arguments must outlive this.
   ListGrowth(const SplitSearch& search, const BvhLeafRule& leaf, BvhGrowth& growth,
              ReferenceBudget* budget)
       : search_(search), leaf_(leaf), growth_(growth), budget_(budget) {}
 
-  /// What is below a node. Once the budget is exceeded nothing of use: whether that happens depends
-  /// on all nodes together, not on the order in which they grow. Rearranges the lists.
+  /// The subtree of a node; not usable once the budget is exceeded. Whether that happens depends on
+  /// all nodes together, not on the order in which they grow. Reorders the lists.
   BvhChild grow(const CenterLists& node, int depth, SplitScratch& scratch,
                 kdtree::BuildCounters& counters) const;
 
@@ -53,7 +53,7 @@ class ListGrowth {
   ReferenceBudget* budget_;
 };
 
-/// Whether a list is a leaf without asking what splitting it would cost.
+/// Whether a list becomes a leaf whatever a split costs.
 inline bool is_leaf_unasked(std::size_t references, const BvhLeafRule& rule) {
   return references <= 1 || (references <= rule.leaf_size && !rule.split_small);
 }

@@ -1,4 +1,4 @@
-// The sweep over all splits of sorted lists.
+// Sweeps over all splits of sorted lists.
 #include "accel/published/bvh/object_split.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-/// Both terms of the sum only grow as their sides do: from where one of them alone is not below
-/// the best so far, no split is.
+/// Both terms of the sum grow with their sides. Where one term alone is not below the best sum, no
+/// further split is.
 void sweep(std::span<const Fragment> list, std::size_t axis, std::vector<double>& areas,
            ObjectSplit& best) {
   const std::size_t n = list.size();
@@ -43,7 +43,8 @@ ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
   const std::size_t n = lists.size();
   if (n < 2) return {};
   counters.touches += 6 * n;
-  // A little below the whole: sums that differ from it by rounding alone separate nothing.
+  // Slightly below the sum of the whole: a split whose sum is equal up to rounding separates
+  // nothing.
   ObjectSplit whole;
   whole.sum = half_area(lists.box) * static_cast<double>(n) * (1 - 0x1p-40);
   if (n < grow::kForkFrom) {

@@ -1,4 +1,4 @@
-// Splitting a node's references into those before and those after a place in their order.
+// Object splits: a node's references are divided at an index of their order along an axis.
 #pragma once
 
 #include <array>
@@ -10,24 +10,23 @@
 
 namespace sightline::accel::published::bvh {
 
-/// The first `left` along an axis go left. Made without arguments: none.
+/// The first `left` references along an axis go left. By default none.
 struct ObjectSplit {
   std::size_t axis = 0;
   std::size_t left = 0;
-  /// Of half area times references, over both children.
+  /// Sum over both children of half area times references.
   double sum = std::numeric_limits<double>::infinity();
 
   bool found() const { return left > 0; }
 };
 
-/// Areas met on the way, an axis; kept for the next search.
+/// Scratch memory of the sweep, per axis; kept for the next search.
 using SweepAreas = std::array<std::vector<double>, 3>;
 
-/// The split of least sum among all, on all three axes; of equal ones the first along the first
-/// axis. None for fewer than two references, or where none makes the sum less than it is for the
-/// whole: nothing can be separated.
+/// The split of least sum among all on three axes; of equal ones the first along the first axis.
+/// None for fewer than two references, or if no split has a smaller sum than the whole list.
 ///
-/// Source: Stich et al. 2009, section 2.1; Wald et al. 2007. Touches: two passes an axis.
+/// Source: Stich et al. 2009, section 2.1; Wald et al. 2007. Touches: two passes per axis.
 ObjectSplit best_object_split(const CenterLists& lists, SweepAreas& areas,
                               kdtree::BuildCounters& counters);
 

@@ -1,4 +1,4 @@
-// Bins along all axes, then bins within bins.
+// Coarse bins along all axes, then bins within coarse bins.
 #include "accel/published/bvh/plane_search.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class Grid {
     const auto lo = static_cast<double>(box_.lo[axis]), hi = static_cast<double>(box_.hi[axis]);
     return static_cast<float>(lo + (hi - lo) * (static_cast<double>(i) / bins_));
   }
-  /// How many planes apart those of the first pass are.
+  /// Distance between the planes of the first pass, in planes.
   std::size_t stride() const {
     return (bins_ + ChoppedAxis::kMostBins - 1) / ChoppedAxis::kMostBins;
   }
@@ -46,15 +46,15 @@ class Grid {
   std::uint32_t bins_;
 };
 
-/// What lies in between is on one side at least, wherever the plane: no sum between the planes is
-/// less.
+/// Lower bound on the sum of planes between two planes: each fragment in between is on at least one
+/// side.
 double least_sum(const SideSum& left, const SideSum& right, std::size_t size) {
   const std::size_t beyond = left.references + right.references;
   const double within = beyond < size ? static_cast<double>(size - beyond) : 0;
   return left.cost() + right.cost() + std::min(left.area, right.area) * within;
 }
 
-/// Adds a list, of which `corners_of(i)` gives the outline of the i-th.
+/// Adds a list. `corners_of(i)` returns the outline of fragment i.
 template <std::size_t kCount, class Corners>
 void add_all(std::span<const Fragment> list, std::array<ChoppedAxis, kCount>& bins,
              Corners&& corners_of) {
@@ -87,7 +87,7 @@ class NodePasses {
   template <std::size_t kCount>
   void fill(std::array<ChoppedAxis, kCount>& bins) const {
     if (is_short()) return add_all(list_, bins, [&](std::size_t at) { return corners_.of(at); });
-    // In slices, whose number does not depend on threads.
+    // The number of slices does not depend on the number of threads.
     constexpr std::size_t kSlices = 16;
     std::vector<std::array<ChoppedAxis, kCount>> parts(kSlices, bins);
     tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t i) {
@@ -103,7 +103,7 @@ class NodePasses {
   }
 
  private:
-  /// So short that outlines are kept, and nobody else is asked to help.
+  /// Whether the list is short: outlines are kept, and one thread scans it.
   bool is_short() const { return list_.size() < 2 * grow::kForkFrom; }
 
   const geometry::MeshView& mesh_;
@@ -120,8 +120,8 @@ class PlaneSearch {
 
   const SpatialSplit& best() const { return best_; }
 
-  /// Weighs every stride-th plane, and bounds what is between them.
-  void look_at_all(const NodePasses& passes) {
+  /// Computes the cost of every stride-th plane, and bounds on the cost between them.
+  void search_coarse(const NodePasses& passes) {
     const auto along = [&](std::size_t axis) {
       return grid_.chopped(axis, 0, grid_.bins(), grid_.stride());
     };
@@ -133,20 +133,21 @@ class PlaneSearch {
       if (grid_.stride() < 2) continue;
       for (std::size_t i = 0; i < bins[axis].bins(); ++i) {
         const double least = least_sum(sides_[axis].left[i], sides_[axis].right[i + 1], size_);
-        stretches_[open_++] = {axis, i, least};
+        intervals_[open_++] = {axis, i, least};
       }
     }
   }
 
-  /// Weighs all planes in the most promising stretch; false if none can be better than the best.
-  bool look_closer(const NodePasses& passes) {
-    const auto end = stretches_.begin() + static_cast<std::ptrdiff_t>(open_);
+  /// Computes the cost of all planes in the interval of least bound; false if no interval can beat
+  /// the best.
+  bool refine_next(const NodePasses& passes) {
+    const auto end = intervals_.begin() + static_cast<std::ptrdiff_t>(open_);
     const auto next =
-        std::min_element(stretches_.begin(), end,
-                         [](const Stretch& a, const Stretch& b) { return a.least < b.least; });
+        std::min_element(intervals_.begin(), end,
+                         [](const Interval& a, const Interval& b) { return a.least < b.least; });
     if (next == end || !(next->least < best_.sum)) return false;
-    const Stretch s = *next;
-    *next = stretches_[--open_];
+    const Interval s = *next;
+    *next = intervals_[--open_];
     const std::size_t begin = s.bin * grid_.stride();
     std::array<ChoppedAxis, 1> bins{
         grid_.chopped(s.axis, begin, std::min(begin + grid_.stride(), grid_.bins()), 1)};
@@ -158,9 +159,9 @@ class PlaneSearch {
 
  private:
   /// The planes between two neighbours of the first pass.
-  struct Stretch {
+  struct Interval {
     std::size_t axis, bin;
-    double least;  ///< No sum in between is below this.
+    double least;  ///< Lower bound on sums within the interval.
   };
 
   void offer_all(const ChoppedAxis& bins, std::size_t axis, const ChoppedAxis::Sides& sides) {
@@ -176,8 +177,8 @@ class PlaneSearch {
   std::size_t size_;
   SpatialSplit best_;
   std::array<ChoppedAxis::Sides, kAxes> sides_;
-  std::array<Stretch, kAxes * ChoppedAxis::kMostBins> stretches_;
-  std::size_t open_ = 0;  ///< Stretches that are left.
+  std::array<Interval, kAxes * ChoppedAxis::kMostBins> intervals_;
+  std::size_t open_ = 0;  ///< Number of intervals left.
 };
 
 }  // namespace
@@ -187,9 +188,9 @@ SpatialSplit best_spatial_split(const geometry::MeshView& mesh, const CenterList
                                 kdtree::BuildCounters& counters) {
   const NodePasses passes(mesh, node.along[0], corners);
   PlaneSearch search(node.box, bins, node.size(), below);
-  search.look_at_all(passes);
+  search.search_coarse(passes);
   counters.touches += node.size();
-  while (search.look_closer(passes)) counters.touches += node.size();
+  while (search.refine_next(passes)) counters.touches += node.size();
   return search.best().found() ? search.best() : SpatialSplit{};
 }
 

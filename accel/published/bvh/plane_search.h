@@ -10,15 +10,15 @@
 namespace sightline::accel::published::bvh {
 
 /// The cheapest of the bins - 1 planes along each axis that cut the node's box in equal parts, if
-/// the sum is less than `below`; which of equal ones is a matter of their order. Not NaN: below.
+/// its sum is less than `below`. Among planes of equal sum the search order decides. `below`: not
+/// NaN.
 ///
-/// Not all planes are weighed: a first pass finds what each side of every sixteenth plane has, and
-/// sums between two of those cannot be less than what is left of the one and right of the other
-/// have. Only where that is less than the best so far, all planes are weighed: differs from the
-/// paper in the way, not in what is found.
+/// A first pass computes the sides of kMostBins coarse bins. The sum of a plane between two coarse
+/// planes is at least cost_left(first) + cost_right(second), so most intervals are skipped, and
+/// only the others get a pass over all their planes. Finds the same planes as the paper.
 ///
-/// `corners`: room, kept for the next search. Touches: a pass to begin with, and one for each
-/// stretch that is looked at closely. Long lists are looked at in slices, at once.
+/// `corners`: scratch memory, kept for the next search. Touches: the first pass, and one for each
+/// refined interval. Long lists are scanned in parallel slices.
 SpatialSplit best_spatial_split(const geometry::MeshView& mesh, const CenterLists& node,
                                 std::uint32_t bins, double below, ListCorners& corners,
                                 kdtree::BuildCounters& counters);

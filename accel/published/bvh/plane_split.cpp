@@ -1,5 +1,5 @@
-// Straddlers are decided one by one; the order of all others is kept, and what was cut is merged
-// in.
+// Decides straddlers one by one. The order of the others is kept, and the parts of straddlers are
+// merged in.
 #include "accel/published/bvh/plane_split.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void cut(const geometry::MeshView& mesh, const SpatialSplit& split, Straddler& s
   straddler.right = clipped_bounds(a, b, c, halves.right).value_or(geometry::Aabb{});
   if (straddler.right.empty()) straddler.goes = Goes::kLeft;
   if (straddler.left.empty()) straddler.goes = Goes::kRight;
-  // Rounding can leave a box that holds no point of the triangle. It may stay as it is.
+  // Because of rounding, a box may contain no point of the triangle. It is kept.
   if (straddler.left.empty() && straddler.right.empty()) straddler.right = straddler.whole.bounds();
 }
 
@@ -32,7 +32,7 @@ geometry::Aabb joined(geometry::Aabb a, const geometry::Aabb& b) {
   return a;
 }
 
-/// Section 4.4.
+/// Keeps straddlers whole where that is cheaper (section 4.4).
 void keep_whole(PlaneSplit& plan) {
   for (Straddler& s : plan.straddlers) {
     if (s.goes != Goes::kBoth) continue;
@@ -58,7 +58,7 @@ void keep_whole(PlaneSplit& plan) {
   }
 }
 
-/// Those of a list that go right, in order, and the straddlers' parts among them.
+/// Writes the right list in order: fragments on the right, merged with parts of straddlers.
 class RightList {
  public:
   RightList(Fragment* out, std::size_t axis, std::span<const Fragment> parts)
@@ -83,7 +83,7 @@ class RightList {
   std::span<const Fragment> parts_;
 };
 
-/// Puts the parts among those of a list that stay, of which there are `kept` at its front.
+/// Merges parts into the `kept` fragments at the front of a list.
 void merge_parts(Fragment* list, std::size_t kept, std::span<const Fragment> parts,
                  std::size_t axis) {
   Fragment* out = list + kept + parts.size();
@@ -150,7 +150,7 @@ void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
   if (unsplit) keep_whole(plan);
 }
 
-ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
+ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* buffer,
                            kdtree::BuildCounters& counters) {
   std::vector<Fragment> left_parts, right_parts;
   for (const Straddler& s : plan.straddlers) {
@@ -164,7 +164,7 @@ ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Frag
     sort_along(left_parts, axis);
     sort_along(right_parts, axis);
     Fragment* const list = node.along[axis].data();
-    Fragment* const out = room + axis * plan.right;
+    Fragment* const out = buffer + axis * plan.right;
     RightList right(out, axis, right_parts);
     std::size_t kept = 0;
     for (const Fragment& f : node.along[axis]) {

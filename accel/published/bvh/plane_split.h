@@ -1,4 +1,5 @@
-// Splitting a node's references by a plane. Source: Stich et al. 2009, sections 4.2 and 4.4.
+// Spatial splits: a node's references are divided by a plane. Source: Stich et al. 2009,
+// sections 4.2 and 4.4.
 #pragma once
 
 #include <cstddef>
@@ -11,27 +12,27 @@
 
 namespace sightline::accel::published::bvh {
 
-/// A fragment that reaches to both sides of a plane, and what becomes of it.
+/// A fragment on both sides of a plane, and the side or sides it goes to.
 struct Straddler {
   enum class Goes : std::uint8_t { kLeft, kRight, kBoth };
 
   Fragment whole;
   geometry::Aabb left,
-      right;  ///< Around what of the triangle is on either side; empty for nothing.
+      right;  ///< Boxes of the parts of the triangle on each side; empty if there is none.
   Goes goes = Goes::kBoth;
 };
 
-/// A node about to be split by a plane.
+/// A planned split of a node by a plane.
 struct PlaneSplit {
   std::size_t axis = 0;
   float position = 0;
-  std::vector<Straddler> straddlers;   ///< By order.
-  geometry::Aabb left_box, right_box;  ///< Around what goes there.
-  std::size_t left = 0, right = 0;     ///< How many go there.
+  std::vector<Straddler> straddlers;   ///< Sorted by Fragment::order.
+  geometry::Aabb left_box, right_box;  ///< Bounds of the children.
+  std::size_t left = 0, right = 0;     ///< Numbers of references.
 
-  /// References that it adds.
+  /// Number of references that the split adds.
   std::size_t added(std::size_t size) const { return left + right - size; }
-  /// Of half area times references, over both children.
+  /// Sum over both children of half area times references.
   double sum() const {
     return half_area(left_box) * static_cast<double>(left) +
            half_area(right_box) * static_cast<double>(right);
@@ -40,20 +41,19 @@ struct PlaneSplit {
   bool reduces(const CenterLists& node) const;
 };
 
-/// Cuts straddlers at the plane, exactly: every point of a triangle that the fragment was
-/// responsible for stays in one of its parts. A fragment whose triangle reaches to one side only
-/// goes there alone. With `unsplit`, straddlers stay whole where that costs less by the formula of
-/// section 4.4: they are decided one after the other by their order, with the boxes and numbers
-/// that came of those before.
+/// Clips straddlers at the plane. The parts of a fragment cover every point of the triangle that
+/// the fragment covered. A fragment whose triangle is on one side only goes to that side. With
+/// `unsplit`, straddlers stay whole where that costs less by the formula of section 4.4; they are
+/// decided one by one in their order, with the boxes and numbers after those before.
 ///
 /// Touches: a pass over the list; touches_prepare: two boxes a straddler.
 void plan_plane_split(const geometry::MeshView& mesh, const CenterLists& node,
                       const SpatialSplit& split, bool unsplit, PlaneSplit& plan,
                       kdtree::BuildCounters& counters);
 
-/// What goes left to where the lists were; what goes right to `room`, for 3 * plan.right. Touches:
-/// a pass an axis.
-ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* room,
+/// Divides lists as planned: the left lists stay in their memory, the right lists go to `buffer`,
+/// of 3 * plan.right fragments. Touches: a pass per axis.
+ListHalves divide_by_plane(const CenterLists& node, const PlaneSplit& plan, Fragment* buffer,
                            kdtree::BuildCounters& counters);
 
 }  // namespace sightline::accel::published::bvh

@@ -1,4 +1,4 @@
-// Object splits first, planes where they leave much overlap.
+// Object splits first; spatial splits where the children overlap much.
 #include "accel/published/bvh/split_search.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ ObjectSplit SplitSearch::between(const CenterLists& node, int depth, SplitScratc
 }
 
 bool SplitSearch::may_split_spatially(const CenterLists& node, int depth) const {
-  // Children overlap in no more than the node.
+  // The overlap of children lies within the node's box.
   return mesh_ != nullptr && rule_.splits() && depth < kHalvingDepth &&
          half_area(node.box) > least_overlap_;
 }
@@ -34,7 +34,8 @@ const PlaneSplit* SplitSearch::by_plane(const CenterLists& node, int depth,
                                         const ObjectSplit& object, SplitScratch& scratch,
                                         kdtree::BuildCounters& counters) const {
   if (!may_split_spatially(node, depth)) return nullptr;
-  // What no order separates are duplicates, or as good as that: planes would only double them.
+  // References that no object split separates are duplicates or nearly so; a plane would only
+  // double them.
   if (!(object.sum < half_area(node.box) * static_cast<double>(node.size()))) return nullptr;
   counters.touches += node.size();
   const double common = overlap(node, object);

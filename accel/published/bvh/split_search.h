@@ -1,4 +1,4 @@
-// How a node is best split: between references, or through them.
+// The best split of a node: an object split or a spatial split.
 #pragma once
 
 #include "accel/geometry/triangle_mesh.h"
@@ -10,7 +10,7 @@
 
 namespace sightline::accel::published::bvh {
 
-/// What a task keeps from node to node.
+/// Scratch memory that a task keeps from node to node.
 struct SplitScratch {
   FragmentStack lists;
   SweepAreas areas;
@@ -18,24 +18,24 @@ struct SplitScratch {
   PlaneSplit plane;
 };
 
-/// Threads: any, each with its own scratch. In long lists it looks on several at once.
+/// Threads: any, each with its own scratch. Long lists are searched in parallel.
 class SplitSearch {
  public:
   /// `mesh` null: no spatial splits.
   SplitSearch(const geometry::MeshView* mesh, const SpatialRule& rule, const geometry::Aabb& root)
       : mesh_(mesh), rule_(rule), least_overlap_(rule.alpha * half_area(root)) {}
 
-  /// The best split between references, or a middle one where nothing can be separated or the node
-  /// is at kHalvingDepth. At least two references.
+  /// The best object split; halves the list if nothing can be separated or the node is at
+  /// kHalvingDepth. At least two references.
   ObjectSplit between(const CenterLists& node, int depth, SplitScratch& scratch,
                       kdtree::BuildCounters& counters) const;
 
-  /// Whether spatial splits may be tried in the node or below.
+  /// Whether spatial splits may be tried in the node or below it.
   bool may_split_spatially(const CenterLists& node, int depth) const;
 
-  /// The best split by a plane, where the children of `object` overlap by so much that the rule
-  /// has it tried (Stich et al. 2009, section 4.5); nothing if it does not cost less or
-  /// does not reduce, nor where object splits separate nothing. It is planned in the scratch.
+  /// The best spatial split, if the children of `object` overlap enough for the rule (Stich et al.
+  /// 2009, section 4.5). Null if it costs more or reduces nothing, or if object splits separate
+  /// nothing. The plan is in the scratch.
   ///
   /// Touches: a pass for the overlap, best_spatial_split, plan_plane_split.
   const PlaneSplit* by_plane(const CenterLists& node, int depth, const ObjectSplit& object,

@@ -1,4 +1,4 @@
-// Depth first, as long as the budget holds; else the most gainful splits first.
+// Depth first while the budget suffices; if it is exceeded, best first.
 #include "accel/published/bvh/sweep_growth.h"
 
 #include "accel/published/bvh/best_first_growth.h"
@@ -7,11 +7,11 @@
 
 namespace sightline::accel::published::bvh {
 
-std::size_t sweep_room(std::size_t references, const SpatialRule& spatial) {
+std::size_t sweep_capacity(std::size_t references, const SpatialRule& spatial) {
   return spatial.splits() ? 2 * spatial.most_references(references) : references;
 }
 
-BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::Reference> refs,
                        const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
                        kdtree::BuildCounters& counters) {
   const std::size_t budget = spatial.most_references(refs.size()) - refs.size();

@@ -1,4 +1,5 @@
-// Growing a hierarchy by the surface area heuristic over all splits, spatial ones included.
+// Grows a hierarchy by the SAH over all object splits, and over spatial splits where the rule
+// allows.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +11,24 @@
 
 namespace sightline::accel::published::bvh {
 
-/// How many references a BvhGrowth must have room for, to grow over so many by sweeping: twice as
-/// many as there may be, as what comes to exceed the budget is grown again. Below 2^32.
-std::size_t sweep_room(std::size_t references, const SpatialRule& spatial);
+/// Capacity that grow_by_sweep needs in a BvhGrowth: twice the largest number of references,
+/// because a hierarchy that exceeds the budget is grown again. Below 2^32.
+std::size_t sweep_capacity(std::size_t references, const SpatialRule& spatial);
 
-/// Splits each list where the surface area heuristic is least among all places in the order of its
-/// centers, on all three axes; where the children then overlap, at a plane if that costs less
-/// (`spatial`). Lists that neither can separate are halved.
+/// Splits each list at the index of least SAH cost in the order of its centers, on all three axes;
+/// if the children overlap, at a plane if that costs less (`spatial`). Lists that neither can
+/// separate are halved.
 ///
-/// In: faces of `mesh`, fewer than 2^31, a face's references holding all of it together; `mesh`
-/// null: no spatial splits, as with spatial.alpha = 1. Bounds went through widen_flat.
-/// Out: what is in `growth`, which has room for sweep_room(refs.size(), spatial).
+/// In: references of faces of `mesh`, fewer than 2^31; those of a face cover it together. `mesh`
+/// null: no spatial splits, as with spatial.alpha = 1. Bounds went through widen_flat. Out: nodes
+/// in `growth`, which has capacity for sweep_capacity(refs.size(), spatial).
 ///
-/// Source: Stich, Friedrich, Dietrich 2009; differs: the budget, and what no split separates.
-/// Touches: see best_object_split, divide_by_centers, best_spatial_split, divide_by_plane; work
-/// that is dropped because the budget does not suffice is not counted, as it depends on threads.
-/// Cost: O(n log n), and up to 250 bytes a reference while it grows. Parallel in the caller's
-/// arena; the result does not depend on it. Throws std::bad_alloc.
-BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::BoxRef> refs,
+/// Source: Stich, Friedrich, Dietrich 2009. Differs: the budget, and halving of lists that no split
+/// separates. Touches: see best_object_split, divide_by_centers, best_spatial_split,
+/// divide_by_plane; work dropped because the budget was exceeded is not counted, because it depends
+/// on threads. Cost: O(n log n) time, up to 250 bytes per reference while it grows. Parallel in the
+/// caller's arena; the result does not depend on the number of threads. Throws std::bad_alloc.
+BvhChild grow_by_sweep(const geometry::MeshView* mesh, std::vector<kdtree::Reference> refs,
                        const BvhLeafRule& leaf, const SpatialRule& spatial, BvhGrowth& growth,
                        kdtree::BuildCounters& counters);
 

@@ -1,4 +1,4 @@
-// Counting boxes into bins.
+// Counts boxes in bins.
 #include "accel/published/kd/bins.h"
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Lists at least twice as long are counted in slices of this many, in parallel.
+/// Lists of at least twice this length are counted in parallel slices of this length.
 constexpr std::size_t kSlice = 32768;
 
-/// `add` counts the items from begin to end into a sum, which is zero at first; sums of slices are
-/// added by `join`.
+/// `add` counts the items from begin to end into a sum that starts at zero; `join` adds the sums of
+/// slices.
 template <class Sum, class Add, class Join>
 void count_in_slices(std::size_t items, Sum& sum, const Add& add, const Join& join) {
   if (items < 2 * kSlice) return add(0, items, sum);
@@ -29,8 +29,8 @@ void count_in_slices(std::size_t items, Sum& sum, const Add& add, const Join& jo
       });
 }
 
-void grow_bounds(std::span<const kdtree::BoxRef> refs, geometry::Aabb& bounds) {
-  for (const kdtree::BoxRef& ref : refs) {
+void grow_bounds(std::span<const kdtree::Reference> refs, geometry::Aabb& bounds) {
+  for (const kdtree::Reference& ref : refs) {
     for (std::size_t a = 0; a < 3; ++a) {
       bounds.lo[a] = std::min(bounds.lo[a], ref.lo[a]);
       bounds.hi[a] = std::max(bounds.hi[a], ref.hi[a]);
@@ -56,7 +56,7 @@ AxisBins& AxisBins::operator+=(const AxisBins& o) {
   return *this;
 }
 
-geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell) {
+geometry::Aabb content_bounds(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell) {
   geometry::Aabb bounds;
   count_in_slices(
       refs.size(), bounds,
@@ -71,13 +71,13 @@ geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geomet
   return bounds;
 }
 
-void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
+void count_bins(std::span<const kdtree::Reference> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes) {
   count_in_slices(
       sampling.size(refs.size()), axes,
       [&](std::size_t begin, std::size_t end, std::array<AxisBins, 3>& sum) {
         for (std::size_t k = begin; k < end; ++k) {
-          const kdtree::BoxRef& ref = refs[sampling.at(k, refs.size())];
+          const kdtree::Reference& ref = refs[sampling.at(k, refs.size())];
           for (std::size_t a = 0; a < 3; ++a) sum[a].add(ref.lo[a], ref.hi[a], ref.weight);
         }
       },
@@ -86,11 +86,11 @@ void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
       });
 }
 
-void count_bins(std::span<const kdtree::BoxRef> refs, std::size_t axis, AxisBins& bins) {
+void count_bins(std::span<const kdtree::Reference> refs, std::size_t axis, AxisBins& bins) {
   count_in_slices(
       refs.size(), bins,
       [&](std::size_t begin, std::size_t end, AxisBins& sum) {
-        for (const kdtree::BoxRef& ref : refs.subspan(begin, end - begin))
+        for (const kdtree::Reference& ref : refs.subspan(begin, end - begin))
           sum.add(ref.lo[axis], ref.hi[axis], ref.weight);
       },
       [](AxisBins& x, const AxisBins& y) { x += y; });

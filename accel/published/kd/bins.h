@@ -1,4 +1,4 @@
-// Min-max binning: counting, bin by bin, where boxes start and where they end. Source: Shevtsov,
+// Min-max binning: counts, per bin, how many boxes start and end there. Source: Shevtsov,
 // Soupikov, Kapustin 2007 (survey, section 7).
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// Counters of one axis: `bins` bins of equal width from lo to hi. A position belongs to the bin
-/// that it lies in; what lies outside, to the first or the last.
+/// Counters of one axis: `bins` bins of equal width from lo to hi. Positions outside belong to the
+/// first or the last bin.
 class AxisBins {
  public:
   AxisBins() = default;
@@ -30,13 +30,13 @@ class AxisBins {
   std::uint32_t starts(std::uint32_t bin) const { return counts_[bin].starts; }
   std::uint32_t ends(std::uint32_t bin) const { return counts_[bin].ends; }
 
-  /// Where bin i begins; boundary(size()) is hi.
+  /// Lower boundary of bin i; boundary(size()) is hi.
   float boundary(std::uint32_t i) const {
     return i == size() ? hi_ : static_cast<float>(static_cast<double>(lo_) + i * width_);
   }
 
  private:
-  /// Next to each other: a box thin against the bins touches one cache line.
+  /// Stored side by side: a box thinner than a bin touches one cache line.
   struct Counts {
     std::uint32_t starts = 0, ends = 0;
   };
@@ -54,17 +54,17 @@ class AxisBins {
   std::vector<Counts> counts_;
 };
 
-/// Bounds of the boxes' parts in the cell. Parallel for long lists.
-geometry::Aabb content_bounds(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell);
+/// Bounds of the parts of the boxes in the cell. Parallel for long lists.
+geometry::Aabb content_bounds(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell);
 
-/// Every reference, or one of every `stride` consecutive ones, drawn from them by a hash: lists
-/// come in regular orders, and every l-th of "object, floor, object, floor" may be floor
-/// throughout.
+/// Selects every reference, or one of each `stride` consecutive ones, chosen by a hash. A fixed
+/// choice could be biased: lists often have a regular order, such as "object, floor, object,
+/// floor".
 struct Sampling {
   std::size_t stride = 1;
 
   std::size_t size(std::size_t references) const { return (references + stride - 1) / stride; }
-  /// The k-th sample's place in the list.
+  /// Index of sample k in the list.
   std::size_t at(std::size_t k, std::size_t references) const {
     if (stride == 1) return k;
     const std::uint64_t hash = (k + 1) * 0x9e3779b97f4a7c15u;
@@ -73,12 +73,12 @@ struct Sampling {
   }
 };
 
-/// Counts the sampled references on all three axes in one pass. Whole numbers: the same however the
-/// work is cut. Parallel for long lists.
-void count_bins(std::span<const kdtree::BoxRef> refs, const Sampling& sampling,
+/// Counts the sampled references on all three axes in one pass. Parallel for long lists; sums are
+/// integers, so the result does not depend on the slices.
+void count_bins(std::span<const kdtree::Reference> refs, const Sampling& sampling,
                 std::array<AxisBins, 3>& axes);
 
 /// Counts all references on one axis.
-void count_bins(std::span<const kdtree::BoxRef> refs, std::size_t axis, AxisBins& bins);
+void count_bins(std::span<const kdtree::Reference> refs, std::size_t axis, AxisBins& bins);
 
 }  // namespace sightline::accel::published::kd

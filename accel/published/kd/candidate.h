@@ -1,5 +1,5 @@
-// Where a cell may be cut, what a cut costs, and which of two cuts is better: what the exact
-// builders agree on. Source: Wald, Havran 2006, sections 3.1 to 3.5.
+// Candidate splits of a cell, their cost, and their order: common to all exact builders. Source:
+// Wald, Havran 2006, sections 3.1 to 3.5.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace sightline::accel::published::kd {
 
-/// Costs in units of the caller's choice; only ratios matter.
+/// Cost constants in any unit; only ratios matter.
 struct ExactCosts {
   double traverse = 1;     ///< K_T: visiting an inner node. Range 0 to 1e6.
   double intersect = 1.5;  ///< K_I: testing one unit of weight. Range 1e-6 to 1e6.
   double lambda =
-      0.8;  ///< Factor on the whole cost of a cut with an empty side (eq. 7). Range 1e-6 to 1.
+      0.8;  ///< Factor on the total cost of a split with an empty side (eq. 7). Range 1e-6 to 1.
 
   bool operator==(const ExactCosts&) const = default;
 };
 
-/// A cut and what it leads to. Better is less in (cost, axis, position, planar_left): a total
-/// order, so that every way of looking for the best candidate finds the same one.
+/// A split, its cost and the weights of its sides. Better is less in (cost, axis, position,
+/// planar_left): a total order, so that every search finds the same best candidate.
 struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
-  kdtree::Cut cut;
-  std::uint32_t left = 0, right = 0;  ///< Weight on either side.
+  kdtree::Split cut;
+  std::uint32_t left = 0, right = 0;  ///< Weight of each side.
 
   bool operator<(const Candidate& o) const {
     return std::tie(cost, cut.plane.axis, cut.plane.position, cut.planar_left) <
@@ -33,7 +33,7 @@ struct Candidate {
   }
 };
 
-/// The cuts of one cell along one axis.
+/// The splits of one cell along one axis.
 class AxisCuts {
  public:
   AxisCuts(const ExactCosts& costs, const geometry::Aabb& cell, int axis, std::uint32_t weight)
@@ -45,19 +45,20 @@ class AxisCuts {
         axis_(axis),
         weight_(weight) {}
 
-  /// Strictly inside the cell.
+  /// Whether x lies strictly inside the cell.
   bool inside(float x) const { return x > lo_ && x < hi_; }
 
-  /// Whether a cut leads anywhere. Inside the cell it must keep something out of one side. At the
-  /// cell's own face it must move boxes that lie in the face into a flat cell (with them, if lists
-  /// are not clipped, go boxes that reach beyond the face); a flat cell is not cut along its axis.
+  /// Whether a split makes progress. Inside the cell it must keep some reference out of one side.
+  /// At a face of the cell it must move boxes that lie in the face into a flat cell (if lists are
+  /// not clipped, with the boxes that reach beyond the face). A flat cell is not split along its
+  /// flat axis.
   bool leads_somewhere(float x, bool planar_left, std::uint32_t left, std::uint32_t right) const {
     if (inside(x)) return left < weight_ || right < weight_;
     if (flat_) return false;
     return x == lo_ ? planar_left && right < weight_ : x == hi_ && !planar_left && left < weight_;
   }
 
-  /// The one formula (eq. 5 and 7), from whole numbers: equal cuts get equal bits.
+  /// The cost (eq. 5 and 7), computed from integers, so that equal splits get equal bits.
   double cost(float x, std::uint32_t left, std::uint32_t right) const {
     const auto at = static_cast<double>(x);
     const double children =
@@ -72,7 +73,7 @@ class AxisCuts {
 
  private:
   const ExactCosts& costs_;
-  split::CutAreas areas_;
+  split::SplitAreas areas_;
   float lo_, hi_;
   bool flat_;
   int axis_;

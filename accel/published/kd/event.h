@@ -10,14 +10,14 @@
 
 namespace sightline::accel::published::kd {
 
-/// At one position ends come first, then boxes that lie in the plane, then starts.
+/// At equal positions ends come first, then boxes that lie in the plane, then starts.
 enum class EventType : std::uint64_t { kEnd = 0, kPlanar = 1, kStart = 2 };
 
 /// Ordered by (position, type, reference):
 ///
-///     bits 32..63 position, mapped so that whole numbers order as the floats do
+///     bits 32..63 position, mapped so that integers order as the floats do
 ///     bits 30..31 type
-///     bits 0..29  the reference, by its place in a list
+///     bits 0..29  index of the reference in a list
 class Event {
  public:
   static constexpr std::size_t kMaxReferences = std::size_t{1} << 30;
@@ -41,7 +41,7 @@ class Event {
   bool operator==(const Event&) const = default;
 
  private:
-  /// Adding zero makes one of the two zeros.
+  /// Adding zero turns -0 into +0.
   static std::uint32_t key(float position) {
     const auto u = std::bit_cast<std::uint32_t>(position + 0.0f);
     return u ^ ((u >> 31) != 0 ? 0xffffffffu : 0x80000000u);
@@ -51,7 +51,7 @@ class Event {
 };
 static_assert(sizeof(Event) == 8);
 
-/// Writes the one or two events of [lo, hi] to `out` and returns the place behind them.
+/// Writes the one or two events of [lo, hi] to `out` and returns the end of what is written.
 inline Event* put_events(float lo, float hi, std::uint32_t reference, Event* out) {
   if (hi == geometry::least_above(lo)) {
     *out++ = Event(lo, EventType::kPlanar, reference);
@@ -62,7 +62,7 @@ inline Event* put_events(float lo, float hi, std::uint32_t reference, Event* out
   return out;
 }
 
-/// What a sort of so many events counts as, in touches.
+/// Touches of a sort of that many events.
 inline std::uint64_t sort_touches(std::size_t events) {
   return events < 2 ? 0 : events * static_cast<std::uint64_t>(std::bit_width(events - 1));
 }

@@ -1,4 +1,4 @@
-// Dividing the sorted events of a cell without sorting them again.
+// Divides the sorted events of a cell without sorting them again.
 #include "accel/published/kd/event_cell.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 enum Side : std::uint8_t { kNeither = 0, kLeft = 1, kRight = 2, kBoth = 3 };
 
-/// Few events are sorted faster by insertion, and in a good tree there are few.
+/// Insertion is faster for few events, and in a good tree there are few.
 void sort_fresh(Event* begin, Event* end) {
   if (end - begin > 24) return std::sort(begin, end);
   for (Event* next = begin; next != end; ++next) {
@@ -21,7 +21,7 @@ void sort_fresh(Event* begin, Event* end) {
   }
 }
 
-/// Without branches on the events: which list comes next is not to be predicted.
+/// Without branches on events: which list is next is hard to predict.
 Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_end, Event* out) {
   while (a != a_end && b != b_end) {
     const bool second = *b < *a;
@@ -35,7 +35,7 @@ Event* merge(const Event* a, const Event* a_end, const Event* b, const Event* b_
 
 }  // namespace
 
-std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::Cut& cut) {
+std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::Split& cut) {
   const float x = cut.plane.position;
   const std::size_t size = events.size();
   std::uint8_t* side = side_.get();
@@ -55,7 +55,7 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
     planar_left += goes_left ? 1 : 0;
   }
   straddling_ = started - ended;
-  // One more than there are: the loop writes before it knows.
+  // Capacity for one more: the loop writes before it tests.
   if (straddlers_.size() < straddling_ + 1) straddlers_.resize(straddling_ + 1);
   std::size_t found = 0;
   for (; i < size; ++i) {
@@ -69,9 +69,9 @@ std::size_t EventDivider::classify(std::span<const Event> events, const kdtree::
   return ended + planar_left;
 }
 
-void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
-                        std::span<const kdtree::BoxRef> refs, const geometry::MeshView& mesh) {
-  for (Room& room : fresh) room.clear(2 * straddling_);
+void EventDivider::clip(EventCell& half, std::array<EventBuffer, 3>& fresh,
+                        std::span<const kdtree::Reference> refs, const geometry::MeshView& mesh) {
+  for (EventBuffer& buffer : fresh) buffer.clear(2 * straddling_);
   for (const std::uint32_t reference : std::span(straddlers_).first(straddling_)) {
     const std::optional<geometry::Aabb> box =
         grow::clip_to_half(mesh, refs[reference].id, half.box);
@@ -87,7 +87,7 @@ void EventDivider::clip(EventCell& half, std::array<Room, 3>& fresh,
 }
 
 void EventDivider::splice(std::span<const Event> events) {
-  for (Room& room : spliced_) room.clear(events.size() + 1);
+  for (EventBuffer& buffer : spliced_) buffer.clear(events.size() + 1);
   Event* left = spliced_[0].begin();
   Event* right = spliced_[1].begin();
   const std::uint8_t* sides = side_.get();
@@ -102,7 +102,7 @@ void EventDivider::splice(std::span<const Event> events) {
   spliced_[1].end = right;
 }
 
-std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh,
+std::span<const Event> EventDivider::keep(EventBuffer& spliced, EventBuffer& fresh,
                                           kdtree::BuildCounters& counters) {
   const std::size_t size = spliced.size() + fresh.size();
   Event* out = events_.top(size);
@@ -117,8 +117,8 @@ std::span<const Event> EventDivider::keep(Room& spliced, Room& fresh,
   return {out, size};
 }
 
-EventHalves EventDivider::divide(const EventCell& cell, const EventCut& cut,
-                                 std::span<const kdtree::BoxRef> refs,
+EventHalves EventDivider::divide(const EventCell& cell, const EventSplit& cut,
+                                 std::span<const kdtree::Reference> refs,
                                  const geometry::MeshView* mesh, kdtree::BuildCounters& counters) {
   const kdtree::Plane& plane = cut.cut.plane;
   const geometry::HalvedCell boxes = halve(cell.box, plane.axis, plane.position);
@@ -130,7 +130,7 @@ EventHalves EventDivider::divide(const EventCell& cell, const EventCut& cut,
   halves.left = {{}, left_only + straddling_, cut.left, boxes.left, path};
   halves.right = {{}, cell.size - left_only, cut.right, boxes.right, path};
   for (auto& side : fresh_) {
-    for (Room& room : side) room.clear(0);
+    for (EventBuffer& buffer : side) buffer.clear(0);
   }
   if (mesh != nullptr && straddling_ > 0) {
     clip(halves.left, fresh_[0], refs, *mesh);

@@ -1,4 +1,4 @@
-// A cell as its sorted events, and how it is divided: classify, splice, merge. Source: Wald, Havran
+// A cell as sorted events, and its division: classify, splice, merge. Source: Wald, Havran
 // 2006, section 4.3.1.
 #pragma once
 
@@ -14,12 +14,12 @@
 
 namespace sightline::accel::published::kd {
 
-/// The events of each reference of a cell, sorted, an array an axis. The references themselves are
-/// nowhere else.
+/// The sorted events of all references of a cell, one array per axis. They are the only copy of its
+/// references.
 struct EventCell {
   std::array<std::span<const Event>, 3> events;
   std::size_t size = 0;      ///< References.
-  std::uint32_t weight = 0;  ///< Of all of them.
+  std::uint32_t weight = 0;  ///< Sum over all references.
   geometry::Aabb box;
   kdtree::CellPath path;
 };
@@ -28,32 +28,32 @@ struct EventHalves {
   EventCell left, right;
 };
 
-/// What a cut knows of itself before anything is divided: see Candidate.
-struct EventCut {
-  kdtree::Cut cut;
+/// A split and the weights of its sides: see Candidate.
+struct EventSplit {
+  kdtree::Split cut;
   std::uint32_t left = 0, right = 0;
 };
 
-/// Divides cells. Not shared between threads: every task has its own, for references with indices
-/// below `references`.
+/// Divides cells whose references have indices below `references`. Threads: one; every task has its
+/// own.
 class EventDivider {
  public:
   explicit EventDivider(std::size_t references)
       : side_(std::make_unique_for_overwrite<std::uint8_t[]>(references)) {}
 
-  /// Where the children's events are put; the caller releases them when the children are done.
+  /// Memory of the children's events. The caller releases it when the children are finished.
   grow::ListStack<Event>& events() { return events_; }
 
-  /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to either
-  /// half; who does not reach into a half is left out of it. `refs` says by index which face a
-  /// reference is, and what it weighs.
-  EventHalves divide(const EventCell& cell, const EventCut& cut,
-                     std::span<const kdtree::BoxRef> refs, const geometry::MeshView* mesh,
+  /// `mesh` null: straddlers keep their bounds on both sides. Otherwise they are clipped to each
+  /// half, and left out of a half that they do not overlap. `refs`: face and weight of each
+  /// reference, by index.
+  EventHalves divide(const EventCell& cell, const EventSplit& cut,
+                     std::span<const kdtree::Reference> refs, const geometry::MeshView* mesh,
                      kdtree::BuildCounters& counters);
 
  private:
-  /// Growing room for events, written through `end`.
-  struct Room {
+  /// Growing buffer of events; the writer advances `end`.
+  struct EventBuffer {
     std::vector<Event> events;
     Event* end = nullptr;
 
@@ -64,25 +64,27 @@ class EventDivider {
       end = begin();
     }
   };
-  /// Writes side_ for every reference of the cell, and straddlers_. Returns how many are on the
-  /// left only.
-  std::size_t classify(std::span<const Event> events, const kdtree::Cut& cut);
-  /// Makes the events of all straddlers in one half, and takes those out of its counts that only
+  /// Sets side_ for every reference of the cell, and straddlers_. Returns the number of references
+  /// on the left only.
+  std::size_t classify(std::span<const Event> events, const kdtree::Split& cut);
+  /// Makes the events of all straddlers in one half, and removes from its counts those that only
   /// touch it.
-  void clip(EventCell& half, std::array<Room, 3>& fresh, std::span<const kdtree::BoxRef> refs,
-            const geometry::MeshView& mesh);
+  void clip(EventCell& half, std::array<EventBuffer, 3>& fresh,
+            std::span<const kdtree::Reference> refs, const geometry::MeshView& mesh);
   /// Divides the events of one axis by side_, in order.
   void splice(std::span<const Event> events);
-  /// Puts spliced events, merged with new ones, where they stay.
-  std::span<const Event> keep(Room& spliced, Room& fresh, kdtree::BuildCounters& counters);
+  /// Merges spliced and new events into their final memory.
+  std::span<const Event> keep(EventBuffer& spliced, EventBuffer& fresh,
+                              kdtree::BuildCounters& counters);
 
   grow::ListStack<Event> events_;
   std::unique_ptr<std::uint8_t[]>
-      side_;  ///< By reference: on the left (bit 0), on the right (bit 1).
-  std::vector<std::uint32_t> straddlers_;  ///< The first straddling_ are.
+      side_;  ///< Per reference: on the left (bit 0), on the right (bit 1).
+  std::vector<std::uint32_t> straddlers_;  ///< The first straddling_ entries are set.
   std::size_t straddling_ = 0;
-  std::array<std::array<Room, 3>, 2> fresh_;  ///< Events of clipped straddlers, by side and axis.
-  std::array<Room, 2> spliced_;               ///< Events of one axis, by side.
+  std::array<std::array<EventBuffer, 3>, 2>
+      fresh_;                           ///< Events of clipped straddlers, by side and axis.
+  std::array<EventBuffer, 2> spliced_;  ///< Events of one axis, by side.
 };
 
 }  // namespace sightline::accel::published::kd

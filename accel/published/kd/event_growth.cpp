@@ -21,7 +21,7 @@ template <class Weights>
 class EventGrowth {
  public:
   EventGrowth(const grow::GrowContext& context, const ExactBuilder& builder,
-              std::span<const kdtree::BoxRef> refs, Weights weights)
+              std::span<const kdtree::Reference> refs, Weights weights)
       : context_(context),
         builder_(builder),
         mesh_(builder.clips() ? context.mesh : nullptr),
@@ -32,7 +32,7 @@ class EventGrowth {
     const bool cancelled =
         context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
     if (cell.size >= grow::kForkFrom && cancelled) return defer(cell, false);
-    const std::optional<EventCut> cut = choose(cell, counters);
+    const std::optional<EventSplit> cut = choose(cell, counters);
     if (!cut) return leaf(cell);
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
     if (!pair) return defer(cell, true);
@@ -63,7 +63,7 @@ class EventGrowth {
   }
 
  private:
-  std::optional<EventCut> choose(const EventCell& cell, kdtree::BuildCounters& counters) const {
+  std::optional<EventSplit> choose(const EventCell& cell, kdtree::BuildCounters& counters) const {
     if (cell.size == 0 || cell.path.depth >= context_.max_depth || !(half_area(cell.box) > 0))
       return std::nullopt;
     Candidate best;
@@ -73,14 +73,15 @@ class EventGrowth {
                  weights_, best);
       counters.touches += events.size() / 2;
     }
-    const std::optional<kdtree::Cut> cut = builder_.decide(best, cell.weight, cell.size, cell.path);
+    const std::optional<kdtree::Split> cut =
+        builder_.decide(best, cell.weight, cell.size, cell.path);
     if (!cut) return std::nullopt;
-    return EventCut{*cut, best.left, best.right};
+    return EventSplit{*cut, best.left, best.right};
   }
 
   kdtree::Slot leaf(const EventCell& cell) const {
     if (cell.size == 0) return kdtree::Slot::empty_leaf();
-    std::vector<kdtree::BoxRef> refs;
+    std::vector<kdtree::Reference> refs;
     refs.reserve(cell.size);
     for (const Event event : cell.events[0]) {
       if (event.type() != EventType::kEnd) refs.push_back(refs_[event.reference()]);
@@ -89,39 +90,39 @@ class EventGrowth {
     return made ? *made : defer(cell, true);
   }
 
-  /// As a list again: every reference with the bounds that its events say.
-  kdtree::Slot defer(const EventCell& cell, bool given_up) const {
+  /// Makes a list again: every reference with the bounds of its events.
+  kdtree::Slot defer(const EventCell& cell, bool failed) const {
     std::vector<std::uint32_t> members;
     for (const Event event : cell.events[0]) {
       if (event.type() != EventType::kEnd) members.push_back(event.reference());
     }
     std::sort(members.begin(), members.end());
-    kdtree::BoxList list(members.size());
-    const std::span<kdtree::BoxRef> refs = list.all();
+    kdtree::ReferenceList list(members.size());
+    const std::span<kdtree::Reference> refs = list.all();
     std::transform(members.begin(), members.end(), refs.begin(),
                    [&](std::uint32_t m) { return refs_[m]; });
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       for (const Event event : cell.events[axis]) {
-        const auto place =
+        const auto index =
             std::lower_bound(members.begin(), members.end(), event.reference()) - members.begin();
-        kdtree::BoxRef& ref = refs[static_cast<std::size_t>(place)];
+        kdtree::Reference& ref = refs[static_cast<std::size_t>(index)];
         if (event.type() != EventType::kEnd) ref.lo[axis] = event.position();
         if (event.type() == EventType::kEnd) ref.hi[axis] = event.position();
         if (event.type() == EventType::kPlanar)
           ref.hi[axis] = geometry::least_above(event.position());
       }
     }
-    return context_.tree.defer(std::move(list), cell.box, cell.path, given_up);
+    return context_.tree.defer(std::move(list), cell.box, cell.path, failed);
   }
 
   const grow::GrowContext& context_;
   const ExactBuilder& builder_;
   const geometry::MeshView* mesh_;
-  std::span<const kdtree::BoxRef> refs_;
+  std::span<const kdtree::Reference> refs_;
   Weights weights_;
 };
 
-std::vector<Event> sorted_events(std::span<const kdtree::BoxRef> refs, std::size_t axis) {
+std::vector<Event> sorted_events(std::span<const kdtree::Reference> refs, std::size_t axis) {
   std::vector<Event> events(2 * refs.size());
   Event* end = events.data();
   for (std::size_t i = 0; i < refs.size(); ++i) {
@@ -135,7 +136,7 @@ std::vector<Event> sorted_events(std::span<const kdtree::BoxRef> refs, std::size
 }  // namespace
 
 kdtree::Slot grow_by_events(const grow::GrowContext& context, const ExactBuilder& builder,
-                            std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+                            std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                             const kdtree::CellPath& path, kdtree::BuildCounters& counters) {
   std::array<std::vector<Event>, kAxes> events;
   if (refs.size() >= grow::kForkFrom) {
@@ -150,10 +151,10 @@ kdtree::Slot grow_by_events(const grow::GrowContext& context, const ExactBuilder
     root.events[axis] = events[axis];
     counters.touches += sort_touches(events[axis].size());
   }
-  for (const kdtree::BoxRef& ref : refs) root.weight += ref.weight;
+  for (const kdtree::Reference& ref : refs) root.weight += ref.weight;
   EventDivider divider(refs.size());
   const bool unit = std::all_of(refs.begin(), refs.end(),
-                                [](const kdtree::BoxRef& ref) { return ref.weight == 1; });
+                                [](const kdtree::Reference& ref) { return ref.weight == 1; });
   if (unit) {
     return EventGrowth(context, builder, refs, UnitWeights{}).grow(root, divider, counters);
   }

@@ -16,26 +16,26 @@ std::optional<std::string> ExactBuilder::check() const {
   return std::nullopt;
 }
 
-std::optional<kdtree::Cut> ExactBuilder::decide(const Candidate& best, std::uint32_t weight,
-                                                std::size_t references,
-                                                const kdtree::CellPath& path) const {
+std::optional<kdtree::Split> ExactBuilder::decide(const Candidate& best, std::uint32_t weight,
+                                                  std::size_t references,
+                                                  const kdtree::CellPath& path) const {
   if (best.cost <= costs.intersect * weight) return best.cut;
   const bool found = best.cost < std::numeric_limits<double>::infinity();
   if (!found || references < 2 || static_cast<std::uint32_t>(path.cuts_at_a_loss) >= bad_refines)
     return std::nullopt;
-  kdtree::Cut cut = best.cut;
+  kdtree::Split cut = best.cut;
   cut.at_a_loss = true;
   return cut;
 }
 
-std::optional<kdtree::Cut> ExactBuilder::choose(const kdtree::CellRefs& list,
-                                                kdtree::BuildCounters& counters) const {
-  const std::span<const kdtree::BoxRef> refs = list.refs;
+std::optional<kdtree::Split> ExactBuilder::choose(const kdtree::CellRefs& list,
+                                                  kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::Reference> refs = list.refs;
   const geometry::Aabb& cell = list.box;
-  // No ray meets a cell without area, and no plane in it is better than another.
+  // No ray meets a cell without area, so all planes in it are equal.
   if (refs.empty() || !(half_area(cell) > 0)) return std::nullopt;
   std::uint32_t weight = 0;
-  for (const kdtree::BoxRef& ref : refs) weight += ref.weight;
+  for (const kdtree::Reference& ref : refs) weight += ref.weight;
   const bool naive = search == ExactSearch::kNaive || refs.size() > Event::kMaxReferences;
   const Candidate best = naive ? search_naively(costs, refs, cell, weight, counters)
                                : search_sorted(costs, refs, cell, weight, counters);
@@ -43,7 +43,7 @@ std::optional<kdtree::Cut> ExactBuilder::choose(const kdtree::CellRefs& list,
 }
 
 std::optional<kdtree::Slot> ExactBuilder::grow_subtree(const grow::GrowContext& context,
-                                                       std::span<const kdtree::BoxRef> refs,
+                                                       std::span<const kdtree::Reference> refs,
                                                        const geometry::Aabb& cell,
                                                        const kdtree::CellPath& path,
                                                        kdtree::BuildCounters& counters) const {

@@ -1,4 +1,4 @@
-// Two ways of finding the best candidate of one cell. Both find the same.
+// Two searches for the best candidate of one cell. Both find the same.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@
 
 namespace sightline::accel::published::kd {
 
-/// Counts the list anew for each candidate. `weight`: of the whole list. An infinite cost: there is
-/// no candidate.
-Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+/// Scans the list for each candidate. `weight`: of the whole list. An infinite cost means that
+/// there is no candidate.
+Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::Reference> refs,
                          const geometry::Aabb& cell, std::uint32_t weight,
                          kdtree::BuildCounters& counters);
 
-/// Sorts the ends of the boxes along each axis and sweeps over them. At most Event::kMaxReferences
+/// Sorts the ends of boxes along each axis and sweeps over them. At most Event::kMaxReferences
 /// references.
-Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+Candidate search_sorted(const ExactCosts& costs, std::span<const kdtree::Reference> refs,
                         const geometry::Aabb& cell, std::uint32_t weight,
                         kdtree::BuildCounters& counters);
 

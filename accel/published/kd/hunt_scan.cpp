@@ -1,4 +1,4 @@
-// Hunt's adaptive scan: the minimum of the interpolants, and what we add to it.
+// Hunt's adaptive scan: the minimum of the interpolants, and our additions.
 #include "accel/published/kd/hunt_scan.h"
 
 #include <algorithm>
@@ -14,15 +14,16 @@ namespace {
 
 constexpr std::size_t index_of(int axis) { return static_cast<std::size_t>(axis); }
 
-/// Offers the samples and, inside every segment, the vertex of the parabola that linear C_L, C_R,
-/// SA_L, SA_R make. The parabola opens upward, because C_L and SA_L rise and C_R and SA_R fall.
-void offer_minima(const Samples& samples, const split::CutAreas& areas,
+/// Offers the samples and, inside every segment, the vertex of the parabola that follows from
+/// linear C_L, C_R, SA_L and SA_R. The parabola opens upward, because C_L and SA_L rise and C_R and
+/// SA_R fall.
+void offer_minima(const Samples& samples, const split::SplitAreas& areas,
                   const split::SahConstants& constants, int axis, const geometry::Aabb& cell,
-                  split::BestCut& best) {
+                  split::BestSplit& best) {
   const auto offer = [&](double x, double left, double right) {
     const auto position = static_cast<float>(x);
     if (!(position > cell.lo[index_of(axis)] && position < cell.hi[index_of(axis)])) return;
-    best.offer({axis, position}, split::cut_cost(constants, areas, x, left, right));
+    best.offer({axis, position}, split::split_cost(constants, areas, x, left, right));
   };
   for (std::size_t i = 0; i < samples.size; ++i) {
     const Sample& s = samples.at[i];
@@ -41,28 +42,28 @@ void offer_minima(const Samples& samples, const split::CutAreas& areas,
   }
 }
 
-/// Returns the weight of the whole list: all of it lies below the cell's upper face.
+/// The weight of the whole list: the weight below the cell's upper face.
 double offer_sampled(const HuntScan& builder, const kdtree::CellRefs& list, split::AxisRange range,
-                     split::BestCut& best, kdtree::BuildCounters& counters) {
+                     split::BestSplit& best, kdtree::BuildCounters& counters) {
   const std::array<Samples, 3> samples =
       sample_axes(list, range, builder.uniform_samples, builder.adaptive_samples, counters);
   for (int axis = range.begin; axis < range.end; ++axis) {
-    offer_minima(samples[index_of(axis)], split::CutAreas(list.box, axis), builder.cost, axis,
+    offer_minima(samples[index_of(axis)], split::SplitAreas(list.box, axis), builder.cost, axis,
                  list.box, best);
   }
   const Samples& any = samples[index_of(range.begin)];
   return any.at[any.size - 1].left;
 }
 
-/// Replaces a sampled cut, whose cost is an estimate, by the better of the bounds beside it, whose
-/// costs are true.
+/// Replaces a sampled split, whose cost is an estimate, by the better of the two bounds next to it,
+/// whose costs are exact.
 void snap_to_bound(const kdtree::CellRefs& list, const split::SahConstants& constants,
-                   split::BestCut& best, kdtree::BuildCounters& counters) {
+                   split::BestSplit& best, kdtree::BuildCounters& counters) {
   const int axis = best.plane.axis;
   const std::size_t a = index_of(axis);
   const auto pass = [&](const split::WideAxis& planes) {
     counters.touches += list.size;
-    return split::run_pass(list, [axis, planes](std::span<const kdtree::BoxRef> refs) {
+    return split::run_pass(list, [axis, planes](std::span<const kdtree::Reference> refs) {
       split::PassResult found;
       split::scan_wide_axis(refs, axis, planes, found.many[0], found.near[0]);
       return found;
@@ -77,11 +78,12 @@ void snap_to_bound(const kdtree::CellRefs& list, const split::SahConstants& cons
   }
   if (used == 0) return;
   const kdtree::PlaneCounts<split::kScanWidth> counts = pass(planes).many[0];
-  const split::CutAreas areas(list.box, axis);
+  const split::SplitAreas areas(list.box, axis);
   best = {};
   for (std::size_t i = 0; i < used; ++i) {
-    best.offer({axis, planes[i]}, split::cut_cost(constants, areas, static_cast<double>(planes[i]),
-                                                  counts.left[i], counts.right[i]));
+    best.offer({axis, planes[i]},
+               split::split_cost(constants, areas, static_cast<double>(planes[i]), counts.left[i],
+                                 counts.right[i]));
   }
 }
 
@@ -109,15 +111,15 @@ std::optional<split::BoundRule> HuntScan::bound_rule(std::size_t references) con
   return rule;
 }
 
-std::optional<kdtree::Cut> HuntScan::choose(const kdtree::CellRefs& list,
-                                            kdtree::BuildCounters& counters) const {
+std::optional<kdtree::Split> HuntScan::choose(const kdtree::CellRefs& list,
+                                              kdtree::BuildCounters& counters) const {
   if (list.size == 0) return std::nullopt;
   if (const auto rule = bound_rule(list.size))
     return choose_bound(list.refs, list.box, *rule, counters);
   const bool all_axes =
       axes == ScanAxes::kAll || (axes == ScanAxes::kHybrid && list.size <= hybrid_below);
   const int longest = split::longest_axis(list.box);
-  split::BestCut best;
+  split::BestSplit best;
   double weight = 0;
   const auto offer = [&](split::AxisRange range) {
     weight = offer_sampled(*this, list, range, best, counters);
@@ -129,7 +131,7 @@ std::optional<kdtree::Cut> HuntScan::choose(const kdtree::CellRefs& list,
   }
   if (snap && best.found) snap_to_bound(list, cost, best, counters);
   if (!best.found || !(best.cost < cost.intersect * weight)) return std::nullopt;
-  return kdtree::Cut{best.plane};
+  return kdtree::Split{best.plane};
 }
 
 }  // namespace sightline::accel::published::kd

@@ -1,4 +1,4 @@
-// Hunt's adaptive scan: where to cut a cell, found by a few passes over its list and no sorting.
+// Hunt's adaptive scan: finds a split by a few passes over the list, without sorting.
 // Source: Hunt, Mark, Stoll 2006, "Fast kd-tree Construction with an Adaptive Error-Bounded
 // Heuristic".
 #pragma once
@@ -17,34 +17,34 @@
 namespace sightline::accel::published::kd {
 
 enum class ScanAxes : std::uint8_t {
-  kOne,     ///< The cell's longest axis (paper: "one axis").
-  kHybrid,  ///< All axes up to hybrid_below boxes, above that the longest.
+  kOne,     ///< The longest axis of the cell (paper: "one axis").
+  kHybrid,  ///< All axes up to hybrid_below references, above that the longest.
   kAll,
 };
 
-/// A builder is a value: parameters, `check()`, and one decision.
+/// A builder as a value: parameters, `check()`, and `choose()`.
 struct HuntScan {
   ScanAxes axes = ScanAxes::kAll;
-  /// Sample planes an axis in the first, uniform stage, the cell's faces included: a pass for every
-  /// kFirstPlanes. Range 2 to kMostSamples.
+  /// Sample planes per axis in the first, uniform stage, including the cell's faces. Every
+  /// kUniformPlanes planes take a pass. Range 2 to kMostSamples.
   std::uint32_t uniform_samples = 8;
-  /// Sample planes an axis in the second stage, placed along the range of C_L - C_R: as many
+  /// Sample planes per axis in the second stage, spread over the range of C_L - C_R; as many
   /// passes. Range 0 to kMostSamples.
   std::uint32_t adaptive_samples = 8;
-  /// Up to this many boxes every bound is a candidate: below where that costs more time than two
-  /// sampling passes. The paper has 36 by the same rule. Range 0 to kMaxExact.
+  /// Lists up to this length try every bound, as long as that costs less time than two sampling
+  /// passes. The paper has 36 by the same rule. Range 0 to kMaxExact.
   std::uint32_t exact_below = 96;
   /// See ScanAxes::kHybrid.
   std::uint32_t hybrid_below = 1024;
   split::SahConstants cost{};
 
-  // Ours, not the paper's; off by default.
+  // The following are ours, not the paper's, and off by default.
 
-  /// Where the longest axis alone offers no cut below this share of the leaf's cost, the other two
-  /// are tried as well. Range from 1e-6; infinite: never.
+  /// If the longest axis has no split below this share of the leaf's cost, the other two axes are
+  /// tried, too. Range from 1e-6; infinite: never.
   double retry_above = std::numeric_limits<double>::infinity();
-  /// Move a sampled plane to the cheaper of the two box bounds next to it: between bounds the cost
-  /// is linear, so the minimum always lies at one. Costs two passes.
+  /// Snap a sampled plane to the cheaper of the two bounds next to it. Between bounds the cost is
+  /// linear, so a minimum is always at a bound. Costs two passes.
   bool snap = false;
   /// Perfect splits: see clip_straddlers.
   bool clip = false;
@@ -53,24 +53,24 @@ struct HuntScan {
 
   bool operator==(const HuntScan&) const = default;
 
-  /// Which parameter is out of range, and the range; nothing if all are fine.
+  /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// The cheapest plane strictly inside the cell, or nothing if no cut is cheaper than testing
-  /// every box, or no plane fits. Threads: any. Large lists are scanned in parallel in the caller's
-  /// arena; the answer does not depend on how.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  /// The cheapest plane strictly inside the cell; nothing if no split is cheaper than a leaf, or no
+  /// plane lies inside. Threads: any. Long lists are scanned in parallel in the caller's arena; the
+  /// result does not depend on the number of threads.
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
-  /// Whether lists that come of sifting one of `references` boxes are worth counting meanwhile
-  /// (CellRefs::first). Not for short ones, most of whose children are cut by their bounds, and not
-  /// with clipping, which changes what was counted.
+  /// Whether sifting a list of `references` also counts the first passes of the children
+  /// (CellRefs::first). Not for short lists, most of whose children try every bound, and not with
+  /// clipping, which changes the counted boxes.
   bool scans_children(std::size_t references) const {
-    return !clip && uniform_samples <= kdtree::kFirstPlanes &&
+    return !clip && uniform_samples <= kdtree::kUniformPlanes &&
            references >= 2 * std::size_t{exact_below};
   }
 
-  /// How lists of this length are cut, if every bound is a candidate.
+  /// The rule for lists of this length, if every bound is a candidate.
   std::optional<split::BoundRule> bound_rule(std::size_t references) const;
 };
 

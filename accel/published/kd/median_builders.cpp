@@ -1,4 +1,4 @@
-// Middles, and what they separate.
+// Medians, and the references they separate.
 #include "accel/published/kd/median_builders.h"
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// How many references reach into either half.
+/// Numbers of references that overlap each half.
 struct Sides {
   std::size_t left = 0, right = 0;
 
-  void add(const kdtree::BoxRef& ref, std::size_t axis, float x) {
+  void add(const kdtree::Reference& ref, std::size_t axis, float x) {
     left += ref.lo[axis] < x ? 1 : 0;
     right += ref.hi[axis] > x ? 1 : 0;
   }
@@ -39,10 +39,10 @@ std::array<std::size_t, 3> longest_first(const geometry::Aabb& cell) {
   return axes;
 }
 
-float median_centre(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
+float median_centre(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                     std::size_t axis) {
   std::vector<float> centres(refs.size());
-  std::transform(refs.begin(), refs.end(), centres.begin(), [&](const kdtree::BoxRef& ref) {
+  std::transform(refs.begin(), refs.end(), centres.begin(), [&](const kdtree::Reference& ref) {
     return middle(std::max(ref.lo[axis], cell.lo[axis]), std::min(ref.hi[axis], cell.hi[axis]));
   });
   const auto median = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() / 2);
@@ -50,7 +50,7 @@ float median_centre(std::span<const kdtree::BoxRef> refs, const geometry::Aabb& 
   return *median;
 }
 
-kdtree::Cut cut_at(std::size_t axis, float x) { return {.plane = {static_cast<int>(axis), x}}; }
+kdtree::Split cut_at(std::size_t axis, float x) { return {.plane = {static_cast<int>(axis), x}}; }
 
 }  // namespace
 
@@ -65,15 +65,15 @@ int MedianStop::depth_bound(std::size_t references) const {
       std::lround(8 + 1.3 * std::log2(static_cast<double>(std::max<std::size_t>(references, 1)))));
 }
 
-std::optional<kdtree::Cut> SpatialMedianBuilder::choose(const kdtree::CellRefs& list,
-                                                        kdtree::BuildCounters& counters) const {
-  const std::span<const kdtree::BoxRef> refs = list.refs;
+std::optional<kdtree::Split> SpatialMedianBuilder::choose(const kdtree::CellRefs& list,
+                                                          kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::Reference> refs = list.refs;
   const geometry::Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   std::array<float, 3> x;
   for (std::size_t a = 0; a < 3; ++a) x[a] = middle(cell.lo[a], cell.hi[a]);
   std::array<Sides, 3> sides;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     for (std::size_t a = 0; a < 3; ++a) sides[a].add(ref, a, x[a]);
   }
   counters.touches += refs.size();
@@ -85,9 +85,9 @@ std::optional<kdtree::Cut> SpatialMedianBuilder::choose(const kdtree::CellRefs& 
   return std::nullopt;
 }
 
-std::optional<kdtree::Cut> ObjectMedianBuilder::choose(const kdtree::CellRefs& list,
-                                                       kdtree::BuildCounters& counters) const {
-  const std::span<const kdtree::BoxRef> refs = list.refs;
+std::optional<kdtree::Split> ObjectMedianBuilder::choose(const kdtree::CellRefs& list,
+                                                         kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::Reference> refs = list.refs;
   const geometry::Aabb& cell = list.box;
   if (refs.size() <= stop.leaf_size) return std::nullopt;
   for (const std::size_t axis : longest_first(cell)) {
@@ -95,7 +95,7 @@ std::optional<kdtree::Cut> ObjectMedianBuilder::choose(const kdtree::CellRefs& l
     counters.touches += 3 * refs.size();
     if (!is_inside(cell, axis, x)) continue;
     Sides sides;
-    for (const kdtree::BoxRef& ref : refs) sides.add(ref, axis, x);
+    for (const kdtree::Reference& ref : refs) sides.add(ref, axis, x);
     counters.touches += refs.size();
     if (sides.left < refs.size() && sides.right < refs.size()) return cut_at(axis, x);
   }

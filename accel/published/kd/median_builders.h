@@ -1,4 +1,4 @@
-// Cutting in the middle, of space or of objects: what the heuristics are measured against. Source:
+// Splits at the spatial median or at the object median: baselines for the heuristics. Source:
 // Wald, Havran 2006, section 2.1; for the object median the survey's section 4.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sightline::accel::published::kd {
 
-/// When median cuts end: nothing else tells them to.
+/// When median splits stop; they have no cost to stop them.
 struct MedianStop {
   /// Cells of at most this many references are leaves. Range 1 to 1e6.
   std::uint32_t leaf_size = 8;
@@ -24,8 +24,8 @@ struct MedianStop {
   int depth_bound(std::size_t references) const;
 };
 
-/// The middle of the cell, along the axes in turn. An axis whose middle keeps nothing out of either
-/// half is passed over; if all are, the cell is a leaf.
+/// Splits at the middle of the cell, along the axes in turn. An axis whose middle keeps no
+/// reference out of a half is skipped; if all are, the cell is a leaf.
 struct SpatialMedianBuilder {
   MedianStop stop{};
 
@@ -35,15 +35,15 @@ struct SpatialMedianBuilder {
   int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
 
   /// Touches: one pass. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };
 
-/// The median of the centres of the boxes' parts in the cell, along its longest axis. A cut that
-/// leaves one side with everything is refused, and the next longer axis tried; if all are refused,
-/// the cell is a leaf.
+/// Splits at the median of the centres of the parts of boxes in the cell, along its longest axis.
+/// If one side then has all references, the next longest axis is tried; if no axis is left, the
+/// cell is a leaf.
 struct ObjectMedianBuilder {
   MedianStop stop{};
 
@@ -52,10 +52,10 @@ struct ObjectMedianBuilder {
   std::optional<std::string> check() const { return stop.check(); }
   int depth_bound(std::size_t references) const { return stop.depth_bound(references); }
 
-  /// Touches, an axis: one pass for the centres, two for selecting the median, one to count the
-  /// sides. Threads: any.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  /// Touches, per axis: one pass for the centres, two to select the median, one to count the sides.
+  /// Threads: any.
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
   bool clips() const { return false; }
 };

@@ -1,4 +1,4 @@
-// Choosing among the boundaries of bins.
+// Chooses among the boundaries of bins.
 #include "accel/published/kd/min_max_builder.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Without a branch: which bounds lie inside a small cell is not to be predicted.
+/// Without a branch: whether a bound lies inside a small cell is hard to predict.
 bool is_inside(const geometry::Aabb& cell, std::size_t axis, float x) {
   return static_cast<bool>(static_cast<int>(x > cell.lo[axis]) &
                            static_cast<int>(x < cell.hi[axis]));
@@ -27,8 +27,8 @@ std::size_t stride_for(std::size_t n) {
   return std::max<std::size_t>(stride, 1);
 }
 
-/// Weight below and above a boundary, from sums over the bins: what starts in a bin before it lies
-/// below it, what ends in a bin after it lies above it.
+/// Weight below and above a boundary, from sums over the bins: boxes that start in a bin before it
+/// lie below it, boxes that end in a bin after it lie above it.
 template <class Offer>
 void for_each_boundary(const AxisBins& bins, std::uint32_t weight, const Offer& offer) {
   std::uint32_t left = 0, right = weight;
@@ -46,16 +46,16 @@ std::uint32_t total(const AxisBins& bins) {
   return sum;
 }
 
-/// Whether a plane keeps something out of one side.
-bool separates(std::span<const kdtree::BoxRef> refs, std::size_t axis, float x) {
-  return std::any_of(refs.begin(), refs.end(), [&](const kdtree::BoxRef& ref) {
+/// Whether a plane keeps some reference out of one side.
+bool separates(std::span<const kdtree::Reference> refs, std::size_t axis, float x) {
+  return std::any_of(refs.begin(), refs.end(), [&](const kdtree::Reference& ref) {
     return !(ref.lo[axis] < x) || !(ref.hi[axis] > x);
   });
 }
 
-/// The decomposition's cut; nothing where it leads nowhere.
-std::optional<kdtree::Cut> cut_at_median(const kdtree::CellRefs& list, std::uint32_t bins,
-                                         kdtree::BuildCounters& counters) {
+/// The split of the decomposition; nothing if it separates nothing.
+std::optional<kdtree::Split> cut_at_median(const kdtree::CellRefs& list, std::uint32_t bins,
+                                           kdtree::BuildCounters& counters) {
   const geometry::Aabb contents = content_bounds(list.refs, list.box);
   const auto axis = static_cast<std::size_t>(split::longest_axis(contents));
   AxisBins counted(contents.lo[axis], contents.hi[axis], bins);
@@ -71,7 +71,7 @@ std::optional<kdtree::Cut> cut_at_median(const kdtree::CellRefs& list, std::uint
                       x = at;
                     });
   if (!is_inside(list.box, axis, x) || !separates(list.refs, axis, x)) return std::nullopt;
-  return kdtree::Cut{.plane = {static_cast<int>(axis), x}};
+  return kdtree::Split{.plane = {static_cast<int>(axis), x}};
 }
 
 }  // namespace
@@ -92,9 +92,9 @@ std::uint32_t MinMaxBuilder::threads_at(int depth) const {
   return all >> depth;
 }
 
-std::optional<kdtree::Cut> MinMaxBuilder::choose(const kdtree::CellRefs& list,
-                                                 kdtree::BuildCounters& counters) const {
-  const std::span<const kdtree::BoxRef> refs = list.refs;
+std::optional<kdtree::Split> MinMaxBuilder::choose(const kdtree::CellRefs& list,
+                                                   kdtree::BuildCounters& counters) const {
+  const std::span<const kdtree::Reference> refs = list.refs;
   const geometry::Aabb& cell = list.box;
   if (refs.empty()) return std::nullopt;
   if (const std::uint32_t here = threads_at(list.path.depth);
@@ -105,9 +105,9 @@ std::optional<kdtree::Cut> MinMaxBuilder::choose(const kdtree::CellRefs& list,
   return choose_boundary(refs, cell, counters);
 }
 
-std::optional<kdtree::Cut> MinMaxBuilder::choose_boundary(std::span<const kdtree::BoxRef> refs,
-                                                          const geometry::Aabb& cell,
-                                                          kdtree::BuildCounters& counters) const {
+std::optional<kdtree::Split> MinMaxBuilder::choose_boundary(std::span<const kdtree::Reference> refs,
+                                                            const geometry::Aabb& cell,
+                                                            kdtree::BuildCounters& counters) const {
   const Sampling sampling{subsample ? stride_for(refs.size()) : 1};
   const geometry::Aabb contents = content_bounds(refs, cell);
   std::array<AxisBins, 3> counted;
@@ -117,18 +117,18 @@ std::optional<kdtree::Cut> MinMaxBuilder::choose_boundary(std::span<const kdtree
   const std::uint32_t weight = total(counted[0]);
   const double each =
       static_cast<double>(refs.size()) / static_cast<double>(sampling.size(refs.size()));
-  split::BestCut best;
+  split::BestSplit best;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    const split::CutAreas areas(cell, axis);
+    const split::SplitAreas areas(cell, axis);
     for_each_boundary(counted[a], weight, [&](float x, std::uint32_t left, std::uint32_t right) {
       if (!is_inside(cell, a, x)) return;
       best.offer({axis, x},
-                 cut_cost(cost, areas, static_cast<double>(x), left * each, right * each));
+                 split_cost(cost, areas, static_cast<double>(x), left * each, right * each));
     });
   }
   if (!best.found || !(best.cost < cost.intersect * weight * each)) return std::nullopt;
-  return kdtree::Cut{.plane = best.plane};
+  return kdtree::Split{.plane = best.plane};
 }
 
 }  // namespace sightline::accel::published::kd

@@ -1,5 +1,5 @@
-// Min-max binning: the heuristic at the boundaries of a few bins, counted from a sample of the
-// list. Source: Shevtsov, Soupikov, Kapustin 2007, "Highly Parallel Fast KD-tree Construction for
+// Min-max binning: the SAH at the boundaries of a few bins, counted from a sample of the list.
+// Source: Shevtsov, Soupikov, Kapustin 2007, "Highly Parallel Fast KD-tree Construction for
 // Interactive Ray Tracing of Dynamic Scenes", as the survey's section 7 gives it.
 #pragma once
 
@@ -12,16 +12,16 @@
 
 namespace sightline::accel::published::kd {
 
-/// A builder is a value: parameters, `check()`, and one decision.
+/// A builder as a value: parameters, `check()`, and `choose()`.
 struct MinMaxBuilder {
-  /// Bins an axis, over the bounds of what the cell holds. Up to as many references every bound is
-  /// a candidate instead. Range 2 to 256.
+  /// Bins per axis, over the bounds of the cell's contents. Lists of at most this length try every
+  /// bound instead. Range 2 to 256.
   std::uint32_t bins = 32;
-  /// Bin only one in every l = log10(N) references of a cell of N.
+  /// Count only one in l = log10(N) references of a cell of N.
   bool subsample = true;
-  /// For how many threads T the tree is decomposed first: the top log2 T levels are cut at the
-  /// boundary, of 512 T bins along the longest axis, that lies nearest the median. 0: as many as
-  /// the arena has; 1: no decomposition. Range 0 to 1024.
+  /// Number of threads T of the initial decomposition: the top log2 T levels are split at the
+  /// boundary nearest the median, of kDecompositionBins T bins along the longest axis. 0: the
+  /// arena's threads; 1: no decomposition. Range 0 to 1024.
   std::uint32_t threads = 0;
   split::SahConstants cost{.traverse = 1, .intersect = 1.5, .empty_bonus = 1};
 
@@ -30,31 +30,31 @@ struct MinMaxBuilder {
 
   bool operator==(const MinMaxBuilder&) const = default;
 
-  /// Which parameter is out of range, and the range; nothing if all are fine.
+  /// A message that names a parameter out of range, and its range; nothing if all are in range.
   std::optional<std::string> check() const;
 
-  /// Touches: one pass for the bounds of the contents, one over the sample; at the bottom, an axis,
-  /// one for every kScanWidth candidates. Threads: any. Long lists are counted in parallel in the
-  /// caller's arena.
-  std::optional<kdtree::Cut> choose(const kdtree::CellRefs& cell,
-                                    kdtree::BuildCounters& counters) const;
+  /// Touches: one pass for the bounds of the contents, one over the sample; for short lists, per
+  /// axis, one for every kScanWidth candidates. Threads: any. Long lists are counted in parallel in
+  /// the caller's arena.
+  std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
+                                      kdtree::BuildCounters& counters) const;
 
-  /// Boxes are left as they are: a straddler keeps its bounds on both sides.
+  /// Never: a straddler keeps its bounds on both sides.
   bool clips() const { return false; }
 
-  /// How lists of this length are cut, if every bound is a candidate.
+  /// The rule for lists of this length, if every bound is a candidate.
   std::optional<split::BoundRule> bound_rule(std::size_t references) const {
     if (references > bins) return std::nullopt;
     return split::BoundRule{.cost = cost};
   }
 
  private:
-  /// Threads of the decomposition that share a cell at this depth.
+  /// Threads of the decomposition for one cell at this depth.
   std::uint32_t threads_at(int depth) const;
-  /// The best boundary of the bins.
-  std::optional<kdtree::Cut> choose_boundary(std::span<const kdtree::BoxRef> refs,
-                                             const geometry::Aabb& cell,
-                                             kdtree::BuildCounters& counters) const;
+  /// The split at the best boundary of the bins.
+  std::optional<kdtree::Split> choose_boundary(std::span<const kdtree::Reference> refs,
+                                               const geometry::Aabb& cell,
+                                               kdtree::BuildCounters& counters) const;
 };
 
 }  // namespace sightline::accel::published::kd

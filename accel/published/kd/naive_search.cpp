@@ -1,18 +1,18 @@
-// O(N^2): for every end of every box one pass over the list. Source: Wald, Havran 2006,
+// Search in O(N^2): one pass over the list for every bound of every box. Source: Wald, Havran 2006,
 // algorithm 3.
 #include "accel/published/kd/exact_search.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
-/// Weight below, in, and above a plane; a straddler is below and above.
+/// Weight below, in, and above a plane; a straddler counts below and above.
 struct Sides {
   std::uint32_t left = 0, planar = 0, right = 0;
 };
 
-Sides classify(std::span<const kdtree::BoxRef> refs, std::size_t axis, float x) {
+Sides classify(std::span<const kdtree::Reference> refs, std::size_t axis, float x) {
   Sides sides;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     if (is_planar(ref, axis)) {
       (ref.lo[axis] < x ? sides.left : ref.lo[axis] > x ? sides.right : sides.planar) += ref.weight;
     } else {
@@ -23,7 +23,7 @@ Sides classify(std::span<const kdtree::BoxRef> refs, std::size_t axis, float x) 
   return sides;
 }
 
-void offer(std::span<const kdtree::BoxRef> refs, const AxisCuts& cuts, std::size_t axis, float x,
+void offer(std::span<const kdtree::Reference> refs, const AxisCuts& cuts, std::size_t axis, float x,
            Candidate& best, kdtree::BuildCounters& counters) {
   const Sides n = classify(refs, axis, x);
   counters.touches += refs.size();
@@ -38,14 +38,14 @@ void offer(std::span<const kdtree::BoxRef> refs, const AxisCuts& cuts, std::size
 
 }  // namespace
 
-Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::BoxRef> refs,
+Candidate search_naively(const ExactCosts& costs, std::span<const kdtree::Reference> refs,
                          const geometry::Aabb& cell, std::uint32_t weight,
                          kdtree::BuildCounters& counters) {
   Candidate best;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
     const AxisCuts cuts(costs, cell, axis, weight);
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       offer(refs, cuts, a, ref.lo[a], best, counters);
       if (!is_planar(ref, a)) offer(refs, cuts, a, ref.hi[a], best, counters);
     }

@@ -1,4 +1,4 @@
-// Sorting the events of one axis once for a whole subtree.
+// Sorts the events of one axis, once for a whole subtree.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace sightline::accel::published::kd {
 
-/// Sorts events of which those alike in position and type already stand in the order of their
-/// references: least digit first, over the 34 bits of position and type.
+/// Sorts events. Those of equal position and type must already be in the order of their references.
+/// A radix sort, least digit first, over the 34 bits of position and type.
 inline void sort_events(std::vector<Event>& events) {
   constexpr std::size_t kWorthIt = 4096;
   if (events.size() < kWorthIt) return std::sort(events.begin(), events.end());
@@ -23,15 +23,15 @@ inline void sort_events(std::vector<Event>& events) {
   const auto digit = [&](const Event& e, std::size_t pass) {
     return static_cast<std::size_t>(e.bits() >> kShift[pass] & kMask[pass]);
   };
-  std::vector<std::array<std::size_t, 3>> place(kDigits);
+  std::vector<std::array<std::size_t, 3>> start(kDigits);
   for (const Event& e : events) {
-    for (std::size_t pass = 0; pass < 3; ++pass) ++place[digit(e, pass)][pass];
+    for (std::size_t pass = 0; pass < 3; ++pass) ++start[digit(e, pass)][pass];
   }
   std::vector<Event> other(events.size());
   for (std::size_t pass = 0; pass < 3; ++pass) {
     std::size_t next = 0;
-    for (auto& p : place) next += std::exchange(p[pass], next);
-    for (const Event& e : events) other[place[digit(e, pass)][pass]++] = e;
+    for (auto& p : start) next += std::exchange(p[pass], next);
+    for (const Event& e : events) other[start[digit(e, pass)][pass]++] = e;
     events.swap(other);
   }
 }

@@ -1,4 +1,4 @@
-// Sample planes of one pass over a list, and where the next pass puts its own.
+// Sample planes of one pass over a list, and the planes of the next pass.
 #include "accel/published/kd/scan_samples.h"
 
 #include <algorithm>
@@ -6,28 +6,28 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-using AxisPlanes = std::array<split::FirstAxis, 3>;
-using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3>;
+using AxisPlanes = std::array<split::UniformAxis, 3>;
+using AxisCounts = std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3>;
 
-/// Planes of one stage, on three axes; unused places repeat the last.
+/// Planes of one stage, on three axes; unused entries repeat the last.
 struct StagePlanes {
   std::array<std::array<float, kMostSamples>, 3> at{};
   std::array<std::size_t, 3> used{};
 
   std::size_t passes() const {
-    return (std::max({used[0], used[1], used[2]}) + kdtree::kFirstPlanes - 1) /
-           kdtree::kFirstPlanes;
+    return (std::max({used[0], used[1], used[2]}) + kdtree::kUniformPlanes - 1) /
+           kdtree::kUniformPlanes;
   }
   AxisPlanes of_pass(std::size_t pass) const {
     AxisPlanes planes;
     for (std::size_t a = 0; a < 3; ++a)
-      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kdtree::kFirstPlanes),
-                  kdtree::kFirstPlanes, planes[a].begin());
+      std::copy_n(at[a].begin() + static_cast<std::ptrdiff_t>(pass * kdtree::kUniformPlanes),
+                  kdtree::kUniformPlanes, planes[a].begin());
     return planes;
   }
 };
 
-/// Evenly from face to face, both included.
+/// Evenly spaced from face to face, both included.
 StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, std::size_t n) {
   StagePlanes planes;
   for (int axis = range.begin; axis < range.end; ++axis) {
@@ -42,12 +42,12 @@ StagePlanes uniform_planes(const geometry::Aabb& cell, split::AxisRange range, s
   return planes;
 }
 
-/// One pass at these planes of the axes in range.
+/// One pass at these planes, for the axes in range.
 AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
                         const AxisPlanes& planes, kdtree::BuildCounters& counters) {
   counters.touches += list.size;
   return split::run_pass(list,
-                         [range, planes](std::span<const kdtree::BoxRef> refs) {
+                         [range, planes](std::span<const kdtree::Reference> refs) {
                            split::PassResult found;
                            const auto axis = static_cast<std::size_t>(range.begin);
                            if (range.all()) {
@@ -60,7 +60,7 @@ AxisCounts count_planes(const kdtree::CellRefs& list, split::AxisRange range,
       .few;
 }
 
-/// All passes of a stage. `first`: what the first of them finds, where that is known.
+/// All passes of a stage. `first`: the counts of the first one, if known.
 std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRange range,
                                     const StagePlanes& planes, const AxisCounts* first,
                                     kdtree::BuildCounters& counters) {
@@ -71,7 +71,8 @@ std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRan
                                   : count_planes(list, range, planes.of_pass(pass), counters);
     for (std::size_t a = 0; a < 3; ++a) {
       Samples& s = samples[a];
-      for (std::size_t i = 0; i < kdtree::kFirstPlanes && s.size < planes.used[a]; ++i, ++s.size) {
+      for (std::size_t i = 0; i < kdtree::kUniformPlanes && s.size < planes.used[a];
+           ++i, ++s.size) {
         s.at[s.size] = {static_cast<double>(planes.at[a][s.size]),
                         static_cast<double>(counts[a].left[i]),
                         static_cast<double>(counts[a].right[i])};
@@ -83,13 +84,13 @@ std::array<Samples, 3> sample_stage(const kdtree::CellRefs& list, split::AxisRan
 
 }  // namespace
 
-std::size_t place_adaptive(const Samples& uniform, std::uint32_t n, std::span<float> planes) {
+std::size_t adaptive_planes(const Samples& uniform, std::uint32_t n, std::span<float> planes) {
   const auto rise = [](const Sample& s) { return s.left - s.right; };
   const double first = rise(uniform.at[0]);
   const double range = rise(uniform.at[uniform.size - 1]) - first;
   std::size_t placed = 0;
   if (range > 0) {
-    // Tooth k stands at first + (k + 1/2) range / n.
+    // Tooth k is at first + (k + 1/2) range / n.
     const auto teeth_below = [&](double value) {
       const double k = (value - first) / range * n + 0.5;
       return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(n)));
@@ -122,13 +123,13 @@ std::array<Samples, 3> sample_axes(const kdtree::CellRefs& list, split::AxisRang
                                    std::uint32_t uniform, std::uint32_t adaptive,
                                    kdtree::BuildCounters& counters) {
   const bool known =
-      list.first != nullptr && uniform <= kdtree::kFirstPlanes && list.first->covers(list.size);
+      list.first != nullptr && uniform <= kdtree::kUniformPlanes && list.first->covers(list.size);
   std::array<Samples, 3> samples =
       sample_stage(list, range, uniform_planes(list.box, range, uniform),
                    known ? &list.first->axes : nullptr, counters);
   StagePlanes second;
   for (auto a = static_cast<std::size_t>(range.begin); a < static_cast<std::size_t>(range.end); ++a)
-    second.used[a] = place_adaptive(samples[a], adaptive, second.at[a]);
+    second.used[a] = adaptive_planes(samples[a], adaptive, second.at[a]);
   if (second.passes() == 0) return samples;
   const std::array<Samples, 3> more = sample_stage(list, range, second, nullptr, counters);
   for (std::size_t a = 0; a < 3; ++a) samples[a] = merge(samples[a], more[a]);

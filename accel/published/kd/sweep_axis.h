@@ -1,4 +1,4 @@
-// One sweep over the sorted events of one axis: every candidate along it, in one pass.
+// One sweep over the sorted events of one axis evaluates every candidate along it.
 // Source: Wald, Havran 2006, algorithms 4 and 5.
 #pragma once
 
@@ -10,23 +10,23 @@
 
 namespace sightline::accel::published::kd {
 
-/// Every reference weighs one: a triangle.
+/// Every reference is a triangle, of weight 1.
 struct UnitWeights {
   std::uint32_t operator()(std::uint32_t) const { return 1; }
 };
 
 struct ListWeights {
-  std::span<const kdtree::BoxRef> refs;
+  std::span<const kdtree::Reference> refs;
   std::uint32_t operator()(std::uint32_t reference) const { return refs[reference].weight; }
 };
 
-/// Improves `best` by the cuts of one axis; axes are to be swept in ascending order. `weight`: of
+/// Improves `best` by the candidates of one axis. Call for axes in ascending order. `weight`: of
 /// the whole cell. Touches: half the events, as a box has two ends.
 ///
-/// Every event is weighed, not only the last at its position: before the ends at a position are all
-/// counted the cost is too high, and after the first start it is too high again, so that the
-/// smallest is the true one, and it comes first. That saves finding the groups, whose sizes no
-/// processor can predict.
+/// The cost is computed at every event, not once per position. Before all ends at a position are
+/// counted the cost is too high, and after the first start it is too high again, so the smallest is
+/// the true one, and it comes first. This avoids a loop over events of equal position, whose number
+/// is hard to predict.
 template <class Weights>
 void sweep_axis(std::span<const Event> events, const AxisCuts& cuts, std::uint32_t weight,
                 const Weights& weights, Candidate& best) {

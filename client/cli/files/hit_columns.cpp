@@ -61,7 +61,7 @@ void visit_value(const RowView& hits, std::size_t i, HitColumn column, Use use) 
     case HitColumn::kHit:
       return use(hits.hit[i]);
     case HitColumn::kWork:
-      return use(hits.work[i] & ~kMetUnbuilt);
+      return use(hits.work[i] & ~kSawDeferred);
     case HitColumn::kCount:
       return use(hits.count[i]);
   }

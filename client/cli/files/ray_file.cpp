@@ -43,17 +43,17 @@ class Matrix {
 template <class Scalar>
 RaySource<Scalar> npy_source(std::shared_ptr<Input> input, Matrix<Scalar> rays,
                              std::uint64_t rows) {
-  return [input = std::move(input), rays, rows,
-          next = std::uint64_t{0}](const RayColumns<Scalar>& room) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min<std::uint64_t>(room.size(), rows - next);
+  return [input = std::move(input), rays, rows, next = std::uint64_t{0}](
+             const RayColumns<Scalar>& buffer) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min<std::uint64_t>(buffer.size(), rows - next);
     for (std::size_t i = 0; i < n; ++i, ++next) {
       for (std::size_t k = 0; k < 3; ++k) {
-        room.origins[3 * i + k] = rays.at(next, k);
-        room.directions[3 * i + k] = rays.at(next, 3 + k);
+        buffer.origins[3 * i + k] = rays.at(next, k);
+        buffer.directions[3 * i + k] = rays.at(next, 3 + k);
       }
-      if (room.tmin.empty()) continue;
-      room.tmin[i] = rays.at(next, 6);
-      room.tmax[i] = rays.at(next, 7);
+      if (buffer.tmin.empty()) continue;
+      buffer.tmin[i] = rays.at(next, 6);
+      buffer.tmax[i] = rays.at(next, 7);
     }
     return n;
   };
@@ -98,19 +98,20 @@ Result<RayFile> open_csv(Input input) {
   auto opened = CsvRays::open(std::move(input));
   if (!opened) return opened.error();
   const auto rays = std::make_shared<CsvRays>(*std::move(opened));
-  RaySource<double> source = [rays](const RayColumns<double>& room) -> Result<std::size_t> {
+  RaySource<double> source = [rays](const RayColumns<double>& buffer) -> Result<std::size_t> {
     RayRow row{};
-    for (std::size_t i = 0; i < room.size(); ++i) {
+    for (std::size_t i = 0; i < buffer.size(); ++i) {
       const auto more = rays->next(row);
       if (!more) return more.error();
       if (!*more) return i;
-      std::copy_n(row.begin(), 3, room.origins.begin() + static_cast<std::ptrdiff_t>(3 * i));
-      std::copy_n(row.begin() + 3, 3, room.directions.begin() + static_cast<std::ptrdiff_t>(3 * i));
-      if (room.tmin.empty()) continue;
-      room.tmin[i] = row[6];
-      room.tmax[i] = row[7];
+      std::copy_n(row.begin(), 3, buffer.origins.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      std::copy_n(row.begin() + 3, 3,
+                  buffer.directions.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      if (buffer.tmin.empty()) continue;
+      buffer.tmin[i] = row[6];
+      buffer.tmax[i] = row[7];
     }
-    return room.size();
+    return buffer.size();
   };
   return RayFile{
       std::move(source), {.interval = rays->has_interval(), .masks = false}, std::nullopt};

@@ -59,13 +59,14 @@ class Film {
 
 RaySource<double> rays_of(const Film& film, const Vec3& eye) {
   return [&film, eye,
-          next = std::size_t{0}](const RayColumns<double>& room) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min(room.size(), film.samples() - next);
+          next = std::size_t{0}](const RayColumns<double>& buffer) mutable -> Result<std::size_t> {
+    const std::size_t n = std::min(buffer.size(), film.samples() - next);
     for (std::size_t i = 0; i < n; ++i, ++next) {
       const Vec3 direction = film.direction(next);
-      std::copy(eye.begin(), eye.end(), room.origins.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      std::copy(eye.begin(), eye.end(),
+                buffer.origins.begin() + static_cast<std::ptrdiff_t>(3 * i));
       std::copy(direction.begin(), direction.end(),
-                room.directions.begin() + static_cast<std::ptrdiff_t>(3 * i));
+                buffer.directions.begin() + static_cast<std::ptrdiff_t>(3 * i));
     }
     return n;
   };
@@ -124,8 +125,8 @@ class Painter {
     if (request_.mode == PictureMode::kDepth) {
       sample.value = static_cast<float>(hits.t[row]);
     } else {
-      sample.value = static_cast<float>(hits.work[row] & ~kMetUnbuilt);
-      sample.unbuilt = (hits.work[row] & kMetUnbuilt) != 0;
+      sample.value = static_cast<float>(hits.work[row] & ~kSawDeferred);
+      sample.deferred = (hits.work[row] & kSawDeferred) != 0;
     }
     return sample;
   }

@@ -155,7 +155,7 @@ std::vector<Rgb> depth_shades(const std::vector<Sample>& samples) {
 }
 
 std::vector<Rgb> heat_shades(const std::vector<Sample>& samples) {
-  constexpr double kUnbuiltLight = 0.2;
+  constexpr double kDeferredLight = 0.2;
   std::vector<float> values = values_of_hits(samples);
   const double most = std::max(quantile(values, 0.995), 1.0);
   std::vector<Rgb> colours;
@@ -163,7 +163,7 @@ std::vector<Rgb> heat_shades(const std::vector<Sample>& samples) {
   for (const Sample& sample : samples) {
     const Rgb heat = heat_colour(std::sqrt(static_cast<double>(sample.value) / most));
     const double light = sample.light >= 0 ? 0.45 + 0.55 * static_cast<double>(sample.light)
-                         : sample.unbuilt  ? kUnbuiltLight
+                         : sample.deferred ? kDeferredLight
                                            : 0.6;
     colours.push_back(times(heat, light));
   }

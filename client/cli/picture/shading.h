@@ -49,7 +49,7 @@ Rgb backdrop(double y);
 struct Sample {
   float value = 0;
   float light = 0;  ///< below 0: a miss
-  bool unbuilt = false;
+  bool deferred = false;
 };
 
 /// Colours for distances. The range of colours leaves out the nearest and the farthest hundredth of

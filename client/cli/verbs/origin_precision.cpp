@@ -11,10 +11,10 @@
 namespace sightline::client::cli::verbs {
 
 RaySource<float> watch_reach(RaySource<float> source, float& reach) {
-  return [source = std::move(source), &reach](const RayColumns<float>& room) {
-    auto rows = source(room);
+  return [source = std::move(source), &reach](const RayColumns<float>& buffer) {
+    auto rows = source(buffer);
     if (!rows) return rows;
-    for (const float x : room.origins.first(3 * *rows)) {
+    for (const float x : buffer.origins.first(3 * *rows)) {
       if (std::isfinite(x)) reach = std::max(reach, std::abs(x));
     }
     return rows;

@@ -73,10 +73,10 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
 
 // Uses a short deadline: the prefetch is done, and the statistics are not worth a long wait.
 std::optional<SceneStats> ask_stats(const Session& session, const std::string& scene) {
-  constexpr double kPatience = 5;
-  Session impatient = session;
-  impatient.deadline = std::min(session.deadline.value_or(kPatience), kPatience);
-  const auto client = impatient.connect();
+  constexpr double kStatsSeconds = 5;
+  Session brief = session;
+  brief.deadline = std::min(session.deadline.value_or(kStatsSeconds), kStatsSeconds);
+  const auto client = brief.connect();
   if (!client) return {};
   const auto stats = client->scene_stats(scene);
   return stats ? std::optional(*stats) : std::nullopt;
@@ -204,8 +204,8 @@ Result<PrefetchReport> build_all(const Client& client, const std::string& scene,
                                [&](const PrefetchReport& report) { bar.show(report); });
   if (built) return built;
   const Error& error = built.error();
-  const bool has_no_room = error.reason == "TOO_MANY_PREFETCHES";
-  if (has_no_room || error.code == Code::kUnimplemented) return PrefetchReport{};
+  const bool is_refused = error.reason == "TOO_MANY_PREFETCHES";
+  if (is_refused || error.code == Code::kUnimplemented) return PrefetchReport{};
   return built;
 }
 

@@ -30,15 +30,15 @@ TEST(WidenFlat, LeavesNoDenormalBounds) {
   EXPECT_GE(box.hi.x, 1e-40f);
 }
 
-TEST(Rounding, GoesOutward) {
+TEST(Rounding, IsOutward) {
   EXPECT_LE(static_cast<double>(round_down(0.1)), 0.1);
   EXPECT_GE(static_cast<double>(round_up(0.1)), 0.1);
   EXPECT_EQ(round_down(0.5), 0.5f);
   EXPECT_EQ(round_up(-0.5), -0.5f);
 }
 
-/// What a sift asks of one plane at a time is what is_member asks of the cell at once, in whatever
-/// order it was cut.
+/// A sift tests membership one plane at a time, is_member tests it for the whole cell; the order of
+/// splits must not matter.
 TEST(Membership, DoesNotDependOnThePathOfSplits) {
   tests::Random random(7);
   // A coarse lattice, so that bounds and planes coincide often.
@@ -63,8 +63,8 @@ TEST(Membership, DoesNotDependOnThePathOfSplits) {
   }
 }
 
-/// Every point of a box lies in a closed cell that the box is a member of, also on the planes
-/// between cells.
+/// Every point of a box lies in a closed cell that the box is a member of; this includes points on
+/// the planes between cells.
 TEST(Membership, CoversEveryPointOfABox) {
   tests::Random random(8);
   const auto lattice = [&] { return static_cast<float>(random.below(5)); };

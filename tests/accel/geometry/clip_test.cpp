@@ -1,4 +1,4 @@
-// Clipped bounds: never too small, nothing outside the cell.
+// Clipped bounds: they contain the clipped triangle and nothing outside the cell.
 #include "accel/geometry/clip.h"
 
 #include <gtest/gtest.h>
@@ -39,9 +39,8 @@ bool is_in(const Vec3d& p, const Aabb& box, double slack) {
   return true;
 }
 
-/// Points of the triangle that are in the cell have to be in the clipped box. The points are
-/// rounded themselves, by less than `slack`: only those that are in the cell for sure are asked
-/// about.
+/// Points of the triangle inside the cell must be in the clipped box. The points are rounded by
+/// less than `slack`, so only those that are certainly in the cell are tested.
 void check_points(const Triangle& t, const Aabb& cell, double slack, tests::Random& random,
                   int& inside) {
   const auto box = clipped_bounds(t[0], t[1], t[2], cell);
@@ -61,7 +60,7 @@ void check_points(const Triangle& t, const Aabb& cell, double slack, tests::Rand
   }
 }
 
-TEST(Clip, HoldsEveryPointOfTheTriangleInTheCell) {
+TEST(Clip, ContainsEveryPointOfTheTriangleInTheCell) {
   tests::Random random(1);
   for (const double size : {1.0, 1e-3, 1e6}) {
     for (const double offset : {0.0, 1e3}) {
@@ -80,7 +79,7 @@ TEST(Clip, HoldsEveryPointOfTheTriangleInTheCell) {
   }
 }
 
-TEST(Clip, StaysWithinTheCellButForTheWidthOfFlatBoxes) {
+TEST(Clip, StaysInTheCellExceptForTheWidthOfFlatBoxes) {
   tests::Random random(2);
   int met = 0;
   for (int round = 0; round < 20000; ++round) {
@@ -108,8 +107,9 @@ TEST(Clip, IsTight) {
   EXPECT_GE(box->hi.x, 0.25f);
   EXPECT_EQ(box->hi.y, 1);
   EXPECT_EQ(box->hi.z, least_above(0));
-  EXPECT_FALSE(clipped_bounds({0, 0, 0}, {1, 0, 0}, {0, 1, 0},
-                              {{0.6f, 0.6f, -1}, {1, 1, 1}}));  // boxes meet, they do not
+  EXPECT_FALSE(clipped_bounds(
+      {0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+      {{0.6f, 0.6f, -1}, {1, 1, 1}}));  // The boxes meet, the triangle and the cell do not
 }
 
 struct OneFace {
@@ -118,14 +118,14 @@ struct OneFace {
   MeshView view() const { return {vertices, faces}; }
 };
 
-TEST(ClipToHalf, LeavesOutWhatOnlyTouches) {
+TEST(ClipToHalf, OmitsTrianglesThatOnlyTouch) {
   const OneFace up{{{0, 0, 1}, {1, 0, 1}, {0, 1, 2}}};
   EXPECT_TRUE(grow::clip_to_half(up.view(), 0, {{0, 0, 1}, {1, 1, 2}}));
   EXPECT_FALSE(
-      grow::clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // an edge in the upper face
+      grow::clip_to_half(up.view(), 0, {{0, 0, 0}, {1, 1, 1}}));  // An edge in the upper face
 }
 
-TEST(ClipToHalf, KeepsWhatLiesFlatInAFace) {
+TEST(ClipToHalf, KeepsTrianglesFlatInAFace) {
   const OneFace floor{{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
   for (const Aabb& cell : {Aabb{{0, 0, 0}, {0.5f, 1, 1}}, Aabb{{0, 0, 1}, {0.5f, 1, 2}},
                            Aabb{{0, 0, 1}, {0.5f, 1, 1}}}) {
@@ -136,7 +136,7 @@ TEST(ClipToHalf, KeepsWhatLiesFlatInAFace) {
   }
 }
 
-/// What says "flat" is an extent of one float; no other box has it (see is_planar).
+/// An extent of one float marks a flat box; no other box has it (see is_planar).
 TEST(WidenFlat, OneFloatOfExtentMeansFlat) {
   const float next = least_above(1);
   const auto is_flat = [](float lo, float hi) {
@@ -151,7 +151,7 @@ TEST(WidenFlat, OneFloatOfExtentMeansFlat) {
   EXPECT_FALSE(is_flat(1, next));
   EXPECT_FALSE(is_flat(1, least_above(next)));
   EXPECT_FALSE(is_flat(0, 1e-40f));
-  EXPECT_FALSE(is_flat(1e-40f, 1e-40f));  // stands at a place that no bound can name
+  EXPECT_FALSE(is_flat(1e-40f, 1e-40f));  // Lies at a position that no float bound can express
   EXPECT_FALSE(is_flat(-1e-40f, -1e-40f));
 }
 

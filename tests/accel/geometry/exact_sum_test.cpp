@@ -12,8 +12,8 @@ __extension__ using Int128 = __int128;
 
 int sign_of(Int128 x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-TEST(Expansion, KeepsWhatADoubleLoses) {
-  Expansion e(1e100);
+TEST(ExactSum, KeepsBitsThatADoubleLoses) {
+  ExactSum e(1e100);
   e.add(1);
   e.add(-1e100);
   EXPECT_EQ(e.estimate(), 1);
@@ -21,23 +21,23 @@ TEST(Expansion, KeepsWhatADoubleLoses) {
   EXPECT_EQ(e.sign(), 0);
 }
 
-TEST(Expansion, DifferenceIsExact) {
-  const Expansion e = Expansion::difference(1e20, 1e-20);
-  Expansion check = e;
+TEST(ExactSum, DifferenceIsExact) {
+  const ExactSum e = ExactSum::difference(1e20, 1e-20);
+  ExactSum check = e;
   check.add(-1e20);
   EXPECT_EQ(check.estimate(), -1e-20);
 }
 
-TEST(Expansion, SignsOfSumsOfProductsAreThoseOfIntegers) {
+TEST(ExactSum, SignsOfSumsOfProductsAreThoseOfIntegers) {
   tests::Random random(3);
   for (int round = 0; round < 20000; ++round) {
     Int128 exact = 0;
-    Expansion e;
+    ExactSum e;
     std::int64_t last_a = 0, last_b = 0;
     for (int term = 0; term < 6; ++term) {
       std::int64_t a = static_cast<std::int64_t>(random.next() >> 12) - (std::int64_t{1} << 51);
       std::int64_t b = static_cast<std::int64_t>(random.next() >> 12) - (std::int64_t{1} << 51);
-      if (term % 2 == 1) {  // nearly cancel the term before
+      if (term % 2 == 1) {  // Nearly cancels the term before
         a = -last_a;
         b = last_b + static_cast<std::int64_t>(random.below(3)) - 1;
       }
@@ -52,15 +52,15 @@ TEST(Expansion, SignsOfSumsOfProductsAreThoseOfIntegers) {
   }
 }
 
-TEST(Expansion, ProductsOfExpansionsDistribute) {
-  Expansion a(1e10);
+TEST(ExactSum, ProductsOfSumsDistribute) {
+  ExactSum a(1e10);
   a.add(1e-10);
-  Expansion b(1);
+  ExactSum b(1);
   b.add(-1e-20);
-  Expansion product;
+  ExactSum product;
   product.add_product(
       a, b);  // 1e10 + 1e-10 - 1e-10 - 1e-30, with 1e-10 and 1e10 * 1e-20 not quite equal
-  Expansion expected(1e10);
+  ExactSum expected(1e10);
   expected.add(1e-10);
   expected.add_product(1e10, -1e-20);
   expected.add_product(1e-10, -1e-20);

@@ -1,4 +1,4 @@
-// Which side of a triangle a ray meets.
+// The side of a triangle that a ray meets.
 #include "accel/geometry/facing.h"
 
 #include <gtest/gtest.h>
@@ -20,24 +20,24 @@ TEST(Facing, IsTheSignOfTheNormalAlongTheRay) {
   EXPECT_EQ(facing(ray_along({1, 2, 0}), kA, kB, kC), 0);
 }
 
-TEST(Facing, IsExactWhereDoublesAreNot) {
+TEST(Facing, IsExactWhereDoublesRound) {
   // The normal's z is 2^-120 or its opposite; in doubles the products cancel.
   const Vec3f a{1, 1, 0}, b{1 + 0x1p-20f, 1 + 0x1p-20f, 0};
   const LocalRay down = ray_along({0, 0, -1});
   const Vec3f left{1 + 0x1p-19f, 1 + 0x1p-19f + 0x1p-23f, 0};
   EXPECT_EQ(facing(down, a, b, left), -1);
   EXPECT_EQ(facing(down, a, left, b), 1);
-  // Nearly edge-on: the slope of the ray decides in its last bit.
+  // Nearly edge-on: the last bit of the ray's slope decides.
   const double tiny = 0x1p-200;
   EXPECT_EQ(facing(ray_along({1, 0.5, -tiny}), kA, kB, kC), -1);
   EXPECT_EQ(facing(ray_along({1, 0.5, tiny}), kA, kB, kC), 1);
 }
 
-TEST(Facing, IsNeverEdgeOnWhereThereIsAHit) {
+TEST(Facing, IsNeverEdgeOnForAHit) {
   tests::Random random(3);
   int hits = 0;
   for (int i = 0; i < 20'000; ++i) {
-    // On a lattice many rays run along triangles and through their edges.
+    // On a lattice many rays lie in the planes of triangles and pass through their edges.
     const auto x = [&] { return static_cast<float>(random.below(4)); };
     const auto y = [&] { return static_cast<double>(random.below(5)) - 2; };
     const Vec3f a{x(), x(), x()}, b{x(), x(), x()}, c{x(), x(), x()};

@@ -58,7 +58,7 @@ TEST(Intersect, AgreesWithExactIntegersOnDegenerateRays) {
   int hits = 0;
   for (int round = 0; round < 300000; ++round) {
     int n[15];
-    // Few values: edges, vertices and planes are met exactly all the time.
+    // Few distinct values: rays often meet edges, vertices and planes exactly.
     for (int& x : n) x = small(3);
     if (n[3] == 0 && n[4] == 0 && n[5] == 0) continue;
     const auto v = [&](int i) {
@@ -92,7 +92,7 @@ TEST(Intersect, WindingDoesNotMatter) {
 
 TEST(Intersect, EveryPointOfASheetHasOneOwner) {
   const tests::TestMesh sheet = tests::planar_sheet(4);
-  // Vertices, edge midpoints, diagonals: straight down and slanted.
+  // Through vertices, edge midpoints and diagonals: straight down and slanted.
   for (const Vec3d d :
        {Vec3d{0, 0, -1}, Vec3d{0.5, 0.25, -1}, Vec3d{-0.0, 1, -2}, Vec3d{1, 0, -4}}) {
     for (int x = 1; x < 16; ++x) {
@@ -104,12 +104,12 @@ TEST(Intersect, EveryPointOfASheetHasOneOwner) {
   }
 }
 
-TEST(Intersect, ClosedSurfacesAreCrossedEvenlyOftenFromOutside) {
+TEST(Intersect, ClosedSurfacesAreCrossedAnEvenNumberOfTimesFromOutside) {
   const tests::TestMesh sphere = tests::icosphere(3);
   tests::Random random(13);
   for (std::size_t i = 0; i < sphere.vertices.size(); ++i) {
     const Vec3d v(sphere.vertices[i]);
-    ASSERT_EQ(all_hits(sphere, ray({0, 0, 0}, v)).size() % 2, 0u);  // the line: both ways
+    ASSERT_EQ(all_hits(sphere, ray({0, 0, 0}, v)).size() % 2, 0u);  // The line: both directions
     std::size_t ahead = 0;
     for (const double t : all_hits(sphere, ray({0, 0, 0}, v))) ahead += t > 0 ? 1 : 0;
     ASSERT_EQ(ahead, 1u) << "vertex " << i;
@@ -120,13 +120,14 @@ TEST(Intersect, ClosedSurfacesAreCrossedEvenlyOftenFromOutside) {
 
 TEST(Intersect, EdgeOnAndEmptyTrianglesAreNeverHit) {
   const LocalRay r = ray({0, 0, 5}, {0, 0, -1});
-  EXPECT_FALSE(intersect(r, {-1, 0, 0}, {1, 0, 0}, {0, 0, 3}));  // the ray lies in its plane
+  EXPECT_FALSE(
+      intersect(r, {-1, 0, 0}, {1, 0, 0}, {0, 0, 3}));  // The ray lies in the triangle's plane
   EXPECT_FALSE(intersect(r, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}));
   EXPECT_FALSE(intersect(r, {-1, 0, 0}, {1, 0, 0}, {3, 0, 0}));
   EXPECT_FALSE(intersect(r, {-1, -1, 0}, {1, 1, 0}, {1, 1, 0}));
 }
 
-TEST(Intersect, TCountsInTheDirectionsLength) {
+TEST(Intersect, TIsInUnitsOfTheDirectionsLength) {
   const Vec3f a{-1, -1, 2}, b{1, -1, 2}, c{0, 1, 2};
   for (const double scale : {1.0, 3.0, 1e-200, 1e200, 0.1}) {
     const LocalRay r = ray({0, 0, 0}, {0, 0, scale});
@@ -138,8 +139,8 @@ TEST(Intersect, TCountsInTheDirectionsLength) {
   EXPECT_DOUBLE_EQ(*intersect(behind, a, b, c) * behind.unit, -3);
 }
 
-/// At grazing angles and on slivers t keeps its bound, because it is then computed exactly.
-TEST(Intersect, TKeepsItsErrorBoundWhereDoublesLoseIt) {
+/// At grazing angles and on slivers t keeps its error bound, because it is then computed exactly.
+TEST(Intersect, TKeepsItsErrorBoundWhereDoublesWouldNot) {
   tests::Random random(14);
   int checked = 0;
   for (int round = 0; round < 20000; ++round) {
@@ -153,9 +154,9 @@ TEST(Intersect, TKeepsItsErrorBoundWhereDoublesLoseIt) {
     const Vec3d o{random.uniform(-50, 50), random.uniform(-50, 50), thin * random.uniform(-50, 50)};
     const LocalRay r = ray(o, inside - o);
     const auto t = intersect(r, a, b, c);
-    if (!t) continue;  // rounding of `inside`
+    if (!t) continue;  // Rounding of `inside`
     ++checked;
-    // The same by long double, well conditioned enough for these sizes.
+    // The same in long double, which is accurate enough for these sizes.
     using L = long double;
     const auto ld = [](const Vec3d& v) { return std::array<L, 3>{v.x, v.y, v.z}; };
     const auto sub = [](const std::array<L, 3>& p, const std::array<L, 3>& q) {
@@ -180,7 +181,7 @@ TEST(Intersect, TKeepsItsErrorBoundWhereDoublesLoseIt) {
   EXPECT_GT(checked, 10000);
 }
 
-TEST(Intersect, BarycentricsWeighTheVertices) {
+TEST(Intersect, BarycentricsAreTheWeightsOfTheVertices) {
   const Vec3f a{0, 0, 0}, b{4, 0, 0}, c{0, 2, 0};
   const LocalRay r = ray({1, 0.5, 3}, {0, 0, -1});
   const auto t = intersect(r, a, b, c);
@@ -190,7 +191,7 @@ TEST(Intersect, BarycentricsWeighTheVertices) {
   EXPECT_DOUBLE_EQ(w.v, 0.25);
 }
 
-TEST(MakeLocalRay, RefusesWhatIsNoRay) {
+TEST(MakeLocalRay, RefusesInvalidRays) {
   const double nan = std::nan(""), inf = kHitError / 0.0;
   EXPECT_FALSE(make_local_ray({0, 0, 0}, {0, 0, 0}));
   EXPECT_FALSE(make_local_ray({0, 0, 0}, {-0.0, 0, 0}));

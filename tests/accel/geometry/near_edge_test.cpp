@@ -1,5 +1,5 @@
-// The intersector against exact arithmetic on 200,000 pairs of a ray and a triangle whose edge it
-// just passes or meets. tests/fuzz/near_edge does the same for as many as wanted.
+// The intersector against exact arithmetic on 200,000 pairs of a ray and a triangle, where the ray
+// narrowly passes or meets an edge. tests/fuzz/near_edge does the same for any number of pairs.
 #include <gtest/gtest.h>
 
 #include "accel/geometry/intersect.h"
@@ -23,7 +23,7 @@ void expect_right(const Tally& tally) {
 TEST(NearEdge, AgreesWithExactArithmetic) {
   const Tally tally = check_near_edges(200000, 1);
   expect_right(tally);
-  // That the cases are as hard as they should be, and of every kind.
+  // The cases are as hard as intended, and of every kind.
   const PairCount total = tally.total();
   EXPECT_GE(total.near, 200000u);
   for (const PairCount& count : tally.by_patch) {
@@ -35,7 +35,7 @@ TEST(NearEdge, AgreesWithExactArithmetic) {
   EXPECT_GT(total.folded, 10000u);
 }
 
-/// Seen nearly edge-on, from a vertex: the weights are that vertex's, not any between the three.
+/// Seen nearly edge-on, through a vertex: that vertex has all the weight, not the other two.
 TEST(NearEdge, WeightsHoldAtGrazingAngles) {
   HardCase hard;
   hard.connect(Patch::kTriangle);
@@ -54,7 +54,7 @@ TEST(NearEdge, DoesNotDependOnTheOrderOfVertices) {
   expect_right(check_near_edges(20000, 2, {.all_orders = true}));
 }
 
-TEST(NearEdge, DoesNotDependOnFlushingDenormalResults) {
+TEST(NearEdge, DoesNotDependOnFlushedDenormalResults) {
   expect_right(check_near_edges(20000, 3, {.flush_denormals = true}));
 }
 

@@ -1,4 +1,4 @@
-// What is taken for a certain miss is one, on every SIMD target; and most misses are.
+// The prefilter rejects only misses, on every SIMD target, and it rejects most of them.
 #include "accel/geometry/triangle_prefilter.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Soup {
   }
 };
 
-/// Triangles of a size around a place. The last of the vertices is a corner, too.
+/// Triangles of a given size around a point. The last vertex is also a corner.
 Soup make_soup(std::size_t triangles, double size, const Vec3d& at, std::uint64_t seed) {
   tests::Random random(seed);
   Soup soup;
@@ -55,17 +55,17 @@ class CertainMisses : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// Misses that are not taken for certain, of all misses. Every batch size has its turn.
+/// The misses that are not rejected, of all misses. Cycles through all batch sizes.
 double share_left(const Soup& soup, const std::vector<LocalRay>& rays) {
   const std::vector<std::uint32_t> faces = all_faces(soup);
   std::uint64_t misses = 0, left = 0;
   std::size_t size = 1;
   for (const LocalRay& ray : rays) {
     const ShearedRay seen = sheared(ray);
-    for (std::size_t begin = 0; begin < faces.size(); size = size % kMissBatch + 1) {
+    for (std::size_t begin = 0; begin < faces.size(); size = size % kPrefilterBatch + 1) {
       const auto batch = std::span(faces).subspan(begin, std::min(size, faces.size() - begin));
-      const std::uint64_t possible = possible_hits(soup.view(), seen, batch);
-      EXPECT_TRUE(batch.size() == kMissBatch || possible >> batch.size() == 0);
+      const std::uint64_t possible = candidate_mask(soup.view(), seen, batch);
+      EXPECT_TRUE(batch.size() == kPrefilterBatch || possible >> batch.size() == 0);
       for (std::size_t i = 0; i < batch.size(); ++i) {
         const auto [a, b, c] = soup.corners(batch[i]);
         const bool hit = intersect(ray, a, b, c).has_value(), kept = (possible >> i & 1) != 0;
@@ -79,7 +79,7 @@ double share_left(const Soup& soup, const std::vector<LocalRay>& rays) {
   return static_cast<double>(left) / static_cast<double>(std::max<std::uint64_t>(misses, 1));
 }
 
-/// From afar through a soup, at any of its points and at corners and edges.
+/// From far away through a soup, at random points, corners and edges.
 std::vector<LocalRay> rays_at(const Soup& soup, std::size_t count, double distance,
                               std::uint64_t seed) {
   tests::Random random(seed);
@@ -95,7 +95,7 @@ std::vector<LocalRay> rays_at(const Soup& soup, std::size_t count, double distan
   return rays;
 }
 
-TEST_P(CertainMisses, NoHitIsTakenForAMiss) {
+TEST_P(CertainMisses, RejectsNoHit) {
   const bool filters = GetParam() != HWY_SCALAR;
   for (const double size : {1.0, 1e-3, 1e8}) {
     for (const double distance : {0.1, 10.0, 1000.0}) {
@@ -106,8 +106,8 @@ TEST_P(CertainMisses, NoHitIsTakenForAMiss) {
   }
 }
 
-/// Where floats are too coarse next to triangles nothing may be lost, whatever is left to test.
-TEST_P(CertainMisses, NoHitIsTakenForAMissWhereFloatsAreCoarse) {
+/// Where floats are coarser than triangles, no hit may be rejected; any number may be left to test.
+TEST_P(CertainMisses, RejectsNoHitWhereFloatsAreCoarse) {
   for (const double far : {1e3, 1e5, 1e7, 1e12}) {
     const Soup soup = make_soup(300, 1, {far, -far / 3, far / 7}, 3);
     share_left(soup, rays_at(soup, 100, 5, 4));
@@ -115,7 +115,7 @@ TEST_P(CertainMisses, NoHitIsTakenForAMissWhereFloatsAreCoarse) {
   }
 }
 
-TEST_P(CertainMisses, NoHitIsTakenForAMissAtTheEndsOfTheRange) {
+TEST_P(CertainMisses, RejectsNoHitAtTheEndsOfTheRange) {
   for (const double size : {1e38, 1e37, 1e19, 3e18, 1e-20, 1e-30, 1e-37, 1e-42}) {
     const Soup soup = make_soup(200, size, {}, 6);
     for (const double distance : {0.5, 3.0, 1e6})

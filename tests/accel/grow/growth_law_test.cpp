@@ -1,5 +1,4 @@
-// How the work of the builders grows with the size of the scene, in touches: Wald, Havran 2006,
-// section 4.
+// Growth of the builders' touches with the size of the scene: Wald, Havran 2006, section 4.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +23,7 @@ tests::TestMesh terrain(std::uint32_t n) {
     double z = 0;
     for (const double f : {3.0, 7.0, 17.0})
       z += std::sin(f * x + 2 * f * y) * std::cos(f * y - x) / f;
-    // Jitter, as measured ground has: a lattice would be all ties.
+    // Jitter, as measured terrain has: a lattice would consist of ties.
     v = {static_cast<float>(x + 0.3 / n * random.uniform()),
          static_cast<float>(y + 0.3 / n * random.uniform()), static_cast<float>(z / 4)};
   }
@@ -32,7 +31,7 @@ tests::TestMesh terrain(std::uint32_t n) {
 }
 
 double touches(const tests::TestMesh& mesh, const published::AnyBuilder& builder) {
-  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder,
+  mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder,
                       mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);
@@ -49,8 +48,8 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
   for (const std::uint32_t side : sides) {
     const tests::TestMesh mesh = terrain(side);
     published::AnyBuilder values = *published::make_builder(builder);
-    // The exact bottom costs every triangle the same, in steps as its lists halve: a short one
-    // leaves the law to be seen at sizes that a test can build.
+    // The exact search of short lists costs every triangle the same, in steps as lists halve: a
+    // short limit keeps the law visible at sizes that a test can build.
     std::visit(
         [](auto& kd) {
           if constexpr (requires { kd.exact_below; }) kd.exact_below = 36;
@@ -61,9 +60,8 @@ std::vector<Point> measure_growth_of(const std::string_view builder,
   return points;
 }
 
-/// Fits touches / n = a + b law(n), by least squares, and returns the largest share by which a
-/// point misses it. `a` is what the bottom of the tree costs a triangle, whatever the size of the
-/// scene.
+/// Fits touches / n = a + b law(n) by least squares, and returns the largest relative deviation of
+/// a point. `a` is the cost a triangle of the bottom of the tree, for any size of scene.
 struct Fit {
   double a = 0, b = 0, residual = 0;
 };
@@ -99,8 +97,7 @@ TEST(GrowthLaw, SweepMinMaxAndScanAreNLogN) {
     const Fit law = fit(points, log_n);
     EXPECT_LT(law.residual, 0.05) << name;
     EXPECT_GT(law.b, 0) << name;
-    // And no faster: from one size to the next the touches of a triangle rise by ever less, if
-    // anything.
+    // Not faster either: from one size to the next the touches a triangle rise by less and less.
     const auto rise = [&](std::size_t i) {
       return points[i + 1].touches / points[i + 1].n - points[i].touches / points[i].n;
     };
@@ -114,7 +111,7 @@ TEST(GrowthLaw, SortIsNLog2N) {
   const Fit law = fit(sort, log2_n);
   EXPECT_LT(law.residual, 0.05);
   EXPECT_GT(law.b, 0);
-  // A logarithm more than the sweep: their ratio rises with every size.
+  // One logarithm more than the sweep: their ratio rises with every size.
   for (std::size_t i = 0; i + 1 < sort.size(); ++i) {
     EXPECT_GT(sort[i + 1].touches / sweep[i + 1].touches,
               1.04 * sort[i].touches / sweep[i].touches);
@@ -124,7 +121,8 @@ TEST(GrowthLaw, SortIsNLog2N) {
 TEST(GrowthLaw, NaiveIsNSquared) {
   const Fit law = fit(measure_growth_of("sah-naive", {8, 16, 24, 32}), n_itself);
   EXPECT_LT(law.residual, 0.1);
-  EXPECT_GT(law.b, 6);  // two bounds on three axes, tried against every triangle, at the root alone
+  EXPECT_GT(law.b,
+            6);  // At the root alone, two bounds on three axes are tried against every triangle
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The subtrees of handfuls against cutting cell by cell, on every SIMD target of this machine.
+// Small subtrees against cutting cell by cell, on every SIMD target of this machine.
 #include "accel/grow/small_subtree.h"
 
 #include <gtest/gtest.h>
@@ -19,20 +19,20 @@ class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// Walks the tree and makes every cut again, by the rule alone.
+/// Walks the tree and computes every cut again with the split rule.
 class Recut {
  public:
   Recut(const kdtree::KdTree& tree, const split::BoundRule& rule, int max_depth)
       : tree_(tree), rule_(rule), max_depth_(max_depth) {}
 
-  void expect(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs,
+  void expect(kdtree::Slot slot, const std::vector<kdtree::Reference>& refs,
               const geometry::Aabb& cell, int depth) {
-    std::optional<kdtree::Cut> cut;
+    std::optional<kdtree::Split> cut;
     if (!refs.empty() && depth < max_depth_) cut = choose_bound(refs, cell, rule_, counters);
-    std::vector<kdtree::BoxRef> left, right;
+    std::vector<kdtree::Reference> left, right;
     if (cut) {
       const auto a = static_cast<std::size_t>(cut->plane.axis);
-      for (const kdtree::BoxRef& r : refs) {
+      for (const kdtree::Reference& r : refs) {
         if (r.lo[a] < cut->plane.position) left.push_back(r);
         if (r.hi[a] > cut->plane.position) right.push_back(r);
       }
@@ -51,7 +51,7 @@ class Recut {
   kdtree::BuildCounters counters;
 
  private:
-  void expect_leaf(kdtree::Slot slot, const std::vector<kdtree::BoxRef>& refs) {
+  void expect_leaf(kdtree::Slot slot, const std::vector<kdtree::Reference>& refs) {
     ASSERT_TRUE(slot.is_leaf());
     ASSERT_EQ(slot.leaf_count(), refs.size());
     std::uint32_t storage;
@@ -64,7 +64,7 @@ class Recut {
   int max_depth_;
 };
 
-void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  int max_depth = 20) {
   const split::SplitSearch& unused = *split::default_rule();
   for (const split::BoundRule& rule :
@@ -92,7 +92,7 @@ TEST_P(SmallGrowth, MakesTheCutsOfTheRule) {
   }
 }
 
-TEST_P(SmallGrowth, ResolvesTiesAlike) {
+TEST_P(SmallGrowth, ResolvesTiesTheSameWay) {
   for (std::uint64_t seed = 0; seed < 200; ++seed)
     expect_same(tests::lattice_boxes(1 + seed % split::kSmallList, 1, seed),
                 {{0, 0, 0}, {5, 5, 5}});
@@ -103,21 +103,21 @@ TEST_P(SmallGrowth, StopsAtTheDepthLimit) {
   for (const int limit : {0, 1, 2, 3}) expect_same(refs, tests::bounds_of(refs), limit);
 }
 
-TEST_P(SmallGrowth, DefersWhatHasNoRoom) {
+TEST_P(SmallGrowth, DefersCellsBeyondTheCapacity) {
   const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
-  kdtree::KdTree tree(cell, refs.size());  // nothing reserved
+  kdtree::KdTree tree(cell, refs.size());  // Nothing reserved
   const split::SplitSearch& unused = *split::default_rule();
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
       grow_small({.tree = tree, .rule = unused, .max_depth = 20}, {}, refs, cell, {}, counters);
-  ASSERT_TRUE(root.is_unbuilt());
-  EXPECT_TRUE(root.cell()->given_up);
+  ASSERT_TRUE(root.is_deferred());
+  EXPECT_TRUE(root.cell()->failed);
   EXPECT_EQ(root.cell()->size, refs.size());
   delete root.cell();
 }
 
-TEST(IsSmall, NeedsFewBoxesThatWeighOne) {
+TEST(IsSmall, NeedsFewBoxesOfWeightOne) {
   EXPECT_TRUE(is_small({}));
   EXPECT_TRUE(is_small(tests::random_boxes(split::kSmallList, 0.1, 1)));
   EXPECT_FALSE(is_small(tests::random_boxes(split::kSmallList + 1, 0.1, 1)));

@@ -1,4 +1,4 @@
-// Nothing is freed under a reader, and everything is in the end.
+// No object is freed under a reader, and every object is freed in the end.
 #include "accel/kdtree/epoch.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(Epoch, WaitsForPins) {
   EXPECT_EQ(retired_bytes(), 0u);
 }
 
-TEST(Epoch, APinHeldElsewhereCounts) {
+TEST(Epoch, APinOfAnotherThreadCounts) {
   reclaim();
   freed = 0;
   std::atomic<int> stage{0};

@@ -12,7 +12,7 @@ TEST(Slot, DefaultIsAnEmptyLeaf) {
   EXPECT_TRUE(Slot().is_leaf());
   EXPECT_EQ(Slot().leaf_count(), 0u);
   EXPECT_FALSE(Slot().is_binary());
-  EXPECT_FALSE(Slot().is_unbuilt());
+  EXPECT_FALSE(Slot().is_deferred());
 }
 
 TEST(Slot, BinaryKeepsPlaneAndPair) {
@@ -22,7 +22,7 @@ TEST(Slot, BinaryKeepsPlaneAndPair) {
         const Slot slot = Slot::binary({axis, x}, pair);
         EXPECT_TRUE(slot.is_binary());
         EXPECT_FALSE(slot.is_leaf());
-        EXPECT_FALSE(slot.is_unbuilt());
+        EXPECT_FALSE(slot.is_deferred());
         EXPECT_EQ(slot.axis(), axis);
         EXPECT_EQ(slot.position(), x);
         EXPECT_EQ(slot.pair(), pair);
@@ -31,7 +31,7 @@ TEST(Slot, BinaryKeepsPlaneAndPair) {
   }
 }
 
-TEST(Slot, LeafKeepsCountAndPlace) {
+TEST(Slot, LeafKeepsCountAndOffset) {
   const Slot large = Slot::leaf(Slot::kMaxLeafCount, 0xffffffffu);
   EXPECT_EQ(large.leaf_count(), Slot::kMaxLeafCount);
   EXPECT_EQ(large.leaf_first(), 0xffffffffu);
@@ -41,12 +41,12 @@ TEST(Slot, LeafKeepsCountAndPlace) {
   EXPECT_EQ(single.leaf_first(), 0x80000001u);
 }
 
-TEST(Slot, UnbuiltKeepsItsCell) {
+TEST(Slot, DeferredSlotKeepsItsCell) {
   DeferredCell cell;
   EXPECT_EQ(Slot::deferred(&cell).cell(), &cell);
   EXPECT_EQ(Slot::expanding(&cell).cell(), &cell);
-  EXPECT_TRUE(Slot::deferred(&cell).is_unbuilt());
-  EXPECT_TRUE(Slot::expanding(&cell).is_unbuilt());
+  EXPECT_TRUE(Slot::deferred(&cell).is_deferred());
+  EXPECT_TRUE(Slot::expanding(&cell).is_deferred());
   EXPECT_NE(Slot::deferred(&cell), Slot::expanding(&cell));
   EXPECT_FALSE(Slot::deferred(&cell).is_leaf());
 }

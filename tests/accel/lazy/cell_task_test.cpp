@@ -1,4 +1,4 @@
-// Threads that expand one cell together: equal cuts, little work twice, and nobody waits for a
+// Threads that expand one cell together: equal cuts, little duplicate work, and no waiting for a
 // thread that has stopped.
 #include "accel/lazy/cell_task.h"
 
@@ -22,30 +22,30 @@
 namespace sightline::accel::lazy {
 namespace {
 
-std::unique_ptr<SliceResult> counted(std::size_t references) {
-  auto result = std::make_unique<SliceResult>();
+std::unique_ptr<PassSlice> counted(std::size_t references) {
+  auto result = std::make_unique<PassSlice>();
   result->straddling.all = references;
   return result;
 }
 
-TEST(Stage, KeepsTheFirstResultOfASlice) {
+TEST(SharedPass, KeepsTheFirstResultOfASlice) {
   std::atomic<int> runs{0};
-  Stage stage(3, [&](std::size_t slice, kdtree::BuildCounters& counters) {
+  SharedPass pass(3, [&](std::size_t slice, kdtree::BuildCounters& counters) {
     ++counters.touches;
     return counted(slice + 10 * static_cast<std::size_t>(runs++));
   });
   kdtree::BuildCounters counters;
-  EXPECT_FALSE(stage.done());
-  EXPECT_EQ(stage.help(counters), 3u);
-  EXPECT_TRUE(stage.done());
-  EXPECT_EQ(stage.help(counters), 0u);
-  stage.finish(counters);
+  EXPECT_FALSE(pass.done());
+  EXPECT_EQ(pass.help(counters), 3u);
+  EXPECT_TRUE(pass.done());
+  EXPECT_EQ(pass.help(counters), 0u);
+  pass.finish(counters);
   EXPECT_EQ(runs, 3);
   EXPECT_EQ(counters.touches, 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling.all, i + 10 * i);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(pass[i].straddling.all, i + 10 * i);
 }
 
-/// Holds up whoever comes to the gate first, until it is opened.
+/// Stops the first thread that passes the gate, until the gate is opened.
 class Gate {
  public:
   void pass() {
@@ -63,69 +63,71 @@ class Gate {
   std::atomic<bool> taken_{false}, open_{false};
 };
 
-TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
+TEST(SharedPass, FinishesWithoutAStoppedThread) {
   Gate gate;
-  Stage stage(8, [&](std::size_t slice, kdtree::BuildCounters&) {
+  SharedPass pass(8, [&](std::size_t slice, kdtree::BuildCounters&) {
     gate.pass();
     return counted(slice);
   });
   std::thread stopped([&] {
     kdtree::BuildCounters counters;
-    stage.help(counters);
+    pass.help(counters);
   });
   while (!gate.taken()) std::this_thread::yield();
   kdtree::BuildCounters counters;
-  stage.help(counters);
-  EXPECT_FALSE(stage.done());
-  stage.finish(counters);
-  EXPECT_TRUE(stage.done());
+  pass.help(counters);
+  EXPECT_FALSE(pass.done());
+  pass.finish(counters);
+  EXPECT_TRUE(pass.done());
   gate.open();
   stopped.join();
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling.all, i);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(pass[i].straddling.all, i);
 }
 
-TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
-  auto* expansion = new Expansion(nullptr);
+TEST(CellTask, AReplayFindsFinishedStages) {
+  auto* task = new CellTask(nullptr);
   std::atomic<int> runs{0};
   const auto follow = [&](kdtree::BuildCounters& counters) {
-    Replay replay(*expansion, counters);
+    PassSequence passes(*task, counters);
     std::size_t sum = 0;
     for (std::size_t k = 1; k <= 4; ++k) {
-      const Stage& stage = replay.next(k, [&runs, k](std::size_t slice, kdtree::BuildCounters&) {
-        ++runs;
-        return counted(k * slice);
-      });
-      for (std::size_t i = 0; i < stage.slices(); ++i) sum += stage[i].straddling.all;
+      const SharedPass& pass =
+          passes.next(k, [&runs, k](std::size_t slice, kdtree::BuildCounters&) {
+            ++runs;
+            return counted(k * slice);
+          });
+      for (std::size_t i = 0; i < pass.slices(); ++i) sum += pass[i].straddling.all;
     }
     return sum;
   };
   kdtree::BuildCounters counters;
   const std::size_t first = follow(counters);
   EXPECT_EQ(runs, 1 + 2 + 3 + 4);
-  const std::uint64_t progress = expansion->progress();
+  const std::uint64_t progress = task->progress();
   EXPECT_EQ(follow(counters), first);
   EXPECT_EQ(runs, 1 + 2 + 3 + 4);
-  EXPECT_EQ(expansion->progress(), progress);
-  expansion->leave();
+  EXPECT_EQ(task->progress(), progress);
+  task->leave();
 }
 
 /// A tree over many small boxes whose list is made in slices.
 struct ManyBoxes {
-  std::shared_ptr<const std::vector<kdtree::BoxRef>> refs;
+  std::shared_ptr<const std::vector<kdtree::Reference>> refs;
   std::function<void()> at_slice = [] {};
 
   explicit ManyBoxes(std::size_t count)
-      : refs(std::make_shared<const std::vector<kdtree::BoxRef>>(
+      : refs(std::make_shared<const std::vector<kdtree::Reference>>(
             tests::random_boxes(count, 0.002, 5))) {}
 
   std::unique_ptr<LazyTree> tree() const {
     ReferenceSource source;
-    source.coarsest = [places = refs->size()](kdtree::BuildCounters&) {
-      return ReferenceSource::Coarsest{.places = places};
+    source.coarsest = [count = refs->size()](kdtree::BuildCounters&) {
+      return ReferenceSource::Coarsest{.slots = count};
     };
     source.list = [refs = refs, at_slice = at_slice](std::size_t begin, std::size_t end,
-                                                     kdtree::BoxRef* out, kdtree::BuildCounters&) {
-      if (end - begin > 1) at_slice();  // or a sample is taken, by one thread
+                                                     kdtree::Reference* out,
+                                                     kdtree::BuildCounters&) {
+      if (end - begin > 1) at_slice();  // Or one thread takes a sample
       std::copy(refs->data() + begin, refs->data() + end, out);
       return end - begin;
     };
@@ -135,14 +137,14 @@ struct ManyBoxes {
   }
 };
 
-/// Expands what lies on the way to the first reference, as a ray would.
+/// Expands the cells on the way to the first reference, as a ray would.
 kdtree::BuildCounters descend(LazyTree& tree, const geometry::Vec3f& point) {
   const kdtree::EpochPin pin;
   kdtree::BuildCounters counters;
   kdtree::AtomicSlot* at = &tree.root();
   for (kdtree::Slot slot = kdtree::load(*at); !slot.is_leaf(); slot = kdtree::load(*at)) {
-    if (slot.is_unbuilt()) {
-      if (tree.expand(*at, AtBusy::kWait, counters) == Expanded::kSearch) break;
+    if (slot.is_deferred()) {
+      if (tree.expand(*at, WhenPending::kWait, counters) == ExpandResult::kScanList) break;
       continue;
     }
     const auto axis = static_cast<std::size_t>(slot.axis());
@@ -160,7 +162,7 @@ std::uint64_t descend_with(int threads, LazyTree& tree, const geometry::Vec3f& p
   return touches;
 }
 
-TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
+TEST(CellTask, SixteenThreadsInOneColdCellDuplicateLittleWork) {
   const ManyBoxes boxes(400'000);
   const geometry::Vec3f point = (*boxes.refs)[0].lo;
   const auto alone = boxes.tree(), together = boxes.tree();
@@ -169,7 +171,7 @@ TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   EXPECT_GE(many, one);
   EXPECT_LE(many, 1.05 * one);
   std::vector<geometry::Aabb> bounds;
-  for (const kdtree::BoxRef& ref : *boxes.refs) bounds.push_back(ref.bounds());
+  for (const kdtree::Reference& ref : *boxes.refs) bounds.push_back(ref.bounds());
   const kdtree::EpochPin pin;
   EXPECT_EQ(kdtree::load(together->root()).position(), kdtree::load(alone->root()).position());
   const auto cells = [](const LazyTree& t) {
@@ -178,7 +180,7 @@ TEST(Expansion, SixteenThreadsThroughOneColdCellDoLittleTwice) {
   EXPECT_EQ(cells(*together), cells(*alone));
 }
 
-TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
+TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
   for (int stopped_at : {0, 7, 40}) {
     auto gate = std::make_shared<Gate>();
     ManyBoxes boxes(200'000);
@@ -197,7 +199,7 @@ TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
         through.notify_all();
       });
     }
-    // All but the one at the gate; the test would hang otherwise.
+    // All but the thread at the gate; otherwise the test would hang.
     for (int now = through; now < 3; now = through) through.wait(now);
     gate->open();
     for (std::thread& t : threads) t.join();
@@ -205,7 +207,7 @@ TEST(Expansion, AThreadThatStopsInASliceHoldsUpNobody) {
   }
 }
 
-/// Waits for what happens sooner or later, or never: the limit only ends a test that fails.
+/// Waits for a condition that becomes true, or never does: the limit only ends a failing test.
 template <class Condition>
 bool happens(Condition condition) {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -216,8 +218,8 @@ bool happens(Condition condition) {
   return true;
 }
 
-TEST(Expansion, OutlivesItsTree) {
-  std::atomic<bool> helper_stopped{false}, go_on{false}, helped{true};
+TEST(CellTask, OutlivesItsTree) {
+  std::atomic<bool> helper_stopped{false}, may_continue{false}, helped{true};
   std::weak_ptr<const void> source;
   const auto caller = std::this_thread::get_id();
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
@@ -225,21 +227,21 @@ TEST(Expansion, OutlivesItsTree) {
   arena.execute([&] {
     ManyBoxes boxes(70'000);
     source = boxes.refs;
-    // A called thread stops in its first slice; the caller does none before.
+    // A helper thread stops in its first slice; the caller runs none before.
     boxes.at_slice = [&] {
       if (std::this_thread::get_id() == caller) {
         helped = helped && happens([&] { return helper_stopped.load(); });
       } else if (!helper_stopped.exchange(true)) {
-        while (!go_on) std::this_thread::yield();
+        while (!may_continue) std::this_thread::yield();
       }
     };
     const auto tree = boxes.tree();
     descend(*tree, (*boxes.refs)[0].lo);
   });
-  ASSERT_TRUE(helped) << "no thread was called";
+  ASSERT_TRUE(helped) << "no helper thread ran";
   kdtree::reclaim();
   EXPECT_FALSE(source.expired()) << "the stopped thread still reads it";
-  go_on = true;
+  may_continue = true;
   EXPECT_TRUE(happens([&] {
     kdtree::reclaim();
     return source.expired();

@@ -1,5 +1,5 @@
-// A thread is stopped by a signal at any point of our code: the rays of all others are answered all
-// the same.
+// A signal stops one thread at any point of our code; the rays of all other threads are still
+// answered.
 #include <gtest/gtest.h>
 
 #include <pthread.h>
@@ -29,7 +29,7 @@ namespace {
 using tests::TestMesh;
 
 std::atomic<bool> suspended{false};
-int go_on_pipe[2];
+int resume_pipe[2];
 
 #if defined(__x86_64__)
 constexpr bool kKnowsProgramCounter = true;
@@ -46,20 +46,20 @@ constexpr bool kKnowsProgramCounter = false;
 std::uintptr_t program_counter(const ucontext_t&) { return 0; }
 #endif
 
-/// Stops the thread until something is written to the pipe. In a library it is let go on, as it may
-/// hold a lock of the allocator's.
+/// Stops the thread until a byte is written to the pipe. Inside a library the thread continues, as
+/// it may hold the allocator's lock.
 void suspend(int, siginfo_t*, void* context) {
   const std::uintptr_t at = program_counter(*static_cast<const ucontext_t*>(context));
   const auto begin = reinterpret_cast<std::uintptr_t>(&__executable_start),
              end = reinterpret_cast<std::uintptr_t>(&etext);
   if (at < begin || at >= end) return;
-  if (suspended.exchange(true)) return;  // a second signal was on its way
+  if (suspended.exchange(true)) return;  // A second signal was pending
   char byte = 0;
-  while (read(go_on_pipe[0], &byte, 1) != 1) {
+  while (read(resume_pipe[0], &byte, 1) != 1) {
   }
 }
 
-/// Counts the rays that it has answered.
+/// Counts the rays that the thread has answered.
 std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays,
                             std::atomic<std::size_t>& answered) {
   std::vector<double> answers;
@@ -82,19 +82,19 @@ std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ra
 
 std::unique_ptr<mesh::MeshTree> make_tree(const std::shared_ptr<const TestMesh>& shape,
                                           mesh::References references) {
-  return std::make_unique<mesh::MeshTree>(shape->view(), mesh::survey_mesh(shape->view()),
+  return std::make_unique<mesh::MeshTree>(shape->view(), mesh::compute_mesh_stats(shape->view()),
                                           published::default_builder(), references, shape);
 }
 
-/// Whether all others finish while one thread is stopped. They finish or never do: the limit only
-/// ends a test that fails.
+/// Whether all other threads finish while one thread is stopped. The limit only ends a failing
+/// test.
 bool others_finish(const std::atomic<int>& finished, int others) {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (finished < others && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
   return finished >= others;
 }
 
-/// Stops one of four threads once it has answered some rays. Returns whether it was stopped before
+/// Stops one of four threads after it has answered some rays. Returns whether it was stopped before
 /// it had finished.
 bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays,
                       const std::vector<double>& expected, std::size_t rays_before) {
@@ -116,19 +116,19 @@ bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& ra
     std::this_thread::yield();
   }
   const bool stopped = suspended;
-  EXPECT_TRUE(others_finish(finished, 3)) << "a stopped thread is waited for";
+  EXPECT_TRUE(others_finish(finished, 3)) << "a thread waits for the stopped one";
   const char byte = 0;
   if (stopped) {
-    EXPECT_EQ(write(go_on_pipe[1], &byte, 1), 1);
+    EXPECT_EQ(write(resume_pipe[1], &byte, 1), 1);
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
   return stopped;
 }
 
-TEST(Suspended, NoThreadIsWaitedFor) {
+TEST(Suspended, OtherThreadsDoNotWait) {
   if (!kKnowsProgramCounter) GTEST_SKIP() << "on this processor";
-  ASSERT_EQ(pipe(go_on_pipe), 0);
+  ASSERT_EQ(pipe(resume_pipe), 0);
   struct sigaction action {};
   action.sa_sigaction = suspend;
   action.sa_flags = SA_SIGINFO | SA_RESTART;
@@ -141,8 +141,8 @@ TEST(Suspended, NoThreadIsWaitedFor) {
     const auto reference = make_tree(shape, mesh::References::kSoup);
     std::atomic<std::size_t> answered{0};
     const std::vector<double> expected = ask_all(*reference, rays, answered);
-    // Six threads stopped over either kind of references, at their first ray and later. A thread
-    // that finishes first is no stop, and tried again.
+    // Six stopped threads for each kind of references, at their first ray and later. If the thread
+    // finishes first, the attempt is repeated.
     for (const mesh::References references : {mesh::References::kSoup, mesh::References::kRuns}) {
       for (std::size_t stops = 0; stops < 6;) {
         const auto tree = make_tree(shape, references);
@@ -151,8 +151,8 @@ TEST(Suspended, NoThreadIsWaitedFor) {
     }
   }
   ASSERT_EQ(sigaction(SIGUSR2, &before, nullptr), 0);
-  close(go_on_pipe[0]);
-  close(go_on_pipe[1]);
+  close(resume_pipe[0]);
+  close(resume_pipe[1]);
 }
 
 }  // namespace

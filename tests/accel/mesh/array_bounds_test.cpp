@@ -1,4 +1,4 @@
-// Streams through arrays: the same as one by one, at every length, on every SIMD target.
+// Streaming passes over arrays equal one-by-one loops, at every length, on every SIMD target.
 #include "accel/mesh/array_bounds.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ class ArrayBoundsOnTarget : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-TEST_P(ArrayBoundsOnTarget, GreatestIndexIsFoundWhereverItStands) {
+TEST_P(ArrayBoundsOnTarget, FindsTheGreatestIndexAtEveryPosition) {
   tests::Random random(1);
   EXPECT_EQ(greatest_index({}), 0u);
   for (std::size_t count = 1; count < 70; ++count) {
@@ -37,7 +37,7 @@ TEST_P(ArrayBoundsOnTarget, GreatestIndexIsFoundWhereverItStands) {
   }
 }
 
-TEST_P(ArrayBoundsOnTarget, BoundsHoldEveryVertexAndNoMore) {
+TEST_P(ArrayBoundsOnTarget, BoundsAreTight) {
   tests::Random random(2);
   EXPECT_FALSE(bounds_of_vertices({}));
   for (std::size_t count = 1; count < 200; ++count) {
@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Every, ArrayBoundsOnTarget,
                            return std::string(hwy::TargetName(target.param));
                          });
 
-TEST(ArrayBounds, OfEveryFewFaces) {
+TEST(ArrayBounds, OfEveryNthFace) {
   const std::vector<geometry::Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {9, 9, 9}};
   const std::vector<geometry::Face> faces{{0, 1, 2}, {0, 1, 3}, {2, 1, 0}};
   EXPECT_EQ(bounds_of_faces({vertices, faces}, 2), (geometry::Aabb{{0, 0, 0}, {1, 2, 0}}));

@@ -1,4 +1,4 @@
-// Boxes of faces: the same by fours as one by one, on every SIMD target.
+// Boxes of faces: four at a time equals one by one, on every SIMD target.
 #include "accel/mesh/face_boxes.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace sightline::accel::mesh {
 namespace {
 
-/// Coordinates that are equal, next to each other, denormal, huge, signed zeros, or not finite.
+/// Coordinates that are equal, adjacent, denormal, huge, signed zeros, or not finite.
 std::vector<geometry::Vec3f> odd_vertices(std::size_t count, bool finite) {
   constexpr float kTiny = std::numeric_limits<float>::min();
   const float values[] = {0.0f,
@@ -53,7 +53,7 @@ class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
+TEST_P(EveryTarget, ReferencesAndSumsEqualOneByOne) {
   tests::Random random(3);
   for (const bool finite : {true, false}) {
     const std::vector<geometry::Vec3f> vertices = odd_vertices(finite ? 400 : 4000, finite);
@@ -66,7 +66,7 @@ TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
     }
     faces.push_back({static_cast<std::uint32_t>(vertices.size() - 1), 0, 1});
     const geometry::MeshView mesh{vertices, faces};
-    std::vector<kdtree::BoxRef> made(faces.size());
+    std::vector<kdtree::Reference> made(faces.size());
     made.resize(face_references(mesh, 0, faces.size(), made.data()));
     std::size_t at = 0;
     for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -97,7 +97,7 @@ TEST_P(EveryTarget, ReferencesAndSumsEqualBoundsOneByOne) {
   }
 }
 
-TEST_P(EveryTarget, BadIndicesAreNeverFollowed) {
+TEST_P(EveryTarget, BadIndicesAreNeverRead) {
   const std::vector<geometry::Vec3f> vertices(5);
   const std::vector<geometry::Face> faces{
       {0, 1, 2}, {2, 3, 5}, {geometry::kNoVertex, 0, 1}, {0, 1, geometry::kNoVertex}};
@@ -108,7 +108,7 @@ TEST_P(EveryTarget, BadIndicesAreNeverFollowed) {
   EXPECT_EQ(sum_faces({{}, faces}, 0, 1).first_bad, 0u);
 }
 
-TEST(FaceSum, OfNothingAddsNothing) {
+TEST(FaceSum, OfNoFacesIsEmpty) {
   const std::vector<geometry::Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
   const std::vector<geometry::Face> faces{
       {0, 1, 2}, {geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex}};

@@ -1,4 +1,4 @@
-// What a survey says of meshes with and without oddities.
+// The statistics of meshes with and without irregular faces.
 #include "accel/mesh/mesh_stats.h"
 
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@ using tests::TestMesh;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr geometry::Face kNoFace{geometry::kNoVertex, geometry::kNoVertex, geometry::kNoVertex};
 
-/// Face by face.
-MeshSurvey slowly(const TestMesh& mesh) {
-  MeshSurvey survey;
+/// One face at a time.
+MeshStats slowly(const TestMesh& mesh) {
+  MeshStats survey;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const FaceSum face = sum_faces(mesh.view(), i, i + 1);
     survey.triangles += face.triangles;
@@ -28,8 +28,8 @@ MeshSurvey slowly(const TestMesh& mesh) {
   return survey;
 }
 
-void expect_right(const TestMesh& mesh, const MeshSurvey& survey) {
-  const MeshSurvey expected = slowly(mesh);
+void expect_right(const TestMesh& mesh, const MeshStats& survey) {
+  const MeshStats expected = slowly(mesh);
   EXPECT_EQ(survey.triangles, expected.triangles);
   EXPECT_EQ(survey.finite_triangles, expected.finite_triangles);
   EXPECT_EQ(survey.first_bad_face, expected.first_bad_face);
@@ -39,45 +39,45 @@ void expect_right(const TestMesh& mesh, const MeshSurvey& survey) {
   EXPECT_EQ(both, bounds);
 }
 
-TEST(MeshSurvey, SaysTheSameAsFaceByFace) {
+TEST(MeshStats, EqualsASurveyFaceByFace) {
   for (const std::uint32_t side : {1u, 5u, 40u, 300u}) {
     TestMesh mesh = tests::planar_sheet(side);
-    const MeshSurvey survey = survey_mesh(mesh.view());
+    const MeshStats survey = compute_mesh_stats(mesh.view());
     expect_right(mesh, survey);
     EXPECT_EQ(survey.bounds.hi.x, static_cast<float>(side));
     mesh.faces.push_back(kNoFace);
-    expect_right(mesh, survey_mesh(mesh.view()));
+    expect_right(mesh, compute_mesh_stats(mesh.view()));
     mesh.faces.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size())});
-    expect_right(mesh, survey_mesh(mesh.view()));
+    expect_right(mesh, compute_mesh_stats(mesh.view()));
     mesh.faces.resize(mesh.faces.size() - 2);
     mesh.vertices[side].y = kNan;
-    expect_right(mesh, survey_mesh(mesh.view()));
+    expect_right(mesh, compute_mesh_stats(mesh.view()));
   }
 }
 
-TEST(MeshSurvey, OfNothing) {
-  expect_right({}, survey_mesh({}));
-  EXPECT_TRUE(survey_mesh({}).bounds.empty());
+TEST(MeshStats, OfAnEmptyMesh) {
+  expect_right({}, compute_mesh_stats({}));
+  EXPECT_TRUE(compute_mesh_stats({}).bounds.empty());
   const TestMesh points{{{0, 0, 0}, {1, 1, 1}}, {kNoFace}};
-  expect_right(points, survey_mesh(points.view()));
-  EXPECT_TRUE(survey_mesh(points.view()).bounds.empty());
+  expect_right(points, compute_mesh_stats(points.view()));
+  EXPECT_TRUE(compute_mesh_stats(points.view()).bounds.empty());
 }
 
-TEST(MeshSurvey, VerticesFarFromTheFacesDoNotCount) {
+TEST(MeshStats, VerticesFarFromTheFacesDoNotCount) {
   TestMesh mesh = tests::planar_sheet(60);
   mesh.vertices.push_back({60000, 60000, 60000});
-  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
+  EXPECT_EQ(compute_mesh_stats(mesh.view()).bounds.hi.x, 60.0f);
   mesh.vertices.back() = {kNan, 0, 0};
-  EXPECT_EQ(survey_mesh(mesh.view()).bounds.hi.x, 60.0f);
-  EXPECT_EQ(survey_mesh(mesh.view()).finite_triangles, mesh.faces.size());
+  EXPECT_EQ(compute_mesh_stats(mesh.view()).bounds.hi.x, 60.0f);
+  EXPECT_EQ(compute_mesh_stats(mesh.view()).finite_triangles, mesh.faces.size());
 }
 
-TEST(MeshSurvey, FewLargeFacesAmongManySmallOnesCount) {
+TEST(MeshStats, FewLargeFacesAmongManySmallOnesCount) {
   TestMesh mesh = tests::planar_sheet(60);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {{-9000, 0, 0}, {9000, 0, 0}, {0, 5000, 9000}});
   mesh.faces.insert(mesh.faces.begin() + 7, {first, first + 1, first + 2});
-  expect_right(mesh, survey_mesh(mesh.view()));
+  expect_right(mesh, compute_mesh_stats(mesh.view()));
 }
 
 }  // namespace

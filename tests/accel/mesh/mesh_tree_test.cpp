@@ -1,4 +1,4 @@
-// Lazy, full, searched: all the same hits, for every builder and shape of input.
+// Lazy, full and scanned trees give the same hits, for every builder and kind of input.
 #include "accel/mesh/mesh_tree.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,8 @@ struct Answer {
 std::unique_ptr<MeshTree> make_tree(
     const TestMesh& mesh, const published::AnyBuilder& builder = published::default_builder(),
     References references = References::kRuns) {
-  return std::make_unique<MeshTree>(mesh.view(), survey_mesh(mesh.view()), builder, references);
+  return std::make_unique<MeshTree>(mesh.view(), compute_mesh_stats(mesh.view()), builder,
+                                    references);
 }
 
 MeshQuery query_of(const geometry::Ray& ray) {
@@ -45,17 +46,17 @@ MeshQuery query_of(const geometry::Ray& ray) {
   return query;
 }
 
-Answer ask(MeshTree& tree, const geometry::Ray& ray, AtUnbuilt at_unbuilt = AtUnbuilt::kExpand) {
+Answer ask(MeshTree& tree, const geometry::Ray& ray, OnDeferred on_deferred = OnDeferred::kExpand) {
   const kdtree::EpochPin pin;
   MeshQuery query = query_of(ray);
-  query.at_unbuilt = at_unbuilt;
+  query.on_deferred = on_deferred;
   kdtree::WalkCounters walked;
   kdtree::BuildCounters built;
   tree.query(query, walked, built);
   return query.found ? Answer{query.best_t, query.best_primitive} : Answer{};
 }
 
-/// The hit rule over every triangle, with no tree. (The independent oracle is in tests/e2e.)
+/// The hit rule over every triangle, without a tree. (The independent oracle is in tests/e2e.)
 Answer search(const TestMesh& mesh, const geometry::Ray& ray) {
   const geometry::LocalRay local = *make_local_ray(ray.origin, ray.direction);
   Answer best;
@@ -83,7 +84,7 @@ struct Case {
   std::function<TestMesh()> make;
 };
 
-/// One triangle poisoned, one slot without a triangle, some without area.
+/// One face with a NaN vertex, one that is no triangle, some without area.
 TestMesh damaged() {
   TestMesh mesh = tests::icosphere(2);
   mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
@@ -97,7 +98,7 @@ TestMesh damaged() {
   return mesh;
 }
 
-/// Flat triangles in one plane among others that rise from it by a single float, or fall.
+/// Flat triangles in one plane, among others that leave it by a single float.
 TestMesh thin() {
   TestMesh mesh = tests::planar_sheet(6);
   const float above = geometry::least_above(1), below = std::nextafter(1.0f, 0.0f);
@@ -115,7 +116,7 @@ TestMesh thin() {
   return mesh;
 }
 
-/// Corners on a lattice: many flat triangles, and planes through the corners of others.
+/// Corners on a lattice: many flat triangles, and planes through corners of other triangles.
 TestMesh lattice() {
   TestMesh mesh;
   tests::Random random(5);
@@ -164,13 +165,13 @@ std::vector<geometry::Ray> rays_for(const TestMesh& mesh, std::size_t count) {
     rays.push_back({v - geometry::Vec3d{0, 0, 5}, {0, 0, 1}});
     rays.push_back({v + geometry::Vec3d{5, 0, 0}, {-1, -0.0, 0}});
     rays.push_back(
-        {v, {0, 1, 0}});  // starts on the surface, often on a split plane, along a grid line
+        {v, {0, 1, 0}});  // Starts on the surface, often on a split plane, along a grid line
     rays.push_back({w, {1, 1, 0}, -3, 3});
     const geometry::Vec3d from = v + random.direction() * 3.0;
-    rays.push_back({from, v - from, 0.25, 1});  // ends on the vertex: both limits are closed
+    rays.push_back({from, v - from, 0.25, 1});  // Ends on the vertex: both limits are closed
     rays.push_back({from, (v + w) * 0.5 - from});
   }
-  // Around a mesh with a vertex at infinity not every ray is one.
+  // For a mesh with a vertex at infinity, some of the rays are invalid.
   std::erase_if(
       rays, [](const geometry::Ray& ray) { return !make_local_ray(ray.origin, ray.direction); });
   return rays;
@@ -192,7 +193,7 @@ void check(const MeshTree& tree, const TestMesh& mesh, const published::AnyBuild
   }
 }
 
-/// Searching naively takes the square of the size.
+/// The naive search takes quadratic time.
 bool takes_too_long(std::string_view builder, const TestMesh& mesh) {
   return builder == "sah-naive" && mesh.faces.size() > 1000;
 }
@@ -206,28 +207,28 @@ TEST_P(EveryShape, LazyFullAndSearchedTreesAnswerAlike) {
     if (takes_too_long(name, mesh)) continue;
     const published::AnyBuilder builder = *published::make_builder(name);
     const auto lazy = make_tree(mesh, builder), full = make_tree(mesh, builder),
-               unbuilt = make_tree(mesh, builder);
+               deferred = make_tree(mesh, builder);
     kdtree::BuildCounters counters;
     full->expand_all(counters);
     {
       const kdtree::EpochPin pin;
       const kdtree::TreeMetrics m = full->metrics();
-      EXPECT_EQ(m.unbuilt_cells, m.given_up_cells);
+      EXPECT_EQ(m.deferred_cells, m.failed_cells);
     }
     check(*full, mesh, builder);
     for (const geometry::Ray& ray : rays) {
       const Answer expected = search(mesh, ray);
       ASSERT_EQ(ask(*lazy, ray), expected) << name;
       ASSERT_EQ(ask(*full, ray), expected) << name;
-      ASSERT_EQ(ask(*unbuilt, ray, AtUnbuilt::kSearch), expected) << name;
-      ASSERT_EQ(ask(*lazy, ray, AtUnbuilt::kSearch), expected) << name;
+      ASSERT_EQ(ask(*deferred, ray, OnDeferred::kScan), expected) << name;
+      ASSERT_EQ(ask(*lazy, ray, OnDeferred::kScan), expected) << name;
     }
-    EXPECT_TRUE(mesh.faces.empty() || unbuilt->untouched());
+    EXPECT_TRUE(mesh.faces.empty() || deferred->untouched());
     check(*lazy, mesh, builder);
   }
 }
 
-TEST_P(EveryShape, AnyHitIsThereIfAndOnlyIfTheNearestIs) {
+TEST_P(EveryShape, AnAnyHitExistsIfAndOnlyIfANearestHitDoes) {
   const TestMesh mesh = GetParam().make();
   const auto tree = make_tree(mesh);
   for (const geometry::Ray& ray : rays_for(mesh, 40)) {
@@ -244,7 +245,7 @@ TEST_P(EveryShape, AnyHitIsThereIfAndOnlyIfTheNearestIs) {
 INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, ::testing::ValuesIn(cases()),
                          [](const auto& shape) { return shape.param.name; });
 
-TEST(MeshTree, GrowsOnlyWhereRaysLook) {
+TEST(MeshTree, GrowsOnlyWhereRaysGo) {
   const TestMesh mesh = tests::icosphere(5);  // 20,480 triangles
   const auto tree = make_tree(mesh);
   kdtree::WalkCounters walked;
@@ -276,7 +277,7 @@ TEST(MeshTree, GrowsOnlyWhereRaysLook) {
   EXPECT_EQ(again.touches, 0u);
 }
 
-TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
+TEST(MeshTree, AFinishedLazyTreeEqualsTheFullTree) {
   const TestMesh mesh = tests::random_soup(5000, 0.03, 3);
   const auto full = make_tree(mesh), lazy = make_tree(mesh);
   kdtree::BuildCounters counters;
@@ -289,10 +290,10 @@ TEST(MeshTree, ALazyTreeFinishedIsTheFullTree) {
   EXPECT_EQ(a.references, b.references);
   EXPECT_EQ(a.max_depth, b.max_depth);
   EXPECT_DOUBLE_EQ(a.sah_cost, b.sah_cost);
-  EXPECT_EQ(b.unbuilt_cells, 0u);
+  EXPECT_EQ(b.deferred_cells, 0u);
 }
 
-TEST(MeshTree, CancelledBuildsStayUsable) {
+TEST(MeshTree, TreesStayUsableAfterACancelledBuild) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 4);
   const auto tree = make_tree(mesh);
   const std::atomic<bool> cancelled{true};
@@ -300,17 +301,17 @@ TEST(MeshTree, CancelledBuildsStayUsable) {
   tree->expand_all(counters, &cancelled);
   {
     const kdtree::EpochPin pin;
-    EXPECT_GT(tree->metrics().unbuilt_cells, 0u);
+    EXPECT_GT(tree->metrics().deferred_cells, 0u);
   }
   for (const geometry::Ray& ray : tests::rays_at(mesh, 20, 1))
     EXPECT_EQ(ask(*tree, ray), search(mesh, ray));
   tree->expand_all(counters);
   const kdtree::EpochPin pin;
-  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().deferred_cells, 0u);
 }
 
-TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
-  // Large enough that the first cells are joined and the later ones raced for.
+TEST(MeshTree, ThreadsInOneColdTreeAgree) {
+  // Large enough that the first cells are shared by threads and the later ones are raced for.
   const TestMesh mesh = tests::random_soup(60000, 0.01, 6);
   const std::vector<geometry::Ray> rays = tests::rays_at(mesh, 1500, 8);
   const auto reference = make_tree(mesh);
@@ -337,7 +338,7 @@ TEST(MeshTree, ThreadsThatMeetInAColdTreeAgree) {
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(wrong, 0);
   const kdtree::EpochPin pin;
-  EXPECT_EQ(tree->metrics().unbuilt_cells, 0u);
+  EXPECT_EQ(tree->metrics().deferred_cells, 0u);
 }
 
 }  // namespace

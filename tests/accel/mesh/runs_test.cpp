@@ -1,5 +1,5 @@
-// Runs of triangles: each triangle in one of them, boxes that hold, and equal hits with and
-// without.
+// Runs of triangles: each triangle is in one run, boxes contain their triangles, and runs do not
+// change hits.
 #include "accel/mesh/runs.h"
 #include "accel/published/any_builder.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using tests::TestMesh;
 
-/// A wavy sheet whose faces follow each other row by row.
+/// A wavy sheet with faces in row order.
 TestMesh waves(std::uint32_t side) {
   TestMesh mesh = tests::planar_sheet(side);
   for (geometry::Vec3f& v : mesh.vertices) {
@@ -36,15 +36,15 @@ TestMesh shuffled(TestMesh mesh) {
   return mesh;
 }
 
-/// Counts each face that a run leads to, and checks that boxes hold what they stand for.
-void visit(const geometry::MeshView& mesh, const kdtree::BoxRef& run, std::vector<int>& seen) {
-  std::vector<kdtree::BoxRef> finer;
+/// Counts the faces that runs open to, and checks that boxes contain them.
+void visit(const geometry::MeshView& mesh, const kdtree::Reference& run, std::vector<int>& seen) {
+  std::vector<kdtree::Reference> finer;
   kdtree::BuildCounters counters;
   open_run(mesh, run, finer, counters);
   const FaceRange faces = faces_of_run(mesh, run);
   ASSERT_EQ(counters.touches_prepare, faces.end - faces.begin);
   std::uint32_t weight = 0;
-  for (const kdtree::BoxRef& ref : finer) {
+  for (const kdtree::Reference& ref : finer) {
     geometry::Aabb both = run.bounds();
     both.grow(ref.bounds());
     ASSERT_EQ(both, run.bounds());
@@ -61,7 +61,7 @@ void visit(const geometry::MeshView& mesh, const kdtree::BoxRef& run, std::vecto
   ASSERT_EQ(weight, run.weight);
 }
 
-TEST(Runs, LeadToEveryFiniteTriangleOnce) {
+TEST(Runs, OpenToEveryFiniteTriangleOnce) {
   for (const std::uint32_t side : {3u, 64u, 100u, 257u}) {
     TestMesh mesh = waves(side);
     if (side > 10) {
@@ -70,12 +70,12 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
       mesh.vertices[500].x = std::numeric_limits<float>::quiet_NaN();
     }
     const geometry::MeshView view = mesh.view();
-    std::vector<kdtree::BoxRef> runs(count_runs(view));
+    std::vector<kdtree::Reference> runs(count_runs(view));
     kdtree::BuildCounters counters;
     runs.resize(run_references(view, 0, runs.size(), runs.data(), counters));
     EXPECT_EQ(counters.touches_prepare, view.faces.size());
     std::vector<int> seen(view.faces.size());
-    for (const kdtree::BoxRef& run : runs) {
+    for (const kdtree::Reference& run : runs) {
       ASSERT_TRUE(run.openable());
       visit(view, run, seen);
     }
@@ -86,10 +86,10 @@ TEST(Runs, LeadToEveryFiniteTriangleOnce) {
 
 bool compact(const TestMesh& mesh) {
   kdtree::BuildCounters counters;
-  return are_runs_compact(mesh.view(), survey_mesh(mesh.view()).bounds, counters);
+  return are_runs_compact(mesh.view(), compute_mesh_stats(mesh.view()).bounds, counters);
 }
 
-TEST(Runs, AreNotMadeWhereTheyWouldNotHelp) {
+TEST(Runs, AreNotMadeWhereTheyDoNotHelp) {
   EXPECT_TRUE(compact(waves(100)));
   EXPECT_FALSE(compact(shuffled(waves(100))));
   EXPECT_FALSE(compact(waves(20))) << "few triangles";
@@ -120,7 +120,7 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   for (const std::string_view name : published::builder_names()) {
     if (name == "sah-naive") continue;
     const published::AnyBuilder builder = *published::make_builder(name);
-    const MeshSurvey survey = survey_mesh(view);
+    const MeshStats survey = compute_mesh_stats(view);
     MeshTree runs(view, survey, builder, References::kRuns);
     MeshTree soup(view, survey, builder, References::kSoup);
     kdtree::BuildCounters of_runs, of_soup;
@@ -141,10 +141,10 @@ TEST(Runs, GiveTheSameHitsForLessWork) {
   }
 }
 
-TEST(Runs, AreSearchedWhereNothingIsGrown) {
+TEST(Runs, AreScannedWhereNothingIsGrown) {
   const TestMesh mesh = waves(100);
-  MeshTree cold(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
-  MeshTree grown(mesh.view(), survey_mesh(mesh.view()), published::default_builder());
+  MeshTree cold(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());
+  MeshTree grown(mesh.view(), compute_mesh_stats(mesh.view()), published::default_builder());
   kdtree::BuildCounters counters;
   for (const geometry::Ray& ray : tests::rays_at(mesh, 60, 4)) {
     const kdtree::EpochPin pin;
@@ -155,7 +155,7 @@ TEST(Runs, AreSearchedWhereNothingIsGrown) {
       query.tmin = ray.tmin;
       query.tmax = ray.tmax;
       query.node = 1;
-      query.at_unbuilt = AtUnbuilt::kSearch;
+      query.on_deferred = OnDeferred::kScan;
       kdtree::WalkCounters walked;
       tree->query(query, walked, counters);
       ASSERT_EQ(query.found, expected.found);

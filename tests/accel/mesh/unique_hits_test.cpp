@@ -1,4 +1,4 @@
-// Lists that keep each hit once, and the nearest.
+// Lists that keep each hit once, or the nearest hit.
 #include "accel/mesh/unique_hits.h"
 
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 namespace sightline::accel::mesh {
 namespace {
 
-TEST(Distinct, KeepsEachOnce) {
+TEST(UniqueHits, KeepsEachOnce) {
   tests::Random random(1);
-  Distinct<std::uint32_t> list;
+  UniqueHits<std::uint32_t> list;
   for (int round = 0; round < 3; ++round) {
     list.clear();
     std::set<std::uint32_t> expected;
@@ -27,16 +27,16 @@ TEST(Distinct, KeepsEachOnce) {
   }
 }
 
-TEST(Distinct, KeepsTheLeast) {
+TEST(UniqueHits, KeepsTheLeast) {
   for (const std::size_t limit : {1u, 2u, 31u, 32u, 33u, 100u}) {
     tests::Random random(limit);
-    Distinct<std::uint32_t> list(limit);
+    UniqueHits<std::uint32_t> list(limit);
     std::set<std::uint32_t> expected;
     for (int i = 0; i < 5000; ++i) {
       const auto x = static_cast<std::uint32_t>(random.below(1'000'000));
       expected.insert(x);
       if (list.add(x) && list.greatest() != nullptr) {
-        // It never says less than what will be kept.
+        // Its bound is never below the hit that will be kept.
         EXPECT_GE(*list.greatest(), *std::next(expected.begin(), static_cast<int>(limit) - 1));
       }
     }

@@ -6,7 +6,7 @@
 namespace sightline::accel::published {
 namespace {
 
-TEST(AnyBuilder, KnowsEveryBuilderOfThePapers) {
+TEST(AnyBuilder, HasEveryBuilderOfThePapers) {
   for (const std::string_view name :
        {"spatial-median", "object-median", "sah-naive", "sah-sort", "sah-sweep", "min-max-bins",
         "scan-one-axis", "scan-hybrid", "scan-all-axes", "bvh-sweep", "bvh-binned", "bvh-esc",
@@ -41,7 +41,7 @@ TEST(SetParameter, TakesNumbersCountsAndSwitches) {
   }
 }
 
-TEST(SetParameter, RefusesAndSaysWhy) {
+TEST(SetParameter, RefusesWrongValuesWithAReason) {
   AnyBuilder builder = *make_builder("sah-sweep");
   const AnyBuilder before = builder;
   const auto message = [&](std::string_view key, std::string_view value) {
@@ -63,7 +63,7 @@ TEST(SetParameter, RefusesAndSaysWhy) {
   EXPECT_EQ(builder, before);
 }
 
-TEST(SetParameter, OfAHierarchyNamesWhatItsMethodKnows) {
+TEST(SetParameter, OfAHierarchyListsTheParametersOfItsMethod) {
   AnyBuilder binned = *make_builder("bvh-binned");
   const Status status = set_parameter(binned, "alpha", "0");
   ASSERT_FALSE(status);

@@ -1,4 +1,4 @@
-// The fused pass against sifting and scanning apart, on every SIMD target of this machine.
+// The fused pass against separate sift and scan passes, on every SIMD target of this machine.
 #include "accel/split/child_scan.h"
 
 #include <gtest/gtest.h>
@@ -19,42 +19,44 @@ class FirstScanning : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-bool same(const kdtree::BoxRef& a, const kdtree::BoxRef& b) {
+bool same(const kdtree::Reference& a, const kdtree::Reference& b) {
   return a.lo == b.lo && a.hi == b.hi && a.id == b.id && a.weight == b.weight;
 }
 
-bool same(std::span<const kdtree::BoxRef> a, std::span<const kdtree::BoxRef> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const kdtree::BoxRef& x, const kdtree::BoxRef& y) { return same(x, y); });
+bool same(std::span<const kdtree::Reference> a, std::span<const kdtree::Reference> b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(),
+      [](const kdtree::Reference& x, const kdtree::Reference& y) { return same(x, y); });
 }
 
 struct Divided {
-  std::vector<kdtree::BoxRef> left, right;
-  FirstScans scans;
+  std::vector<kdtree::Reference> left, right;
+  ChildScans scans;
 };
 
-FirstScans unscanned(const geometry::Aabb& cell, const kdtree::Plane& plane,
+ChildScans unscanned(const geometry::Aabb& cell, const kdtree::Plane& plane,
                      std::uint32_t samples) {
   const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
-  return {first_planes(halves.left, samples), first_planes(halves.right, samples), {}, {}};
+  return {child_planes(halves.left, samples), child_planes(halves.right, samples), {}, {}};
 }
 
 /// By the definition.
-Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-              const kdtree::Plane& plane, std::uint32_t samples) {
-  Divided d{.left = std::vector<kdtree::BoxRef>(refs.size()),
-            .right = std::vector<kdtree::BoxRef>(refs.size()),
+Divided separate_passes(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                        const kdtree::Plane& plane, std::uint32_t samples) {
+  Divided d{.left = std::vector<kdtree::Reference>(refs.size()),
+            .right = std::vector<kdtree::Reference>(refs.size()),
             .scans = unscanned(cell, plane, samples)};
-  const kdtree::Sifted n = kdtree::sift(refs, {.plane = plane}, d.left.data(), d.right.data());
+  const kdtree::PartitionCounts n =
+      kdtree::sift(refs, {.plane = plane}, d.left.data(), d.right.data());
   d.left.resize(n.left);
   d.right.resize(n.right);
   d.scans.left.references = n.left;
   d.scans.right.references = n.right;
-  const auto count = [](const std::vector<kdtree::BoxRef>& list, const FirstPlanes& planes,
-                        kdtree::FirstScan& scan) {
+  const auto count = [](const std::vector<kdtree::Reference>& list, const ChildPlanes& planes,
+                        kdtree::ChildScan& scan) {
     for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t i = 0; i < kdtree::kFirstPlanes; ++i) {
-        for (const kdtree::BoxRef& r : list) {
+      for (std::size_t i = 0; i < kdtree::kUniformPlanes; ++i) {
+        for (const kdtree::Reference& r : list) {
           scan.axes[a].left[i] += r.lo[a] < planes.at[a][i] ? r.weight : 0;
           scan.axes[a].right[i] += r.hi[a] > planes.at[a][i] ? r.weight : 0;
         }
@@ -66,30 +68,30 @@ Divided apart(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cel
   return d;
 }
 
-/// Over itself, as growth does, then piece by piece into one pair of lists.
-void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-                 const kdtree::Plane& plane, std::uint32_t samples = kdtree::kFirstPlanes) {
-  const Divided expected = apart(refs, cell, plane, samples);
-  const auto expect_lists = [&](std::span<const kdtree::BoxRef> left,
-                                std::span<const kdtree::BoxRef> right, const FirstScans& scans) {
+/// In place, as growth does, then piece by piece into one pair of lists.
+void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                 const kdtree::Plane& plane, std::uint32_t samples = kdtree::kUniformPlanes) {
+  const Divided expected = separate_passes(refs, cell, plane, samples);
+  const auto expect_lists = [&](std::span<const kdtree::Reference> left,
+                                std::span<const kdtree::Reference> right, const ChildScans& scans) {
     EXPECT_TRUE(same(left, expected.left));
     EXPECT_TRUE(same(right, expected.right));
     EXPECT_EQ(scans.left, expected.scans.left);
     EXPECT_EQ(scans.right, expected.scans.right);
   };
-  std::vector<kdtree::BoxRef> left = refs, right(refs.size());
-  FirstScans scans = unscanned(cell, plane, samples);
-  const kdtree::Sifted n = sift_and_scan(left, plane, left.data(), right.data(), scans);
+  std::vector<kdtree::Reference> left = refs, right(refs.size());
+  ChildScans scans = unscanned(cell, plane, samples);
+  const kdtree::PartitionCounts n = sift_and_count(left, plane, left.data(), right.data(), scans);
   expect_lists(std::span(left).first(n.left), std::span(right).first(n.right), scans);
 
   const std::size_t third = refs.size() / 3;
-  const std::span<const kdtree::BoxRef> all(refs);
-  kdtree::Sifted sum;
-  FirstScans summed = unscanned(cell, plane, samples);
+  const std::span<const kdtree::Reference> all(refs);
+  kdtree::PartitionCounts sum;
+  ChildScans summed = unscanned(cell, plane, samples);
   for (const auto piece : {all.first(third), all.subspan(third, third), all.subspan(2 * third)}) {
-    FirstScans own = unscanned(cell, plane, samples);
-    const kdtree::Sifted m =
-        sift_and_scan(piece, plane, left.data() + sum.left, right.data() + sum.right, own);
+    ChildScans own = unscanned(cell, plane, samples);
+    const kdtree::PartitionCounts m =
+        sift_and_count(piece, plane, left.data() + sum.left, right.data() + sum.right, own);
     sum = {sum.left + m.left, sum.right + m.right};
     summed.left += own.left;
     summed.right += own.right;
@@ -97,13 +99,13 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   expect_lists(std::span(left).first(sum.left), std::span(right).first(sum.right), summed);
 }
 
-TEST_P(FirstScanning, IsSiftingAndScanningApart) {
+TEST_P(FirstScanning, EqualsASeparateSiftAndScan) {
   for (std::size_t n = 0; n <= 70; ++n) {
     SCOPED_TRACE(n);
     const auto refs = tests::random_boxes(n, 0.3, n);
     const int axis = static_cast<int>(n % 3);
     expect_same(refs, {{0, 0, 0}, {1, 1, 1}}, {axis, 0.4f});
-    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // straddlers
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}}, {axis, 0.5f});  // Straddlers
   }
 }
 
@@ -129,8 +131,8 @@ TEST_P(FirstScanning, CountsLongLists) {
   expect_same(refs, tests::bounds_of(refs), {1, 0.3f});
 }
 
-TEST(FirstScan, CoversAListOfItsSizeThatIsNotEmpty) {
-  kdtree::FirstScan scan;
+TEST(ChildScan, CoversAListOfItsSizeThatIsNotEmpty) {
+  kdtree::ChildScan scan;
   EXPECT_FALSE(scan.covers(0));
   EXPECT_FALSE(scan.covers(3));
   scan.references = 3;

@@ -1,4 +1,4 @@
-// The bottom of a build against plain counting, on every SIMD target of this machine.
+// The exhaustive split against plain counting, on every SIMD target of this machine.
 #include "accel/split/exhaustive_split.h"
 
 #include <gtest/gtest.h>
@@ -18,22 +18,23 @@ class BoundScan : public ::testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// By the definition: every bound inside, in order of axes, the least position of equal ones.
-BoundCut counted(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-                 AxisRange range, float bonus, std::uint64_t& touches) {
-  BoundCut best;
+/// By the definition: every bound inside the cell, in order of axes; equal costs go to the least
+/// position.
+BoundSplit counted(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                   AxisRange range, float bonus, std::uint64_t& touches) {
+  BoundSplit best;
   for (int axis = range.begin; axis < range.end; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const CutAreas areas(cell, axis);
+    const SplitAreas areas(cell, axis);
     const auto ends = static_cast<float>(areas.ends() * per_area(cell));
     const auto slope = static_cast<float>(areas.slope() * per_area(cell));
     std::size_t inside = 0;
-    for (const kdtree::BoxRef& bound : refs) {
+    for (const kdtree::Reference& bound : refs) {
       for (const float x : {bound.lo[a], bound.hi[a]}) {
         if (!(x > cell.lo[a] && x < cell.hi[a])) continue;
         ++inside;
         std::uint32_t left = 0, right = 0;
-        for (const kdtree::BoxRef& r : refs) {
+        for (const kdtree::Reference& r : refs) {
           left += r.lo[a] < x ? r.weight : 0;
           right += r.hi[a] > x ? r.weight : 0;
         }
@@ -53,7 +54,7 @@ BoundCut counted(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   return best;
 }
 
-void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
   constexpr std::size_t kAll = 1000;
   for (const BoundRule& rule : {BoundRule{}, BoundRule{.cost = {}, .all_axes_up_to = 0},
                                 BoundRule{.cost = {}, .all_axes_up_to = 9},
@@ -61,12 +62,12 @@ void expect_same(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
                                 BoundRule{.cost = {1, 100, 1}, .all_axes_up_to = kAll}}) {
     const double weight = total_weight(refs);
     kdtree::BuildCounters expected, found;
-    const BoundCut best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
+    const BoundSplit best = best_bound(rule, cell, refs.size(), weight, [&](AxisRange range) {
       return counted(refs, cell, range, static_cast<float>(rule.cost.empty_bonus),
                      expected.touches);
     });
     const bool pays = best.found() && best.cost(rule.cost) < rule.cost.intersect * weight;
-    const std::optional<kdtree::Cut> cut = choose_bound(refs, cell, rule, found);
+    const std::optional<kdtree::Split> cut = choose_bound(refs, cell, rule, found);
     ASSERT_EQ(found.touches, expected.touches) << refs.size();
     ASSERT_EQ(cut.has_value(), pays) << refs.size();
     if (cut) {
@@ -79,7 +80,7 @@ TEST_P(BoundScan, FindsTheBestBound) {
   for (std::size_t n = 1; n <= kMaxBoundScan; n += n < 40 ? 1 : 27) {
     const auto refs = tests::random_boxes(n, 0.3, n);
     expect_same(refs, tests::bounds_of(refs));
-    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // straddlers
+    expect_same(refs, {{0.2f, 0.3f, 0.1f}, {0.8f, 0.7f, 0.9f}});  // Straddlers
   }
 }
 
@@ -90,17 +91,17 @@ TEST_P(BoundScan, EqualCostsGoToTheLeastAxisAndPosition) {
   }
 }
 
-TEST_P(BoundScan, FindsNothingWhereNoBoundLiesInside) {
-  const std::vector<kdtree::BoxRef> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
+TEST_P(BoundScan, FindsNothingIfNoBoundLiesInside) {
+  const std::vector<kdtree::Reference> refs(9, tests::box_ref({0, 0, 0}, {1, 1, 1}));
   kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_bound(refs, {{0, 0, 0}, {1, 1, 1}}, {.cost = {0, 1, 1}}, counters));
   EXPECT_EQ(counters.touches, 0u);
 }
 
-TEST_P(BoundScan, TriesTheOtherAxesWhereTheLongestIsPoor) {
-  // Two slabs across the shorter axis: nothing to gain along x.
-  const std::vector<kdtree::BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
-                                         tests::box_ref({0, 2, 0}, {4, 3, 1})};
+TEST_P(BoundScan, TriesTheOtherAxesIfTheLongestIsPoor) {
+  // Two slabs across the shorter axis: no cut along x pays.
+  const std::vector<kdtree::Reference> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                            tests::box_ref({0, 2, 0}, {4, 3, 1})};
   const geometry::Aabb cell{{0, 0, 0}, {4, 3, 1}};
   kdtree::BuildCounters counters;
   EXPECT_FALSE(choose_bound(refs, cell, {.cost = {0, 1, 1}, .all_axes_up_to = 0}, counters));

@@ -16,27 +16,28 @@ namespace sightline::accel::split {
 namespace {
 
 const geometry::Aabb kCell{{0, 0, 0}, {2, 1, 1}};
-const kdtree::Cut kCut{.plane = {0, 0.5f}};
+const kdtree::Split kCut{.plane = {0, 0.5f}};
 
 TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
-  const HalvedPath below = halve_path({.depth = 3, .spare = 100}, kCut, halves, 50, 20, 40);
+  const HalvedPath below =
+      halve_path({.depth = 3, .references_left = 100}, kCut, halves, 50, 20, 40);
   // 10 were added. Half areas are 2 and 4.
-  EXPECT_DOUBLE_EQ(below.left.spare, 90 * (2.0 * 20) / (2.0 * 20 + 4.0 * 40));
-  EXPECT_DOUBLE_EQ(below.left.spare + below.right.spare, 90);
+  EXPECT_DOUBLE_EQ(below.left.references_left, 90 * (2.0 * 20) / (2.0 * 20 + 4.0 * 40));
+  EXPECT_DOUBLE_EQ(below.left.references_left + below.right.references_left, 90);
   EXPECT_EQ(below.left.depth, 4);
-  EXPECT_DOUBLE_EQ(below.left.swell, 1.2);
+  EXPECT_DOUBLE_EQ(below.left.duplication, 1.2);
 }
 
 TEST(ReferenceBudget, IsSmallBelowACutThatSeparatesNothing) {
-  const kdtree::CellPath path{.spare = 5000};
-  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 40).spare, 300);
-  EXPECT_EQ(cap_below_useless_cut(path, 100, 40, 100).spare, 300);
-  EXPECT_EQ(cap_below_useless_cut({.spare = 200}, 100, 100, 100).spare, 200);
+  const kdtree::CellPath path{.references_left = 5000};
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 40).references_left, 300);
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 40, 100).references_left, 300);
+  EXPECT_EQ(cap_below_useless_cut({.references_left = 200}, 100, 100, 100).references_left, 200);
 }
 
 TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
-  const kdtree::CellPath path{.spare = 5000};
+  const kdtree::CellPath path{.references_left = 5000};
   EXPECT_EQ(cap_below_useless_cut(path, 100, 99, 40), path);
   EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 39), path);
   EXPECT_EQ(cap_below_useless_cut(path, 64, 64, 64), path);
@@ -44,36 +45,37 @@ TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
 }
 
 TEST(ReferenceBudget, ACellIsSwollenByItsSwellAndItsLength) {
-  EXPECT_TRUE(is_swollen({.swell = 3}, 64));
-  EXPECT_FALSE(is_swollen({.swell = 3}, 63));
-  EXPECT_FALSE(is_swollen({.swell = 1.9}, 100000));
+  EXPECT_TRUE(is_over_duplicated({.duplication = 3}, 64));
+  EXPECT_FALSE(is_over_duplicated({.duplication = 3}, 63));
+  EXPECT_FALSE(is_over_duplicated({.duplication = 1.9}, 100000));
 }
 
 TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
-  EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 9));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 10));
-  EXPECT_TRUE(affords({}, 1000000));
+  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 9));
+  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 10));
+  EXPECT_TRUE(within_budget({}, 1000000));
 }
 
 TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
-  const HalvedPath over = halve_path({.spare = 5}, kCut, halves, 50, 50, 50);
-  EXPECT_EQ(over.left.spare + over.right.spare, 0);
-  const HalvedPath fewer = halve_path({.spare = 5}, kCut, halves, 50, 20, 20);
-  EXPECT_EQ(fewer.left.spare + fewer.right.spare, 5);
-  const HalvedPath flat = halve_path({.spare = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
-  EXPECT_EQ(flat.left.spare + flat.right.spare, 5);
+  const HalvedPath over = halve_path({.references_left = 5}, kCut, halves, 50, 50, 50);
+  EXPECT_EQ(over.left.references_left + over.right.references_left, 0);
+  const HalvedPath fewer = halve_path({.references_left = 5}, kCut, halves, 50, 20, 20);
+  EXPECT_EQ(fewer.left.references_left + fewer.right.references_left, 5);
+  const HalvedPath flat =
+      halve_path({.references_left = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
+  EXPECT_EQ(flat.left.references_left + flat.right.references_left, 5);
 }
 
 TEST(ReferenceBudget, IsInfiniteUnlessSet) {
   const HalvedPath below = halve_path({}, kCut, halve(kCell, 0, 0.5f), 50, 50, 50);
-  EXPECT_EQ(below.left.spare, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(below.right.spare, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(below.left.references_left, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(below.right.references_left, std::numeric_limits<double>::infinity());
 }
 
 kdtree::TreeMetrics built(std::string_view family, const published::AnyBuilder& builder) {
   const tests::TestMesh mesh = tests::find_hard_mesh(family)->make(2000, 1);
-  mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder,
+  mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder,
                       mesh::References::kSoup);
   kdtree::BuildCounters counters;
   tree.expand_all(counters);
@@ -89,7 +91,7 @@ TEST(ReferenceBudget, IsKeptByTrees) {
         ASSERT_TRUE(published::set_parameter(builder, "clip", "on"));
         ASSERT_TRUE(published::set_parameter(builder, "budget", text));
         const kdtree::TreeMetrics m = built(family, builder);
-        EXPECT_EQ(m.unbuilt_cells, 0u) << family << name;
+        EXPECT_EQ(m.deferred_cells, 0u) << family << name;
         EXPECT_LE(static_cast<double>(m.references), most * 2000) << family << name;
       }
     }

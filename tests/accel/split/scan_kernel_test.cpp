@@ -11,12 +11,12 @@
 namespace sightline::accel::split {
 namespace {
 
-std::vector<kdtree::BoxRef> boxes(std::size_t n, std::uint64_t seed) {
+std::vector<kdtree::Reference> boxes(std::size_t n, std::uint64_t seed) {
   tests::Random random(seed);
-  std::vector<kdtree::BoxRef> refs(n);
+  std::vector<kdtree::Reference> refs(n);
   for (std::size_t i = 0; i < n; ++i) {
     geometry::Aabb box;
-    // Eighths: bounds meet sample planes exactly.
+    // Multiples of one eighth: bounds meet sample planes exactly.
     const auto p = [&] { return static_cast<float>(random.below(65)) / 8; };
     box.grow(geometry::Vec3f{p(), p(), p()});
     box.grow(geometry::Vec3f{p(), p(), p()});
@@ -36,11 +36,11 @@ std::array<float, kPlanes> planes(std::uint64_t seed) {
 }
 
 template <std::size_t kPlanes>
-kdtree::PlaneCounts<kPlanes> counted(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
+kdtree::PlaneCounts<kPlanes> counted(const std::vector<kdtree::Reference>& refs, std::size_t axis,
                                      const std::array<float, kPlanes>& planes) {
   kdtree::PlaneCounts<kPlanes> counts;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    for (const kdtree::BoxRef& r : refs) {
+    for (const kdtree::Reference& r : refs) {
       counts.left[i] += r.lo[axis] < planes[i] ? r.weight : 0;
       counts.right[i] += r.hi[axis] > planes[i] ? r.weight : 0;
     }
@@ -48,13 +48,13 @@ kdtree::PlaneCounts<kPlanes> counted(const std::vector<kdtree::BoxRef>& refs, st
   return counts;
 }
 
-PlaneNeighbours neighbours(const std::vector<kdtree::BoxRef>& refs, std::size_t axis,
+PlaneNeighbours neighbours(const std::vector<kdtree::Reference>& refs, std::size_t axis,
                            const WideAxis& planes) {
   PlaneNeighbours near;
   for (std::size_t i = 0; i < kScanWidth; ++i) {
     const auto below = [&](float x) { near.below[i] = std::max(near.below[i], x); };
     const auto above = [&](float x) { near.above[i] = std::min(near.above[i], x); };
-    for (const kdtree::BoxRef& r : refs) {
+    for (const kdtree::Reference& r : refs) {
       r.lo[axis] < planes[i] ? below(r.lo[axis]) : above(r.lo[axis]);
       r.hi[axis] > planes[i] ? above(r.hi[axis]) : below(r.hi[axis]);
     }
@@ -70,15 +70,15 @@ class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
 
 TEST_P(ScanKernel, CountsWeights) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
-    const std::vector<kdtree::BoxRef> refs = boxes(n, n);
-    const std::array<FirstAxis, 3> at{planes<kdtree::kFirstPlanes>(1),
-                                      planes<kdtree::kFirstPlanes>(2),
-                                      planes<kdtree::kFirstPlanes>(3)};
-    std::array<kdtree::PlaneCounts<kdtree::kFirstPlanes>, 3> counts;
+    const std::vector<kdtree::Reference> refs = boxes(n, n);
+    const std::array<UniformAxis, 3> at{planes<kdtree::kUniformPlanes>(1),
+                                        planes<kdtree::kUniformPlanes>(2),
+                                        planes<kdtree::kUniformPlanes>(3)};
+    std::array<kdtree::PlaneCounts<kdtree::kUniformPlanes>, 3> counts;
     scan_three_axes(refs, at, counts);
     for (std::size_t a = 0; a < 3; ++a) {
       EXPECT_EQ(counts[a], counted(refs, a, at[a])) << n << " on " << a;
-      kdtree::PlaneCounts<kdtree::kFirstPlanes> one;
+      kdtree::PlaneCounts<kdtree::kUniformPlanes> one;
       scan_one_axis(refs, static_cast<int>(a), at[a], one);
       EXPECT_EQ(one, counts[a]) << n << " on " << a;
     }
@@ -87,7 +87,7 @@ TEST_P(ScanKernel, CountsWeights) {
 
 TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
-    const std::vector<kdtree::BoxRef> refs = boxes(n, n);
+    const std::vector<kdtree::Reference> refs = boxes(n, n);
     for (std::size_t a = 0; a < 3; ++a) {
       const WideAxis at = planes<kScanWidth>(a);
       kdtree::PlaneCounts<kScanWidth> counts;
@@ -100,9 +100,9 @@ TEST_P(ScanKernel, FindsTheBoundsNextToPlanes) {
 }
 
 /// Piece after piece, into the same counts.
-TEST_P(ScanKernel, AddsUp) {
-  const std::vector<kdtree::BoxRef> refs = boxes(100, 3);
-  const std::span<const kdtree::BoxRef> all(refs);
+TEST_P(ScanKernel, AccumulatesPieces) {
+  const std::vector<kdtree::Reference> refs = boxes(100, 3);
+  const std::span<const kdtree::Reference> all(refs);
   const WideAxis at = planes<kScanWidth>(5);
   kdtree::PlaneCounts<kScanWidth> whole, pieces;
   PlaneNeighbours whole_near, pieces_near;

@@ -1,4 +1,4 @@
-// Choosing a cut without the list: through passes that somebody else runs, and from counts made
+// Choosing a cut without the list: through passes that the caller runs, and from earlier counts.
 // earlier.
 #include "accel/split/scan_pass.h"
 
@@ -13,9 +13,9 @@
 namespace sightline::accel::split {
 namespace {
 
-/// A list in pieces of uneven lengths, one of them passed over twice, as late helpers do.
+/// A list in pieces of different lengths, one of which is scanned twice, as late helper threads do.
 struct Pieces {
-  std::span<const kdtree::BoxRef> refs;
+  std::span<const kdtree::Reference> refs;
   std::size_t passes = 0;
 
   PassResult operator()(const PassKernel& kernel) {
@@ -32,16 +32,16 @@ struct Pieces {
   }
 };
 
-kdtree::FirstScan first_scan(const SplitSearch& rule, std::vector<kdtree::BoxRef> refs,
+kdtree::ChildScan first_scan(const SplitSearch& rule, std::vector<kdtree::Reference> refs,
                              const geometry::Aabb& cell) {
-  // Cut at its lower face, the whole list is the right cell's.
-  std::vector<kdtree::BoxRef> right(refs.size());
-  FirstScans scans{{}, rule.first_planes(cell), {}, {}};
-  sift_and_scan(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
+  // Cut at its lower face, the whole list goes to the right cell.
+  std::vector<kdtree::Reference> right(refs.size());
+  ChildScans scans{{}, rule.child_planes(cell), {}, {}};
+  sift_and_count(refs, {0, cell.lo.x}, refs.data(), right.data(), scans);
   return scans.right;
 }
 
-void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+void expect_same_choices(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
   for (const std::string_view name : published::builder_names()) {
     const published::AnyBuilder any = *published::make_builder(name);
     const auto* kd = std::get_if<published::KdBuilder>(&any);
@@ -66,14 +66,14 @@ void expect_same_choices(const std::vector<kdtree::BoxRef>& refs, const geometry
     EXPECT_EQ(pieces.passes * refs.size(), at_hand.touches);
 
     kdtree::BuildCounters counted_before;
-    const kdtree::FirstScan first = first_scan(*rule, refs, cell);
+    const kdtree::ChildScan first = first_scan(*rule, refs, cell);
     list.first = &first;
     EXPECT_EQ(choose(list, counted_before), cut);
     EXPECT_LE(counted_before.touches, at_hand.touches - refs.size());
   }
 }
 
-TEST(ListPass, ChoosesAsFromTheListAtHand) {
+TEST(ListPass, ChoosesAsFromTheWholeList) {
   for (const std::size_t n : {257u, 1000u, 70000u}) {
     const auto small = tests::random_boxes(n, 0.01, n);
     expect_same_choices(small, tests::bounds_of(small));
@@ -81,9 +81,9 @@ TEST(ListPass, ChoosesAsFromTheListAtHand) {
   }
 }
 
-TEST(ListPass, ForgetsCountsOfAnotherLength) {
+TEST(ListPass, IgnoresCountsOfAnotherLength) {
   const auto refs = tests::random_boxes(1000, 0.1, 1);
-  kdtree::FirstScan wrong;
+  kdtree::ChildScan wrong;
   wrong.references = 999;
   kdtree::CellRefs list{refs, tests::bounds_of(refs), {}};
   kdtree::BuildCounters counters, expected;

@@ -1,4 +1,4 @@
-// A mesh's tree by one builder, asked for nearest hits, and the same answers without a tree.
+// A mesh's tree by one builder, the hits of rays in it, and the same hits without a tree.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace sightline::tests {
 
-/// The builder that counts its list anew for every candidate: its time is the square of the size.
+/// This builder counts its list again for every candidate: its time is quadratic.
 inline bool is_quadratic(std::string_view builder) { return builder == "sah-naive"; }
 
 /// A miss: t is infinite. Compares bit for bit.
@@ -31,21 +31,21 @@ class AskedTree {
  public:
   AskedTree(const TestMesh& mesh, const accel::published::AnyBuilder& builder,
             accel::mesh::References references = accel::mesh::References::kRuns)
-      : tree_(mesh.view(), accel::mesh::survey_mesh(mesh.view()), builder, references) {}
+      : tree_(mesh.view(), accel::mesh::compute_mesh_stats(mesh.view()), builder, references) {}
   AskedTree(const TestMesh& mesh, std::string_view builder)
       : AskedTree(mesh, *accel::published::make_builder(builder)) {}
 
   void build() { tree_.expand_all(built_); }
 
   NearestHit nearest(const accel::geometry::Ray& ray,
-                     accel::mesh::AtUnbuilt at_unbuilt = accel::mesh::AtUnbuilt::kExpand) {
+                     accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
     const accel::kdtree::EpochPin pin;
     accel::mesh::MeshQuery query;
     query.ray = *accel::geometry::make_local_ray(ray.origin, ray.direction);
     query.tmin = ray.tmin;
     query.tmax = ray.tmax;
     query.node = 1;
-    query.at_unbuilt = at_unbuilt;
+    query.on_deferred = on_deferred;
     tree_.query(query, walked_, built_);
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
   }
@@ -63,7 +63,7 @@ class AskedTree {
   accel::kdtree::BuildCounters built_;
 };
 
-/// By the hit rule over every face, with no tree.
+/// By the hit rule over every face, without a tree.
 inline NearestHit nearest_without_tree(const TestMesh& mesh, const accel::geometry::Ray& ray) {
   const accel::geometry::LocalRay local =
       *accel::geometry::make_local_ray(ray.origin, ray.direction);

@@ -1,5 +1,5 @@
-// What trees over hard meshes cost stays within the bounds of the catalogue, or within what is
-// stored of a method that exceeds them, and their building grows as it should.
+// The costs of trees over hard meshes stay within the catalogue's bounds, or within stored values
+// of methods that exceed them; and building them scales as it should.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 constexpr std::uint32_t kTriangles = 3000, kTrianglesIfQuadratic = 300;
-/// How far a stored breach may be exceeded.
+/// How much a stored breach may be exceeded.
 constexpr double kTolerance = 1.1;
 
 std::uint32_t size_for(std::string_view builder) {
@@ -37,7 +37,8 @@ double touches_each(const TestMesh& mesh, std::string_view builder) {
          static_cast<double>(std::max<std::size_t>(mesh.faces.size(), 1));
 }
 
-/// What a builder's tree over a mesh comes to, and its work: steps and one and a half tests.
+/// The costs of a builder's tree over a mesh, and its work a ray: steps plus one and a half times
+/// tests.
 struct Measured {
   TreeCost cost;
   double touches = 0, work = 0;
@@ -53,14 +54,14 @@ Measured measure(const TestMesh& mesh, std::span<const accel::geometry::Ray> ray
   measured.touches = static_cast<double>(tree.built().touches) / n;
   measured.cost.references = static_cast<double>(metrics.references) / n;
   measured.cost.depth = levels_beyond_good(metrics.max_depth, mesh.faces.size());
-  measured.cost.given_up = static_cast<double>(metrics.given_up_cells);
+  measured.cost.failed_cells = static_cast<double>(metrics.failed_cells);
   for (const accel::geometry::Ray& ray : rays) tree.nearest(ray);
   measured.work =
       static_cast<double>(tree.walked().steps) + 1.5 * static_cast<double>(tree.walked().tests);
   return measured;
 }
 
-/// Touches of a triangle of a compact mesh, which a hard mesh's are compared with.
+/// Touches a triangle on a compact mesh, the reference for hard meshes.
 double compact_touches(std::string_view builder) {
   static std::map<std::string_view, double> known;
   const auto [entry, is_new] = known.try_emplace(builder);
@@ -78,7 +79,7 @@ TreeCost cost_of(const HardMesh& hard, std::string_view builder) {
   return measured.cost;
 }
 
-/// By "mesh,builder,bound": values beyond a bound that are known (known_breaches.csv).
+/// By "mesh,builder,bound": known values beyond a bound (known_breaches.csv).
 std::map<std::string, double, std::less<>> read_known_breaches() {
   std::map<std::string, double, std::less<>> known;
   std::ifstream file(SIGHTLINE_KNOWN_BREACHES);
@@ -92,7 +93,7 @@ std::map<std::string, double, std::less<>> read_known_breaches() {
 
 class HardMeshBounds : public ::testing::TestWithParam<std::string_view> {};
 
-TEST_P(HardMeshBounds, AreKeptOrExceededNoFurtherThanKnown) {
+TEST_P(HardMeshBounds, AreKeptOrExceededNoMoreThanKnown) {
   const HardMesh& hard = *find_hard_mesh(GetParam());
   std::map<std::string, double, std::less<>> known = read_known_breaches();
   ASSERT_FALSE(known.empty()) << "cannot read " SIGHTLINE_KNOWN_BREACHES;
@@ -100,7 +101,7 @@ TEST_P(HardMeshBounds, AreKeptOrExceededNoFurtherThanKnown) {
     for (const Breach& breach : breaches(hard, builder, cost_of(hard, builder))) {
       std::ostringstream key;
       key << hard.name << ',' << builder << ',' << bound_name(breach.bound);
-      RecordProperty(key.str(), std::to_string(breach.value));  // for store_breaches
+      RecordProperty(key.str(), std::to_string(breach.value));  // For store_breaches
       const auto stored = known.find(key.str());
       if (stored == known.end()) {
         ADD_FAILURE() << key.str() << ": " << breach.text() << ", which is new";
@@ -118,7 +119,7 @@ TEST_P(HardMeshBounds, AreKeptOrExceededNoFurtherThanKnown) {
 INSTANTIATE_TEST_SUITE_P(Catalogue, HardMeshBounds, ::testing::ValuesIn(hard_mesh_names()),
                          hard_mesh_test_name);
 
-/// Of builders that are N log N: twice as many triangles are little more than twice the touches.
+/// For N log N builders: twice as many triangles take little more than twice the touches.
 TEST(HardMeshGrowth, TouchesGrowLittleFasterThanTheMesh) {
   constexpr std::uint32_t kFewer = 3000;
   const double power = std::log2(2.5);
@@ -133,7 +134,7 @@ TEST(HardMeshGrowth, TouchesGrowLittleFasterThanTheMesh) {
       if (is_quadratic(builder) || excused(Bound::kReferences) || excused(Bound::kTouches)) {
         continue;
       }
-      // A few passes over the root's list, one more or less at either size, say nothing.
+      // A difference of a few passes over the root's list is not significant.
       const double passes = 10;
       EXPECT_LE(times * touches_each(large, builder),
                 std::pow(times, power) * touches_each(small, builder) + times * passes)
@@ -142,8 +143,8 @@ TEST(HardMeshGrowth, TouchesGrowLittleFasterThanTheMesh) {
   }
 }
 
-/// Nothing can be separated: a cell is a leaf at once, however many they are; a hierarchy of boxes
-/// may divide them, as its leaves have a limit, but makes no references.
+/// Nothing can be separated: a cell becomes a leaf at once, however many triangles it has; a
+/// hierarchy may divide them, as its leaves have a limit, but it adds no references.
 TEST(HardMeshGrowth, DuplicatesAreNotCut) {
   for (const std::string_view builder : accel::published::builder_names()) {
     if (!design_failure("duplicates", builder, Bound::kReferences).empty()) continue;

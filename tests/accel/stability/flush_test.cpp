@@ -17,7 +17,8 @@ namespace {
 
 #if defined(__SSE2__)
 
-/// Flushes denormal results while it lives, and with `inputs` takes denormal operands for zero too.
+/// Flushes denormal results during its lifetime; with `inputs`, also treats denormal operands as
+/// zero.
 class FlushDenormals {
  public:
   explicit FlushDenormals(bool inputs) : before_(_mm_getcsr()) {
@@ -37,7 +38,7 @@ TestMesh shrunk(TestMesh mesh, float factor) {
   return mesh;
 }
 
-/// With every coordinate of the mesh a normal number or zero.
+/// All coordinates of the mesh are normal numbers or zero.
 TestMesh without_denormals(TestMesh mesh) {
   for (accel::geometry::Vec3f& v : mesh.vertices) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -52,7 +53,7 @@ std::vector<TestMesh> small_things() {
           shrunk(icosphere(3), 1e-40f), shrunk(random_soup(300, 0.2, 1), 3e-38f)};
 }
 
-/// Trees that were built before, are built and grow while denormals are flushed, all builders'.
+/// Trees of all builders that were built before, are built, or grow while denormals are flushed.
 void expect_unchanged_hits(const TestMesh& mesh, bool inputs) {
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 5);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
@@ -74,15 +75,14 @@ TEST(FlushedDenormals, OfResultsChangeNoHit) {
   for (const TestMesh& mesh : small_things()) expect_unchanged_hits(mesh, false);
 }
 
-/// Vertices that are denormal are other vertices then; of the rest every tree gives the same,
-/// whoever builds it.
+/// Denormal vertices then become other vertices; for the rest all trees of all builders agree.
 TEST(FlushedDenormals, OfOperandsChangeNoHitOfNormalVertices) {
   for (const TestMesh& mesh : small_things()) expect_unchanged_hits(without_denormals(mesh), true);
 }
 
 #endif
 
-/// A direction's length says what t means, and nothing else.
+/// A direction's length only sets the unit of t.
 TEST(TinyDirections, HitTheSameTriangles) {
   const TestMesh mesh = icosphere(3);
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 6);

@@ -1,4 +1,4 @@
-// Over every hard mesh, every builder's tree, full and growing, gives the hits that there are.
+// For every hard mesh, the trees of all builders, full and growing, give the right hits.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kTriangles = 400;
 constexpr std::size_t kRays = 25 * kHardRayKinds;
-// Held against the oracle, which takes its time.
+// Rays checked with the oracle, which is slow.
 constexpr std::size_t kSample = 8 * kHardRayKinds;
 constexpr std::uint64_t kSeed = 7;
 
@@ -37,7 +37,7 @@ class HardMeshHits : public ::testing::TestWithParam<std::string_view> {
   }
 };
 
-TEST_P(HardMeshHits, WithoutATreeAreTheOracles) {
+TEST_P(HardMeshHits, WithoutATreeEqualTheOracles) {
   const TestMesh mesh = make(kTriangles, kSeed);
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kSeed);
   ASSERT_EQ(rays.size(), kSample);
@@ -48,7 +48,7 @@ TEST_P(HardMeshHits, WithoutATreeAreTheOracles) {
   EXPECT_GT(comparison.hits, kSample / 10);
 }
 
-TEST_P(HardMeshHits, FullAndGrowingTreesGiveTheSame) {
+TEST_P(HardMeshHits, FullAndGrowingTreesAgree) {
   const TestMesh mesh = make(kTriangles, kSeed);
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kSeed);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
@@ -62,7 +62,7 @@ TEST_P(HardMeshHits, FullAndGrowingTreesGiveTheSame) {
   }
 }
 
-/// Nothing, one triangle, two, ...: as small as meshes come.
+/// No triangle, one triangle, two, ...: the smallest meshes.
 TEST_P(HardMeshHits, OfZeroToFortyTriangles) {
   for (std::uint32_t n = 0; n <= 40; ++n) {
     const TestMesh mesh = make(n, n);

@@ -1,5 +1,4 @@
-// Rays in the planes that trees split at, from points on them, and along all axes and diagonals of
-// a lattice.
+// Rays in split planes, from points on them, along all axes and diagonals of a lattice.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -14,8 +13,8 @@ namespace {
 using accel::geometry::Ray;
 using accel::geometry::Vec3d;
 
-/// -1, -0, 0 and 1 on every axis, but for those without length: the 26 directions to neighbours,
-/// with zeros of both signs.
+/// -1, -0, 0 and 1 on every axis, without zero vectors: the 26 directions to neighbors, with zeros
+/// of both signs.
 std::vector<Vec3d> lattice_directions() {
   std::vector<Vec3d> directions;
   for (const double x : {-1.0, -0.0, 0.0, 1.0}) {
@@ -28,7 +27,7 @@ std::vector<Vec3d> lattice_directions() {
   return directions;
 }
 
-/// A lattice of unit cubes, n an axis, with all walls between them.
+/// A lattice of n unit cubes along each axis, with all walls between them.
 TestMesh honeycomb(std::uint32_t n) {
   TestMesh mesh;
   for (std::uint32_t x = 0; x < n; ++x) {
@@ -71,8 +70,8 @@ TEST(RaysInPlanes, AlongTheLinesOfAGrid) {
   const TestMesh mesh = planar_sheet(8);
   std::vector<Ray> rays;
   for (double x = 0; x <= 8; x += 0.5) {
-    // In the sheet's own plane nothing is hit; down onto it on lines and in between; and slanting
-    // along a line, so that the ray stays in a plane that splits the sheet.
+    // In the sheet's own plane nothing is hit; straight down between lines and onto them; and
+    // slanted along a line, so that the ray stays in a plane that splits the sheet.
     for (const Vec3d& direction : lattice_directions()) {
       rays.push_back({{x, -1, 0}, direction});
       rays.push_back({{x, 4, 2}, direction});

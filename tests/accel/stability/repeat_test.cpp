@@ -1,4 +1,5 @@
-// One input, one tree and one answer, whatever the number of threads and however often.
+// The same input gives the same tree and the same answers, for any number of threads and every
+// time.
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
@@ -33,7 +34,7 @@ Seen look(const TestMesh& mesh, std::span<const accel::geometry::Ray> rays,
 }
 
 TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
-  const tbb::global_control room(tbb::global_control::max_allowed_parallelism, 4);
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism, 4);
   // Long enough that lists are cut into slices and subtrees become tasks.
   for (const std::string_view name : {"shell", "wall"}) {
     for (const std::string_view builder : accel::published::builder_names()) {
@@ -41,7 +42,7 @@ TEST(Repeated, TreesAndHitsAreTheSameOnAnyThreads) {
       const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, 2);
       tbb::task_arena first(1);
       const Seen expected = first.execute([&] { return look(mesh, rays, builder); });
-      // The min-max builder divides the tree among the threads that there are.
+      // The min-max builder divides the tree among the available threads.
       const bool tree_depends_on_threads = builder == "min-max-bins";
       for (const int threads : {2, 4, 4}) {
         tbb::task_arena arena(threads);

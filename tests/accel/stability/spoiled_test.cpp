@@ -15,7 +15,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-/// Every hit of `spoiled` must be what the mesh without its last face has.
+/// Every hit of `spoiled` must equal the hit in the mesh without its last face.
 void expect_harmless(const TestMesh& mesh, const TestMesh& spoiled) {
   const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 10 * kHardRayKinds, 4);
   for (const std::string_view builder : accel::published::builder_names()) {
@@ -48,7 +48,7 @@ TEST(SpoiledTriangle, WithoutAnArea) {
   for (const accel::geometry::Face& face :
        {accel::geometry::Face{5, 5, 5}, {5, 6, 5}, {n, n + 1, n + 2}}) {
     TestMesh spoiled = mesh;
-    // Three in a line through the whole box, above the hills.
+    // Three points in a line through the whole box, above the hills.
     for (const float t : {0.0f, 0.5f, 1.0f}) spoiled.vertices.push_back({t, 0.5f, t});
     spoiled.faces.push_back(face);
     expect_harmless(mesh, spoiled);

@@ -1,4 +1,4 @@
-// The rows that say what was measured of builders.
+// Measurements of builders as rows.
 #include "tests/bench/charts/builder_rows.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ double work_per_ray(const ChartTraced& traced, std::size_t rays) {
   return per_ray(traced.steps, rays) + kChartTestWork * per_ray(traced.tests, rays);
 }
 
-// Medians of the quotients within rounds: what else the machine does falls on both sides.
+// Medians of the quotients within rounds: the machine's other load affects both sides.
 double time_over(const ChartTraced& traced, const ChartTraced& reference) {
   std::vector<double> quotients;
   for (std::size_t i = 0; i < traced.trace_ms.size(); ++i) {

@@ -36,7 +36,7 @@ Result<SnapshotPtr> built_tree(const SceneSource& scene,
   return snapshot;
 }
 
-// The rays of one kind, and what is known of their answers.
+// The rays of one kind, and their checked answers.
 struct View {
   std::vector<Ray> rays;
   std::vector<Hit> hits;
@@ -47,7 +47,7 @@ class BuilderStudy {
  public:
   static Result<BuilderStudy> make(const SceneSource& scene, std::uint64_t seed, std::size_t rays) {
     BuilderStudy study(scene);
-    ChartMeasured warm;  // caches, allocator and threads are warm when the clock first counts
+    ChartMeasured warm;  // The first run warms caches, the allocator and threads; it is not timed.
     auto reference = built_tree(scene, accel::published::default_builder(), warm);
     if (!reference.ok()) return reference.error();
     study.reference_ = std::move(reference).value();

@@ -12,10 +12,10 @@
 
 namespace sightline::bench {
 
-/// A row of study = build a contender, then one of study = trace a contender and kind of rays, over
-/// the scene as one mesh. Contenders take turns within each of `common.repeat` rounds, every other
-/// round backward. Relative figures are over kExactSweep, and missing where that is. Runs in the
-/// calling thread's oneTBB arena.
+/// One row of study = build for each contender, then one of study = trace for each contender and
+/// kind of rays, over the scene as one mesh. Contenders take turns within each of `common.repeat`
+/// rounds, in reverse order every other round. Relative figures are over kExactSweep, and left out
+/// where it is missing. Runs in the calling thread's oneTBB arena.
 /// Errors: kDataLoss: answers that differ from brute force or from another builder's.
 Result<std::vector<Row>> chart_builders(const ChartScene& scene,
                                         const std::vector<ChartContender>& contenders,

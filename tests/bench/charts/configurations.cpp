@@ -15,8 +15,8 @@ struct Line {
   std::string_view builder;
   std::string_view key{};     // empty: nothing is varied
   std::string_view values{};  // separated by spaces
-  std::string_view usual{};   // the value that the builder has by itself, if it is among them
-  std::string_view with{};    // another parameter that is set along the whole line
+  std::string_view usual{};   // The builder's own default, if it is among the values
+  std::string_view with{};    // Another parameter, set for all values of the line
 };
 
 constexpr std::string_view kSamples = "2 4 8 16";
@@ -82,12 +82,12 @@ std::vector<ChartConfiguration> chart_configurations() {
 
 std::vector<ChartContender> chart_contenders() {
   std::vector<ChartContender> found;
-  std::map<std::string, std::string> left_out;  // by the reason
+  std::map<std::string, std::string> left_out;  // By the reason
   for (ChartConfiguration& configuration : chart_configurations()) {
     auto parsed = parse_contenders({configuration.text}, {});
     if (parsed.ok()) {
       found.push_back({std::move(configuration), std::move(parsed->front())});
-    } else if (!parse_embree(configuration.text)) {  // of Embree it has been said
+    } else if (!parse_embree(configuration.text)) {  // Missing Embree is reported elsewhere
       left_out[parsed.error().message] += " " + configuration.text;
     }
   }

@@ -1,4 +1,5 @@
-// What the study of speed against accuracy compares: builders, and how their parameters are varied.
+// The configurations that the study of speed against accuracy compares: builders and values of
+// their parameters.
 #pragma once
 
 #include <string>
@@ -11,19 +12,20 @@ namespace sightline::bench {
 
 struct ChartConfiguration {
   std::string text;     ///< As --builder takes it: NAME, or NAME?key=value&...
-  std::string builder;  ///< NAME alone.
-  /// What is varied along a line of the plots, and how far it is here. Empty where nothing is.
+  std::string builder;  ///< Only NAME.
+  /// The parameter that a line of the plots varies, and its value here. Empty if none is varied.
   std::string line, value;
-  bool usual = false;  ///< The builder as it is if nothing is set.
-  /// A tree that takes ten times as long as others: built once, and kept for every round.
+  bool usual = false;  ///< The builder with its default parameters.
+  /// True for a tree that takes ten times as long as others: it is built once and kept for all
+  /// rounds.
   bool built_once = false;
 };
 
-/// The trees that work and time are stated against: the exact sweep's, without clipping.
+/// Work and time are relative to these trees: the exact sweep's, without clipping.
 inline constexpr std::string_view kExactSweep = "sah-sweep?clip=off";
 
-/// All of the study, in the order in which they are measured; every builder's usual one exactly
-/// once.
+/// All configurations of the study, in the order in which they are measured. Every builder's
+/// default configuration appears exactly once.
 std::vector<ChartConfiguration> chart_configurations();
 
 struct ChartContender {
@@ -31,8 +33,8 @@ struct ChartContender {
   Contender contender;
 };
 
-/// Those that this program has. The others are left out with a word on stderr that says why: no
-/// such builder, a value beyond what the builder can do, no Embree.
+/// The configurations that this program can run. For each other one, stderr says why it is left
+/// out: no such builder, a value out of the builder's range, no Embree.
 std::vector<ChartContender> chart_contenders();
 
 }  // namespace sightline::bench

@@ -23,10 +23,10 @@ constexpr std::array<std::string_view, 48> kColumns{
     "seconds_to_hits", "seconds_to_hits_min",
     // study = missed
     "missed", "extra", "checked", "mismatched",
-    // The same in every row.
+    // The same values in every row.
     "threads", "repeat", "seed", "rotate", "machine", "compiler", "commit", "date"};
 
-// Texts with a comma or a quotation mark stand in quotation marks.
+// Texts with a comma or a quotation mark are quoted.
 std::string field(const Row& value) {
   if (value.is_null()) return "";
   if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());

@@ -11,11 +11,11 @@
 
 namespace sightline::bench {
 
-/// Every column there is, in order; docs/charts/speed_accuracy.md says what each holds.
+/// All columns, in order; docs/charts/speed_accuracy.md describes each.
 std::span<const std::string_view> chart_columns();
 
-/// A line of names, then a line a row; what a row does not have stays empty. Error: kInternal, a
-/// row with a key that is no column.
+/// A line of names, then one line a row; a missing value stays empty. Error: kInternal: a row has a
+/// key that is no column.
 Result<std::string> chart_csv(const std::vector<Row>& rows);
 
 }  // namespace sightline::bench

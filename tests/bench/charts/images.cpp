@@ -1,4 +1,4 @@
-// How long a picture of so many rays takes, from arrays to hits.
+// How long a picture of a given number of rays takes, from arrays to hits.
 #include "tests/bench/charts/images.h"
 
 #include <algorithm>
@@ -30,14 +30,14 @@ constexpr std::array<WayName, 9> kWays{{{"scan-fast", true},
                                         {"embree-medium"},
                                         {"embree-high"}}};
 
-// Embree chooses by these, if there are so many, how it is handed the rays of all pictures.
+// Number of rays with which Embree's entry point is chosen (fewer if no picture has as many).
 constexpr std::size_t kChoosingRays = 10'000;
 
 // A way of building, and its times for each picture.
 struct Way {
   Contender contender;
   bool grows = false;
-  std::unique_ptr<EmbreePeer> peer;  // Embree alone
+  std::unique_ptr<EmbreePeer> peer;  // Embree only
   std::vector<std::vector<double>> seconds;
   double one_more_ray = 0;  // seconds, with the largest picture's trees
 };
@@ -45,7 +45,7 @@ struct Way {
 std::vector<Way> all_ways(std::size_t pictures) {
   std::vector<Way> ways;
   for (const WayName& name : kWays) {
-    // What this program does not have, the configurations have told.
+    // The configurations have already reported what this program does not have.
     if (parse_embree(name.builder) && !embree_found()) continue;
     auto found = parse_contenders({std::string(name.builder)}, {});
     if (!found.ok()) continue;
@@ -77,7 +77,7 @@ class Gallery {
   Gallery(const SceneSource& scene, const std::vector<ChartPicture>& pictures, int threads)
       : scene_(scene), pictures_(pictures), threads_(threads) {}
 
-  /// Once all pictures, of which the largest only if `largest`.
+  /// Traces all pictures once; the largest one only if `largest`.
   Status run(Way& way, bool largest) const {
     const std::size_t count = pictures_.size() - (largest ? 0 : 1);
     if (way.contender.embree() != nullptr) return run_embree(way, count);
@@ -86,7 +86,7 @@ class Gallery {
 
  private:
   bool is_largest(std::size_t picture) const { return picture + 1 == pictures_.size(); }
-  // Of the largest picture.
+  // For the largest picture.
   double seconds_a_ray(double seconds) const {
     return seconds / static_cast<double>(pictures_.back().rays.size());
   }
@@ -108,7 +108,7 @@ class Gallery {
     return {};
   }
 
-  // Every picture finds nothing built.
+  // Every picture starts without any tree.
   Status run_growing(Way& way, std::size_t count) const {
     for (std::size_t p = 0; p < count; ++p) {
       SceneSource arrays = scene_;
@@ -127,7 +127,7 @@ class Gallery {
     return {};
   }
 
-  // Rays are put into Embree's own layout outside the clock.
+  // Rays are written into Embree's own layout outside the clock.
   Status run_embree(Way& way, std::size_t count) const {
     const bool first = !way.peer;
     if (first) {
@@ -182,7 +182,7 @@ void add_rows(const ChartScene& scene, std::string_view kind, const Way& way, co
     count *= 10;
   }
   const std::size_t traced = count / 10;
-  for (; count <= plan.largest_told; count *= 10) {
+  for (; count <= plan.largest_extrapolated; count *= 10) {
     Row row = image_row(scene, kind, way, count);
     row["rounds"] = way.seconds.back().size();
     row["basis"] = "told";

@@ -1,4 +1,4 @@
-// One part of the study: how long a picture of so many rays takes, from arrays to hits.
+// One part of the study: how long a picture of a given number of rays takes, from arrays to hits.
 #pragma once
 
 #include <vector>
@@ -11,12 +11,12 @@
 
 namespace sightline::bench {
 
-/// A row of study = image for every kind of picture (overview, closeup), way of building and number
-/// of rays: 1, 10, ... over the scene as it is. The clock starts with vertex and index arrays in
-/// memory and nothing computed of them. Ways take turns within each of `common.repeat` rounds; the
-/// largest picture that is traced is so in the first round alone, and what is beyond it is told
-/// from that and from what one more ray cost (basis = told; else measured). Runs in the calling
-/// thread's oneTBB arena.
+/// One row of study = image for every kind of picture (overview, closeup), way of building and
+/// number of rays (1, 10, ...). The clock starts with vertex and index arrays in memory and nothing
+/// computed from them. Ways take turns within each of `common.repeat` rounds. The largest traced
+/// picture is traced in the first round only; larger ones are extrapolated from it and from the
+/// cost of one more ray (basis = told; otherwise measured). Runs in the calling thread's oneTBB
+/// arena.
 /// Errors: kDataLoss: answers that differ from brute force or between ways.
 Result<std::vector<Row>> chart_images(const ChartScene& scene, const CommonOptions& common,
                                       const ChartPlan& plan);

@@ -10,9 +10,9 @@
 
 namespace sightline::bench {
 
-/// What run_robust finds, as rows of study = missed: scene is the family, rays the kind. Exact hits
-/// over the trees of some builders of each sort; Embree and plain float beside them. Errors: those
-/// of run_robust.
+/// The results of run_robust, as rows of study = missed: scene is the family, rays the kind. Exact
+/// hits over the trees of some builders of each sort; Embree and plain float for comparison.
+/// Errors: those of run_robust.
 Result<std::vector<Row>> chart_missed(const CommonOptions& common, const ChartPlan& plan);
 
 }  // namespace sightline::bench

@@ -1,4 +1,4 @@
-// Pictures of one view in growing numbers of rays.
+// Pictures of one view with growing numbers of rays.
 #include "tests/bench/charts/pictures.h"
 #include "accel/published/any_builder.h"
 
@@ -11,14 +11,14 @@ namespace {
 
 using accel::geometry::Vec3d;
 
-// So many rays decide where the camera of a closeup stands.
+// Number of rays that decide where the camera of a closeup stands.
 constexpr std::size_t kDecidingRays = 10'000;
 
 struct Camera {
   Vec3d eye, at;
 };
 
-// The rays of a whole picture lie evenly about its middle.
+// The rays of a whole picture are spread evenly around its center.
 Result<Camera> find_camera(const SceneSource& scene, std::string_view kind, std::uint64_t seed) {
   const auto rays = make_rays(scene, {std::string(kind), kDecidingRays}, seed);
   if (!rays.ok()) return rays.error();

@@ -1,4 +1,4 @@
-// Pictures of one view in growing numbers of rays, and their answers.
+// Pictures of one view with growing numbers of rays, and their answers.
 #pragma once
 
 #include <string>
@@ -14,12 +14,12 @@ namespace sightline::bench {
 
 struct ChartPicture {
   std::vector<accel::geometry::Ray> rays;
-  std::string hash;  ///< Of the answers.
+  std::string hash;  ///< Hash of the answers.
 };
 
-/// One view of 1, 10, ... up to plan.largest_image rays; `kind` is overview or closeup. The camera
-/// is the same for all. The answers are those of full trees, those to the largest held against
-/// brute force.
+/// One view with 1, 10, ... up to plan.largest_image rays; `kind` is overview or closeup. The
+/// camera is the same for all. Answers come from full trees; those of all but the largest picture
+/// are checked against brute force.
 /// Errors: those of make_rays; kDataLoss.
 Result<std::vector<ChartPicture>> chart_pictures(const SceneSource& scene, std::string_view kind,
                                                  std::uint64_t seed, const ChartPlan& plan);

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPython = "/usr/bin/python3";
-// By which the script says that there is no matplotlib.
+// The script's exit code if there is no matplotlib.
 constexpr int kNoMatplotlib = 3;
 
 void say_why_none(const fs::path& csv, const std::string& why) {
@@ -49,7 +49,7 @@ Result<std::vector<fs::path>> draw_chart_plots(const fs::path& csv) {
   std::vector<fs::path> written;
   std::istringstream lines(process.output());
   for (std::string line; std::getline(lines, line);) {
-    // Matplotlib may have warned.
+    // Matplotlib may have printed warnings.
     if (fs::exists(line, ignored)) {
       written.emplace_back(line);
     } else {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A scan, two rooms and a hall, a small thing in a large place, leaves that every plane cuts.
+// A scan, two rooms and a hall, a small thing in a large scene, leaves that every plane cuts.
 constexpr std::array<std::string_view, 6> kUsualScenes{"bunny.ply",        "sibenik.ply",
                                                        "sponza.glb",       "conference.ply",
                                                        "fairy_forest.ply", "japanese_maple.glb"};

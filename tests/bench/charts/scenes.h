@@ -11,17 +11,17 @@
 namespace sightline::bench {
 
 struct ChartScene {
-  std::string name;   ///< The file's without folder and ending, or gen:... as given.
+  std::string name;   ///< The file's name without folder and extension, or gen:... as given.
   SceneSource scene;  ///< As the file has it.
-  /// All its triangles in one mesh in the world, as the papers have their scenes: builders differ
-  /// in the tree over it and in nothing else.
+  /// All its triangles in one mesh in world space, as in the papers: builders differ in the tree
+  /// over it and in nothing else.
   SceneSource mesh;
 };
 
-/// The scenes named, turned by --rotate; if none is, six in the folder that SIGHTLINE_SCENES names.
-/// Everything is checked before the first is loaded.
-/// Errors: kInvalidArgument: neither is given, a scene is named twice, a wrong generator, one
-/// without triangles; kNotFound: no such file, or not a scene.
+/// The named scenes, rotated by --rotate; if none is named, six from the folder SIGHTLINE_SCENES.
+/// All names are checked before the first scene is loaded.
+/// Errors: kInvalidArgument: no scene is named and SIGHTLINE_SCENES is not set, a scene is named
+/// twice, a wrong generator, a scene without triangles; kNotFound: no such file, or not a scene.
 Result<std::vector<ChartScene>> load_chart_scenes(const std::vector<std::string>& named,
                                                   const CommonOptions& common);
 

@@ -1,5 +1,5 @@
 // Stands in for Embree's peers where Embree 3 was not found.
-#include "tests/bench/embree/mover.h"
+#include "tests/bench/embree/dynamic_peer.h"
 #include "tests/bench/embree/peer.h"
 
 namespace sightline::bench {
@@ -15,8 +15,9 @@ Result<std::unique_ptr<EmbreePeer>> EmbreePeer::make_lazy(const SceneSource& sce
   return make(scene, {}, threads);
 }
 
-Result<std::unique_ptr<EmbreeMover>> EmbreeMover::make(const StagedScene&, const Motion&,
-                                                       EmbreeUpdate, int) {
+Result<std::unique_ptr<EmbreeDynamicPeer>> EmbreeDynamicPeer::make(const StagedScene&,
+                                                                   const Motion&, EmbreeUpdate,
+                                                                   int) {
   return Error{Code::kFailedPrecondition, "built without Embree 3 (Debian: libembree-dev)",
                "NO_EMBREE"};
 }

@@ -1,4 +1,4 @@
-// Every triangle that a ray meets, by Embree.
+// All triangles that a ray meets, by Embree.
 #include "tests/bench/embree/crossings.h"
 
 #include <tbb/blocked_range.h>
@@ -16,7 +16,7 @@ using accel::geometry::Vec3d;
 // Instance, geometry, primitive.
 using Triangle = std::array<unsigned, 3>;
 
-// Embree hands the context back to the filter.
+// Embree passes the context to the filter.
 struct NotingContext {
   RTCIntersectContext context;
   std::vector<Triangle> met;

@@ -1,4 +1,4 @@
-// Every triangle that a ray meets, by Embree.
+// All triangles that a ray meets, by Embree.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -11,9 +11,10 @@
 
 namespace sightline::bench {
 
-/// counts[i] is how many triangles rays[i] meets within its limits, each once: a filter notes every
-/// hit and refuses it. The scene was made with RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION. Rays are
-/// carried by `frame` in double and then rounded to float. In parallel.
+/// Sets counts[i] to the number of distinct triangles that rays[i] meets within its limits: a
+/// filter records every hit and rejects it. The scene must have
+/// RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION. Rays are transformed by `frame` in double and then
+/// rounded to float. Parallel.
 void count_embree_crossings(RTCScene scene, std::span<const accel::geometry::Ray> rays,
                             const scenegraph::model::Affine& frame,
                             std::span<std::uint32_t> counts);

@@ -1,4 +1,4 @@
-// Embree's device, and what it tells of errors and of memory.
+// Embree's device, its errors and its memory.
 #include "tests/bench/embree/device.h"
 
 namespace sightline::bench {

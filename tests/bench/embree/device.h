@@ -1,4 +1,4 @@
-// Embree's device, and what it tells of errors and of memory.
+// Embree's device, its errors and its memory.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -25,7 +25,7 @@ using EmbreeDevicePtr = std::unique_ptr<RTCDeviceTy, EmbreeRelease<rtcReleaseDev
 using EmbreeScenePtr = std::unique_ptr<RTCSceneTy, EmbreeRelease<rtcReleaseScene>>;
 using EmbreeGeometryPtr = std::unique_ptr<RTCGeometryTy, EmbreeRelease<rtcReleaseGeometry>>;
 
-/// A device that answers for itself. Stays where it was opened: Embree keeps its address.
+/// A device that records its errors and its memory. Not movable: Embree keeps its address.
 class EmbreeDevice {
  public:
   EmbreeDevice() = default;
@@ -36,10 +36,10 @@ class EmbreeDevice {
   Status open(int threads);
   RTCDevice get() const { return device_.get(); }
 
-  /// Errors: kInternal: the device's first complaint, from whichever thread.
+  /// Errors: kInternal: the first error that the device reported on any thread.
   Status status();
 
-  /// What Embree holds, as it tells its monitor.
+  /// Bytes that Embree holds, as reported to its memory monitor.
   std::int64_t bytes() const { return bytes_; }
   std::int64_t bytes_peak() const { return bytes_peak_; }  ///< Since begin_peak().
   void begin_peak() { bytes_peak_ = bytes_.load(); }
@@ -57,7 +57,7 @@ class EmbreeDevice {
 RTCBuildQuality to_embree(EmbreeQuality quality);
 
 /// Triangles over arrays that are shared with Embree and outlive the geometry. The last vertex is
-/// padding: Embree reads 16 bytes at every one.
+/// padding: Embree reads 16 bytes at every vertex.
 EmbreeGeometryPtr new_embree_triangles(RTCDevice device, EmbreeQuality quality,
                                        std::span<const accel::geometry::Vec3f> padded_vertices,
                                        std::span<const accel::geometry::Face> faces);

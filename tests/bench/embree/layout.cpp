@@ -1,4 +1,4 @@
-// A scene's arrays as Embree is given them.
+// A scene's arrays in the layout that Embree needs.
 #include "tests/bench/embree/layout.h"
 
 namespace sightline::bench {

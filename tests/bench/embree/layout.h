@@ -1,4 +1,4 @@
-// A scene's arrays as Embree is given them.
+// A scene's arrays in the layout that Embree needs.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace sightline::bench {
 
-/// A mesh, and the nodes that carry it.
+/// A mesh, and the nodes that have it.
 struct EmbreeMesh {
   std::vector<accel::geometry::Vec3f> vertices;  ///< The last one is padding.
   std::vector<accel::geometry::Face> faces;
-  std::uint64_t triangles = 0;  ///< Faces that are some.
+  std::uint64_t triangles = 0;  ///< Faces that are finite triangles.
   struct Use {
     std::uint64_t node;
     scenegraph::model::Affine frame_from_local;
@@ -21,11 +21,12 @@ struct EmbreeMesh {
   bool instanced() const { return uses.size() > 1; }
 };
 
-/// From the world to a frame that turns with the scene's first node and does not move with it.
+/// Transforms from the world to a frame that rotates with the scene's first node but does not move
+/// with it.
 scenegraph::model::Affine embree_frame(const SceneSource& scene);
 
-/// In the order of the scene's meshes. The vertices of a mesh that one node carries are laid in the
-/// frame.
+/// In the order of the scene's meshes. If only one node has a mesh, the mesh's vertices are
+/// transformed to the frame.
 std::vector<EmbreeMesh> lay_out_for_embree(const SceneSource& scene,
                                            const scenegraph::model::Affine& frame);
 

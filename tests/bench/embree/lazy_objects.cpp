@@ -1,4 +1,4 @@
-// Objects that Embree builds when the first ray comes upon them.
+// Objects that Embree builds when the first ray reaches them.
 #include "tests/bench/embree/lazy_objects.h"
 
 #include <tbb/blocked_range.h>
@@ -28,7 +28,7 @@ struct Box {
   }
 };
 
-// Parallel where there is much to do.
+// Parallel for large meshes only.
 Box box_of(const EmbreeMesh& mesh) {
   constexpr std::size_t kVerticesPerTask = 65'536;
   return tbb::parallel_reduce(
@@ -59,7 +59,7 @@ void bounds_of(const RTCBoundsFunctionArguments* arguments) {
   *arguments->bounds_o = static_cast<const EmbreeLazyObject*>(arguments->geometryUserPtr)->bounds;
 }
 
-// A single ray: rays enter by rtcIntersect1 only.
+// A single ray: only rtcIntersect1 is used.
 void intersect_object(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& object = *static_cast<EmbreeLazyObject*>(arguments->geometryUserPtr);
@@ -102,7 +102,7 @@ void EmbreeLazyMesh::build() {
     state_.store(State::kCommitting, std::memory_order_release);
   }
   while (state_.load(std::memory_order_acquire) == State::kMaking) std::this_thread::yield();
-  // Isolated: a thread that waits here must not take up rays that come upon this very object.
+  // Isolated: a thread that waits here must not run tasks whose rays reach this same object.
   tbb::this_task_arena::isolate([&] { rtcJoinCommitScene(scene_.get()); });
   state_.store(State::kBuilt, std::memory_order_release);
   nanoseconds_ += static_cast<std::uint64_t>(clock.seconds() * 1e9);

@@ -1,4 +1,4 @@
-// Objects that Embree builds when the first ray comes upon them.
+// Objects that Embree builds when the first ray reaches them.
 #pragma once
 
 #include <array>
@@ -10,18 +10,20 @@
 
 namespace sightline::bench {
 
-/// A mesh whose scene does not exist until it is asked for.
+/// A mesh whose scene is built on first use.
 class EmbreeLazyMesh {
  public:
   EmbreeLazyMesh(const EmbreeMesh& mesh, RTCDevice device, EmbreeQuality quality)
       : mesh_(mesh), device_(device), quality_(quality) {}
 
-  /// Builds it if nobody has; joins whoever does. Threads: any.
+  /// Builds the scene, or joins the thread that is building it. Threads: any.
   RTCScene scene();
 
   const EmbreeMesh& mesh() const { return mesh_; }
   bool built() const { return state_.load() == State::kBuilt; }
-  std::uint64_t nanoseconds() const { return nanoseconds_; }  ///< Of building, over threads.
+  std::uint64_t nanoseconds() const {
+    return nanoseconds_;
+  }  ///< Time spent building, summed over threads.
 
  private:
   enum class State : std::uint8_t { kNothing, kMaking, kCommitting, kBuilt };
@@ -38,16 +40,16 @@ class EmbreeLazyMesh {
 /// A node with a mesh, as a user geometry of one primitive.
 struct EmbreeLazyObject {
   EmbreeLazyMesh* mesh = nullptr;
-  unsigned number = 0;  ///< What a hit in it gets as its geometry.
+  unsigned number = 0;  ///< The geometry number that its hits report.
   bool moved = false;
-  std::array<float, 12> local_from_frame{};  ///< Where moved; rows.
+  std::array<float, 12> local_from_frame{};  ///< Rows; set if the node is transformed.
   RTCBounds bounds{};                        ///< In the frame.
 };
 
-/// Of the mesh's vertices, carried to where its node puts it.
+/// Bounds of the mesh's vertices, transformed by its node.
 RTCBounds embree_bounds(const EmbreeMesh& mesh, const EmbreeMesh::Use& use, bool moved);
 
-/// The geometry, not committed; `object` outlives it.
+/// Creates the geometry without committing it; `object` must outlive it.
 EmbreeGeometryPtr new_embree_lazy_geometry(RTCDevice device, EmbreeLazyObject& object);
 
 }  // namespace sightline::bench

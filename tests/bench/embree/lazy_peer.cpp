@@ -1,4 +1,4 @@
-// Embree's own laziness: objects built when the first ray comes upon them.
+// Embree's own laziness: objects are built when the first ray reaches them.
 #include <tbb/parallel_for.h>
 
 #include <deque>
@@ -50,19 +50,19 @@ class LazyPeer final : public EmbreePeer {
  private:
   void attach_all();
 
-  Affine frame_;  // from the world
+  Affine frame_;  // Frame from world
   std::vector<EmbreeMesh> meshes_;
-  std::vector<std::uint64_t> nodes_;  // by the number of an object
+  std::vector<std::uint64_t> nodes_;  // By object number
   EmbreeQuality inner_ = EmbreeQuality::kLow, outer_ = EmbreeQuality::kLow;
   EmbreeDevice device_;
   std::deque<EmbreeLazyMesh> lazy_;
   std::vector<EmbreeLazyObject> objects_;
   EmbreeScenePtr scene_;
-  std::int64_t before_ = 0;  // bytes of the device without a scene
+  std::int64_t before_ = 0;  // Bytes of the device without a scene
   bool any_ = false;
 };
 
-// Everything here is on the clock, the bounds of all objects above all.
+// All of this is timed, in particular the bounds of all objects.
 void LazyPeer::attach_all() {
   objects_.resize(nodes_.size());
   std::vector<const EmbreeMesh::Use*> uses;
@@ -74,7 +74,7 @@ void LazyPeer::attach_all() {
       object = {};
       object.mesh = &lazy;
       object.number = static_cast<unsigned>(uses.size());
-      // A mesh of one node alone was laid where it belongs.
+      // A mesh of only one node is already in the frame.
       object.moved = mesh.instanced();
       uses.push_back(&use);
     }

@@ -1,4 +1,4 @@
-// What the command line calls Embree's builders.
+// The command line's names of Embree's builders.
 #include <algorithm>
 #include <array>
 #include <utility>

@@ -1,4 +1,4 @@
-// Embree's side of the comparison: scenes, and what is timed.
+// Embree as a peer: scenes, builds and traces.
 #include "tests/bench/embree/peer.h"
 
 #include <tbb/parallel_for.h>
@@ -42,14 +42,14 @@ class Peer final : public EmbreePeer {
   void attach_all();
 
   EmbreeSettings settings_;
-  Affine frame_;  // from the world
+  Affine frame_;  // Frame from world
   std::vector<EmbreeMesh> meshes_;
   EmbreeDevice device_;
-  std::vector<EmbreeScenePtr> objects_;  // what instances stand for
+  std::vector<EmbreeScenePtr> objects_;  // The scenes that instances refer to
   EmbreeScenePtr scene_;
-  std::vector<std::uint64_t> nodes_;  // by Embree's number of a geometry or instance
-  std::uint64_t triangles_ = 0;       // in all of them, instances counted once
-  std::int64_t before_ = 0;           // bytes of the device without a scene
+  std::vector<std::uint64_t> nodes_;  // By Embree's number of a geometry or instance
+  std::uint64_t triangles_ = 0;       // In all geometries; instances counted once
+  std::int64_t before_ = 0;           // Bytes of the device without a scene
   EmbreeEntry entry_;
   bool any_ = false;
 };
@@ -103,7 +103,7 @@ Result<EmbreeBuilt> Peer::build() {
   const Stopwatch total;
   attach_all();
   const Stopwatch commit;
-  // Commits of small scenes do not use many threads, but scenes can be committed at once.
+  // Commits of small scenes use few threads, so scenes are committed in parallel.
   tbb::parallel_for(std::size_t{0}, objects_.size(),
                     [&](std::size_t i) { rtcCommitScene(objects_[i].get()); });
   rtcCommitScene(scene_.get());

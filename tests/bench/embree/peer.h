@@ -1,4 +1,4 @@
-// Embree 3 as a peer: the same arrays, rays and threads, answered by another library at its best.
+// Embree 3 as a peer: the same arrays, rays and threads, through Embree's fastest entry points.
 #pragma once
 
 #include <cstdint>
@@ -21,77 +21,75 @@ struct EmbreeSettings {
   EmbreeQuality quality = EmbreeQuality::kMedium;
   /// RTC_SCENE_FLAG_ROBUST. It silently turns HIGH into MEDIUM, so there is no HIGH with it.
   bool robust = false;
-  /// For count(): slower to trace.
+  /// Needed by count(); slower to trace.
   bool crossings = false;
 };
 
 /// The command line's names: embree-low, ..., embree-medium-robust.
 std::span<const std::string_view> embree_names();
-/// Nothing if it is none of them.
+/// Nothing if `name` is none of them.
 std::optional<EmbreeSettings> parse_embree(std::string_view name);
 
-/// A mode of `lazy` alone: see EmbreePeer::make_lazy.
+/// A mode of `lazy` only: see EmbreePeer::make_lazy.
 inline constexpr std::string_view kEmbreeLazy = "embree-lazy";
 
 /// Whether this program was built with Embree 3. If not, EmbreePeer::make fails.
 bool embree_found();
 
 struct EmbreeBuilt {
-  double commit_seconds = 0;  ///< rtcCommitScene alone, of every scene there is.
-  double total_seconds = 0;   ///< With making scenes and geometries out of the arrays.
-  std::uint64_t bytes_final = 0, bytes_peak = 0;  ///< As Embree tells; the arrays left out.
+  double commit_seconds = 0;  ///< Time in rtcCommitScene, over all scenes.
+  double total_seconds = 0;   ///< Also counts creating scenes and geometries from the arrays.
+  std::uint64_t bytes_final = 0, bytes_peak = 0;  ///< As Embree reports; without the arrays.
 };
 
-/// How much there is by now.
+/// What has been built so far.
 struct EmbreeGrown {
-  std::uint64_t objects = 0;    ///< Of a lazy peer: those rays came upon. Else all.
-  std::uint64_t triangles = 0;  ///< In trees, instances counted once.
-  std::uint64_t bytes = 0;      ///< As Embree tells; the arrays left out.
-  double seconds_in_trace = 0;  ///< Spent building while tracing, summed over threads.
+  std::uint64_t objects = 0;    ///< Lazy peer: objects that rays have reached. Otherwise all.
+  std::uint64_t triangles = 0;  ///< In trees; instances counted once.
+  std::uint64_t bytes = 0;      ///< As Embree reports; without the arrays.
+  double seconds_in_trace = 0;  ///< Time spent building while tracing, summed over threads.
 };
 
 /// One device and one scene at a time.
 ///
-/// What is made ready by `make` and never timed: the device, and vertex arrays as Embree wants
-/// them (shared with it, one vertex longer than ours, because it reads 16 bytes at the last one).
-/// A mesh used once is laid in the world beforehand, if it does not lie there already: one level
-/// is Embree's best. A mesh used more often is a scene of its own under instances.
-/// Everything happens in a frame that turns with the first node, as our trees stay as they are
-/// where a root is turned.
+/// `make` prepares, untimed: the device, and vertex arrays as Embree needs them (shared with it,
+/// one vertex longer than ours, because it reads 16 bytes at the last one). A mesh used once is
+/// transformed to world space beforehand: one level is Embree's best case. A mesh used more often
+/// is a scene of its own under instances. All coordinates are in a frame that rotates with the
+/// first node, as our trees do not change when a root is rotated.
 ///
 /// Denormals are flushed, as Embree advises, on its threads and only while it works.
 /// Threads: one caller, in an oneTBB arena of `threads` threads.
 class EmbreePeer {
  public:
-  /// Errors: kFailedPrecondition where embree_found() is false; kInternal: what Embree says.
+  /// Errors: kFailedPrecondition if embree_found() is false; kInternal: Embree's error.
   static Result<std::unique_ptr<EmbreePeer>> make(const SceneSource& scene, EmbreeSettings settings,
                                                   int threads);
-  /// Embree's own laziness, as its manual shows it: a user geometry for every node with a mesh, of
-  /// which a build makes the bounds alone; the first ray that comes upon it builds a scene over the
-  /// mesh (other threads join), and rays are traced in that. Of LOW and MEDIUM, within objects and
-  /// over them, choose_entry keeps what is done first with the rays. Rays enter one by one. No
-  /// count().
+  /// Embree's own laziness, as in its manual: one user geometry for every node with a mesh. A build
+  /// computes only its bounds; the first ray that reaches it builds a scene over the mesh (other
+  /// threads join), in which rays are traced. choose_entry tries LOW and MEDIUM, within objects and
+  /// above them, and keeps the fastest for the rays. Single rays only. No count().
   static Result<std::unique_ptr<EmbreePeer>> make_lazy(const SceneSource& scene, int threads);
   virtual ~EmbreePeer() = default;
 
-  /// Drops the scene and builds it anew. Errors: kInternal: what Embree says.
+  /// Drops the scene and builds a new one. Errors: kInternal: Embree's error.
   virtual Result<EmbreeBuilt> build() = 0;
 
-  /// Tries every entry point on blocks of these rays and keeps the fastest. After build().
+  /// Tries every entry point on blocks of these rays and keeps the fastest. Call after build().
   virtual void choose_entry(std::span<const accel::geometry::Ray> rays, bool any) = 0;
   /// E.g. "rtcIntersect16 coherent".
   virtual std::string entry() const = 0;
 
-  /// Answers the rays, `batch` of them at a time (0: all at once), by the chosen entry point.
-  /// Returns the seconds inside Embree: its ray buffers are filled before and read after.
-  /// Of a hit only t, node, primitive and state are set; for `any` only the state.
+  /// Traces the rays through the chosen entry point, `batch` at a time (0: all at once). Returns
+  /// the seconds inside Embree: filling and reading ray buffers is not timed. Sets only t, node,
+  /// primitive and state of a hit; for `any` only the state.
   virtual double trace(std::span<const accel::geometry::Ray> rays, bool any,
                        std::span<accel::geometry::Hit> hits, std::size_t batch) = 0;
 
   virtual EmbreeGrown grown() const = 0;
 
-  /// counts[i] is how many triangles rays[i] meets within its limits, each once. For settings with
-  /// `crossings`; after build().
+  /// Sets counts[i] to the number of distinct triangles that rays[i] meets within its limits.
+  /// Requires the setting `crossings`. Call after build().
   virtual void count(std::span<const accel::geometry::Ray> rays,
                      std::span<std::uint32_t> counts) = 0;
 };

@@ -1,4 +1,4 @@
-// Embree as a peer gives the answers that we give, under our names, and leaves no trace behind.
+// Embree as a peer answers as we do, under our node ids, and restores floating-point modes.
 #include "tests/bench/embree/peer.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ class EmbreePeerTest : public testing::Test {
   }
 };
 
-// Three instances of a sphere, one of them mirrored and stretched, and a sphere of its own.
+// Three instances of a sphere, one of them mirrored and scaled, and a separate sphere.
 SceneSource family() {
   SceneSource scene = load_scene("gen:icosphere?level=3").value();
   const SourceMesh sphere = scene.meshes.front();
@@ -52,7 +52,7 @@ Answers answers(const SceneSource& scene, RayKind kind, bool any) {
   return ours;
 }
 
-TEST(NodeId, IsThePlaceInTheSource) {
+TEST(NodeId, IsTheIndexInTheSourcePlusOne) {
   const SceneSource scene = family();
   const auto snapshot = assemble(scene, {});
   ASSERT_TRUE(snapshot.ok());
@@ -62,7 +62,7 @@ TEST(NodeId, IsThePlaceInTheSource) {
   }
 }
 
-TEST_F(EmbreePeerTest, AnswersAsWeDoForEveryQualityAndKind) {
+TEST_F(EmbreePeerTest, AgreesWithOurAnswersForEveryQualityAndKind) {
   const SceneSource scene = family();
   for (const RayKind kind : {RayKind::kOverview, RayKind::kRandom}) {
     for (const bool any : {false, true}) {
@@ -104,7 +104,7 @@ TEST_F(EmbreePeerTest, BatchesAndRebuildingChangeNoAnswer) {
   }
 }
 
-TEST_F(EmbreePeerTest, LazyObjectsAnswerAlikeAndGrow) {
+TEST_F(EmbreePeerTest, LazyObjectsGrowAndGiveTheSameAnswers) {
   const SceneSource scene = family();
   for (const RayKind kind : {RayKind::kCloseup, RayKind::kRandom}) {
     for (const bool any : {false, true}) {
@@ -120,7 +120,7 @@ TEST_F(EmbreePeerTest, LazyObjectsAnswerAlikeAndGrow) {
       (*peer)->trace(ours.rays, any, theirs, 100);
       const EmbreeGrown grown = (*peer)->grown();
       EXPECT_GE(grown.objects, 1u);
-      EXPECT_LE(grown.objects, 2u);  // meshes: three nodes share one
+      EXPECT_LE(grown.objects, 2u);  // Meshes: three nodes share one
       EXPECT_EQ(grown.triangles, grown.objects * 1280);
       EXPECT_GT(grown.bytes, bytes);
       EXPECT_GT(grown.seconds_in_trace, 0);
@@ -131,7 +131,7 @@ TEST_F(EmbreePeerTest, LazyObjectsAnswerAlikeAndGrow) {
   }
 }
 
-TEST_F(EmbreePeerTest, LazyObjectsComeUponByManyThreadsAtOnce) {
+TEST_F(EmbreePeerTest, LazyObjectsAreBuiltOnceByManyThreads) {
   const SceneSource scene = make_village(64);
   const Answers ours = answers(scene, RayKind::kOverview, false);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
@@ -148,7 +148,7 @@ TEST_F(EmbreePeerTest, LazyObjectsComeUponByManyThreadsAtOnce) {
   }
 }
 
-TEST_F(EmbreePeerTest, PassesOverWhatIsNoTriangle) {
+TEST_F(EmbreePeerTest, SkipsFacesThatAreNoTriangles) {
   SceneSource scene = load_scene("gen:icosphere?level=2").value();
   scene.meshes.front().faces.push_back(
       {accel::geometry::kNoVertex, accel::geometry::kNoVertex, accel::geometry::kNoVertex});
@@ -161,7 +161,7 @@ TEST_F(EmbreePeerTest, PassesOverWhatIsNoTriangle) {
   EXPECT_EQ(explain(ours.snapshot, ours.rays, ours.hits, theirs, false).unexplained, 0u);
 }
 
-TEST_F(EmbreePeerTest, LeavesDenormalsAsTheyWere) {
+TEST_F(EmbreePeerTest, RestoresTheDenormalMode) {
   const unsigned before = _mm_getcsr();
   const SceneSource scene = family();
   const Answers ours = answers(scene, RayKind::kRandom, false);
@@ -193,7 +193,7 @@ TEST_F(EmbreePeerTest, CountsEveryTriangleOnce) {
   EXPECT_GE(equal * 100, counts.size() * 99);
 }
 
-TEST(Disagreement, CountsWhatCannotBeExcused) {
+TEST(Disagreement, CountsUnexplainedDifferences) {
   const SceneSource scene = family();
   const Answers ours = answers(scene, RayKind::kRandom, false);
   std::vector<accel::geometry::Hit> theirs = ours.hits;

@@ -14,11 +14,11 @@
 namespace sightline::bench {
 namespace {
 
-// The layouts that words() and the packets' offsets rest on.
+// The layouts that words() and the packets' offsets assume.
 static_assert(sizeof(RTCRay) == 12 * 4 && sizeof(RTCRayHit) == 20 * 4);
 static_assert(sizeof(RTCRayHit8) == 8 * 20 * 4 && sizeof(RTCRayHit16) == 16 * 20 * 4);
 
-// Embree's advice for threads that trace; ours are left as they were.
+// The denormal mode that Embree advises for tracing threads; the old one is restored afterwards.
 class FlushDenormals {
  public:
   FlushDenormals() : before_(_mm_getcsr()) {
@@ -122,7 +122,7 @@ void EmbreeRays::trace_block(RTCScene scene, std::size_t first, std::size_t coun
 }
 
 EmbreeRays::Answer EmbreeRays::answer(std::size_t ray) const {
-  // Embree's accessors know no const.
+  // Embree's accessors are not const.
   auto* r = reinterpret_cast<RTCRayN*>(const_cast<float*>(packet(ray)));
   const unsigned lanes = entry_.lanes;
   const auto lane = static_cast<unsigned>(ray % lanes);
@@ -142,7 +142,7 @@ EmbreeRays::Answer EmbreeRays::answer(std::size_t ray) const {
 
 EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::geometry::Ray> rays,
                           const scenegraph::model::Affine& frame, bool any, bool instances) {
-  // Whole blocks, so that coherent rays stay so, from everywhere in the batch.
+  // Whole blocks, to keep rays coherent, from all parts of the batch.
   constexpr std::size_t kTrialRays = 65'536, kTrials = 3;
   std::vector<accel::geometry::Ray> trial;
   const std::size_t step = std::max<std::size_t>(rays.size() / kTrialRays, 1) * kEmbreeBlock;

@@ -16,8 +16,8 @@
 
 namespace sightline::bench {
 
-/// How rays are handed over: a packet of `lanes` rays (1: a single ray), or single rays as a
-/// stream (rtcIntersect1M).
+/// How rays are passed: a packet of `lanes` rays (1: a single ray), or single rays as a stream
+/// (rtcIntersect1M).
 struct EmbreeEntry {
   unsigned lanes = 1;
   bool stream = false;
@@ -26,7 +26,7 @@ struct EmbreeEntry {
   std::string name(bool any) const;
 };
 
-/// The flag means nothing to single rays.
+/// Single rays ignore the flag.
 inline constexpr std::array<EmbreeEntry, 7> kEmbreeEntries{{{1, false, false},
                                                             {8, false, true},
                                                             {8, false, false},
@@ -42,10 +42,10 @@ class EmbreeRays {
  public:
   EmbreeRays(const EmbreeEntry& entry, bool any) : entry_(entry), any_(any) {}
 
-  /// Writes the rays, carried by `frame` in double and then rounded to float. In parallel.
+  /// Writes the rays, transformed by `frame` in double and then rounded to float. Parallel.
   void fill(std::span<const accel::geometry::Ray> rays, const scenegraph::model::Affine& frame);
 
-  /// Answers rays [first, first + count) in blocks, in parallel; first is a multiple of the lanes.
+  /// Traces rays [first, first + count) in blocks, in parallel; first is a multiple of the lanes.
   void trace(RTCScene scene, std::size_t first, std::size_t count);
 
   struct Answer {
@@ -56,7 +56,7 @@ class EmbreeRays {
   Answer answer(std::size_t ray) const;
 
  private:
-  // Twelve words of a ray; eight of a hit behind the packet's rays, unless `any`.
+  // Twelve words of a ray; unless `any`, eight words of a hit after the packet's rays.
   std::size_t words() const { return any_ ? 12 : 20; }
   const float* packet(std::size_t ray) const {
     return words_.data() + ray / entry_.lanes * entry_.lanes * words();
@@ -71,16 +71,16 @@ class EmbreeRays {
   std::vector<float, tbb::cache_aligned_allocator<float>> words_;
 };
 
-/// Rays of the world to a scene of Embree's, and its geometries' numbers back to our nodes.
+/// One of Embree's scenes, the rays' transformation to it, and the nodes of its geometries.
 struct EmbreeTarget {
   RTCScene scene;
   EmbreeEntry entry;
   const scenegraph::model::Affine& frame;
   std::span<const std::uint64_t> nodes;  ///< By the number of an instance, or of a geometry.
-  bool by_geometry = false;              ///< Instances have no say.
+  bool by_geometry = false;              ///< Instance numbers are ignored.
 };
 
-/// The entry point that is fastest on blocks of these rays. `instances`: whether the scene has any.
+/// The fastest entry point for blocks of these rays. `instances`: whether the scene has instances.
 EmbreeEntry fastest_entry(RTCScene scene, std::span<const accel::geometry::Ray> rays,
                           const scenegraph::model::Affine& frame, bool any, bool instances);
 

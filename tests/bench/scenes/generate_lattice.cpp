@@ -14,10 +14,11 @@ using tests::Random;
 
 namespace {
 
-SceneSource single(std::string name, SourceMesh mesh, const scenegraph::model::Affine& place = {}) {
+SceneSource single(std::string name, SourceMesh mesh,
+                   const scenegraph::model::Affine& transform = {}) {
   SceneSource scene;
   const std::size_t index = scene.add_mesh(std::move(mesh));
-  scene.add_node(std::nullopt, std::move(name), place, index);
+  scene.add_node(std::nullopt, std::move(name), transform, index);
   return scene;
 }
 
@@ -52,8 +53,8 @@ double terrain_height(double x, double z, double width) {
 template <class Height>
 SourceMesh make_lattice(std::uint64_t triangles, const Height& height) {
   const std::uint64_t quads = (triangles + 1) / 2;
-  // An odd number: over 2^k columns all cuts at simple fractions would run between triangles, which
-  // no measured ground offers and which makes some methods look a quarter cheaper than they are.
+  // An odd number: with 2^k columns, cuts at simple fractions would run between triangles. Measured
+  // terrain never has this, and it makes some methods appear a quarter cheaper than they are.
   const std::uint64_t columns =
       static_cast<std::uint64_t>(std::sqrt(static_cast<double>(quads))) | 1u;
   const std::uint64_t rows = (quads + columns - 1) / columns;
@@ -116,7 +117,7 @@ SceneSource make_wall(std::uint64_t triangles, double share, double at, std::uin
   if (in_wall > 0) mesh = make_lattice(in_wall, [](double, double, double) { return 0.0; });
   float extent = 0;
   for (const Vec3f& v : mesh.vertices) extent = std::max({extent, std::abs(v.x), std::abs(v.z)});
-  // From about the origin and y = 0 into the unit square at x = at.
+  // From around the origin at y = 0 to the unit square at x = at.
   for (Vec3f& v : mesh.vertices) {
     v = {static_cast<float>(at), v.x / (2 * extent) + 0.5f, v.z / (2 * extent) + 0.5f};
   }

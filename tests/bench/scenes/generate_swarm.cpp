@@ -20,11 +20,11 @@ using tests::Random;
 namespace {
 
 constexpr std::uint64_t kSeed = 2006;
-constexpr double kHalfSide = 50;  // of the cube
+constexpr double kHalfSide = 50;  // Of the cube
 constexpr double kLeast = 0.8, kMost = 2.5;
 constexpr std::size_t kWaypoints = 4;
 
-// A closed spline of parabolas through the middles of the waypoints' polygon.
+// A closed spline of parabolas through the midpoints of the waypoints' polygon.
 Vec3d on_path(const std::array<Vec3d, kWaypoints>& waypoints, double turn) {
   const double at = turn * kWaypoints;
   const auto leg = static_cast<std::size_t>(at) % kWaypoints;
@@ -34,7 +34,7 @@ Vec3d on_path(const std::array<Vec3d, kWaypoints>& waypoints, double turn) {
   return (a + b) * (0.5 * (1 - s) * (1 - s)) + b * (2 * s * (1 - s)) + (b + c) * (0.5 * s * s);
 }
 
-// About a unit axis, by Rodrigues' formula.
+// Rotation about a unit axis, by Rodrigues' formula.
 Affine turned(const Vec3d& k, double cosine, double sine, const Vec3d& at) {
   const double w = 1 - cosine;
   return {{cosine + k.x * k.x * w, k.x * k.y * w - k.z * sine, k.x * k.z * w + k.y * sine, at.x,
@@ -44,11 +44,11 @@ Affine turned(const Vec3d& k, double cosine, double sine, const Vec3d& at) {
 
 }  // namespace
 
-std::vector<Affine> swarm_places(std::size_t parts, std::size_t frame) {
+std::vector<Affine> swarm_transforms(std::size_t parts, std::size_t frame) {
   static const auto kCircle = tests::unit_circle(kSwarmFrames);
   frame %= kSwarmFrames;
-  std::vector<Affine> places;
-  places.reserve(parts);
+  std::vector<Affine> transforms;
+  transforms.reserve(parts);
   for (std::size_t part = 0; part < parts; ++part) {
     Random random(kSeed, part);
     std::array<Vec3d, kWaypoints> waypoints;
@@ -58,14 +58,15 @@ std::vector<Affine> swarm_places(std::size_t parts, std::size_t frame) {
     }
     const Vec3d at =
         on_path(waypoints, static_cast<double>(frame) / static_cast<double>(kSwarmFrames));
-    places.push_back(turned(random.direction(), kCircle[frame].first, kCircle[frame].second, at));
+    transforms.push_back(
+        turned(random.direction(), kCircle[frame].first, kCircle[frame].second, at));
   }
-  return places;
+  return transforms;
 }
 
 SceneSource make_swarm(std::uint64_t triangles) {
   const std::uint64_t parts = (triangles + kTrianglesPerPart - 1) / kTrianglesPerPart;
-  const std::vector<Affine> places = swarm_places(parts, 0);
+  const std::vector<Affine> transforms = swarm_transforms(parts, 0);
   const tests::TestMesh ball = tests::icosphere(1);
   SceneSource scene;
   for (std::size_t part = 0; part < parts; ++part) {
@@ -74,7 +75,7 @@ SceneSource make_swarm(std::uint64_t triangles) {
     SourceMesh mesh{ball.vertices, ball.faces};
     for (Vec3f& v : mesh.vertices) v = v * radius;
     mesh.faces.resize(std::min(kTrianglesPerPart, triangles - part * kTrianglesPerPart));
-    scene.add_node(std::nullopt, fmt::format("part {}", part), places[part],
+    scene.add_node(std::nullopt, fmt::format("part {}", part), transforms[part],
                    scene.add_mesh(std::move(mesh)));
   }
   return scene;

@@ -9,13 +9,13 @@
 namespace sightline::bench {
 
 inline constexpr std::uint64_t kTrianglesPerPart = 80;
-inline constexpr std::size_t kSwarmFrames = 64;  ///< Then it comes round again.
+inline constexpr std::size_t kSwarmFrames = 64;  ///< Frames repeat after these.
 
-/// Balls of 80 triangles (the last of fewer, so that there are exactly `triangles`), a root node
-/// and a mesh each, in frame 0.
+/// Balls of 80 triangles (the last one of fewer, so that there are exactly `triangles`), each a
+/// root node with its own mesh, in frame 0.
 SceneSource make_swarm(std::uint64_t triangles);
 
-/// Where the balls are in a frame, the same on every machine.
-std::vector<scenegraph::model::Affine> swarm_places(std::size_t parts, std::size_t frame);
+/// The transforms of the balls in a frame; the same on every machine.
+std::vector<scenegraph::model::Affine> swarm_transforms(std::size_t parts, std::size_t frame);
 
 }  // namespace sightline::bench

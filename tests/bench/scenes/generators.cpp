@@ -1,4 +1,4 @@
-// Generators by name: which there are, their keys, defaults and ranges.
+// Generators by name: their keys, defaults and ranges.
 #include "tests/bench/scenes/generators.h"
 
 #include <fmt/core.h>
@@ -17,7 +17,7 @@ constexpr std::uint64_t kDefaultBoxes = 1000;
 
 struct Key {
   std::string_view name;
-  double fallback;  // below `low`: the generator's own choice
+  double fallback;  // Below `low`: the generator chooses
   double low, high;
   bool whole = true;
 };

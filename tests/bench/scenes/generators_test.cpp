@@ -1,4 +1,4 @@
-// Generators give the counts asked for, the same arrays every time, and clear errors.
+// Generators give the requested counts, the same arrays every time, and clear errors.
 #include "tests/bench/scenes/generators.h"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ TEST(Generators, AreDeterministicAndValidScenes) {
   }
 }
 
-TEST(Generators, GiveTheTrianglesAskedFor) {
+TEST(Generators, GiveTheRequestedNumberOfTriangles) {
   for (const std::uint64_t n : {1, 2, 3, 7, 100, 101, 1000, 4097}) {
     EXPECT_EQ(make_terrain(n).unique_triangles(), n);
     EXPECT_EQ(make_grid(n).unique_triangles(), n);
@@ -91,7 +91,7 @@ TEST(Generators, GiveTheTrianglesAskedFor) {
   EXPECT_EQ(make("box?mesh=gen:icosphere?level=1").unique_triangles(), 92u);
 }
 
-TEST(Generators, WallTakesItsShareOfTheUnitCube) {
+TEST(Generators, WallHasItsShareOfTheTriangles) {
   for (const double share : {0.0, 0.25, 1.0}) {
     const SceneSource wall = make_wall(1000, share, 0.4, 1);
     const SceneGeometry geometry(wall);
@@ -120,7 +120,7 @@ TEST(Generators, CityIsAHierarchyOfFiftyBoxObjects) {
   EXPECT_EQ(city.nodes[2].parent, 1u);
 }
 
-// How many groups lie between a node and the root.
+// The number of groups between a node and the root.
 std::size_t depth(const SceneSource& scene, std::size_t node) {
   std::size_t depth = 0;
   for (auto parent = scene.nodes[node].parent; parent; parent = scene.nodes[*parent].parent)
@@ -198,7 +198,7 @@ TEST(Generators, HerdCopiesMeshes) {
   EXPECT_EQ(used.size(), 4u);
 }
 
-TEST(Generators, BoxClosesTheMeshIn) {
+TEST(Generators, BoxEnclosesTheMesh) {
   const SceneSource boxed = make("box?mesh=gen:icosphere?level=2");
   const SceneGeometry geometry(boxed);
   const SceneSource sphere_scene = make("icosphere?level=2");
@@ -235,7 +235,7 @@ TEST(Generators, SliversAreThin) {
   }
 }
 
-TEST(Generators, SayWhatIsWrongAndWhatThereIs) {
+TEST(Generators, ErrorsNameTheFaultAndListTheChoices) {
   EXPECT_NE(complaint("castle").find("gen:terrain?triangles="), std::string::npos);
   EXPECT_NE(complaint("terrain?boxes=3").find("triangles"), std::string::npos);
   EXPECT_NE(complaint("terrain?triangles=0").find("1 to"), std::string::npos);
@@ -289,7 +289,7 @@ TEST(SceneSource, MergingKeepsTheTriangles) {
 
 TEST(SceneGeometry, SamplesSurfaceByArea) {
   SceneSource scene;
-  // Two triangles, one of sixteen times the area, and one without any.
+  // Two triangles, one with sixteen times the area of the other, and one without area.
   scene.add_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 9}, {4, 0, 9}, {0, 4, 9}},
                   {{0, 1, 2}, {0, 0, 1}, {3, 4, 5}}});
   scene.add_node(std::nullopt, "pair", {}, 0);

@@ -1,5 +1,5 @@
-// Scenes by the word of the command line. Files go through the client's importer, as they do for
-// the service.
+// Scenes by their name on the command line. Files go through the client's importer, as for the
+// service.
 #include "tests/bench/scenes/load_scene.h"
 
 #include <utility>

@@ -1,4 +1,4 @@
-// Scenes by the word of the command line: a file, or gen:NAME?key=value&...
+// Scenes by their name on the command line: a file, or gen:NAME?key=value&...
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace sightline::bench {
 
-/// Errors: kInvalidArgument for a wrong generator or key; kNotFound for a file that cannot be read
-/// as a scene.
+/// Errors: kInvalidArgument: a wrong generator or key; kNotFound: a file that cannot be read as a
+/// scene.
 Result<SceneSource> load_scene(const std::string& scene);
 
 }  // namespace sightline::bench

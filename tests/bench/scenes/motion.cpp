@@ -21,8 +21,8 @@ using scenegraph::model::Mobility;
 
 namespace {
 
-constexpr std::size_t kFramesAhead = 5;  // of one copy before the next
-constexpr double kApart = 1.2;           // from copy to copy, in widths of the frames' box
+constexpr std::size_t kFramesAhead = 5;  // Each copy is this many frames ahead of the copy before
+constexpr double kCopySpacing = 1.2;     // Distance between copies, in widths of the frames' box
 
 Result<std::vector<std::string>> files_of(const std::string& directory) {
   std::vector<std::string> files;
@@ -37,10 +37,10 @@ Result<std::vector<std::string>> files_of(const std::string& directory) {
   return files;
 }
 
-void grow(scenegraph::model::DoubleBox& box, const Affine& place,
+void grow(scenegraph::model::DoubleBox& box, const Affine& world_from_local,
           const std::vector<Vec3f>& vertices) {
   for (const Vec3f& v : vertices) {
-    if (is_finite(v)) box.grow(place.point(Vec3d(v)));
+    if (is_finite(v)) box.grow(world_from_local.point(Vec3d(v)));
   }
 }
 
@@ -79,7 +79,7 @@ Result<Motion> Motion::load(const std::string& directory, std::size_t copies) {
   motion.frames_ = motion.shapes_.size();
   scenegraph::model::DoubleBox one;
   for (const auto& shape : motion.shapes_) grow(one, {}, shape);
-  const Vec3d step = (one.hi - one.lo) * kApart;
+  const Vec3d step = (one.hi - one.lo) * kCopySpacing;
   const auto row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(copies))));
   for (std::size_t copy = 0; copy < copies; ++copy) {
     SourceMesh mesh{motion.shapes_[motion.shape(copy, 0)], first.faces};
@@ -108,7 +108,7 @@ Result<Motion> Motion::swarm(const std::string& generator) {
     node.mobility = Mobility::kRigid;
   }
   for (std::size_t frame = 0; frame < kSwarmFrames; ++frame)
-    motion.places_.push_back(swarm_places(motion.nodes(), frame));
+    motion.transforms_.push_back(swarm_transforms(motion.nodes(), frame));
   motion.measure();
   return motion;
 }
@@ -117,8 +117,8 @@ std::size_t Motion::shape(std::size_t node, std::size_t frame) const {
   return (frame + kFramesAhead * node) % frames_;
 }
 
-const Affine& Motion::place(std::size_t node, std::size_t frame) const {
-  return rigid() ? places_[frame % frames_][node] : parts_.nodes[node].parent_from_local;
+const Affine& Motion::transform(std::size_t node, std::size_t frame) const {
+  return rigid() ? transforms_[frame % frames_][node] : parts_.nodes[node].parent_from_local;
 }
 
 const std::vector<Vec3f>& Motion::vertices(std::size_t node, std::size_t frame) const {
@@ -127,7 +127,8 @@ const std::vector<Vec3f>& Motion::vertices(std::size_t node, std::size_t frame) 
 
 void Motion::measure() {
   for (std::size_t frame = 0; frame < frames_; ++frame) {
-    for (std::size_t n = 0; n < nodes(); ++n) grow(bounds_, place(n, frame), vertices(n, frame));
+    for (std::size_t n = 0; n < nodes(); ++n)
+      grow(bounds_, transform(n, frame), vertices(n, frame));
   }
 }
 
@@ -140,7 +141,7 @@ std::vector<scenegraph::model::Update> Motion::updates(std::size_t frame,
   if (rigid()) {
     scenegraph::model::SetTransforms set;
     for (std::size_t n = 0; n < nodes(); ++n) set.nodes.push_back(ref(n));
-    set.parent_from_local = places_[frame % frames_];
+    set.parent_from_local = transforms_[frame % frames_];
     updates.emplace_back(std::move(set));
     return updates;
   }
@@ -152,7 +153,7 @@ std::vector<scenegraph::model::Update> Motion::updates(std::size_t frame,
 void Motion::pose(SceneSource& scene, std::size_t first_node, std::size_t frame) const {
   for (std::size_t n = 0; n < nodes(); ++n) {
     SourceNode& node = scene.nodes[first_node + n];
-    node.parent_from_local = place(n, frame);
+    node.parent_from_local = transform(n, frame);
     if (!rigid()) scene.meshes[*node.mesh].vertices = vertices(n, frame);
   }
 }

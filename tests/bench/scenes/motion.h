@@ -1,5 +1,4 @@
-// What moves: nodes that stand elsewhere, or whose meshes are shaped otherwise, from frame to
-// frame.
+// A motion: nodes whose transforms or vertices change from frame to frame.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +13,11 @@
 
 namespace sightline::bench {
 
-/// Frames come round again after the last. Every moving node is a root and has a mesh of its own.
+/// Frames repeat after the last one. Every moving node is a root with its own mesh.
 class Motion {
  public:
-  /// `frames` is a directory of meshes with one topology, a frame a file in the order of their
-  /// names, or gen:swarm?... `copies` meshes (not instances) of a directory's stand side by side,
+  /// `frames` is a directory of meshes with one topology, one file a frame in the order of their
+  /// names, or gen:swarm?... `copies` meshes (not instances) of a directory stand side by side,
   /// each some frames ahead of the one before. Errors: kInvalidArgument: copies of a swarm, meshes
   /// that differ in topology; kNotFound: no directory, no mesh in it.
   static Result<Motion> make(const std::string& frames, std::size_t copies);
@@ -27,18 +26,18 @@ class Motion {
   std::size_t nodes() const { return parts_.nodes.size(); }
   bool rigid() const { return shapes_.empty(); }
   std::uint64_t triangles() const { return parts_.unique_triangles(); }
-  /// Holds everything in every frame.
+  /// Contains all nodes in all frames.
   const scenegraph::model::DoubleBox& bounds() const { return bounds_; }
 
-  /// In frame 0, with the mobility that suits.
+  /// The moving nodes in frame 0, with suitable mobility.
   const SceneSource& parts() const { return parts_; }
-  const scenegraph::model::Affine& place(std::size_t node, std::size_t frame) const;
+  const scenegraph::model::Affine& transform(std::size_t node, std::size_t frame) const;
   const std::vector<accel::geometry::Vec3f>& vertices(std::size_t node, std::size_t frame) const;
 
-  /// Brings a scene, in which the first of these nodes has the id `first`, to that frame.
+  /// Sets a scene to the frame; `first` is the id of the first moving node.
   std::vector<scenegraph::model::Update> updates(std::size_t frame,
                                                  scenegraph::model::NodeId first) const;
-  /// The same for arrays, where the first of these nodes has this place.
+  /// The same for arrays; `first` is the index of the first moving node.
   void pose(SceneSource& scene, std::size_t first_node, std::size_t frame) const;
 
  private:
@@ -49,8 +48,9 @@ class Motion {
 
   SceneSource parts_;
   std::size_t frames_ = 0;
-  std::vector<std::vector<scenegraph::model::Affine>> places_;  // frame, node; of rigid motion
-  std::vector<std::vector<accel::geometry::Vec3f>> shapes_;     // by frame; of deformation
+  std::vector<std::vector<scenegraph::model::Affine>>
+      transforms_;                                           // By frame and node; rigid motion only
+  std::vector<std::vector<accel::geometry::Vec3f>> shapes_;  // By frame; deformation only
   scenegraph::model::DoubleBox bounds_;
 };
 

@@ -1,4 +1,4 @@
-// NumPy's .npy files, as far as rays need them.
+// Writes rays as NumPy's .npy files.
 #include "tests/bench/scenes/npy.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-// NumPy's .npy files, as far as rays need them.
+// Writes rays as NumPy's .npy files.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace sightline::bench {
 
-/// (n, 8) float64, C order: ox oy oz dx dy dz tmin tmax. Errors: kUnavailable if the file cannot be
-/// written whole.
+/// (n, 8) float64, C order: ox oy oz dx dy dz tmin tmax. Errors: kUnavailable: the file cannot be
+/// written completely.
 Status write_rays(const std::filesystem::path& file, std::span<const accel::geometry::Ray> rays);
 
 }  // namespace sightline::bench

@@ -26,7 +26,7 @@ namespace {
 using Rays = Result<std::vector<Ray>>;
 
 constexpr std::size_t kTile = 8;
-constexpr double kTan20 = 0.36397023426620234;  // half of 40 degrees
+constexpr double kTan20 = 0.36397023426620234;  // Tangent of half of 40 degrees
 
 Vec3d unit(const Vec3d& v) { return v * (1 / length(v)); }
 
@@ -35,7 +35,7 @@ struct Traced {
   std::vector<Hit> hits;
 };
 
-// Answers from trees that are thrown away: the ones measured must not have been grown by this.
+// Answers from temporary trees: the measured trees must not be grown by this.
 class ScratchTracer {
  public:
   static Result<ScratchTracer> make(const SceneSource& scene) {
@@ -63,7 +63,7 @@ std::vector<Ray> overview(const SceneGeometry& geometry, std::size_t count) {
   return pinhole(eye, geometry.center(), count);
 }
 
-// Overview rays that hit, at least `count` of them where the picture's size allows.
+// Overview rays that hit, at least `count` of them if the picture's size allows.
 Result<Traced> overview_hits(const SceneSource& scene, const SceneGeometry& geometry,
                              std::size_t count) {
   auto tracer = ScratchTracer::make(scene);
@@ -98,7 +98,8 @@ void shuffle(std::vector<T>& items, Random& random) {
   for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random.below(i)]);
 }
 
-// About `axis`, density proportional to the cosine. Disk by rejection, lifted to the hemisphere.
+// Around `axis`, with density proportional to the cosine. Disk by rejection, lifted to the
+// hemisphere.
 Vec3d cosine_direction(const Vec3d& axis, Random& random) {
   double x = 0, y = 0, square = 2;
   while (square >= 1) {
@@ -204,7 +205,7 @@ bool segment_meets_box(const Vec3d& from, const Vec3d& to, const SceneGeometry& 
 std::vector<Ray> random_chords(const SceneGeometry& geometry, std::size_t count,
                                std::uint64_t seed) {
   const double radius = 0.5 * geometry.diagonal();
-  // A chord of the sphere misses a very thin box nearly always: then any chord will do.
+  // A chord of the sphere nearly always misses a very thin box: then any chord is used.
   constexpr int kMostDraws = 10'000;
   std::vector<Ray> rays(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// Every kind of ray has the properties that its name promises, and is the same every time.
+// Every kind of ray has its documented properties, and is the same every time.
 #include "tests/bench/scenes/ray_kinds.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ bool same(const std::vector<Ray>& a, const std::vector<Ray>& b) {
   });
 }
 
-TEST_F(RayKinds, GiveTheCountAskedForTheSameEveryTime) {
+TEST_F(RayKinds, HaveTheRequestedCountAndAreTheSameEveryTime) {
   for (const char* kind : kNames) {
     const std::vector<Ray> first = rays(kind, 333, 5);
     EXPECT_EQ(first.size(), 333u) << kind;
@@ -71,7 +71,7 @@ TEST_F(RayKinds, OverviewLooksAtTheSceneFromOutside) {
   const Vec3d forward =
       (geometry_.center() - overview[0].origin) * (1 / (1.2 * geometry_.diagonal()));
   EXPECT_GT(dot(mean, forward) / length(mean), 1 - 1e-9);
-  // The corner pixel of a 40 degree square lies tan 20 aside and tan 20 above.
+  // The corner pixel of a 40 degree square lies tan 20 to the side and tan 20 above.
   const double corner = 1 / dot(overview[0].direction, forward);
   EXPECT_NEAR(corner, std::sqrt(1 + 2 * std::pow(std::tan(20 * M_PI / 180) * 63 / 64, 2)), 1e-9);
   // The first 64 rays are one 8x8 tile.
@@ -131,7 +131,7 @@ TEST(AimedRays, PassThroughVerticesAndEdges) {
   const auto aimed = make_rays(sphere, RayKind::kAimed, 100, 1);
   ASSERT_TRUE(aimed.ok());
   for (const Ray& ray : *aimed) {
-    // The nearest approach of the line to any edge.
+    // The smallest distance of the line to any edge.
     double nearest = accel::geometry::kInfinity;
     for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
       const auto corners = geometry.triangle(n);
@@ -158,8 +158,8 @@ TEST(RayKindErrors, NameTheKindsAndTheReason) {
   EXPECT_EQ(nothing.error().code, Code::kFailedPrecondition);
 }
 
-// The whole picture, whatever its size, without a pixel twice.
-TEST(Pinhole, CoversSidesThatAreNoMultipleOfATile) {
+// The whole picture, for any size, without duplicate pixels.
+TEST(Pinhole, CoversSidesThatAreNotMultiplesOfATile) {
   const std::vector<Ray> rays = pinhole({0, 0, 5}, {0, 0, 0}, 11 * 11);
   std::set<std::pair<long, long>> pixels;
   for (const Ray& ray : rays) {

@@ -1,4 +1,4 @@
-// Where a scene's triangles are in the world, in double.
+// A scene's triangles in world space, in double.
 #include "tests/bench/scenes/scene_geometry.h"
 
 #include <algorithm>
@@ -47,7 +47,7 @@ SceneGeometry::SceneGeometry(const SceneSource& scene) : scene_(&scene) {
 SceneGeometry::Corners SceneGeometry::triangle(std::uint64_t n) const {
   const auto after = std::upper_bound(placed_.begin(), placed_.end(), n,
                                       [](std::uint64_t k, const Placed& p) { return k < p.first; });
-  // Of several instances that begin at n the last one has triangles.
+  // Several instances may begin at n; only the last of them has triangles.
   const Placed& placed = *std::prev(after);
   const SourceMesh& mesh = scene_->meshes[placed.mesh];
   const accel::geometry::Face& face = mesh.faces[usable_[placed.mesh][n - placed.first]];

@@ -1,5 +1,4 @@
-// Where a scene's triangles are in the world, in double: its bounds, and points picked on its
-// surface.
+// A scene's triangles in world space, in double: their bounds, and random points on their surface.
 #pragma once
 
 #include <array>
@@ -12,7 +11,7 @@
 
 namespace sightline::bench {
 
-/// Refers to the scene, which must outlive it. Triangles with a non-finite vertex are passed over.
+/// Refers to the scene, which must outlive it. Triangles with a non-finite vertex are skipped.
 class SceneGeometry {
  public:
   explicit SceneGeometry(const SceneSource& scene);
@@ -22,7 +21,7 @@ class SceneGeometry {
   accel::geometry::Vec3d center() const { return (lo_ + hi_) * 0.5; }
   double diagonal() const { return length(hi_ - lo_); }
   bool empty() const { return triangles_ == 0; }
-  std::uint64_t triangles() const { return triangles_; }  ///< Over instances.
+  std::uint64_t triangles() const { return triangles_; }  ///< Over all instances.
 
   using Corners = std::array<accel::geometry::Vec3d, 3>;
   /// The n-th triangle over all instances, in world space; n < triangles().
@@ -32,25 +31,25 @@ class SceneGeometry {
   struct Placed {
     std::size_t mesh;
     scenegraph::model::Affine world_from_local;
-    std::uint64_t first;  // number of its first triangle over the scene
+    std::uint64_t first;  // Number of its first triangle in the scene
   };
 
   const SceneSource* scene_;
-  std::vector<std::vector<std::uint32_t>> usable_;  // a mesh's triangles that are finite
+  std::vector<std::vector<std::uint32_t>> usable_;  // By mesh: its finite triangles
   std::vector<Placed> placed_;
   accel::geometry::Vec3d lo_, hi_;
   std::uint64_t triangles_ = 0;
 };
 
-/// Picks triangles with a chance proportional to their area.
+/// Picks triangles with probability proportional to their area.
 class AreaSampler {
  public:
   explicit AreaSampler(const SceneGeometry& geometry);
   struct Point {
     accel::geometry::Vec3d position;
-    accel::geometry::Vec3d normal;  ///< Unit.
+    accel::geometry::Vec3d normal;  ///< Unit length.
   };
-  /// The scene must have some area.
+  /// Precondition: the scene has positive area.
   Point pick(tests::Random& random) const;
   bool empty() const { return cumulative_.empty() || cumulative_.back() <= 0; }
 

@@ -1,4 +1,4 @@
-// A scene as plain arrays, and how it becomes a snapshot.
+// A scene as plain arrays, and the snapshot made from it.
 #include "tests/bench/scenes/scene_source.h"
 #include "accel/published/any_builder.h"
 
@@ -37,7 +37,7 @@ Affine as_seen_turned(const Affine& a, const Affine& turn) {
   const auto& t = turn.m;
   const Affine back{{t[0], t[4], t[8], 0, t[1], t[5], t[9], 0, t[2], t[6], t[10], 0}};
   Affine turned = compose(turn, compose(a, back));
-  // Where all directions are alike there is nothing to turn, and nothing to round.
+  // All directions have equal factors: rotating changes nothing and would only round.
   const std::array<std::size_t, 6> off{1, 2, 4, 6, 8, 9};
   const bool even = a.m[0] == a.m[5] && a.m[0] == a.m[10] &&
                     std::all_of(off.begin(), off.end(), [&](std::size_t i) { return a.m[i] == 0; });
@@ -84,7 +84,7 @@ Affine rotation(double x, double y, double z) {
   return compose(about_z, compose(about_y, about_x));
 }
 
-void place(SceneSource& scene, const Affine& world_from_world) {
+void move_scene(SceneSource& scene, const Affine& world_from_world) {
   for (SourceNode& node : scene.nodes) {
     if (!node.parent) node.parent_from_local = compose(world_from_world, node.parent_from_local);
   }

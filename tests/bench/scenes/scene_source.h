@@ -1,4 +1,4 @@
-// A scene as plain arrays: what a generator or a file gives, and what fresh trees are grown over.
+// A scene as plain arrays, from a generator or a file; fresh trees are grown over it.
 #pragma once
 
 #include <cstdint>
@@ -46,24 +46,24 @@ scenegraph::model::Affine translation(double x, double y, double z);
 scenegraph::model::Affine rotation(double x, double y, double z);
 
 /// Moves the whole scene: its roots.
-void place(SceneSource& scene, const scenegraph::model::Affine& world_from_world);
+void move_scene(SceneSource& scene, const scenegraph::model::Affine& world_from_world);
 
-/// Turns the whole scene about the world's origin: the vertices of its meshes, which trees are
-/// built over, and nodes so that they fit. Rounds vertices to float.
+/// Rotates the whole scene about the world's origin: the vertices of its meshes (which trees are
+/// built over) and the nodes to match. Rounds vertices to float.
 void rotate(SceneSource& scene, const scenegraph::model::Affine& turn);
 
-/// The same triangles, over all instances, as one mesh in the world's frame, rounded to float.
+/// The same triangles, over all instances, as one mesh in world space, rounded to float.
 SceneSource merged(const SceneSource& scene);
 
-/// The id in the assembled scene of the node in that place.
-inline scenegraph::model::NodeId node_id(std::size_t place) { return place + 1; }
+/// The id in the assembled scene of the node with this index.
+inline scenegraph::model::NodeId node_id(std::size_t index) { return index + 1; }
 
-/// Puts the nodes into a scene that is empty; the ids are those of node_id().
+/// Adds the nodes to an empty scene; the ids are those of node_id().
 Status fill(scenegraph::Scene& empty, SceneSource scene,
             const accel::published::AnyBuilder& builder,
             accel::mesh::References references = accel::mesh::References::kRuns);
 
-/// A scene whose trees do not exist yet. Takes the arrays over; nothing is shared with other calls.
+/// Makes a scene without trees. Takes ownership of the arrays; nothing is shared with other calls.
 Result<std::shared_ptr<const scenegraph::revision::Snapshot>> assemble(
     SceneSource scene, const accel::published::AnyBuilder& builder,
     accel::mesh::References references = accel::mesh::References::kRuns);

@@ -1,4 +1,4 @@
-// Setting a static part under what moves.
+// A static part under a moving part.
 #include "tests/bench/scenes/staged_scene.h"
 #include "accel/published/any_builder.h"
 
@@ -20,8 +20,8 @@ namespace {
 constexpr double kTimesTheFrames = 10;
 
 void add_motion(StagedScene& staged, const Motion& motion) {
-  staged.still = staged.source.nodes.size();
-  staged.still_triangles = staged.source.unique_triangles();
+  staged.static_nodes = staged.source.nodes.size();
+  staged.static_triangles = staged.source.unique_triangles();
   const std::size_t first_mesh = staged.source.meshes.size();
   for (const SourceMesh& mesh : motion.parts().meshes) staged.source.meshes.push_back(mesh);
   for (SourceNode node : motion.parts().nodes) {
@@ -32,8 +32,8 @@ void add_motion(StagedScene& staged, const Motion& motion) {
 
 }  // namespace
 
-Result<StagedScene> StagedScene::make(SceneSource still, const Motion& motion) {
-  StagedScene staged{std::move(still)};
+Result<StagedScene> StagedScene::make(SceneSource static_part, const Motion& motion) {
+  StagedScene staged{std::move(static_part)};
   const SceneGeometry geometry(staged.source);
   if (geometry.empty() || geometry.diagonal() <= 0) {
     return Error{Code::kFailedPrecondition, "the static scene has no triangles", "NO_TRIANGLES"};
@@ -43,7 +43,7 @@ Result<StagedScene> StagedScene::make(SceneSource still, const Motion& motion) {
   const Vec3d middle = (frames.lo + frames.hi) * 0.5;
   const Vec3d from{geometry.center().x, geometry.hi().y, geometry.center().z};
   const Vec3d move = Vec3d{middle.x, frames.lo.y, middle.z} - from * s;
-  place(staged.source, Affine{{s, 0, 0, move.x, 0, s, 0, move.y, 0, 0, s, move.z}});
+  move_scene(staged.source, Affine{{s, 0, 0, move.x, 0, s, 0, move.y, 0, 0, s, move.z}});
   add_motion(staged, motion);
   return staged;
 }
@@ -54,15 +54,15 @@ StagedScene StagedScene::make(const Motion& motion) {
   return staged;
 }
 
-SceneSource StagedScene::only_still() const {
+SceneSource StagedScene::only_static() const {
   SceneSource alone = source;
-  alone.nodes.resize(still);
+  alone.nodes.resize(static_nodes);
   return alone;
 }
 
 SceneSource StagedScene::at(const Motion& motion, std::size_t frame) const {
   SceneSource posed = source;
-  motion.pose(posed, still, frame);
+  motion.pose(posed, static_nodes, frame);
   return posed;
 }
 
@@ -70,7 +70,7 @@ Result<std::unique_ptr<LiveStage>> LiveStage::make(const StagedScene& scene,
                                                    const accel::published::AnyBuilder& builder) {
   auto stage = std::make_unique<LiveStage>();
   if (Status filled = fill(stage->scene_, scene.source, builder); !filled) return filled.error();
-  stage->first_moving_ = node_id(scene.still);
+  stage->first_moving_ = node_id(scene.static_nodes);
   stage->now_ = stage->scene_.snapshot();
   return stage;
 }
@@ -82,7 +82,7 @@ Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
   if (!applied) return applied.error();
   now_ = scene_.snapshot();
   const double seconds = clock.seconds();
-  if (applied->rebuild_static) {  // a server does this in the background
+  if (applied->rebuild_static) {  // A server does this in the background
     scene_.rebuild_static();
     now_ = scene_.snapshot();
   }
@@ -93,11 +93,11 @@ Status LiveStage::look_behind(const Motion& motion,
                               std::span<const accel::geometry::Ray> rays) const {
   std::vector<scenegraph::model::NodeId> moving(motion.nodes());
   std::iota(moving.begin(), moving.end(), first_moving_);
-  const auto still = scenegraph::query::Selection::make(now_, 0, moving);
-  if (!still) return still.error();
+  const auto static_selection = scenegraph::query::Selection::make(now_, 0, moving);
+  if (!static_selection) return static_selection.error();
   std::vector<accel::geometry::Hit> hits(rays.size());
   const auto traced =
-      scenegraph::trace(*now_, rays, hits, {.surface = false, .selection = &*still});
+      scenegraph::trace(*now_, rays, hits, {.surface = false, .selection = &*static_selection});
   return traced ? Status() : Status(traced.error());
 }
 

@@ -1,4 +1,4 @@
-// A scene of a part that stands still and a part that moves, and that scene alive.
+// A scene of a static part and a moving part, and its playback.
 #pragma once
 
 #include <memory>
@@ -11,24 +11,24 @@
 namespace sightline::bench {
 
 /// The static part is scaled so that the diagonal of its box is ten times that of the motion's
-/// bounds, and lies with its middle under theirs, its top at their bottom (y is up).
+/// bounds. Its center lies below the center of the bounds, its top at their bottom (y is up).
 struct StagedScene {
-  SceneSource source;     ///< First what stands still, then what moves, in frame 0.
-  std::size_t still = 0;  ///< Nodes that stand still.
-  std::uint64_t still_triangles = 0;
+  SceneSource source;            ///< First the static nodes, then the moving ones in frame 0.
+  std::size_t static_nodes = 0;  ///< Number of static nodes.
+  std::uint64_t static_triangles = 0;
 
   /// Errors: kFailedPrecondition: the static part has no triangles.
-  static Result<StagedScene> make(SceneSource still, const Motion& motion);
-  /// Of no static part: what moves alone.
+  static Result<StagedScene> make(SceneSource static_part, const Motion& motion);
+  /// Without a static part: only the moving nodes.
   static StagedScene make(const Motion& motion);
 
-  /// What stands still alone, under the same ids.
-  SceneSource only_still() const;
-  /// As it is in that frame.
+  /// Only the static part, under the same ids.
+  SceneSource only_static() const;
+  /// The scene in that frame.
   SceneSource at(const Motion& motion, std::size_t frame) const;
 };
 
-/// A staged scene whose revisions are the frames. One user.
+/// A staged scene whose revisions are the frames. Threads: one caller.
 class LiveStage {
  public:
   static Result<std::unique_ptr<LiveStage>> make(const StagedScene& scene,
@@ -37,7 +37,7 @@ class LiveStage {
   /// Makes the frame the newest revision. Returns the seconds that applying took.
   Result<double> advance(const Motion& motion, std::size_t frame);
   const scenegraph::revision::Snapshot& now() const { return *now_; }
-  /// Traces the rays at what stands still, so that it is grown behind what moves, too.
+  /// Traces the rays through the static part alone, so that it is also grown behind moving parts.
   Status look_behind(const Motion& motion, std::span<const accel::geometry::Ray> rays) const;
 
  private:

@@ -1,4 +1,4 @@
-// answers: the same rays answered in every way there is, and a hash of the answers of each.
+// answers: traces the same rays in every possible way and hashes the answers of each way.
 #include <fmt/core.h>
 #include <hwy/highway.h>
 #include <tbb/task_arena.h>
@@ -26,11 +26,11 @@ using SnapshotPtr = std::shared_ptr<const scenegraph::revision::Snapshot>;
 constexpr std::array<int, 3> kThreads{1, 2, kMostAnswerThreads};
 // Rays a batch; 0: all in one.
 constexpr std::array<std::size_t, 4> kBatches{0, 8192, 777, 64};
-// The quadratic builder takes hours beyond.
+// The quadratic builder takes hours on larger scenes.
 constexpr std::uint64_t kMostNaive = 25'000;
 
-// The kernels of one SIMD target, for as long as it lives. No other thread may be at work when it
-// comes or goes.
+// Selects the kernels of one SIMD target for the lifetime of this object. No other thread may be
+// working when it is made or destroyed.
 class OnTarget {
  public:
   explicit OnTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
@@ -49,7 +49,7 @@ struct Way {
   std::int64_t target = 0;
 };
 
-// By kind, in the order of the enumeration; equal hashes, equal answer columns of all rays.
+// By kind, in the order of the enumeration. Equal hashes mean equal answer columns of all rays.
 using Hashes = std::array<std::string, 4>;
 
 struct Workload {
@@ -57,7 +57,7 @@ struct Workload {
   const std::vector<Ray>& rays;
 };
 
-// A print a ray, so that it does not matter in which order they were answered.
+// One fingerprint a ray, so that the order of answering does not matter.
 class Prints {
  public:
   explicit Prints(std::size_t rays) : of_ray_(rays) {}
@@ -72,9 +72,9 @@ class Prints {
   std::vector<Fingerprint> of_ray_;
 };
 
-// Answers one batch, whose rays have these places, in one of the four kinds.
+// Answers one batch, whose rays have these indices, in one of the four kinds.
 Status answer(const scenegraph::revision::Snapshot& snapshot, std::span<const Ray> rays,
-              std::span<const std::size_t> places, QueryKind kind, Prints& prints) {
+              std::span<const std::size_t> indices, QueryKind kind, Prints& prints) {
   const scenegraph::TraceOptions options{.kind = kind};
   std::vector<Hit> hits;
   std::vector<RayTally> tallies(rays.size());
@@ -95,7 +95,7 @@ Status answer(const scenegraph::revision::Snapshot& snapshot, std::span<const Ra
   if (!done.ok()) return done.error();
   std::size_t next = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    Fingerprint& print = prints[places[i]];
+    Fingerprint& print = prints[indices[i]];
     if (kind == QueryKind::kClosest) print.add_columns(hits[i]);
     if (kind == QueryKind::kAny) print.add(static_cast<std::uint64_t>(hits[i].state), 1);
     if (kind != QueryKind::kCount && kind != QueryKind::kAll) continue;
@@ -117,7 +117,7 @@ Result<SnapshotPtr> begin(const Workload& work, const Way& way, const CommonOpti
   return snapshot;
 }
 
-// Growing trees are new for every kind, full ones are those given.
+// Growing trees are made anew for every kind; full trees are the given ones.
 Result<Hashes> answer_all(const Workload& work, const Way& way, const CommonOptions& common,
                           const SnapshotPtr& full) {
   const std::vector<std::size_t> order = ray_order(way.order, work.rays);
@@ -147,7 +147,7 @@ class Run {
  public:
   Run(const Workload& work, const CommonOptions& common) : work_(work), common_(common) {}
 
-  /// Answers in all these ways, which share builder, growth, threads and target.
+  /// Answers in all ways that share builder, growth, threads and target.
   Status run(const std::vector<Way>& ways) {
     const OnTarget target(ways.front().target);
     tbb::task_arena arena(ways.front().threads);
@@ -212,8 +212,8 @@ std::vector<std::string> builders_for(const SceneSource& scene, const AnswersOpt
   return names;
 }
 
-// Every builder on every target, then the default builder with every number of threads, order and
-// split; each with full and with growing trees.
+// All builders on all targets, then the default builder with all numbers of threads, orders and
+// splits; each with full and with growing trees.
 std::vector<std::vector<Way>> all_ways(const SceneSource& scene, const AnswersOptions& options,
                                        int threads) {
   const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();

@@ -1,4 +1,4 @@
-// build: how fast a builder is, and what its trees are like.
+// build: how fast a builder is, and the properties of its trees.
 #include <algorithm>
 #include <optional>
 
@@ -20,13 +20,13 @@ struct Measured {
   std::optional<double> end_points;
 };
 
-// A few rays through every new tree: a builder whose answers are wrong gets no time.
+// Traces a few rays through every new tree: a builder with wrong answers gets no time.
 class Sample {
  public:
   static Result<Sample> make(const SceneSource& scene, std::uint64_t seed) {
     constexpr std::size_t kRays = 100;
     auto rays = make_rays(scene, {.kind = "random", .count = kRays}, seed);
-    // A scene without triangles has nothing to be wrong about.
+    // A scene without triangles has no rays to check.
     if (!rays.ok() && rays.error().code == Code::kFailedPrecondition)
       rays = std::vector<accel::geometry::Ray>{};
     if (!rays.ok()) return rays.error();
@@ -49,7 +49,8 @@ class Sample {
   AnswerCheck check_;
 };
 
-// Warms caches, the allocator and the worker threads, so that no builder pays for being first.
+// Warms caches, the allocator and the worker threads, so that the first builder has no
+// disadvantage.
 Status warm_up(const SceneSource& scene, const std::vector<Contender>& contenders) {
   for (const Contender& contender : contenders) {
     if (contender.ours() == nullptr) continue;
@@ -80,7 +81,7 @@ Status measure_ours(const SceneSource& scene, const accel::published::AnyBuilder
   measured.stats = *built;
   measured.metrics = measure_meshes(**snapshot);
   measured.bytes_final = measured.metrics.bytes;
-  // Small trees come out of memory that the process holds already.
+  // Small trees fit into memory that the process already holds.
   measured.bytes_peak = std::max({measured.bytes_peak, bytes.value_or(0), measured.metrics.bytes});
   return {};
 }
@@ -127,7 +128,7 @@ Row make_row(const CommonOptions& common, const Contender& contender, std::uint6
 }  // namespace
 
 Result<std::vector<Row>> run_build(const CommonOptions& common, const BuildOptions& options) {
-  // A build is always full; the flag is still checked, as in every verb.
+  // A build is always full, but the flag is checked as in every verb.
   if (auto p = parse_policy(common.policy, scenegraph::Growth::kFull); !p.ok()) return p.error();
   const auto contenders = parse_contenders(options.builders, common);
   if (!contenders.ok()) return contenders.error();

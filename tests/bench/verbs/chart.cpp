@@ -38,7 +38,7 @@ Error no_file(const fs::path& path, const std::string& why) {
   return {Code::kFailedPrecondition, fmt::format("{}: {}", path.string(), why), "OUT"};
 }
 
-// Written aside and moved into its place: whoever reads it finds all of one study.
+// Written to a temporary file and then renamed, so that a reader never sees half of a study.
 Status write_whole(const fs::path& path, const std::string& text) {
   fs::path aside = path;
   aside += ".new";
@@ -50,7 +50,7 @@ Status write_whole(const fs::path& path, const std::string& text) {
   return error ? Status(no_file(path, error.message())) : Status();
 }
 
-// Minutes before there is anything to write.
+// Checks the output folder before minutes of work.
 Status check_writable(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -68,16 +68,16 @@ class Study {
   Result<std::vector<Row>> measure(const std::vector<ChartScene>& scenes) {
     const std::vector<ChartContender> contenders = chart_contenders();
     for (const ChartScene& scene : scenes) {
-      tell(fmt::format("{}: {} builders", scene.name, contenders.size()));
+      print_progress(fmt::format("{}: {} builders", scene.name, contenders.size()));
       if (auto done = add(chart_builders(scene, contenders, common_, plan_)); !done.ok()) {
         return named(done.error(), scene.name);
       }
-      tell(fmt::format("{}: time to image", scene.name));
+      print_progress(fmt::format("{}: time to image", scene.name));
       if (auto done = add(chart_images(scene, common_, plan_)); !done.ok()) {
         return named(done.error(), scene.name);
       }
     }
-    tell("missed rays");
+    print_progress("missed rays");
     if (auto done = add(chart_missed(common_, plan_)); !done.ok()) return done.error();
     add_provenance();
     return std::move(rows_);
@@ -104,7 +104,7 @@ class Study {
     }
   }
 
-  void tell(const std::string& what) const {
+  void print_progress(const std::string& what) const {
     fmt::print(stderr, "sightline-bench: {:4.0f} s  {}\n", clock_.seconds(), what);
   }
 

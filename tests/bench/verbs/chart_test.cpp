@@ -1,4 +1,4 @@
-// chart measures all that its table names, writes what it says, and refuses what it cannot do.
+// chart measures all configurations of its table, writes its files, and refuses wrong input.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -41,7 +41,7 @@ class ChartTest : public testing::Test {
   fs::path folder_;
 };
 
-// Only texts without commas or quotation marks.
+// Only for texts without commas or quotation marks.
 std::vector<std::map<std::string, std::string>> read_csv(const fs::path& path) {
   std::ifstream file(path);
   const auto cells = [](const std::string& line) {
@@ -101,8 +101,8 @@ TEST_F(ChartTest, MeasuresEveryConfigurationOverEveryScene) {
   for (const auto& [what, found] : hashes) EXPECT_EQ(found.size(), 1u) << what;
 }
 
-// Without scenes there is nothing to guess, and what is wrong is said before minutes of work.
-TEST_F(ChartTest, RefusesWhatItCannotDo) {
+// Without scenes, or with wrong ones, it fails before minutes of work.
+TEST_F(ChartTest, RefusesWrongInput) {
   const auto refusal = [&](CommonOptions with, std::vector<std::string> scenes) {
     const auto done = run_chart(with, {folder_.string(), std::move(scenes), true});
     EXPECT_FALSE(done.ok());
@@ -129,14 +129,14 @@ TEST_F(ChartTest, RefusesWhatItCannotDo) {
   EXPECT_EQ(refusal(odd, {city}).code, Code::kInvalidArgument);
 }
 
-TEST_F(ChartTest, AFileWhereTheFolderShouldBeIsRefused) {
+TEST_F(ChartTest, AFileInsteadOfTheFolderIsRefused) {
   std::ofstream(folder_) << "in the way";
   const auto done = run_chart(common(), {folder_.string(), {"gen:city?boxes=5"}, true});
   ASSERT_FALSE(done.ok());
   EXPECT_EQ(done.error().code, Code::kFailedPrecondition);
 }
 
-TEST(ChartConfigurations, EachIsThereOnceAndEveryBuilderAsItIsToo) {
+TEST(ChartConfigurations, AreUniqueAndIncludeEveryBuilderWithDefaults) {
   std::set<std::string> texts;
   std::map<std::string, int> usual;
   for (const ChartConfiguration& c : chart_configurations()) {
@@ -147,15 +147,15 @@ TEST(ChartConfigurations, EachIsThereOnceAndEveryBuilderAsItIsToo) {
   }
   for (const auto& [builder, count] : usual) EXPECT_EQ(count, 1) << builder;
   EXPECT_TRUE(texts.contains(std::string(kExactSweep)));
-  // Those that compare every pair of bounds are for small scenes.
+  // Builders that compare every pair of bounds are for small scenes.
   for (const std::string_view name : accel::published::builder_names()) {
     const bool slow = name == "sah-naive" || name == "sah-sort";
     EXPECT_EQ(usual.contains(std::string(name)), !slow) << name;
   }
 }
 
-// What the table asks of builders that are there, they can do.
-TEST(ChartConfigurations, NoneIsLeftOutForAMistakeInTheTable) {
+// Every builder of the table has the parameters that the table sets.
+TEST(ChartConfigurations, AreAllValid) {
   std::set<std::string> found;
   for (const ChartContender& contender : chart_contenders()) {
     found.insert(contender.configuration.text);
@@ -177,7 +177,7 @@ TEST(ChartScenes, AreAlsoOneMeshInTheWorld) {
   EXPECT_EQ(city.mesh.unique_triangles(), city.scene.unique_triangles());
 }
 
-TEST(ChartCsv, QuotesWhatNeedsItAndKnowsItsColumns) {
+TEST(ChartCsv, QuotesTextsAndRejectsUnknownColumns) {
   Row row;
   row["study"] = "build";
   row["machine"] = "2 cores, \"fast\" ones";

@@ -1,4 +1,4 @@
-// What --builder names.
+// The builders that --builder names.
 #include "tests/bench/verbs/contenders.h"
 #include "accel/published/any_builder.h"
 

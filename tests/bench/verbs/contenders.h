@@ -1,4 +1,4 @@
-// What --builder names: one of our builders with its parameters, or Embree.
+// The builders that --builder names: ours with their parameters, and Embree's.
 #pragma once
 
 #include <memory>
@@ -25,28 +25,28 @@ struct Contender {
   const EmbreeSettings* embree() const { return std::get_if<EmbreeSettings>(&what); }
 };
 
-/// Ours take the --set parameters, Embree has none. Where this program was built without Embree,
-/// its names are left out with a word on stderr. Errors: kInvalidArgument: no such builder or
-/// parameter; kFailedPrecondition: none is left.
+/// Our builders take the --set parameters; Embree's have none. If this program was built without
+/// Embree, its names are left out with a message on stderr. Errors: kInvalidArgument: no such
+/// builder or parameter; kFailedPrecondition: none is left.
 Result<std::vector<Contender>> parse_contenders(const std::vector<std::string>& names,
                                                 const CommonOptions& common);
 
 /// One of our builders with the --set parameters, then its own: NAME?key=value&key=value. An empty
-/// name: the default builder.
+/// name is the default builder.
 Result<accel::published::AnyBuilder> configured_builder(const std::string& text,
                                                         const CommonOptions& common);
 
 struct BuildCosts {
   double traverse = 0, intersect = 0;
 };
-/// What the builder weighs costs by; nothing if it does not.
+/// The builder's cost parameters; nothing if it has none.
 std::optional<BuildCosts> build_costs(const accel::published::AnyBuilder& builder);
 
-/// A peer a contender, null for ours, each warmed by a build that is not counted.
+/// One peer for each contender, null for our builders; each is warmed by a build that is not timed.
 Result<std::vector<std::unique_ptr<EmbreePeer>>> open_peers(
     const std::vector<Contender>& contenders, const SceneSource& scene, int threads);
 
-/// Says so on stderr and returns true where Embree is asked for and not there.
+/// Returns true and writes a message to stderr if Embree is requested and not available.
 bool embree_is_missing(std::string_view name);
 
 }  // namespace sightline::bench

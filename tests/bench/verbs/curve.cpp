@@ -1,5 +1,5 @@
-// curve: the cost of cutting the whole scene along one axis, as samples suggest it and as it is.
-// Paper 000, Figures 2 to 6.
+// curve: the cost of splitting the whole scene along one axis, from samples and exactly. Paper 000,
+// Figures 2 to 6.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -19,11 +19,11 @@ namespace sightline::bench {
 namespace {
 
 using accel::geometry::Aabb;
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 
-// The scene's triangles in the world as the builder would see them.
-std::vector<BoxRef> world_boxes(const SceneGeometry& geometry) {
-  std::vector<BoxRef> refs;
+// The scene's triangles in world space, as the builder sees them.
+std::vector<Reference> world_boxes(const SceneGeometry& geometry) {
+  std::vector<Reference> refs;
   refs.reserve(geometry.triangles());
   for (std::uint64_t n = 0; n < geometry.triangles(); ++n) {
     Aabb box;
@@ -39,7 +39,7 @@ struct Curve {
   std::string scene;
   char axis;
   accel::split::SahConstants cost;
-  accel::split::CutAreas areas;
+  accel::split::SplitAreas areas;
 
   Row row(const char* what, double x, double left, double right) const {
     Row row;
@@ -49,13 +49,14 @@ struct Curve {
     row["position"] = x;
     row["left"] = left;
     row["right"] = right;
-    row["cost"] = cut_cost(cost, areas, x, left, right);
+    row["cost"] = split_cost(cost, areas, x, left, right);
     return row;
   }
 };
 
-// An even comb, and the two sides of the steepest step in every stretch of it that holds over 1 %
-// of the rise: enough to draw jumps as jumps without a row a box. All are floats, as planes are.
+// Even points, and the two sides of the steepest step in every interval that holds over 1 % of the
+// rise: this draws jumps as jumps without a row for every box. All points are floats, as planes
+// are.
 std::vector<float> stations(const tests::TrueCounts& truth, float lo, float hi, int points) {
   std::vector<float> at;
   for (int i = 0; i <= points; ++i) {
@@ -93,13 +94,13 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
   if (geometry.empty()) {
     return Error{Code::kFailedPrecondition, "the scene has no triangles", "NO_TRIANGLES"};
   }
-  const std::vector<BoxRef> refs = world_boxes(geometry);
+  const std::vector<Reference> refs = world_boxes(geometry);
   Aabb cell;
-  for (const BoxRef& ref : refs) cell.grow(ref.bounds());
+  for (const Reference& ref : refs) cell.grow(ref.bounds());
 
   const int axis = options.axis - 'x';
   const auto a = static_cast<std::size_t>(axis);
-  const Curve curve{common.scene, options.axis, scan.cost, accel::split::CutAreas(cell, axis)};
+  const Curve curve{common.scene, options.axis, scan.cost, accel::split::SplitAreas(cell, axis)};
   accel::kdtree::BuildCounters counters;
   const auto uniform = accel::published::kd::sample_axes(refs, cell, {axis, axis + 1},
                                                          scan.uniform_samples, 0, counters)[a];

@@ -1,4 +1,4 @@
-// Where a peer's answers differ from ours.
+// Differences between a peer's answers and ours.
 #include "tests/bench/verbs/disagreement.h"
 
 #include <algorithm>

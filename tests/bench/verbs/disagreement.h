@@ -1,4 +1,4 @@
-// Where a peer's answers differ from ours, and whether that can be excused.
+// Differences between a peer's answers and ours, and whether rounding explains them.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,14 @@ namespace sightline::bench {
 
 struct Disagreement {
   std::uint64_t differences = 0;  ///< Rays whose (hit or miss, node, primitive) differ.
-  std::uint64_t checked = 0;      ///< Of these, evenly spread, held against the oracle.
-  /// Of the checked: neither a tie, nor an edge, nor an end of the ray within 1e-5 explains it.
+  std::uint64_t checked = 0;      ///< Evenly spread differences that are checked with the oracle.
+  /// Checked differences that neither a tie, nor an edge, nor an end of the ray within 1e-5
+  /// explains.
   std::uint64_t unexplained = 0;
 };
 
-/// Ours are taken for right (they are checked elsewhere). For `any`, hit or miss alone counts.
+/// Assumes that our answers are right (other checks cover them). For `any`, compares hit or miss
+/// only.
 Disagreement explain(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot,
                      std::span<const accel::geometry::Ray> rays,
                      std::span<const accel::geometry::Hit> ours,

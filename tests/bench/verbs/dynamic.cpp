@@ -1,5 +1,4 @@
-// dynamic: frames of a scene that moves over one that stands still: update, grow what rays enter,
-// trace.
+// dynamic: frames of a moving scene over a static one: update, grow on demand, trace.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,8 +14,8 @@
 namespace sightline::bench {
 namespace {
 
-// How much of the wall growing took is known only as a share of all threads' time; what else a
-// frame's first rays wait for counts as tracing.
+// The wall time of growing is only known as a share of all threads' time; other waiting of a
+// frame's first rays counts as tracing.
 Status play(const Show& show, std::size_t frame, Ours& ours, Seen& seen) {
   const auto updated = ours.stage->advance(show.motion, frame);
   if (!updated.ok()) return updated.error();
@@ -35,28 +34,28 @@ Status play(const Show& show, std::size_t frame, Ours& ours, Seen& seen) {
                "HASHES_DIFFER"};
 }
 
-// The same rays, those toward the light as they are in the whole scene.
-Status trace_still(const FrameView& view, const Seen& seen, Still& still) {
-  if (!still.snapshot) return {};
+// The same rays. Rays toward the light are those of the whole scene.
+Status trace_static(const FrameView& view, const Seen& seen, StaticPart& part) {
+  if (!part.snapshot) return {};
   const FrameView primary{view.rays, false, {}};
   Seen alone;
   scenegraph::TraceStats unused;
-  const auto first = look(*still.snapshot, primary, alone, unused);
+  const auto first = look(*part.snapshot, primary, alone, unused);
   if (!first.ok()) return first.error();
   double seconds = *first;
   if (view.shadow) {
     std::vector<accel::geometry::Hit> hits(seen.shadow_rays.size());
     const Stopwatch clock;
-    const auto traced = scenegraph::trace(*still.snapshot, seen.shadow_rays, hits,
+    const auto traced = scenegraph::trace(*part.snapshot, seen.shadow_rays, hits,
                                           {.kind = scenegraph::QueryKind::kAny, .surface = false});
     seconds += clock.seconds();
     if (!traced.ok()) return traced.error();
   }
-  still.trace.push_back(seconds * 1e3);
+  part.trace.push_back(seconds * 1e3);
   return {};
 }
 
-// What is touched of the static part in later frames is then not merely seen for the first time.
+// Grows the static part beforehand, so that touches of it in later frames are not first views.
 Status look_behind(const Show& show) {
   for (const Ours* ours : {&show.ours, &show.small}) {
     if (!ours->stage) continue;
@@ -66,21 +65,21 @@ Status look_behind(const Show& show) {
 }
 
 Status play_peer(const Show& show, std::size_t frame, const Seen& seen, Peer& peer) {
-  const auto advanced = peer.mover->advance(frame);
+  const auto advanced = peer.embree->advance(frame);
   if (!advanced.ok()) return advanced.error();
   peer.hits.resize(show.view.rays.size());
-  double trace = peer.mover->trace(show.view.rays, false, peer.hits);
+  double trace = peer.embree->trace(show.view.rays, false, peer.hits);
   if (show.view.shadow) {
     peer.shadowed.resize(seen.shadow_rays.size());
-    if (frame == 0) peer.mover->choose_any(seen.shadow_rays);
-    trace += peer.mover->trace(seen.shadow_rays, true, peer.shadowed);
+    if (frame == 0) peer.embree->choose_any(seen.shadow_rays);
+    trace += peer.embree->trace(seen.shadow_rays, true, peer.shadowed);
   }
   peer.costs.push_back(
       {advanced->update_seconds * 1e3, advanced->build_seconds * 1e3, trace * 1e3});
   return {};
 }
 
-// Answers that are held against a scene made afresh, when all frames are played.
+// Answers that are compared with a new scene after all frames have been played.
 struct Kept {
   std::size_t frame;
   Seen seen;
@@ -109,7 +108,7 @@ Result<std::vector<Row>> play_all(const CommonOptions& common, const DynamicOpti
   for (std::size_t frame = 0; frame < length; ++frame) {
     Seen seen, of_small;
     if (Status s = play(show, frame, show.ours, seen); !s.ok()) return s.error();
-    if (Status s = trace_still(show.view, seen, show.still); !s.ok()) return s.error();
+    if (Status s = trace_static(show.view, seen, show.static_part); !s.ok()) return s.error();
     if (show.small.stage) {
       if (Status s = play(show, frame, show.small, of_small); !s.ok()) return s.error();
     }
@@ -129,9 +128,9 @@ Result<std::vector<Row>> play_all(const CommonOptions& common, const DynamicOpti
   return rows;
 }
 
-Result<StagedScene> stage(const std::string& still, const Motion& motion) {
-  if (still.empty()) return StagedScene::make(motion);
-  auto source = load_scene(still);
+Result<StagedScene> stage(const std::string& static_scene, const Motion& motion) {
+  if (static_scene.empty()) return StagedScene::make(motion);
+  auto source = load_scene(static_scene);
   if (!source.ok()) return source.error();
   return StagedScene::make(std::move(source).value(), motion);
 }
@@ -147,12 +146,12 @@ Result<std::vector<Peer>> open_peers(const DynamicOptions& options, const Staged
                    "COMMAND_LINE"};
     }
     if (embree_is_missing(name)) continue;
-    auto mover = EmbreeMover::make(staged, motion,
-                                   refit ? EmbreeUpdate::kRefit : EmbreeUpdate::kRebuild, threads);
-    if (!mover.ok()) return mover.error();
-    if (Status chosen = (*mover)->choose(view.rays); !chosen.ok()) return chosen.error();
+    auto embree = EmbreeDynamicPeer::make(
+        staged, motion, refit ? EmbreeUpdate::kRefit : EmbreeUpdate::kRebuild, threads);
+    if (!embree.ok()) return embree.error();
+    if (Status chosen = (*embree)->choose(view.rays); !chosen.ok()) return chosen.error();
     peers.push_back(
-        {refit ? "embree_refit" : "embree_low", std::move(mover).value(), {}, {}, {}, {}});
+        {refit ? "embree_refit" : "embree_low", std::move(embree).value(), {}, {}, {}, {}});
   }
   return peers;
 }
@@ -170,7 +169,7 @@ Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicO
   if (!builder.ok()) return builder.error();
   const auto motion = Motion::make(options.frames, options.copies);
   if (!motion.ok()) return motion.error();
-  const auto staged = stage(options.still, *motion);
+  const auto staged = stage(options.static_scene, *motion);
   if (!staged.ok()) return staged.error();
   const auto view = FrameView::make(*staged, *motion, options, common.seed);
   if (!view.ok()) return view.error();
@@ -179,20 +178,20 @@ Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicO
   auto live = LiveStage::make(*staged, *builder);
   if (!live.ok()) return live.error();
   show.ours.stage = std::move(live).value();
-  if (!options.still_small.empty()) {
-    const auto small = stage(options.still_small, *motion);
+  if (!options.small_static_scene.empty()) {
+    const auto small = stage(options.small_static_scene, *motion);
     if (!small.ok()) return small.error();
     auto small_live = LiveStage::make(*small, *builder);
     if (!small_live.ok()) return small_live.error();
     show.small.stage = std::move(small_live).value();
   }
-  if (staged->still > 0) {
-    auto still = assemble(staged->only_still(), *builder);
-    if (!still.ok()) return still.error();
-    show.still.snapshot = std::move(still).value();
+  if (staged->static_nodes > 0) {
+    auto assembled = assemble(staged->only_static(), *builder);
+    if (!assembled.ok()) return assembled.error();
+    show.static_part.snapshot = std::move(assembled).value();
     Seen warm;
     scenegraph::TraceStats unused;
-    const auto looked = look(*show.still.snapshot, *view, warm, unused);
+    const auto looked = look(*show.static_part.snapshot, *view, warm, unused);
     if (!looked.ok()) return looked.error();
   }
   auto peers = open_peers(options, *staged, *motion, *view, common.threads);

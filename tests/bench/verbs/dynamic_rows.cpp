@@ -6,7 +6,7 @@
 namespace sightline::bench {
 namespace {
 
-constexpr std::size_t kWarmUp = 2;  // frames that the last row leaves out
+constexpr std::size_t kWarmUp = 2;  // Frames that the last row leaves out
 
 // Medians over the frames after the first.
 class Medians {
@@ -17,7 +17,7 @@ class Medians {
   double of(const Value& value) const {
     return median(all(value));
   }
-  /// With its quartiles.
+  /// Also sets the quartiles.
   template <class Value>
   void set(Row& row, const std::string& key, const Value& value) const {
     row[key] = of(value);
@@ -55,7 +55,7 @@ Row frame_row(const Show& show, std::size_t frame, const Seen& seen) {
   };
   set("", show.ours.costs.back());
   row["again_ms"] = show.ours.again.back();
-  if (show.still.snapshot) row["static_trace_ms"] = show.still.trace.back();
+  if (show.static_part.snapshot) row["static_trace_ms"] = show.static_part.trace.back();
   const scenegraph::TraceStats& stats = show.ours.stats;
   row["static_touches"] = stats.touches + stats.touches_prepare - stats.dynamic_touches;
   row["dynamic_touches"] = stats.dynamic_touches;
@@ -75,14 +75,14 @@ Row last_row(const CommonOptions& common, const DynamicOptions& options, const S
   Row row;
   row["frames"] = options.frames;
   row["copies"] = options.copies;
-  row["static"] = options.still;
+  row["static"] = options.static_scene;
   row["rays"] = options.rays.kind;
   row["count"] = show.view.rays.size();
   row["shadow"] = options.shadow;
   row["view"] = options.view;
   row["threads"] = common.threads;
   row["triangles_moving"] = show.motion.triangles();
-  row["triangles_static"] = show.staged.still_triangles;
+  row["triangles_static"] = show.staged.static_triangles;
   set_costs(row, medians, "", costs);
   row["again_ms"] = medians.of([&](std::size_t f) { return show.ours.again[f]; });
   std::uint64_t touches = 0;
@@ -91,16 +91,17 @@ Row last_row(const CommonOptions& common, const DynamicOptions& options, const S
   row["static_touches"] = touches;
   row["dynamic_touches"] =
       medians.of([&](std::size_t f) { return frames[f]["dynamic_touches"].get<double>(); });
-  if (show.still.snapshot) {
-    const auto& still = show.still.trace;
-    row["static_trace_ms"] = medians.of([&](std::size_t f) { return still[f]; });
-    medians.set(row, "trace_over_static", [&](std::size_t f) { return costs[f].trace / still[f]; });
+  if (show.static_part.snapshot) {
+    const auto& static_trace = show.static_part.trace;
+    row["static_trace_ms"] = medians.of([&](std::size_t f) { return static_trace[f]; });
+    medians.set(row, "trace_over_static",
+                [&](std::size_t f) { return costs[f].trace / static_trace[f]; });
     row["again_over_static"] =
-        medians.of([&](std::size_t f) { return show.ours.again[f] / still[f]; });
+        medians.of([&](std::size_t f) { return show.ours.again[f] / static_trace[f]; });
   }
   if (show.small.stage) {
     const std::vector<Cost>& small = show.small.costs;
-    row["static_small"] = options.still_small;
+    row["static_small"] = options.small_static_scene;
     set_costs(row, medians, "small_", small);
     medians.set(row, "update_build_over_small", [&](std::size_t f) {
       return (costs[f].update + costs[f].build) / (small[f].update + small[f].build);
@@ -110,8 +111,8 @@ Row last_row(const CommonOptions& common, const DynamicOptions& options, const S
     set_costs(row, medians, peer.name + "_", peer.costs);
     medians.set(row, "over_" + peer.name,
                 [&](std::size_t f) { return costs[f].all() / peer.costs[f].all(); });
-    row[peer.name + "_layout"] = peer.mover->layout();
-    row[peer.name + "_entry"] = peer.mover->entry(false);
+    row[peer.name + "_layout"] = peer.embree->layout();
+    row[peer.name + "_entry"] = peer.embree->entry(false);
     row[peer.name + "_differences"] = peer.disagreement.differences;
     row[peer.name + "_unexplained"] = peer.disagreement.unexplained;
   }

@@ -1,11 +1,11 @@
-// The parts of a moving show, what their frames have cost, and the rows that say so.
+// The parts of a dynamic measurement, the costs of their frames, and their rows.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "tests/bench/embree/mover.h"
+#include "tests/bench/embree/dynamic_peer.h"
 #include "tests/bench/verbs/disagreement.h"
 #include "tests/bench/verbs/frame_view.h"
 #include "tests/bench/verbs/options.h"
@@ -13,50 +13,51 @@
 
 namespace sightline::bench {
 
-/// What a frame cost, in milliseconds.
+/// The cost of a frame, in milliseconds.
 struct Cost {
   double update = 0, build = 0, trace = 0;
   double all() const { return update + build + trace; }
 };
 
-/// A scene of ours, and what each of its frames cost.
+/// One of our scenes, and the cost of each of its frames.
 struct Ours {
   std::unique_ptr<LiveStage> stage;
   std::vector<Cost> costs;
-  std::vector<double> again;     ///< The same rays when all is grown.
+  std::vector<double> again;     ///< Tracing the same rays again, when all cells are grown.
   scenegraph::TraceStats stats;  ///< Of the last frame.
 };
 
-/// The same of Embree's.
+/// The same for Embree.
 struct Peer {
-  std::string name;  ///< As a part of keys.
-  std::unique_ptr<EmbreeMover> mover;
+  std::string name;  ///< Used in keys.
+  std::unique_ptr<EmbreeDynamicPeer> embree;
   std::vector<Cost> costs;
   std::vector<accel::geometry::Hit> hits, shadowed;
   Disagreement disagreement;
 };
 
-/// What stands still, alone.
-struct Still {
-  std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;  ///< Null: nothing stands still.
+/// The static part alone.
+struct StaticPart {
+  std::shared_ptr<const scenegraph::revision::Snapshot>
+      snapshot;  ///< Null: there is no static part.
   std::vector<double> trace;
 };
 
-/// All that takes turns within a frame.
+/// Everything that takes turns within a frame.
 struct Show {
   const Motion& motion;
   const StagedScene& staged;
   const FrameView& view;
   int threads;
   Ours ours, small;  ///< `small`: over the small static scene, if there is one.
-  Still still;
+  StaticPart static_part;
   std::vector<Peer> peers;
 };
 
-/// What the newest frame of each has cost.
+/// The row of the newest frame.
 Row frame_row(const Show& show, std::size_t frame, const Seen& seen);
 
-/// Medians over the frames after the first two, and quotients within frames.
+/// The last row: medians over the frames after the first two, and quotients within frames.
 Row last_row(const CommonOptions& common, const DynamicOptions& options, const Show& show,
              const std::vector<Row>& frames);
 

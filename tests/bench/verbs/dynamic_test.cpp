@@ -1,5 +1,5 @@
-// Moving scenes: frames come out of directories and swarms, the verbs print their keys, and answers
-// stay right.
+// Moving scenes: frames of directories and swarms, the keys that the verbs print, and right
+// answers.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -43,7 +43,7 @@ class Frames : public testing::Test {
   std::filesystem::path directory_;
 };
 
-TEST_F(Frames, OfADirectoryDeformSideBySide) {
+TEST_F(Frames, OfADirectoryAreCopiedSideBySide) {
   const auto motion = Motion::make(directory(), 4);
   ASSERT_TRUE(motion.ok()) << motion.error().message;
   EXPECT_EQ(motion->frames(), 3u);
@@ -57,8 +57,8 @@ TEST_F(Frames, OfADirectoryDeformSideBySide) {
   EXPECT_EQ(patch.positions, motion->vertices(2, 1));
   EXPECT_NE(motion->vertices(0, 0), motion->vertices(0, 1));
   EXPECT_EQ(motion->vertices(0, 0), motion->vertices(0, 3));
-  EXPECT_NE(motion->place(0, 0), motion->place(1, 0));
-  EXPECT_EQ(motion->place(3, 0), motion->place(3, 2));
+  EXPECT_NE(motion->transform(0, 0), motion->transform(1, 0));
+  EXPECT_EQ(motion->transform(3, 0), motion->transform(3, 2));
 }
 
 TEST_F(Frames, OfAnotherTopologyAreRefused) {
@@ -72,12 +72,12 @@ TEST_F(Frames, OfAnotherTopologyAreRefused) {
   EXPECT_EQ(Motion::make("gen:city?boxes=60", 1).error().code, Code::kInvalidArgument);
 }
 
-TEST(Swarm, HasItsTrianglesAndComesRoundAgain) {
+TEST(Swarm, HasItsTrianglesAndIsPeriodic) {
   const SceneSource swarm = make_swarm(1000);
   EXPECT_EQ(swarm.unique_triangles(), 1000u);
   EXPECT_EQ(swarm.nodes.size(), 13u);
-  EXPECT_EQ(swarm_places(13, 5), swarm_places(13, 5 + kSwarmFrames));
-  const auto before = swarm_places(13, 63), after = swarm_places(13, 0);
+  EXPECT_EQ(swarm_transforms(13, 5), swarm_transforms(13, 5 + kSwarmFrames));
+  const auto before = swarm_transforms(13, 63), after = swarm_transforms(13, 0);
   for (std::size_t n = 0; n < 13; ++n) {
     const Vec3d step = after[n].point({}) - before[n].point({});
     EXPECT_GT(length(step), 0);
@@ -86,22 +86,22 @@ TEST(Swarm, HasItsTrianglesAndComesRoundAgain) {
   }
 }
 
-TEST(StagedScene, TheStaticPartIsTenTimesAsLargeAndUnderneath) {
+TEST(StagedScene, TheStaticPartIsTenTimesAsLargeAndBelow) {
   const auto motion = Motion::make("gen:swarm?triangles=2000", 1);
   ASSERT_TRUE(motion.ok());
   const auto staged = StagedScene::make(make_terrain(2000), *motion);
   ASSERT_TRUE(staged.ok());
-  const SceneSource still = staged->only_still();
-  const SceneGeometry geometry(still);
+  const SceneSource static_part = staged->only_static();
+  const SceneGeometry geometry(static_part);
   const scenegraph::model::DoubleBox& frames = motion->bounds();
   const double diagonal = length(frames.hi - frames.lo);
   EXPECT_NEAR(geometry.diagonal(), 10 * diagonal, 1e-4 * diagonal);
   EXPECT_NEAR(geometry.hi().y, frames.lo.y, 1e-4 * diagonal);
   EXPECT_NEAR(geometry.center().x, (frames.lo.x + frames.hi.x) / 2, 1e-4 * diagonal);
   EXPECT_NEAR(geometry.center().z, (frames.lo.z + frames.hi.z) / 2, 1e-4 * diagonal);
-  EXPECT_EQ(staged->source.nodes.size(), staged->still + motion->nodes());
+  EXPECT_EQ(staged->source.nodes.size(), staged->static_nodes + motion->nodes());
   EXPECT_EQ(staged->at(*motion, 7).nodes.back().parent_from_local,
-            motion->place(motion->nodes() - 1, 7));
+            motion->transform(motion->nodes() - 1, 7));
 }
 
 CommonOptions common() {
@@ -114,7 +114,7 @@ CommonOptions common() {
 DynamicOptions some_frames(std::string frames) {
   DynamicOptions options;
   options.frames = std::move(frames);
-  options.still = "gen:terrain?triangles=2000";
+  options.static_scene = "gen:terrain?triangles=2000";
   options.rays = {"overview", 900};
   options.length = 5;
   return options;
@@ -124,9 +124,9 @@ void expect_keys(const Row& row, std::initializer_list<const char*> keys) {
   for (const char* key : keys) EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
 }
 
-TEST(VerbDynamic, PrintsARowAFrameAndWhatTheyCameTo) {
+TEST(VerbDynamic, PrintsARowForEachFrameAndASummary) {
   DynamicOptions options = some_frames("gen:swarm?triangles=4000");
-  options.still_small = "gen:terrain?triangles=200";
+  options.small_static_scene = "gen:terrain?triangles=200";
   options.view = "frames";
   const auto rows = run_dynamic(common(), options);
   ASSERT_TRUE(rows.ok()) << rows.error().message;
@@ -145,7 +145,7 @@ TEST(VerbDynamic, PrintsARowAFrameAndWhatTheyCameTo) {
   EXPECT_EQ(rows->back()["triangles_static"], 2000);
 }
 
-TEST_F(Frames, ThatDeformAreAnsweredAsByEmbree) {
+TEST_F(Frames, ThatDeformGiveTheSameAnswersAsEmbree) {
   DynamicOptions options = some_frames(directory());
   options.copies = 9;
   options.shadow = true;
@@ -161,7 +161,7 @@ TEST_F(Frames, ThatDeformAreAnsweredAsByEmbree) {
   }
 }
 
-TEST(VerbDynamic, AnswersOfRigidFramesAreEmbreesToo) {
+TEST(VerbDynamic, RigidFramesGiveTheSameAnswersAsEmbree) {
   if (!embree_found()) GTEST_SKIP() << "built without Embree 3";
   DynamicOptions options = some_frames("gen:swarm?triangles=4000");
   options.view = "frames";
@@ -172,7 +172,7 @@ TEST(VerbDynamic, AnswersOfRigidFramesAreEmbreesToo) {
   EXPECT_EQ(rows->back()["embree_refit_unexplained"], 0);
 }
 
-TEST(VerbDynamic, RefusesWhatItDoesNotKnow) {
+TEST(VerbDynamic, RefusesUnknownValues) {
   const auto code = [](const DynamicOptions& options) {
     const auto rows = run_dynamic(common(), options);
     EXPECT_FALSE(rows.ok());
@@ -188,7 +188,7 @@ TEST(VerbDynamic, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(code(options), Code::kNotFound);
 }
 
-TEST(VerbTwoTrees, HoldsTwoTreesAgainstOne) {
+TEST(VerbTwoTrees, ComparesTwoTreesWithOne) {
   CommonOptions options = common();
   options.scene = "gen:terrain?triangles=2000";
   const auto rows = run_two_trees(options, {.rays = {"random", 500}, .parts = 20});

@@ -1,4 +1,4 @@
-// Summing the area of triangles in boxes of nodes that do not know them.
+// Sums the area of triangles in boxes of nodes that do not contain them.
 #include "tests/bench/verbs/end_point_overlap.h"
 
 #include <algorithm>
@@ -16,27 +16,27 @@
 namespace sightline::bench {
 namespace {
 
-/// Where in the ids of a hierarchy each triangle is named. Ids stand in the order of their leaves,
-/// so those below a node stand side by side.
+/// The positions at which each triangle appears in the ids of a hierarchy. Ids are in leaf order,
+/// so the ids below a node are contiguous.
 class Names {
  public:
   Names(const accel::published::bvh::Bvh& bvh, std::size_t faces) : begin_(faces + 1) {
     for (const std::uint32_t id : bvh.ids) ++begin_[id + 1];
     for (std::size_t i = 0; i < faces; ++i) begin_[i + 1] += begin_[i];
-    places_.resize(bvh.ids.size());
+    positions_.resize(bvh.ids.size());
     std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t i = 0; i < bvh.ids.size(); ++i) places_[next[bvh.ids[i]]++] = i;
+    for (std::size_t i = 0; i < bvh.ids.size(); ++i) positions_[next[bvh.ids[i]]++] = i;
   }
   /// Ascending.
   std::span<const std::size_t> of(std::size_t face) const {
-    return std::span(places_).subspan(begin_[face], begin_[face + 1] - begin_[face]);
+    return std::span(positions_).subspan(begin_[face], begin_[face + 1] - begin_[face]);
   }
 
  private:
-  std::vector<std::size_t> begin_, places_;
+  std::vector<std::size_t> begin_, positions_;
 };
 
-/// What one triangle adds.
+/// The contribution of one triangle.
 class Descent {
  public:
   Descent(const accel::published::bvh::Bvh& bvh, const accel::geometry::Vec3f& a,
@@ -46,9 +46,9 @@ class Descent {
     for (const accel::geometry::Vec3f& v : {a, b, c}) box_.grow(v);
   }
 
-  /// `begin` and `end`: the ids below.
+  /// `begin` and `end`: the range of ids below.
   double sum(const accel::published::bvh::BvhChild& at, std::size_t begin, std::size_t end) const {
-    if (apart(at.box)) return 0;
+    if (disjoint(at.box)) return 0;
     const auto named = std::lower_bound(names_.begin(), names_.end(), begin);
     const bool knows = named != names_.end() && *named < end;
     if (knows && !at.inner) return 0;
@@ -63,7 +63,7 @@ class Descent {
   }
 
  private:
-  bool apart(const accel::geometry::Aabb& box) const {
+  bool disjoint(const accel::geometry::Aabb& box) const {
     return box.lo.x > box_.hi.x || box.hi.x < box_.lo.x || box.lo.y > box_.hi.y ||
            box.hi.y < box_.lo.y || box.lo.z > box_.hi.z || box.hi.z < box_.lo.z;
   }

@@ -1,4 +1,4 @@
-// The end-point overlap of hierarchies whose values can be worked out by hand.
+// The end-point overlap of hierarchies whose values can be computed by hand.
 #include "tests/bench/verbs/end_point_overlap.h"
 
 #include <gtest/gtest.h>
@@ -13,12 +13,12 @@
 namespace sightline::bench {
 namespace {
 
-accel::kdtree::BoxRef ref(std::uint32_t id, const accel::geometry::Aabb& box) {
+accel::kdtree::Reference ref(std::uint32_t id, const accel::geometry::Aabb& box) {
   return {box.lo, id, box.hi, 1};
 }
 
-TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
-  // Three squares' halves in planes of constant x; the box of the first leaf holds the third too.
+TEST(EndPointOverlap, CountsTheAreaOfForeignTrianglesInABox) {
+  // Halves of three squares in planes of constant x; the first leaf's box also contains the third.
   tests::TestMesh mesh;
   for (const float x : {0.0f, 1.0f, 0.5f}) {
     const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -27,14 +27,14 @@ TEST(EndPointOverlap, CountsTheAreaOfStrangersInABox) {
   }
   accel::published::bvh::BvhGrowth growth(3);
   const accel::geometry::Aabb left{{0, 0, 0}, {1, 1, 1}}, right{{0.5f, 0, 0}, {0.5f, 1, 1}};
-  const std::vector<accel::kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const std::vector<accel::kdtree::Reference> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   const accel::published::bvh::Bvh bvh =
       growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
-  // A third of all area in a leaf of two references.
+  // One third of the total area lies in the box of a leaf of two references.
   EXPECT_DOUBLE_EQ(end_point_overlap(bvh, mesh.view()), 2 * accel::kdtree::kMeasuredIntersect / 3);
 }
 
-TEST(EndPointOverlap, IsNoneWhereBoxesAreApart) {
+TEST(EndPointOverlap, IsZeroForDisjointBoxes) {
   tests::TestMesh mesh = tests::flat_walls(64);
   accel::kdtree::BuildCounters counters;
   const accel::published::bvh::Bvh bvh =

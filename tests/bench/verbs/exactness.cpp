@@ -1,4 +1,4 @@
-// exactness: what the exact hit rule costs against a plain float test, everything else being equal.
+// exactness: the cost of the exact hit rule compared with a plain float test in the same walk.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -15,9 +15,9 @@ namespace {
 
 constexpr scenegraph::QueryKind kClosest = scenegraph::QueryKind::kClosest;
 
-// Rays are timed in stretches, the methods one after the other on each: what else the machine does
-// then falls on all of them alike, and the least time of a stretch is free of it.
-constexpr std::size_t kStretch = 32 * scenegraph::kRaysPerBlock;
+// Rays are timed in chunks, with all methods in turn on each chunk: other load on the machine
+// affects all methods, and the least time of a chunk is free of it.
+constexpr std::size_t kRaysPerChunk = 32 * scenegraph::kRaysPerBlock;
 
 enum Method : std::size_t { kProduct, kExact, kPlain, kMethods };
 
@@ -25,14 +25,14 @@ struct Timed {
   const scenegraph::revision::Snapshot& snapshot;
   std::span<const accel::geometry::Ray> rays;
   std::array<std::vector<accel::geometry::Hit>, kMethods> hits;
-  std::array<std::vector<double>, kMethods> least;  // seconds, by stretch
+  std::array<std::vector<double>, kMethods> least;  // Seconds, by chunk
 
   Timed(const scenegraph::revision::Snapshot& s, std::span<const accel::geometry::Ray> r)
       : snapshot(s), rays(r) {
-    const std::size_t stretches = (rays.size() + kStretch - 1) / kStretch;
+    const std::size_t chunks = (rays.size() + kRaysPerChunk - 1) / kRaysPerChunk;
     for (std::size_t m = 0; m < kMethods; ++m) {
       hits[m].resize(rays.size());
-      least[m].assign(stretches, std::numeric_limits<double>::infinity());
+      least[m].assign(chunks, std::numeric_limits<double>::infinity());
     }
   }
 
@@ -48,10 +48,11 @@ struct Timed {
     }
   }
 
-  // The order turns from round to round.
+  // The order rotates from round to round.
   void run(std::size_t round) {
     for (std::size_t s = 0; s < least[0].size(); ++s) {
-      const std::size_t first = s * kStretch, count = std::min(kStretch, rays.size() - first);
+      const std::size_t first = s * kRaysPerChunk,
+                        count = std::min(kRaysPerChunk, rays.size() - first);
       for (std::size_t k = 0; k < kMethods; ++k) {
         const auto method = static_cast<Method>((k + s + round) % kMethods);
         const Stopwatch clock;
@@ -90,7 +91,7 @@ Result<Row> measure(const CommonOptions& common, const ExactnessOptions& options
     return Error{Code::kDataLoss, "the bench's walk answers otherwise than the product's",
                  "HASHES_DIFFER"};
   }
-  const Disagreement apart =
+  const Disagreement difference =
       explain(*snapshot, *rays, timed.hits[kProduct], timed.hits[kPlain], false);
 
   Row row;
@@ -104,9 +105,9 @@ Result<Row> measure(const CommonOptions& common, const ExactnessOptions& options
   row["ratio"] = timed.milliseconds(kExact) / timed.milliseconds(kPlain);
   row["ratio_product"] = timed.milliseconds(kProduct) / timed.milliseconds(kPlain);
   row["hit_hash"] = hash;
-  row["differences"] = apart.differences;
-  row["differences_checked"] = apart.checked;
-  row["unexplained"] = apart.unexplained;
+  row["differences"] = difference.differences;
+  row["differences_checked"] = difference.checked;
+  row["unexplained"] = difference.unexplained;
   return row;
 }
 

@@ -1,4 +1,4 @@
-// Looking at a frame, and checking what was seen.
+// Traces a frame, and checks its answers.
 #include "tests/bench/verbs/frame_view.h"
 #include "accel/published/any_builder.h"
 

@@ -1,4 +1,4 @@
-// What is looked at in every frame of a moving scene, and what was seen.
+// The rays of every frame of a moving scene, and their answers.
 #pragma once
 
 #include <memory>
@@ -13,17 +13,17 @@
 
 namespace sightline::bench {
 
-/// Primary rays, and whether a ray toward a light follows from every hit.
+/// Primary rays, and whether every hit is followed by a ray toward a light.
 struct FrameView {
   std::vector<accel::geometry::Ray> rays;
   bool shadow = false;
   accel::geometry::Vec3d light;
 
-  /// Of the whole scene in frame 0, or of what moves there alone. Errors: as of make_rays;
+  /// A view of the whole scene in frame 0, or of its moving part only. Errors: those of make_rays;
   /// kInvalidArgument: no such view.
   static Result<FrameView> make(const StagedScene& scene, const Motion& motion,
                                 const DynamicOptions& options, std::uint64_t seed);
-  /// As the rays of kind `shadow`; none unless they are wanted.
+  /// As the rays of kind `shadow`; empty if they are not requested.
   std::vector<accel::geometry::Ray> shadow_rays(std::span<const accel::geometry::Hit> hits) const;
 };
 
@@ -39,8 +39,8 @@ struct Seen {
 Result<double> look(const scenegraph::revision::Snapshot& snapshot, const FrameView& view,
                     Seen& seen, scenegraph::TraceStats& stats);
 
-/// Whether answers are those of a scene that is made afresh in that frame, fully built, and on a
-/// sample those of brute force. Error: kDataLoss. Returns the fresh scene.
+/// Checks that answers equal those of a new, fully built scene of that frame, and a sample of them
+/// those of brute force. Returns the new scene. Error: kDataLoss.
 Result<std::shared_ptr<const scenegraph::revision::Snapshot>> check_frame(const StagedScene& scene,
                                                                           const Motion& motion,
                                                                           std::size_t frame,

@@ -1,4 +1,4 @@
-// A fingerprint of answers.
+// Hashes of answers.
 #include "tests/bench/verbs/hit_hash.h"
 
 #include <fmt/core.h>

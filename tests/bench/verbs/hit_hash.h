@@ -1,4 +1,4 @@
-// A fingerprint of answers: equal answers, equal number, on every machine.
+// Hashes of answers: equal answers have equal hashes on every machine.
 #pragma once
 
 #include <bit>
@@ -20,10 +20,10 @@ class Fingerprint {
       hash_ = (hash_ ^ (value >> (8 * i) & 0xff)) * 0x100000001b3u;
     }
   }
-  /// Every bit counts: NaN is itself, and 0 is not -0.
+  /// All bits count: NaN equals itself, and 0 differs from -0.
   void add_bits(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   void add_bits(float value) { add(std::bit_cast<std::uint32_t>(value), 4); }
-  /// All columns: state, t, node, primitive, weights, normal; not the work.
+  /// All columns: state, t, node, primitive, weights, normal; without the work.
   void add_columns(const accel::geometry::Hit& hit);
 
   std::uint64_t value() const { return hash_; }
@@ -34,7 +34,7 @@ class Fingerprint {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-/// Over (hit, node, primitive) of every ray in order; for kAny over hit alone.
+/// The hash over (hit, node, primitive) of all rays in order; for kAny over hit only.
 std::string hit_hash(std::span<const accel::geometry::Hit> hits, scenegraph::QueryKind kind);
 
 }  // namespace sightline::bench

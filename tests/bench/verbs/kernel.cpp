@@ -1,5 +1,4 @@
-// kernel: how many boxes a second the inner loops of building pass over, alone, from L2 and from
-// memory.
+// kernel: the throughput of the builder's inner loops in boxes a second, from L2 and from memory.
 #include <algorithm>
 #include <functional>
 
@@ -13,23 +12,23 @@
 namespace sightline::bench {
 namespace {
 
-using accel::kdtree::BoxRef;
-using accel::kdtree::kFirstPlanes;
+using accel::kdtree::kUniformPlanes;
 using accel::kdtree::PlaneCounts;
-using accel::split::FirstAxis;
+using accel::kdtree::Reference;
 using accel::split::kScanWidth;
+using accel::split::UniformAxis;
 using tests::Random;
 
 constexpr double kSecondsPerRun = 0.05;
-// What a loop over 16 planes of 3 axes does from L2 on the machine of docs/benchmarks.md.
+// Throughput of a loop over 16 planes of 3 axes from L2 on the machine of docs/benchmarks.md.
 constexpr double kBestComparisons = 490e6 * 16 * 3;
 
 // Small boxes all over the unit cube.
-std::vector<BoxRef> random_boxes(std::size_t count, std::uint64_t seed) {
+std::vector<Reference> random_boxes(std::size_t count, std::uint64_t seed) {
   Random random(seed);
-  std::vector<BoxRef> boxes(count);
+  std::vector<Reference> boxes(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    BoxRef& box = boxes[i];
+    Reference& box = boxes[i];
     box.id = i;
     for (std::size_t a = 0; a < 3; ++a) {
       box.lo[a] = static_cast<float>(random.uniform());
@@ -39,7 +38,7 @@ std::vector<BoxRef> random_boxes(std::size_t count, std::uint64_t seed) {
   return boxes;
 }
 
-// One loop over the boxes, and whether its outcome is what plain counting gives.
+// One loop over the boxes, and a check of its result against plain counting.
 struct Pass {
   const char* name;
   std::size_t planes = 0, axes = 0;
@@ -48,11 +47,11 @@ struct Pass {
 };
 
 template <std::size_t kPlanes, class Axis>
-bool counts_right(std::span<const BoxRef> boxes, std::size_t axis, const Axis& planes,
+bool counts_right(std::span<const Reference> boxes, std::size_t axis, const Axis& planes,
                   const PlaneCounts<kPlanes>& counts) {
   for (std::size_t p = 0; p < kPlanes; ++p) {
     std::uint32_t left = 0, right = 0;
-    for (const BoxRef& box : boxes) {
+    for (const Reference& box : boxes) {
       left += box.lo[axis] < planes[p] ? box.weight : 0;
       right += box.hi[axis] > planes[p] ? box.weight : 0;
     }
@@ -67,16 +66,16 @@ class Bench {
   explicit Bench(std::size_t count, std::uint64_t seed)
       : boxes_(random_boxes(count, seed)), left_(count), right_(count) {
     const accel::geometry::Aabb cube{{0, 0, 0}, {1, 1, 1}};
-    few_ = accel::split::first_planes(cube, kFirstPlanes).at;
+    few_ = accel::split::child_planes(cube, kUniformPlanes).at;
     for (std::size_t p = 0; p < kScanWidth; ++p) {
       wide_[p] = (static_cast<float>(p) + 0.5f) / static_cast<float>(kScanWidth);
     }
-    scans_.left_planes = accel::split::first_planes({{0, 0, 0}, {kCut, 1, 1}}, kFirstPlanes);
-    scans_.right_planes = accel::split::first_planes({{kCut, 0, 0}, {1, 1, 1}}, kFirstPlanes);
+    scans_.left_planes = accel::split::child_planes({{0, 0, 0}, {kCut, 1, 1}}, kUniformPlanes);
+    scans_.right_planes = accel::split::child_planes({{kCut, 0, 0}, {1, 1, 1}}, kUniformPlanes);
   }
 
   std::vector<Pass> passes() {
-    return {{"scan-three-axes", kFirstPlanes, 3, [this] { scan_three(); },
+    return {{"scan-three-axes", kUniformPlanes, 3, [this] { scan_three(); },
              [this] {
                bool right = true;
                for (std::size_t a = 0; a < 3; ++a) {
@@ -84,13 +83,13 @@ class Bench {
                }
                return right;
              }},
-            {"scan-one-axis", kFirstPlanes, 1, [this] { scan_one(); },
+            {"scan-one-axis", kUniformPlanes, 1, [this] { scan_one(); },
              [this] { return counts_right(boxes_, 0, few_[0], one_); }},
             {"scan-wide-axis", kScanWidth, 1, [this] { scan_wide(); },
              [this] { return counts_right(boxes_, 0, wide_, many_) && neighbours_right(); }},
-            {"sift", 1, 1, [this] { sift(); }, [this] { return sifted_right(); }},
-            {"sift-and-scan", kFirstPlanes, 3, [this] { sift_and_scan(); },
-             [this] { return sifted_right() && scans_right(); }}};
+            {"sift", 1, 1, [this] { sift(); }, [this] { return sift_is_right(); }},
+            {"sift-and-scan", kUniformPlanes, 3, [this] { sift_and_count(); },
+             [this] { return sift_is_right() && scans_right(); }}};
   }
 
   std::size_t size() const { return boxes_.size(); }
@@ -111,16 +110,16 @@ class Bench {
     near_ = {};
     accel::split::scan_wide_axis(boxes_, 0, wide_, many_, near_);
   }
-  void sift() { sifted_ = accel::kdtree::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
-  void sift_and_scan() {
+  void sift() { counts_ = accel::kdtree::sift(boxes_, {{0, kCut}}, left_.data(), right_.data()); }
+  void sift_and_count() {
     scans_.left = scans_.right = {};
-    sifted_ = accel::split::sift_and_scan(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
+    counts_ = accel::split::sift_and_count(boxes_, {0, kCut}, left_.data(), right_.data(), scans_);
   }
 
   bool neighbours_right() const {
     accel::split::PlaneNeighbours near;
     for (std::size_t p = 0; p < kScanWidth; ++p) {
-      for (const BoxRef& box : boxes_) {
+      for (const Reference& box : boxes_) {
         const float x = wide_[p], lo = box.lo[0], hi = box.hi[0];
         if (lo < x) near.below[p] = std::max(near.below[p], lo);
         if (hi <= x) near.below[p] = std::max(near.below[p], hi);
@@ -131,20 +130,20 @@ class Bench {
     return near == near_;
   }
 
-  bool sifted_right() const {
+  bool sift_is_right() const {
     std::size_t left = 0, right = 0;
-    for (const BoxRef& box : boxes_) {
-      if (box.lo[0] < kCut && (left == sifted_.left || left_[left++].id != box.id)) return false;
-      if (box.hi[0] > kCut && (right == sifted_.right || right_[right++].id != box.id)) {
+    for (const Reference& box : boxes_) {
+      if (box.lo[0] < kCut && (left == counts_.left || left_[left++].id != box.id)) return false;
+      if (box.hi[0] > kCut && (right == counts_.right || right_[right++].id != box.id)) {
         return false;
       }
     }
-    return left == sifted_.left && right == sifted_.right;
+    return left == counts_.left && right == counts_.right;
   }
 
   bool scans_right() const {
-    const std::span<const BoxRef> left(left_.data(), sifted_.left);
-    const std::span<const BoxRef> right(right_.data(), sifted_.right);
+    const std::span<const Reference> left(left_.data(), counts_.left);
+    const std::span<const Reference> right(right_.data(), counts_.right);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!counts_right(left, a, scans_.left_planes.at[a], scans_.left.axes[a]) ||
           !counts_right(right, a, scans_.right_planes.at[a], scans_.right.axes[a])) {
@@ -154,18 +153,18 @@ class Bench {
     return true;
   }
 
-  std::vector<BoxRef> boxes_, left_, right_;
-  std::array<FirstAxis, 3> few_{};
+  std::vector<Reference> boxes_, left_, right_;
+  std::array<UniformAxis, 3> few_{};
   accel::split::WideAxis wide_{};
-  std::array<PlaneCounts<kFirstPlanes>, 3> three_;
-  PlaneCounts<kFirstPlanes> one_;
+  std::array<PlaneCounts<kUniformPlanes>, 3> three_;
+  PlaneCounts<kUniformPlanes> one_;
   PlaneCounts<kScanWidth> many_;
   accel::split::PlaneNeighbours near_;
-  accel::kdtree::Sifted sifted_;
-  accel::split::FirstScans scans_{};
+  accel::kdtree::PartitionCounts counts_;
+  accel::split::ChildScans scans_{};
 };
 
-// Boxes a second of many passes one after the other.
+// Boxes a second over many passes in sequence.
 double measure(const Pass& pass, std::size_t boxes) {
   std::size_t passes = 0;
   const Stopwatch clock;
@@ -200,12 +199,12 @@ Result<std::vector<Row>> run_kernel(const CommonOptions& common, const KernelOpt
       row["pass"] = pass.name;
       row["target"] = accel::split::simd_target();
       row["boxes"] = count;
-      row["kib"] = count * sizeof(BoxRef) / 1024;
+      row["kib"] = count * sizeof(Reference) / 1024;
       row["planes"] = pass.planes;
       row["axes"] = pass.axes;
       row["mboxes_per_s"] = rate / 1e6;
       row["mboxes_per_s_max"] = *std::max_element(rates.begin(), rates.end()) / 1e6;
-      row["gbytes_per_s"] = rate * sizeof(BoxRef) / 1e9;
+      row["gbytes_per_s"] = rate * sizeof(Reference) / 1e9;
       row["of_490_mboxes_16x3"] = rate * comparisons / kBestComparisons;
       rows.push_back(std::move(row));
     }

@@ -1,4 +1,4 @@
-// The product's walk with a triangle test of one's choice.
+// The product's walk with an exchangeable triangle test.
 #include "tests/bench/verbs/kernel_walk.h"
 
 #include <tbb/blocked_range.h>
@@ -22,9 +22,9 @@ using accel::geometry::LocalRay;
 using accel::geometry::MeshView;
 using accel::geometry::Ray;
 using accel::kdtree::AtomicSlot;
+using accel::kdtree::DeferredAction;
 using accel::kdtree::DeferredCell;
 using accel::kdtree::TreeRay;
-using accel::kdtree::Unbuilt;
 using accel::kdtree::WalkCounters;
 using scenegraph::instances::Instance;
 using scenegraph::instances::Instances;
@@ -41,7 +41,7 @@ class Exact {
   const LocalRay& ray_;
 };
 
-// The best hit so far, by (t, node, primitive). t counts in the world ray's direction.
+// The best hit so far, by (t, node, primitive). t is in units of the world ray's direction.
 class Nearest {
  public:
   explicit Nearest(const Ray& ray) : tmin_(ray.tmin), tmax_(ray.tmax) {
@@ -70,7 +70,7 @@ class Nearest {
   Hit best_;
 };
 
-// Every triangle that is met, once.
+// All distinct triangles that the ray meets.
 class Crossings {
  public:
   explicit Crossings(const Ray& ray) : tmin_(ray.tmin), tmax_(ray.tmax) {}
@@ -117,11 +117,11 @@ struct MeshVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < mesh.faces.size(); ++id) {
       if (const auto box = accel::mesh::face_bounds(mesh, id)) search(id, *box);
     }
-    return Unbuilt::kDone;
+    return DeferredAction::kDone;
   }
 
   void search(std::uint32_t id, const accel::geometry::Aabb& box) {
@@ -132,7 +132,7 @@ struct MeshVisit {
 template <class Visit>
 void walk_from_root(const accel::kdtree::KdTree& tree, const TreeRay& ray, WalkCounters& walked,
                     Visit& visit) {
-  // Nothing is grown here, so a copy of the root's slot serves as well as the slot.
+  // Nothing is grown here, so a copy of the root's slot suffices.
   AtomicSlot root(tree.root().load(std::memory_order_acquire));
   accel::kdtree::walk(tree, ray, root, walked, visit);
 }
@@ -155,9 +155,9 @@ struct SceneVisit {
     return false;
   }
 
-  Unbuilt unbuilt(AtomicSlot&, const DeferredCell&) {
+  DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
     for (std::uint32_t id = 0; id < instances.list().size(); ++id) enter(id);
-    return Unbuilt::kDone;
+    return DeferredAction::kDone;
   }
 
   void enter(std::uint32_t id) {

@@ -1,5 +1,4 @@
-// The product's trees and the product's walk with a triangle test of one's choice: nothing but the
-// test differs between two of these.
+// The product's trees and walk with an exchangeable triangle test: only the test differs.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +14,17 @@ enum class TriangleTest : std::uint8_t {
   kPlainFloat,  ///< PlainFloat.
 };
 
-// Both follow scenegraph::trace step by step, instances and their frames in double included, and
-// run in the calling thread's oneTBB arena in blocks of kRaysPerBlock. Trees stay as they are:
-// cells that are not built are searched. The snapshot behind the instances must live.
+// Both functions follow scenegraph::trace step by step, including instances and their frames in
+// double, and run in the calling thread's oneTBB arena in blocks of kRaysPerBlock. Trees do not
+// change: cells that are not built are scanned. The snapshot of the instances must outlive the
+// call.
 
-/// hits[i] is the nearest hit of rays[i]: t, node, primitive and state alone.
+/// Sets hits[i] to the nearest hit of rays[i]: only t, node, primitive and state.
 void trace_closest(const scenegraph::instances::Instances& instances, TriangleTest test,
                    std::span<const accel::geometry::Ray> rays,
                    std::span<accel::geometry::Hit> hits);
 
-/// counts[i] is how many triangles rays[i] meets within its limits, each once however many cells
-/// hold it.
+/// Sets counts[i] to the number of distinct triangles that rays[i] meets within its limits.
 void count_crossings(const scenegraph::instances::Instances& instances, TriangleTest test,
                      std::span<const accel::geometry::Ray> rays, std::span<std::uint32_t> counts);
 

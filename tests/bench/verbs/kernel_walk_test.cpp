@@ -1,5 +1,5 @@
-// With the exact test the bench's walk answers as the product does; with the plain float test it
-// shows the faults that it is kept for.
+// With the exact test the bench's walk gives the product's answers; with the plain float test it
+// has that test's known faults.
 #include "tests/bench/verbs/kernel_walk.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ std::vector<std::uint32_t> product_counts(const scenegraph::revision::Snapshot& 
   return counts;
 }
 
-TEST(KernelWalk, TheExactTestAnswersAsTheProduct) {
+TEST(KernelWalk, TheExactTestGivesTheProductsAnswers) {
   for (const SceneSource& scene : {make_city(600, 1), make_icosphere(3, 1e5)}) {
     for (const RayKind kind : {RayKind::kRandom, RayKind::kAimed}) {
       const std::vector<Ray> rays = some_rays(scene, kind);
@@ -50,7 +50,7 @@ TEST(KernelWalk, TheExactTestAnswersAsTheProduct) {
   }
 }
 
-TEST(KernelWalk, SearchesWhatIsNotBuilt) {
+TEST(KernelWalk, ScansCellsThatAreNotBuilt) {
   const SceneSource scene = make_city(300, 1);
   const std::vector<Ray> rays = some_rays(scene, RayKind::kRandom);
   const auto untouched = assemble(scene, {}).value(), full = assemble(scene, {}).value();
@@ -79,7 +79,7 @@ TEST(KernelWalk, PlainFloatAgreesAwayFromEdges) {
 }
 
 TEST(PlainFloat, HitsASharedEdgeFromBothSides) {
-  // The fault that parity cannot live with; exact hits have one owner.
+  // Parity counting fails with this fault; exact hits give the edge to one triangle.
   const accel::geometry::Vec3f a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{1, 1, 0};
   const auto ray = accel::geometry::make_local_ray({0.5, 0.5, 1}, {0, 0, -2});
   const PlainFloat plain(*ray);

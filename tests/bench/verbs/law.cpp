@@ -1,4 +1,5 @@
-// law: what lazily grown trees cost in touches, over their size and over how much of them rays see.
+// law: the touches of lazily grown trees, over their size and the number of triangles that rays
+// see.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 namespace sightline::bench {
 namespace {
 
-constexpr int kLeastTriangles = 14, kMostTriangles = 22;  // powers of two
+constexpr int kLeastTriangles = 14, kMostTriangles = 22;  // Exponents of two
 constexpr std::size_t kScattered[] = {1, 16, 256, 4096};
 
 struct Hierarchy {
@@ -42,7 +43,7 @@ struct Task {
   std::vector<Hierarchy> hierarchies;
 };
 
-// The scene with what windows are drawn from.
+// The scene and the data that windows are drawn from.
 struct Ground {
   std::string name;
   const SceneSource& scene;
@@ -50,7 +51,7 @@ struct Ground {
   AreaSampler surface{geometry};
 };
 
-// The windows are grown over at the same time, each by one thread.
+// The windows are grown in parallel, each by one thread.
 Result<LawCount> measure_share(const Task& task, const Ground& ground, const Hierarchy& hierarchy,
                                double share, std::size_t& windows) {
   const auto drawn =
@@ -89,7 +90,7 @@ Row start_row(const char* what, const Ground& ground, const Hierarchy& hierarchy
   return row;
 }
 
-// A row a share and hierarchy, from the smallest share to all of the scene.
+// One row for each share and hierarchy, from the smallest share to the whole scene.
 Result<std::vector<Row>> measure_points(const Task& task, const Ground& ground) {
   std::vector<Row> rows;
   for (int power = -task.options.least_share; power <= 0; ++power) {
@@ -133,7 +134,7 @@ void append(std::vector<Row>& rows, std::vector<Row> more) {
   std::move(more.begin(), more.end(), std::back_inserter(rows));
 }
 
-// Puts beside every point what the law says of it.
+// Adds the law's prediction to every point.
 Row fit_points(std::vector<Row>& points, const Hierarchy& hierarchy) {
   std::vector<LawPoint> law;
   for (const Row& row : points) {
@@ -186,7 +187,7 @@ Result<std::vector<Row>> law_of_terrain(const Task& task) {
   return points;
 }
 
-// One scene says nothing about growth in n: runs are held against the soup, window by window.
+// One scene shows nothing about growth in n: runs are compared with the soup, window by window.
 void compare_with_soup(std::vector<Row>& points) {
   std::map<double, Row> soup;
   for (const Row& row : points) {

@@ -27,7 +27,7 @@ NormalEquations normal_equations(std::span<const LawPoint> points) {
   return e;
 }
 
-// Share of the variance of y = f(touches) that the fit leaves nothing of.
+// The share of the variance of y = f(touches) that the fit explains.
 template <class F>
 double r_squared(std::span<const LawPoint> points, const LawFit& fit, const F& f) {
   double mean = 0, left = 0, all = 0;
@@ -53,7 +53,7 @@ LawFit fit_law(std::span<const LawPoint> points) {
     fit.a = (e.ny * e.mm - e.my * e.nm) / determinant;
     fit.b = (e.my * e.nn - e.ny * e.nm) / determinant;
   }
-  // One term alone is then the best there is; with one column of zeros as well.
+  // Then a single term is the best fit; also with one column of zeros.
   if (!(determinant > 0) || fit.b < 0) {
     fit.a = e.nn > 0 ? e.ny / e.nn : 0;
     fit.b = 0;

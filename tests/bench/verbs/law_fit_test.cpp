@@ -1,4 +1,4 @@
-// The law's fit finds what points were made from, and keeps its signs.
+// The fit finds the coefficients that points were made from, and keeps them nonnegative.
 #include "tests/bench/verbs/law_fit.h"
 
 #include <gtest/gtest.h>
@@ -41,13 +41,13 @@ TEST(LawFit, ResidualsAreRelative) {
 }
 
 TEST(LawFit, NeitherTermFallsBelowZero) {
-  // Touches that fall where m grows: the second term can only do harm.
+  // Touches that fall as m grows: the second term can only increase the error.
   std::vector<LawPoint> falling;
   for (double m = 4; m <= 1024; m *= 4) falling.push_back({1024, m, 10000 - m});
   const LawFit a_alone = fit_law(falling);
   EXPECT_GT(a_alone.a, 0);
   EXPECT_EQ(a_alone.b, 0);
-  // Nothing but the second term, and less than that where n is large against m.
+  // Only the second term, and less than that where n is large against m.
   std::vector<LawPoint> steep;
   for (double m = 4; m <= 1024; m *= 4) steep.push_back({1024, m, m * std::log2(m) * m / 1024});
   const LawFit b_alone = fit_law(steep);

@@ -1,4 +1,4 @@
-// law --nodes: the same view of ever larger worlds, all of them hierarchies of small meshes.
+// law --nodes: the same view of larger and larger worlds, all of them hierarchies of small meshes.
 #include <fmt/core.h>
 #include <tbb/task_arena.h>
 
@@ -23,7 +23,7 @@ constexpr int kStep = 2;
 constexpr std::size_t kRays = 10'000;
 
 // Down into the first houses, which every village has, from above the corner: rays that hit nothing
-// are below the ground before they come to houses that only larger villages have.
+// are below the ground before they reach houses that only larger villages have.
 std::vector<Ray> corner_view() { return pinhole({-20, 60, -20}, {40, 0, 40}, kRays); }
 
 struct World {
@@ -44,7 +44,7 @@ Result<World> make_world(std::uint64_t houses, const accel::published::AnyBuilde
   return world;
 }
 
-// The view's ray that is nearest to its middle and hits.
+// The hitting ray that is nearest to the middle of the view.
 Result<Ray> first_ray(const scenegraph::revision::Snapshot& snapshot,
                       const std::vector<Ray>& view) {
   std::vector<Hit> hits(view.size());
@@ -66,14 +66,14 @@ void empty_caches() {
 }
 
 struct Timed {
-  std::vector<double> first_hit_us;       // after the world was made
-  std::vector<double> first_hit_cold_us;  // and the caches were emptied
+  std::vector<double> first_hit_us;       // After the world was made
+  std::vector<double> first_hit_cold_us;  // After the caches were emptied, too
   scenegraph::TraceStats first, all;
   std::uint64_t hits = 0;
-  World world;  // of the last repeat
+  World world;  // Of the last repeat
 };
 
-// Every repeat has a world of its own: nothing in it was ever asked for before the clock starts.
+// Every repeat makes a new world: nothing in it was used before the clock starts.
 Result<Timed> measure(std::uint64_t houses, const Ray& ray, const std::vector<Ray>& view,
                       const accel::published::AnyBuilder& builder,
                       accel::mesh::References references, int repeats) {
@@ -99,7 +99,7 @@ Result<Timed> measure(std::uint64_t houses, const Ray& ray, const std::vector<Ra
   }
   timed.all = timed.first;
   std::vector<Hit> hits(view.size());
-  tbb::task_arena one(1);  // touches are the same in every run
+  tbb::task_arena one(1);  // Touches are the same in every run
   auto traced = one.execute(
       [&] { return scenegraph::trace(*timed.world.snapshot, view, hits, {.surface = false}); });
   if (!traced.ok()) return traced.error();
@@ -163,7 +163,7 @@ Result<std::vector<Row>> run_law_nodes(const CommonOptions& common, const LawOpt
     for (int power = least; power <= most; power += kStep) {
       const std::uint64_t houses = (std::uint64_t{1} << power) / kTrianglesPerHouse;
       if (!ray) {
-        // An uncounted world warms the process and shows which ray hits.
+        // An untimed world warms the process and shows which ray hits.
         const auto world = make_world(houses, *builder, *references);
         if (!world.ok()) return world.error();
         const auto chosen = first_ray(*world->snapshot, view);

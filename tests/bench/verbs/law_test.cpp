@@ -1,4 +1,4 @@
-// The law of lazy building holds at small sizes, in counters: the same numbers in every run.
+// The law of lazy building holds at small sizes, on counters: they are the same in every run.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -42,7 +42,7 @@ TEST(VerbLaw, TouchesAreLinearInTheSceneAndNearlyInWhatIsSeen) {
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   const auto fits = rows_of(*rows, "fit");
   ASSERT_EQ(fits.size(), 2u);
-  // Somewhat above what is counted today, well below what one more pass over every list costs.
+  // Slightly above today's counts, and well below the cost of one more pass over every list.
   const std::map<std::string, std::pair<double, double>> most{{"soup", {6, 4.5}},
                                                               {"runs", {1.5, 4.5}}};
   for (const Row& fit : fits) {
@@ -52,7 +52,7 @@ TEST(VerbLaw, TouchesAreLinearInTheSceneAndNearlyInWhatIsSeen) {
     EXPECT_LE(fit["a"].get<double>(), a);
     EXPECT_LE(fit["b"].get<double>(), b);
     EXPECT_GE(fit["r_squared"].get<double>(), 0.95);
-    // Small trees of runs do better by steps, as levels of runs come to be of use.
+    // Small trees of runs improve in steps, as levels of runs begin to help.
     if (fit["hierarchy"] == "runs") continue;
     EXPECT_GE(fit["r_squared_log"].get<double>(), 0.93);
     EXPECT_LE(fit["max_residual"].get<double>(), 0.5);
@@ -88,16 +88,16 @@ TEST(VerbLaw, PointsGoFromASmallShareToEverything) {
   for (const Row& row : sparse) EXPECT_GT(row["over_n_log_cells"], 0);
 }
 
-TEST(VerbLaw, HoldsRunsAgainstTheSoupOfOneScene) {
+TEST(VerbLaw, ComparesRunsWithTheSoupOfOneScene) {
   const auto rows = run_law(common("gen:shuffled?mesh=gen:icosphere?level=4"), powers(10, 10));
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   const auto worst = rows_of(*rows, "worst");
   ASSERT_EQ(worst.size(), 1u);
-  // Faces in random order have no compact runs: these must not make anything dearer.
+  // Faces in random order have no compact runs: runs must not increase the cost there.
   EXPECT_LE(worst.front()["over_soup"].get<double>(), 1.2) << worst.front().dump();
 }
 
-TEST(VerbLaw, RefusesWhatItIsNotMeasuredWith) {
+TEST(VerbLaw, RefusesOptionsThatItDoesNotMeasure) {
   CommonOptions full = common();
   full.policy = "full";
   EXPECT_EQ(run_law(full, powers(10, 10)).error().code, Code::kInvalidArgument);
@@ -107,7 +107,7 @@ TEST(VerbLaw, RefusesWhatItIsNotMeasuredWith) {
   EXPECT_EQ(run_law_nodes(common("gen:stadium"), odd).error().code, Code::kInvalidArgument);
 }
 
-TEST(VerbLawNodes, TheSameViewOfEveryWorld) {
+TEST(VerbLawNodes, AllWorldsGiveTheSameView) {
   const auto rows = run_law_nodes(common(), powers(12, 16));
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   const auto points = rows_of(*rows, "point");
@@ -125,7 +125,7 @@ TEST(VerbLawNodes, TheSameViewOfEveryWorld) {
             points.back()["touches"].get<double>() / points.front()["touches"].get<double>());
 }
 
-TEST(LawWindows, LieOverTheFootprintAndTakeTheirShare) {
+TEST(LawWindows, LieOverTheFootprintAndHaveTheirShare) {
   const SceneSource terrain = make_terrain(5000);
   const SceneGeometry geometry(terrain);
   const AreaSampler surface(geometry);

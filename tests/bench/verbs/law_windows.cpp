@@ -1,4 +1,4 @@
-// Windows of rays, and what trees cost that they grow.
+// Windows of rays, and the cost of the trees that they grow.
 #include "tests/bench/verbs/law_windows.h"
 
 #include <tbb/task_arena.h>
@@ -18,10 +18,10 @@ using tests::Random;
 
 namespace {
 
-// So many rays are held at a time: a window over everything may have tens of millions.
+// Rays are held in batches of this size: a window over everything may have tens of millions.
 constexpr std::size_t kRaysPerBatch = 65'536;
 
-// A start within [lo, hi - side] from which a stretch of `side` covers p.
+// A start within [lo, hi - side] from which an interval of length `side` covers p.
 double random_start(double lo, double hi, double side, double p, Random& random) {
   const double first = std::max(lo, p - side), last = std::min(hi - side, p);
   return random.uniform(first, std::max(first, last));
@@ -38,7 +38,7 @@ Ray down(double x, double y, double z) {
   return ray;
 }
 
-// Traces rays in batches and keeps what they did and, if asked, what they saw.
+// Traces rays in batches; records their counters and, if requested, the triangles that they see.
 class Grower {
  public:
   static Result<Grower> make(const LawTrees& trees) {
@@ -100,7 +100,7 @@ std::vector<LawWindow> law_windows(const SceneGeometry& geometry, const AreaSamp
                                    double share, std::size_t count, std::uint64_t seed) {
   const Vec3d lo = geometry.lo(), hi = geometry.hi();
   const double wide = hi.x - lo.x, deep = hi.z - lo.z;
-  // Square where the footprint lets it be.
+  // Square if the footprint allows it.
   const double area = share * wide * deep;
   double side_x = std::min(std::sqrt(area), wide);
   const double side_z = std::min(area / side_x, deep);
@@ -128,7 +128,8 @@ Result<LawCount> count_window(const LawTrees& trees, const LawWindow& window) {
   return alone([&]() -> Result<LawCount> {
     auto grower = Grower::make(trees);
     if (!grower.ok()) return grower.error();
-    // Alone, rays leave no cell unbuilt that they enter: what they saw is what they will have seen.
+    // Alone, rays leave no deferred cell that they enter: this is what they see on the finished
+    // tree.
     SeenTriangles seen(grower->snapshot());
     const auto make_ray = [&](std::size_t i) { return window.ray(i); };
     if (auto s = grower->trace(window.rays(), make_ray, &seen); !s.ok()) return s.error();

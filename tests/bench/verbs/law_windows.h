@@ -1,4 +1,4 @@
-// Compact windows of parallel rays over a scene, and what a fresh tree costs that they grow.
+// Compact windows of parallel rays over a scene, and the cost of the fresh tree that they grow.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,27 @@
 
 namespace sightline::bench {
 
-/// A square in x and z, or the whole footprint's rectangle. Rays come straight down (-y) through
-/// it, on a raster.
+/// A square in x and z, or the whole footprint's rectangle. Rays go straight down (-y) through it,
+/// on a raster.
 struct LawWindow {
   double lo_x = 0, lo_z = 0, hi_x = 0, hi_z = 0;
-  double above = 0;  ///< Where rays start, in y.
+  double above = 0;  ///< Start of the rays, in y.
   std::size_t rays_x = 1, rays_z = 1;
 
   std::size_t rays() const { return rays_x * rays_z; }
   accel::geometry::Ray ray(std::size_t i) const;  ///< Row by row; i < rays().
 };
 
-/// At least as many rays a triangle, if triangles lie evenly over the footprint.
+/// At least this many rays a triangle, if triangles are evenly spread over the footprint.
 inline constexpr double kLawRaysPerTriangle = 4;
 
-/// Windows that take `share` of the scene's footprint and lie within it, each with a random point
-/// of the surface under it: `count` of them, or the one there is for a share of 1. The same for the
-/// same seed.
+/// `count` windows that each have `share` of the scene's footprint, lie within it, and contain a
+/// random point of the surface; a share of 1 gives the one window there is. The seed determines
+/// them.
 std::vector<LawWindow> law_windows(const SceneGeometry& geometry, const AreaSampler& surface,
                                    double share, std::size_t count, std::uint64_t seed);
 
-/// What to grow trees from.
+/// The mesh and the parameters that trees grow from.
 struct LawTrees {
   const SceneSource* scene = nullptr;
   accel::published::AnyBuilder builder;
@@ -44,15 +44,15 @@ struct LawCount {
   std::uint64_t rays = 0;
 };
 
-/// Grows fresh trees by the window's rays, first-touch, on the calling thread alone: the same
-/// counts every time.
+/// Grows fresh trees with the window's rays, first-touch, on the calling thread only: the counts
+/// are the same every time.
 Result<LawCount> count_window(const LawTrees& trees, const LawWindow& window);
 
-/// As count_window, for rays that have nothing to do with each other; m stays 0.
+/// As count_window, for unrelated rays; m stays 0.
 Result<LawCount> count_scattered(const LawTrees& trees, const SceneGeometry& geometry,
                                  std::size_t rays, std::uint64_t seed);
 
-/// Each count's own median.
+/// The median of each count.
 LawCount median_count(const std::vector<LawCount>& counts);
 
 }  // namespace sightline::bench

@@ -1,4 +1,4 @@
-// lazy: from vertex and index arrays to hits, growing only what rays enter, or everything first.
+// lazy: from vertex and index arrays to hits, growing only the cells that rays enter, or all first.
 #include <algorithm>
 
 #include "accel/published/any_builder.h"
@@ -15,7 +15,7 @@ namespace {
 struct Mode {
   std::string name;
   scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
-  std::unique_ptr<EmbreePeer> embree;  // null: one of ours
+  std::unique_ptr<EmbreePeer> embree;  // Null: one of our builders
   std::vector<double> seconds, build_ms, trace_ms;
   scenegraph::TraceStats stats;
   scenegraph::revision::BuildSummary summary;
@@ -51,7 +51,7 @@ Status trace_batches(const Task& task, const scenegraph::revision::Snapshot& sna
   return {};
 }
 
-// Meshes are checked and bounded inside the clock: at its start there is nothing but the arrays.
+// Meshes are checked and bounded inside the clock: at its start there are only the arrays.
 Result<Run> run_once(const Task& task, Mode& mode) {
   SceneSource arrays = task.scene;
   Run run;
@@ -70,7 +70,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   if (auto s = trace_batches(task, **snapshot, run.hits, stats); !s.ok()) return s.error();
   const double seconds = clock.seconds();
 
-  // What lazy building took of the wall is known only as a share of all threads' time.
+  // The wall time of lazy building is only known as a share of all threads' time.
   const double build = mode.growth == scenegraph::Growth::kFull
                            ? before_rays
                            : before_rays + stats.build_seconds / task.threads;
@@ -84,7 +84,7 @@ Result<Run> run_once(const Task& task, Mode& mode) {
   return run;
 }
 
-// Rays are put into Embree's own layout outside the clock.
+// Rays are written into Embree's own layout outside the clock.
 Status run_embree(const Task& task, Mode& mode) {
   const auto built = mode.embree->build();
   if (!built.ok()) return built.error();
@@ -124,8 +124,8 @@ Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names,
   return modes;
 }
 
-// An uncounted run of each of Embree's modes warms it, chooses how rays are handed over, and shows
-// where it answers otherwise than we do.
+// An untimed run of each of Embree's modes warms it, chooses its entry point, and shows where its
+// answers differ from ours.
 Status prepare_embree(const Task& task, const Run& ours, std::vector<Mode>& modes) {
   for (Mode& mode : modes) {
     if (!mode.embree) continue;
@@ -179,7 +179,7 @@ Row make_row(const CommonOptions& common, const LazyOptions& options, const Task
   return row;
 }
 
-// Medians of the quotients within repeats: what else the machine does falls on both sides.
+// Medians of the quotients within repeats: the machine's other load affects both sides.
 void set_ratios(Row& row, const Mode& mode, const std::vector<Mode>& others) {
   for (const Mode& other : others) {
     if (&other == &mode) continue;
@@ -215,7 +215,7 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
       options.batch > 0 ? options.batch : std::max<std::size_t>(rays->size(), 1);
   const Task task{*scene, *rays, *builder, *references, batch, common.threads};
 
-  // One full run that is not counted: warms the process and shows what a full tree's rays see.
+  // One untimed full run warms the process and shows what rays see in a full tree.
   Mode unmeasured;
   unmeasured.growth = scenegraph::Growth::kFull;
   auto full = run_once(task, unmeasured);

@@ -1,4 +1,4 @@
-// How much memory a piece of work holds at its highest, from /proc.
+// The peak memory of a piece of work, from /proc.
 #include "tests/bench/verbs/memory_peak.h"
 
 #include <malloc.h>
@@ -23,7 +23,7 @@ std::optional<std::uint64_t> status_bytes(const std::string& key) {
 }  // namespace
 
 MemoryPeak::MemoryPeak() {
-  // What was freed before must not pass for memory that was there already.
+  // Memory that was freed before must not count as memory that was in use.
   ::malloc_trim(0);
   std::ofstream reset("/proc/self/clear_refs");
   reset << "5" << std::flush;

@@ -1,4 +1,4 @@
-// How much memory a piece of work holds at its highest.
+// The peak memory of a piece of work.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +6,13 @@
 
 namespace sightline::bench {
 
-/// Watches the process's resident memory from its making on, as the kernel counts it (whole pages,
-/// every thread).
+/// Measures the process's resident memory from its construction on, as the kernel counts it (whole
+/// pages, all threads).
 class MemoryPeak {
  public:
   MemoryPeak();
-  /// The highest mark since, less the mark at the beginning, in bytes. Nothing where the kernel
-  /// does not tell.
+  /// The peak since construction, minus the memory at construction, in bytes. Nothing if the kernel
+  /// does not report it.
   std::optional<std::uint64_t> bytes() const;
 
  private:

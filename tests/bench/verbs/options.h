@@ -1,4 +1,4 @@
-// What the command line says, as the verbs take it.
+// The command line's options, as the verbs take them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct CommonOptions {
   int threads = 1;
   int repeat = 3;
   std::uint64_t seed = 1;
-  std::string policy;            ///< "first-touch", "full", or empty: what suits the verb.
+  std::string policy;            ///< "first-touch", "full", or empty: the verb's default.
   std::string rotate;            ///< "x,y,z" in degrees, or empty.
   bool merge = false;            ///< All instances as one mesh.
   std::vector<std::string> set;  ///< "key=value" for the builder.
@@ -50,22 +50,22 @@ struct LazyOptions {
   RayOptions rays{};
   std::vector<std::string> modes{"lazy", "full"};
   std::string builder{};
-  std::string hierarchy{"runs"};  ///< What mesh trees begin with: soup, runs.
+  std::string hierarchy{"runs"};  ///< How mesh trees begin: soup, runs.
   std::size_t batch = 0;          ///< Rays a batch; 0: all in one.
 };
 
 struct LawOptions {
-  bool nodes = false;  ///< The law of hierarchies: touches over nodes.
-  /// Powers of two of the triangles; nothing: what the law is stated for.
+  bool nodes = false;  ///< Measures the law of hierarchies: touches over nodes.
+  /// Exponents of two of the triangles; nothing: those that the law is stated for.
   std::optional<int> min_n{}, max_n{};
   int least_share = 10;                    ///< Windows see 2^-least_share of the scene, up to all.
-  std::size_t windows = 16;                ///< Of each share; medians are reported.
+  std::size_t windows = 16;                ///< For each share; medians are reported.
   std::vector<std::string> hierarchies{};  ///< soup, runs; empty: both, or runs with `nodes`.
   std::string builder{};
 };
 
 struct KernelOptions {
-  std::vector<std::size_t> boxes{32'768, 4'194'304};  ///< A list each: within L2, and beyond L3.
+  std::vector<std::size_t> boxes{32'768, 4'194'304};  ///< One list each: within L2, and beyond L3.
 };
 
 struct ExactnessOptions {
@@ -75,16 +75,16 @@ struct ExactnessOptions {
 };
 
 struct RobustOptions {
-  std::string family{};                 ///< Families whose name begins so; empty: all.
+  std::string family{};                 ///< Families whose name begins with this; empty: all.
   int level = 7;                        ///< Of the icospheres.
-  std::size_t count = 1'000'000;        ///< A family, a quarter of each kind.
+  std::size_t count = 1'000'000;        ///< For each family, a quarter of each kind.
   std::vector<std::string> builders{};  ///< Empty: all but sah-naive.
 };
 
 struct StabilityOptions {
-  std::string family{};                 ///< This one, or all whose name begins so; empty: all.
-  std::uint64_t triangles = 10'000;     ///< Of each family, about.
-  std::size_t rays = 400;               ///< Over each family.
+  std::string family{};                 ///< Families whose name begins with this; empty: all.
+  std::uint64_t triangles = 10'000;     ///< Of each family, approximately.
+  std::size_t rays = 400;               ///< For each family.
   std::vector<std::string> builders{};  ///< Empty: all of ours.
 };
 
@@ -97,29 +97,29 @@ struct AnswersOptions {
 struct DynamicOptions {
   std::string frames{};  ///< A directory of meshes of one topology, or gen:swarm?...
   std::size_t copies = 1;
-  std::string still{};        ///< What stands still; empty: nothing.
-  std::string still_small{};  ///< The same frames are played over this one, for comparison.
+  std::string static_scene{};        ///< The static part; empty: none.
+  std::string small_static_scene{};  ///< For comparison: the same frames are played over this one.
   RayOptions rays{};
-  bool shadow = false;               ///< A ray toward a light from every hit.
-  std::string view{"scene"};         ///< What the rays are made for: scene, frames.
+  bool shadow = false;               ///< Traces a ray toward a light from every hit.
+  std::string view{"scene"};         ///< What the view shows: scene, frames.
   std::size_t length = 0;            ///< Frames to play; 0: each once.
   std::vector<std::string> peers{};  ///< embree-low, embree-refit
 };
 
 struct TwoTreesOptions {
   RayOptions rays{};
-  std::size_t parts = 500;  ///< Spread through the scene.
+  std::size_t parts = 500;  ///< Number of parts in the scene.
 };
 
 struct ChartOptions {
   std::string out{};                  ///< The folder of the CSV and the plots.
-  std::vector<std::string> scenes{};  ///< Empty: six of those that SIGHTLINE_SCENES names.
-  bool quick = false;                 ///< A few rays: to see that it works.
+  std::vector<std::string> scenes{};  ///< Empty: six from SIGHTLINE_SCENES.
+  bool quick = false;                 ///< Few rays: only shows that the study runs.
 };
 
 struct CurveOptions {
   char axis = 'x';
-  int points = 500;  ///< How finely the curves are drawn.
+  int points = 500;  ///< Resolution of the curves.
 };
 
 }  // namespace sightline::bench

@@ -1,5 +1,5 @@
-// The triangle test that ray tracers usually have: Moller and Trumbore's, in float. Kept to measure
-// against: what exactness costs, and what it saves.
+// The triangle test that ray tracers usually have: Moller and Trumbore's, in float. It is the
+// baseline for the cost and the benefit of exactness.
 #pragma once
 
 #include <cmath>
@@ -10,15 +10,14 @@
 namespace sightline::bench {
 
 /// T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. Both sides of
-/// a triangle are hit, its edges belong to it, and nothing but a determinant of zero is taken for
-/// edge-on.
+/// a triangle are hit, its edges belong to it, and only a determinant of zero counts as edge-on.
 class PlainFloat {
  public:
   /// The ray, rounded to float.
   explicit PlainFloat(const accel::geometry::LocalRay& ray)
       : origin_(ray.origin), direction_(ray.direction) {}
 
-  /// t of the hit in local units, or nothing. t may be negative: limits are the caller's.
+  /// t of the hit in local units, or nothing. t may be negative: the caller checks limits.
   std::optional<double> operator()(const accel::geometry::Vec3f& a, const accel::geometry::Vec3f& b,
                                    const accel::geometry::Vec3f& c) const {
     const accel::geometry::Vec3f e1 = b - a, e2 = c - a;

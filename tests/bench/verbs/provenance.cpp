@@ -1,4 +1,4 @@
-// What measurements were made by, on and when.
+// The program, machine and date of measurements.
 #include "tests/bench/verbs/provenance.h"
 
 #include <fmt/chrono.h>
@@ -33,7 +33,7 @@ std::string compiler() {
 #endif
 }
 
-// What git says about the checkout, or "unknown" where there is no git or no checkout.
+// The commit of the checkout, or "unknown" if there is no git or no checkout.
 std::string git(std::vector<std::string> words) {
   constexpr const char* kGit = "/usr/bin/git";
   words.insert(words.begin(), {"-C", source_folder()});

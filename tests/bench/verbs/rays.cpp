@@ -1,4 +1,4 @@
-// rays: writes the rays that scene, kind, count and seed stand for.
+// rays: writes the rays that scene, kind, count and seed determine.
 #include "tests/bench/scenes/npy.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"

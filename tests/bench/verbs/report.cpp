@@ -37,7 +37,7 @@ Lines transposed(const Lines& lines) {
   return result;
 }
 
-// The first column to the left, the others to the right.
+// The first column is left-aligned, the others are right-aligned.
 std::string aligned(const Lines& lines) {
   std::vector<std::size_t> widths;
   for (const auto& line : lines) {

@@ -50,7 +50,7 @@ TEST(Report, ManyRowsAreALineEach) {
   EXPECT_TRUE(table.starts_with("scene  count\nbunny     12\ny         12\n")) << table;
 }
 
-TEST(Fingerprint, EveryColumnCounts) {
+TEST(Fingerprint, CoversEveryColumn) {
   const auto print = [](const accel::geometry::Hit& hit) {
     Fingerprint fingerprint;
     fingerprint.add_columns(hit);
@@ -72,7 +72,7 @@ TEST(Fingerprint, EveryColumnCounts) {
   EXPECT_EQ(print(harder), print(miss));
 }
 
-TEST(HitHash, CoversWhatTheKindAnswers) {
+TEST(HitHash, CoversTheColumnsOfTheKind) {
   std::vector<accel::geometry::Hit> hits(3);
   hits[1].state = accel::geometry::HitState::kHit;
   hits[1].node = 5;
@@ -109,7 +109,7 @@ TEST(Npy, HoldsRowsOfEightDoubles) {
   EXPECT_EQ(last, (std::array<double, 8>{1, 2, 3, 4, 5, 6, 7, accel::geometry::kInfinity}));
 }
 
-TEST(Npy, SaysWhichFileCannotBeWritten) {
+TEST(Npy, NamesTheFileThatCannotBeWritten) {
   const auto status = write_rays("/nonexistent/rays.npy", {});
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("/nonexistent/rays.npy"), std::string::npos);

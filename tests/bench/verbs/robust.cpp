@@ -1,4 +1,4 @@
-// robust: hits lost, hits too many and hits in the wrong place, where methods fail.
+// robust: lost hits, extra hits and wrong hits, on scenes where methods fail.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -21,14 +21,14 @@ using accel::geometry::Ray;
 
 using Methods = std::vector<std::unique_ptr<RobustMethod>>;
 
-// Rays of each kind held against the oracle, which tries every triangle in 113 bits.
+// Rays of each kind that are checked with the oracle, which tries every triangle in 113 bits.
 constexpr std::size_t kSample = 2000;
 // Rays of a scene without known answers whose crossings are counted by trying every triangle.
 constexpr std::size_t kCountedByHand = 200;
 
-// Rays of each kind that are timed again and again.
+// Rays of each kind that are timed repeatedly.
 constexpr std::size_t kTimed = 50'000;
-// The default builder, which grows the lazy trees and plain float's.
+// The default builder, for the lazy trees and for plain float's.
 constexpr const char* kUsual = "scan-fast";
 
 struct NamedBuilder {
@@ -36,7 +36,7 @@ struct NamedBuilder {
   accel::published::AnyBuilder builder;
 };
 
-// All that finish on a large mesh, unless told otherwise.
+// By default, all builders that finish on a large mesh.
 Result<std::vector<NamedBuilder>> chosen_builders(const CommonOptions& common,
                                                   const RobustOptions& options) {
   std::vector<std::string> names = options.builders;
@@ -77,12 +77,12 @@ Result<Methods> make_methods(const SceneSource& scene, const std::vector<NamedBu
   return methods;
 }
 
-// What is known of the rays of one kind.
+// The rays of one kind, and their known answers.
 struct Truth {
   std::vector<Ray> rays;
   std::vector<CrossingBounds> bounds;
-  std::vector<tests::Reference> references;  // of the first rays
-  std::vector<Hit> hits;                     // the exact answers of whichever builder came first
+  std::vector<tests::Reference> references;  // Of the first rays
+  std::vector<Hit> hits;                     // The exact answers of the first builder
 };
 
 // Without any tree.
@@ -104,8 +104,8 @@ std::uint32_t count_by_hand(const scenegraph::instances::Instances& instances, c
   return count;
 }
 
-// A scene of unknown shape: by the product's own counts over full trees, a sample of which is
-// counted once more without trees. A ray inside a closed box hits in any case.
+// A scene of unknown shape: uses the product's own counts over full trees; a sample is counted
+// again without trees. A ray inside a closed box always hits.
 Result<std::vector<CrossingBounds>> bounds_by_counting(
     const SceneSource& scene, const std::shared_ptr<const scenegraph::revision::Snapshot>& snapshot,
     const std::vector<Ray>& rays) {
@@ -169,7 +169,8 @@ void judge_crossings(const Truth& truth, std::span<const Hit> hits,
   }
 }
 
-// The first rays against the oracle; of exact methods all others too, against the first of them.
+// Checks the first rays with the oracle; for exact methods also all others, against the first of
+// them.
 void judge_hits(const Truth& truth, std::span<const Hit> hits, bool exact, Faults& faults) {
   std::vector<bool> wrong(hits.size());
   faults.checked = std::min(truth.references.size(), hits.size());
@@ -188,7 +189,8 @@ void judge_hits(const Truth& truth, std::span<const Hit> hits, bool exact, Fault
   faults.mismatched = static_cast<std::uint64_t>(std::count(wrong.begin(), wrong.end(), true));
 }
 
-// All its answers to the rays, and what is wrong with them. `seconds`: of the nearest hits.
+// All answers of a method to the rays, and the errors in them. `seconds` is the time of the nearest
+// hits.
 Result<Faults> examine(RobustMethod& method, Truth& truth, std::size_t count, double& seconds) {
   const auto rays = std::span<const Ray>(truth.rays).first(count);
   std::vector<Hit> hits(count);
@@ -239,7 +241,7 @@ Status measure(const CommonOptions& common, const RobustFamily& family, std::str
     rows.push_back(
         make_row(family, kind, *method, counts.back(), *faults, mrays(counts.back(), seconds)));
   }
-  // Times once more, in turns. Growing trees are timed while they grow, and that is done.
+  // Measures times again, in turns. Growing trees are timed while they grow, which has been done.
   std::vector<std::vector<double>> seconds(methods.size());
   std::vector<Hit> hits(kTimed);
   for (int repeat = 0; repeat < common.repeat; ++repeat) {

@@ -1,4 +1,4 @@
-// The scenes and rays that tell whether a method loses hits.
+// The scenes and rays that show whether a method loses hits.
 #include "tests/bench/verbs/robust_family.h"
 
 #include <fmt/core.h>
@@ -26,8 +26,8 @@ namespace {
 
 constexpr std::string_view kBoxed = "mesh-in-box";
 
-// So far away a sphere in float is a few points, and every ray near them meets most of its
-// triangles.
+// At this distance a sphere in float has only a few distinct vertices, and a ray near them meets
+// most of its triangles.
 constexpr double kCollapsedShare = 0.02;
 
 struct Offset {
@@ -47,12 +47,12 @@ std::string mesh_to_box(const std::string& given) {
 
 Vec3d unit(const Vec3d& v) { return v * (1 / length(v)); }
 
-// Aims at what a family is made of.
+// The vertices and edges that rays are aimed at.
 class RayMaker {
  public:
   RayMaker(const RobustFamily& family, std::uint64_t seed)
       : geometry_(family.scene), sphere_(family.sphere), seed_(seed) {
-    // The last twelve are the box's: few, but every ray that slips out leaves through them.
+    // The last twelve faces are the box's: few, but every ray that leaks out passes through them.
     if (!sphere_) box_first_ = geometry_.triangles() - 12;
   }
 
@@ -71,7 +71,7 @@ class RayMaker {
   }
 
  private:
-  // Every eighth time one of the box around the scene, if there is one.
+  // Every eighth ray aims at the box around the scene, if there is one.
   SceneGeometry::Corners triangle(Random& random) const {
     if (!sphere_ && random.below(8) == 0) {
       return geometry_.triangle(box_first_ + random.below(geometry_.triangles() - box_first_));
@@ -84,7 +84,7 @@ class RayMaker {
     return corners[random.below(3)];
   }
 
-  // Not of the box: a ray along its wall would not be inside.
+  // Not at the box: a ray along its wall would not be inside.
   Vec3d inner_vertex(Random& random) const {
     const std::uint64_t inner = sphere_ ? geometry_.triangles() : box_first_;
     return geometry_.triangle(random.below(inner))[random.below(3)];
@@ -104,7 +104,7 @@ class RayMaker {
             center.z + half.z * random.uniform(-1, 1)};
   }
 
-  // Inside the sphere or the box, whichever it is.
+  // Inside the sphere, or inside the box.
   Vec3d inner_point(Random& random) const { return box_point(random, sphere_ ? 0.5 : 0.95); }
 
   Ray along_axis(Random& random, bool outside, bool through_vertex) const {
@@ -117,7 +117,7 @@ class RayMaker {
     if (outside) {
       at[axis] = middle[axis] - sign * geometry_.diagonal();
     } else if (through_vertex) {
-      // Along the axis on which it lies farthest out, to well inside.
+      // Along the axis of its largest coordinate, to well inside.
       const Vec3d from_middle = at - middle;
       for (std::size_t a = 0; a < 3; ++a) {
         if (std::abs(from_middle[a]) > std::abs(from_middle[axis])) axis = a;

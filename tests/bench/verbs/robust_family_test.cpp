@@ -1,4 +1,4 @@
-// The families' rays are as promised, and what is certain of them is so.
+// The families' rays have their documented properties, and the certain answers are right.
 #include "tests/bench/verbs/robust_family.h"
 #include "accel/published/any_builder.h"
 
@@ -29,7 +29,7 @@ RobustFamily boxed() {
   return std::move(make_robust_families("mesh-in-box", 3, "gen:icosphere?level=2").value().front());
 }
 
-TEST(RobustFamily, IsFoundByTheBeginningOfItsName) {
+TEST(RobustFamily, IsFoundByAPrefixOfItsName) {
   const auto spheres = make_robust_families("icosphere", 1, "");
   ASSERT_TRUE(spheres.ok());
   EXPECT_EQ(spheres->size(), 4u);
@@ -43,7 +43,7 @@ TEST(RobustFamily, IsFoundByTheBeginningOfItsName) {
   EXPECT_FALSE(make_robust_families("mesh-in-box", 1, "/nonexistent.ply").ok());
 }
 
-TEST(RobustFamily, RaysAreTheSameEveryTimeAndOfEveryKind) {
+TEST(RobustFamily, RaysOfEveryKindAreTheSameEveryTime) {
   const RobustFamily family = sphere(0);
   for (const std::string_view kind : robust_ray_kinds()) {
     const auto rays = make_robust_rays(family, kind, 40, 3);
@@ -84,7 +84,7 @@ TEST(RobustFamily, AxisRaysRunAlongAnAxisThroughVertices) {
   EXPECT_GE(through_vertex, 30u);
 }
 
-TEST(SphereTruth, KnowsWhatIsCertain) {
+TEST(SphereTruth, GivesTheCertainAnswers) {
   for (const double offset : {0.0, 1e7}) {
     const SphereTruth truth(sphere(offset).scene);
     const auto bounds = [&](const Vec3d& origin, const Vec3d& direction) {
@@ -107,7 +107,7 @@ TEST(SphereTruth, KnowsWhatIsCertain) {
   }
 }
 
-TEST(RobustMethod, ExactAnswersKeepToTheTruth) {
+TEST(RobustMethod, ExactAnswersAreCorrect) {
   for (const double offset : {0.0, 1e7}) {
     const RobustFamily family = sphere(offset);
     const SphereTruth truth(family.scene);
@@ -137,11 +137,11 @@ TEST(RobustMethod, ExactAnswersKeepToTheTruth) {
   }
 }
 
-TEST(RobustMethod, PlainFloatHasItsVerticesInTheWorld) {
+TEST(RobustMethod, PlainFloatHasVerticesInWorldSpace) {
   const SceneSource flat = in_float_world(sphere(1e7).scene);
   ASSERT_EQ(flat.nodes.size(), 1u);
   EXPECT_EQ(flat.nodes[0].parent_from_local, scenegraph::model::Affine{});
-  // What is left of a unit sphere: whole numbers.
+  // The remains of a unit sphere: whole numbers.
   for (const accel::geometry::Vec3f& v : flat.meshes[0].vertices) {
     EXPECT_GE(v.x, 9'999'999.0f);
     EXPECT_LE(v.x, 10'000'001.0f);

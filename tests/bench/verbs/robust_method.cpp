@@ -87,7 +87,7 @@ class ExactLazy final : public Exact {
   AnyBuilder made_by_;
 };
 
-// Every number a float: what a program without doubles has of a ray.
+// The ray with all numbers rounded to float, as in a program without doubles.
 std::vector<Ray> in_float(std::span<const Ray> rays) {
   std::vector<Ray> rounded(rays.begin(), rays.end());
   for (Ray& ray : rounded) {

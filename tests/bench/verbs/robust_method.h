@@ -1,4 +1,4 @@
-// Ways to find hits, held against each other by `robust`.
+// Ways to find hits, compared with each other by `robust`.
 #pragma once
 
 #include <cstdint>
@@ -23,24 +23,24 @@ class RobustMethod {
   RobustMethod& operator=(const RobustMethod&) = delete;
 
   virtual std::string name() const = 0;         ///< exact, plain-float, embree or embree-robust.
-  virtual std::string builder() const = 0;      ///< By its name on the command line.
-  virtual bool grows() const { return false; }  ///< Policy first-touch; else full.
+  virtual std::string builder() const = 0;      ///< Its name on the command line.
+  virtual bool grows() const { return false; }  ///< Policy first-touch; otherwise full.
   virtual bool exact() const { return false; }
   std::string policy() const { return grows() ? "first-touch" : "full"; }
 
-  /// Makes itself ready for rays like these. Not timed.
+  /// Prepares for rays like these. Not timed.
   virtual void tune(std::span<const accel::geometry::Ray> rays) { (void)rays; }
 
-  /// The nearest hits. Returns the seconds it took, building left out; with it where the method
-  /// grows: it forgets its trees before.
+  /// Finds the nearest hits. Returns the seconds without building; a method that grows drops its
+  /// trees first, and its building is included.
   virtual Result<double> trace(std::span<const accel::geometry::Ray> rays,
                                std::span<accel::geometry::Hit> hits) = 0;
-  /// How many triangles every ray crosses.
+  /// The number of triangles that each ray crosses.
   virtual Status count(std::span<const accel::geometry::Ray> rays,
                        std::span<std::uint32_t> counts) = 0;
 };
 
-/// The product's, double transforms and all, over trees built before.
+/// The product's method, with double transforms, over trees built before.
 Result<std::unique_ptr<RobustMethod>> make_exact_full(const SceneSource& scene,
                                                       const std::string& builder_name,
                                                       const accel::published::AnyBuilder& builder);
@@ -54,12 +54,12 @@ Result<std::unique_ptr<RobustMethod>> make_plain_float(const SceneSource& scene,
                                                        const std::string& builder_name,
                                                        const accel::published::AnyBuilder& builder);
 
-/// Embree, quality medium. Errors: as of EmbreePeer::make.
+/// Embree, quality medium. Errors: those of EmbreePeer::make.
 Result<std::unique_ptr<RobustMethod>> make_embree(const SceneSource& scene, bool robust,
                                                   int threads);
 
-/// The scene as ray tracers in float have it: vertices in the world, rounded, no transforms. Nodes
-/// keep their places.
+/// The scene as float ray tracers have it: vertices in world space, rounded, no transforms. Nodes
+/// keep their indices.
 SceneSource in_float_world(const SceneSource& scene);
 
 }  // namespace sightline::bench

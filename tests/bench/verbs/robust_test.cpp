@@ -1,4 +1,4 @@
-// robust, answers and exactness print the keys of their contract and find what they should.
+// robust, answers and exactness print their documented keys and find the known faults.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -74,7 +74,7 @@ TEST(VerbRobust, ShowsWhereFloatFails) {
   }
 }
 
-TEST(VerbRobust, RefusesWhatItDoesNotKnow) {
+TEST(VerbRobust, RefusesUnknownValues) {
   const auto family = run_robust(common(""), small("torus"));
   ASSERT_FALSE(family.ok());
   EXPECT_EQ(family.error().code, Code::kInvalidArgument);
@@ -84,7 +84,8 @@ TEST(VerbRobust, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(VerbAnswers, AreAllTheSame) {
-  const tbb::global_control room(tbb::global_control::max_allowed_parallelism, kMostAnswerThreads);
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
+                                        kMostAnswerThreads);
   AnswersOptions options;
   options.count = 100;
   const auto rows = run_answers(common("gen:city?boxes=60"), options);
@@ -103,8 +104,9 @@ TEST(VerbAnswers, AreAllTheSame) {
   for (const char* kind : {"closest", "any", "count", "all"}) EXPECT_EQ(seen[kind].size(), 1u);
 }
 
-TEST(VerbAnswers, NoticeOtherRays) {
-  const tbb::global_control room(tbb::global_control::max_allowed_parallelism, kMostAnswerThreads);
+TEST(VerbAnswers, DifferForOtherRays) {
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
+                                        kMostAnswerThreads);
   AnswersOptions options;
   options.count = 50;
   options.builders = {"scan-fast"};
@@ -117,7 +119,7 @@ TEST(VerbAnswers, NoticeOtherRays) {
   }
 }
 
-TEST(VerbExactness, AnswersFirstThenTimes) {
+TEST(VerbExactness, ChecksAnswersBeforeTimes) {
   ExactnessOptions options;
   options.count = 2000;
   const auto rows = run_exactness(common("gen:city?boxes=60"), options);

@@ -1,4 +1,4 @@
-// stability: every builder over the meshes at which methods fail, held against the oracle and
+// stability: all builders over the meshes on which methods fail, checked with the oracle and
 // against bounds.
 #include <fmt/core.h>
 
@@ -23,10 +23,10 @@ using scenegraph::Growth;
 using scenegraph::revision::Snapshot;
 using tests::HardMesh;
 
-// Counts its list anew for every candidate: its time is the square of the size.
+// This builder counts its list again for every candidate: its time is quadratic.
 constexpr std::string_view kQuadratic = "sah-naive";
 constexpr std::uint64_t kMostForQuadratic = 1000;
-// Its trees' work a ray is the measure of the others'.
+// The work a ray of this builder's trees is the reference for the others.
 constexpr std::string_view kMeasure = "sah-sweep";
 
 struct NamedBuilder {
@@ -49,7 +49,7 @@ struct Built {
 
 using Made = Result<std::shared_ptr<const Snapshot>>;
 
-// The last of `repeat` full trees, all alike; their median time.
+// The last of `repeat` full trees (they are all equal), and their median time.
 Made build_full(const SceneSource& scene, const accel::published::AnyBuilder& builder, int repeat,
                 Built& built) {
   std::vector<double> ms;
@@ -90,7 +90,7 @@ Result<Built> examine(StabilityFamily& family, const accel::published::AnyBuilde
   return built;
 }
 
-// What builders cost over a mesh without difficulties, a triangle.
+// Costs a triangle of the builders over a mesh without difficulties.
 class CompactCosts {
  public:
   struct Cost {
@@ -117,7 +117,7 @@ void add_to(std::string& list, const std::string& text) {
   list += (list.empty() ? "" : "; ") + text;
 }
 
-// `measure`: the work of the tree that others are measured by; 0: there is none.
+// `measure`: the work of the reference tree; 0: there is none.
 Row make_row(const StabilityFamily& family, const std::string& builder, const Built& built,
              const CompactCosts::Cost& compact, double measure) {
   const std::uint64_t triangles = family.scene().unique_triangles();
@@ -128,7 +128,7 @@ Row make_row(const StabilityFamily& family, const std::string& builder, const Bu
   cost.depth = tests::levels_beyond_good(built.metrics.max_depth, triangles);
   cost.touches = over(touches, compact.touches);
   if (measure > 0) cost.work = built.work() / measure;
-  cost.given_up = static_cast<double>(built.metrics.unbuilt_cells);
+  cost.failed_cells = static_cast<double>(built.metrics.deferred_cells);
 
   std::string failures, by_design;
   if (built.wrong > 0) add_to(failures, fmt::format("{} answers wrong", built.wrong));
@@ -148,7 +148,7 @@ Row make_row(const StabilityFamily& family, const std::string& builder, const Bu
   row["wrong"] = built.wrong;
   row["references_per_triangle"] = cost.references;
   row["max_depth"] = built.metrics.max_depth;
-  row["given_up_cells"] = built.metrics.unbuilt_cells;
+  row["given_up_cells"] = built.metrics.deferred_cells;
   row["touches_per_triangle"] = touches;
   row["relative_touches"] = cost.touches;
   row["build_ms"] = built.ms;
@@ -175,7 +175,7 @@ Result<std::vector<const HardMesh*>> chosen_meshes(const std::string& family) {
                "COMMAND_LINE"};
 }
 
-// The one that others are measured by comes first.
+// The reference builder comes first.
 Result<std::vector<NamedBuilder>> chosen_builders(const CommonOptions& common,
                                                   std::vector<std::string> names) {
   if (names.empty()) {
@@ -192,11 +192,11 @@ Result<std::vector<NamedBuilder>> chosen_builders(const CommonOptions& common,
   return builders;
 }
 
-// All builders over one mesh, those that take the square of the size over a small one.
+// All builders over one mesh; quadratic builders over a small one.
 Status examine_mesh(const CommonOptions& common, const StabilityOptions& options,
                     const HardMesh& mesh, const std::vector<NamedBuilder>& builders,
                     CompactCosts& compact, std::vector<Row>& rows) {
-  std::map<std::uint64_t, StabilityFamily> families;  // by the triangles asked for
+  std::map<std::uint64_t, StabilityFamily> families;  // By the requested number of triangles
   std::map<std::uint64_t, double> measures;
   for (const NamedBuilder& named : builders) {
     const bool quadratic = named.name.starts_with(kQuadratic);

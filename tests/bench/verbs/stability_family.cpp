@@ -1,4 +1,4 @@
-// A mesh at which methods fail as the stability verb takes it.
+// A mesh on which methods fail, in the form that the stability verb uses.
 #include "tests/bench/verbs/stability_family.h"
 #include "accel/published/any_builder.h"
 
@@ -16,7 +16,7 @@ using accel::geometry::Hit;
 
 namespace {
 
-// Rays held against the oracle. It takes its time where rays meet most of the triangles.
+// Rays checked with the oracle, which is slow if rays meet most of the triangles.
 constexpr std::size_t kSample = 10 * tests::kHardRayKinds;
 
 bool same_answer(const Hit& a, const Hit& b) {

@@ -1,5 +1,5 @@
-// A mesh at which methods fail as the stability verb takes it: a scene, rays, and what is known of
-// their answers.
+// A mesh on which methods fail, in the form that the stability verb uses: a scene, rays, and their
+// known answers.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace sightline::bench {
 
-/// One user.
+/// Threads: one caller.
 class StabilityFamily {
  public:
-  /// About so many triangles. Errors: those of assemble().
+  /// `triangles` is approximate. Errors: those of assemble().
   static Result<StabilityFamily> make(const tests::HardMesh& mesh, std::uint64_t triangles,
                                       std::size_t rays, std::uint64_t seed);
 
@@ -25,9 +25,8 @@ class StabilityFamily {
   const SceneSource& scene() const { return scene_; }
   std::span<const accel::geometry::Ray> rays() const { return rays_; }
 
-  /// How many nearest hits are wrong: of the first rays those that the oracle calls so, which tries
-  /// every triangle in 113 bits, and of all rays those that are not, bit for bit, what the first
-  /// call was given.
+  /// The number of wrong nearest hits: the first rays are checked with the oracle, which tries
+  /// every triangle in 113 bits; all rays are compared bit by bit with the hits of the first call.
   std::size_t wrong(std::span<const accel::geometry::Hit> hits);
 
  private:
@@ -36,7 +35,7 @@ class StabilityFamily {
   const tests::HardMesh* mesh_ = nullptr;
   SceneSource scene_;
   std::vector<accel::geometry::Ray> rays_;
-  std::vector<tests::Reference> references_;  // of the first rays
+  std::vector<tests::Reference> references_;  // Of the first rays
   std::vector<accel::geometry::Hit> first_;
 };
 

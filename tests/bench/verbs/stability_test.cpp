@@ -1,5 +1,4 @@
-// stability prints the keys of its contract, and says what it should of builders whose failures are
-// known.
+// stability prints its documented keys, and reports builders with known failures correctly.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -51,7 +50,7 @@ TEST(VerbStability, MeasuresWorkByTheExactSweep) {
   EXPECT_GT((*rows)[1]["relative_work"].get<double>(), 1);
 }
 
-TEST(VerbStability, RefusesWhatItDoesNotKnow) {
+TEST(VerbStability, RefusesUnknownValues) {
   for (const StabilityOptions& options : {small("torus", {}), small("wall", {"magic"})}) {
     const auto rows = run_stability(common(), options);
     ASSERT_FALSE(rows.ok());

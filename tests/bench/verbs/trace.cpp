@@ -13,8 +13,8 @@ struct Measured {
   std::vector<double> build_ms, trace_ms;
   scenegraph::TraceStats stats;
   std::string hash;
-  std::string entry;          // Embree's alone
-  Disagreement disagreement;  // Embree's alone
+  std::string entry;          // Embree only
+  Disagreement disagreement;  // Embree only
 };
 
 struct Task {
@@ -27,7 +27,7 @@ struct Task {
   bool any() const { return kind == scenegraph::QueryKind::kAny; }
 };
 
-// What Embree's answers are held against: all answers of the default builder's trees.
+// The reference for Embree's answers: all answers of the default builder's trees.
 struct Reference {
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot;
   std::vector<accel::geometry::Hit> hits;

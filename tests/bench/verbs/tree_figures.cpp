@@ -1,4 +1,4 @@
-// What a snapshot's built trees are like.
+// Figures of a snapshot's built trees.
 #include "tests/bench/verbs/tree_figures.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using accel::geometry::Vec3d;
 
 namespace {
 
-// Walks the cells that one ray's segment passes through, closed, and marks what their leaves hold.
+// Walks the cells that one ray's segment passes through, closed, and marks the triangles in leaves.
 class LeafMarker {
  public:
   LeafMarker(const accel::kdtree::KdTree& tree, std::vector<bool>& seen)
@@ -109,7 +109,7 @@ accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& 
     sum.nonempty_leaves += m.nonempty_leaves;
     sum.references += m.references;
     sum.max_depth = std::max(sum.max_depth, m.max_depth);
-    sum.unbuilt_cells += m.unbuilt_cells;
+    sum.deferred_cells += m.deferred_cells;
     sum.expected_traversals += m.expected_traversals;
     sum.expected_leaves += m.expected_leaves;
     sum.expected_intersections += m.expected_intersections;

@@ -1,4 +1,4 @@
-// What a snapshot's built trees are like, summed over its distinct meshes.
+// Figures of a snapshot's built trees, summed over its distinct meshes.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@
 
 namespace sightline::bench {
 
-/// Sums; the greatest of max_depth. For a single mesh: that mesh's tree. The scene-level tree is
-/// left out.
+/// Sums, and the maximum of max_depth. For a single mesh: the figures of that mesh's tree. The
+/// scene-level tree is left out.
 accel::kdtree::TreeMetrics measure_meshes(const scenegraph::revision::Snapshot& snapshot);
 
-/// Of those that are hierarchies; nothing if none is.
+/// Figures of the meshes whose trees are hierarchies; nothing if there are none.
 std::optional<double> end_point_overlap(const scenegraph::revision::Snapshot& snapshot);
 
 /// Adds the contract's keys from `nodes` to `bytes_final`.
 void set_metrics(Row& row, const accel::kdtree::TreeMetrics& metrics);
 
-/// Distinct triangles in the leaves that rays enter up to their hits; what is not built holds none.
+/// Counts distinct triangles in the leaves that rays enter up to their hits; deferred cells have
+/// none.
 class SeenTriangles {
  public:
   /// The snapshot must outlive it. Its trees may grow between calls.
@@ -35,10 +36,10 @@ class SeenTriangles {
 
  private:
   const scenegraph::revision::Snapshot& snapshot_;
-  std::unordered_map<const scenegraph::model::Mesh*, std::vector<bool>> seen_;  // by face
+  std::unordered_map<const scenegraph::model::Mesh*, std::vector<bool>> seen_;  // By face
 };
 
-/// Those of one batch.
+/// The count of one batch.
 std::uint64_t visible_triangles(const scenegraph::revision::Snapshot& snapshot,
                                 std::span<const accel::geometry::Ray> rays,
                                 std::span<const accel::geometry::Hit> hits);

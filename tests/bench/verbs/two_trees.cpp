@@ -1,4 +1,4 @@
-// two-trees: what it costs that rays visit a static and a dynamic tree instead of one.
+// two-trees: the cost of visiting a static and a dynamic tree instead of one tree.
 #include <fmt/core.h>
 
 #include <array>
@@ -20,13 +20,13 @@ using accel::geometry::Vec3d;
 using accel::geometry::Vec3f;
 using scenegraph::model::Mobility;
 
-constexpr double kPartRadius = 0.005;  // over the scene's diagonal
-constexpr double kFarAway = 10;        // likewise
+constexpr double kPartRadius = 0.005;  // Divided by the scene's diagonal
+constexpr double kFarAway = 10;        // Likewise
 
-// A way to hold the scene, and one that it is held against.
+// A way to hold the scene, and the way it is compared with.
 struct Variant {
   const char* name;
-  int base;  // a place in kVariants; itself: none
+  int base;  // An index in kVariants; its own index: none
   bool parts, far, group;
   Mobility mobility;
 };
@@ -70,13 +70,13 @@ SceneSource with_parts(SceneSource scene, const Variant& variant, std::size_t co
   return scene;
 }
 
-Row make_row(const CommonOptions& common, const TwoTreesOptions& options, std::size_t place,
+Row make_row(const CommonOptions& common, const TwoTreesOptions& options, std::size_t index,
              const std::vector<Held>& held) {
-  const Held& mine = held[place];
+  const Held& mine = held[index];
   Row row;
   row["scene"] = common.scene;
-  row["variant"] = kVariants[place].name;
-  row["parts"] = kVariants[place].parts ? options.parts : 0;
+  row["variant"] = kVariants[index].name;
+  row["parts"] = kVariants[index].parts ? options.parts : 0;
   row["rays"] = options.rays.kind;
   row["count"] = options.rays.count;
   row["threads"] = common.threads;
@@ -86,8 +86,8 @@ Row make_row(const CommonOptions& common, const TwoTreesOptions& options, std::s
   row["traversal_steps"] = mine.stats.traversal_steps;
   row["triangle_tests"] = mine.stats.triangle_tests;
   row["instances_entered"] = mine.stats.instances_entered;
-  const auto base = static_cast<std::size_t>(kVariants[place].base);
-  if (base == place) return row;
+  const auto base = static_cast<std::size_t>(kVariants[index].base);
+  if (base == index) return row;
   std::vector<double> quotients;
   for (std::size_t i = 0; i < mine.trace_ms.size(); ++i)
     quotients.push_back(mine.trace_ms[i] / held[base].trace_ms[i]);
@@ -108,21 +108,21 @@ Status trace_once(const FrameView& view, Held& held, bool counted) {
   return {};
 }
 
-// Answers are right, and what a tree a part is in does not change them.
+// Checks that answers are right and do not depend on the tree a part is in.
 Status check(const CommonOptions& common, const SceneSource& scene, const FrameView& view,
-             std::size_t place, const std::vector<Held>& held, std::size_t parts) {
-  const auto base = static_cast<std::size_t>(kVariants[place].base);
-  if (held[place].hash != held[base].hash) {
+             std::size_t index, const std::vector<Held>& held, std::size_t parts) {
+  const auto base = static_cast<std::size_t>(kVariants[index].base);
+  if (held[index].hash != held[base].hash) {
     return Error{
         Code::kDataLoss,
         fmt::format("answers of \"{}\" ({}) differ from those of \"{}\" ({})",
-                    kVariants[place].name, held[place].hash, kVariants[base].name, held[base].hash),
+                    kVariants[index].name, held[index].hash, kVariants[base].name, held[base].hash),
         "HASHES_DIFFER"};
   }
   Seen seen;
   scenegraph::TraceStats unused;
-  if (const auto s = look(*held[place].snapshot, view, seen, unused); !s.ok()) return s.error();
-  const auto right = AnswerCheck::make(with_parts(scene, kVariants[place], parts, common.seed),
+  if (const auto s = look(*held[index].snapshot, view, seen, unused); !s.ok()) return s.error();
+  const auto right = AnswerCheck::make(with_parts(scene, kVariants[index], parts, common.seed),
                                        view.rays, scenegraph::QueryKind::kClosest);
   if (!right.ok()) return right.error();
   return (*right)(seen.hits);
@@ -155,16 +155,16 @@ Result<std::vector<Row>> run_two_trees(const CommonOptions& common,
   }
   for (int repeat = 0; repeat < common.repeat; ++repeat) {
     for (std::size_t k = 0; k < held.size(); ++k) {
-      // Every other time in the opposite order, so that nobody always follows the same.
-      const std::size_t place = repeat % 2 == 0 ? k : held.size() - 1 - k;
-      if (Status s = trace_once(view, held[place], true); !s.ok()) return s.error();
+      // Every other time in reverse order, so that no variant always follows the same one.
+      const std::size_t index = repeat % 2 == 0 ? k : held.size() - 1 - k;
+      if (Status s = trace_once(view, held[index], true); !s.ok()) return s.error();
     }
   }
   std::vector<Row> rows;
-  for (std::size_t place = 0; place < held.size(); ++place) {
-    if (Status s = check(common, *scene, view, place, held, options.parts); !s.ok())
+  for (std::size_t index = 0; index < held.size(); ++index) {
+    if (Status s = check(common, *scene, view, index, held, options.parts); !s.ok())
       return s.error();
-    rows.push_back(make_row(common, options, place, held));
+    rows.push_back(make_row(common, options, index, held));
   }
   return rows;
 }

@@ -1,4 +1,4 @@
-// What sightline-bench can measure. Each returns its rows, or the reason why there are none.
+// The measurements of sightline-bench. Each returns its rows, or an error.
 #pragma once
 
 #include <vector>
@@ -9,69 +9,70 @@
 
 namespace sightline::bench {
 
-// All run on `threads` threads. Errors: kInvalidArgument where the command line is at fault;
-// kDataLoss where answers differ from the oracle's or from each other: then no time is given.
+// All run on `threads` threads. Errors: kInvalidArgument: the command line is wrong; kDataLoss:
+// answers differ from the oracle's or from each other; then no time is reported.
 
-/// Writes the rays that scene, kind, count and seed stand for.
+/// Writes the rays that scene, kind, count and seed determine.
 Result<std::vector<Row>> run_rays(const CommonOptions& common, const RaysOptions& options);
 
-/// Builds all trees to their end, a row a builder.
+/// Builds all trees completely, one row a builder.
 Result<std::vector<Row>> run_build(const CommonOptions& common, const BuildOptions& options);
 
-/// Builds and traces, a row a builder. Policy first-touch builds while tracing; the default is
+/// Builds and traces, one row a builder. Policy first-touch builds while tracing; the default is
 /// full.
 Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptions& options);
 
-/// From vertex and index arrays to hits, a row a mode; modes take turns within each repeat.
+/// From vertex and index arrays to hits, one row a mode; modes take turns within each repeat.
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options);
 
-/// Frames of a scene that moves over one that stands still, a row a frame: updating, growing what
-/// rays enter, tracing; the last row says what they came to.
+/// Frames of a moving scene over a static one, one row a frame: update, growth on demand, trace.
+/// The last row is a summary.
 Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicOptions& options);
 
-/// The same rays over a scene that is held in one tree and in two, a row a way; trees are grown
+/// The same rays over a scene that is held in one tree and in two, one row a way; trees are grown
 /// before. Ways take turns within each repeat.
 Result<std::vector<Row>> run_two_trees(const CommonOptions& common, const TwoTreesOptions& options);
 
 /// Touches of trees that windows of rays grow on gen:terrain, over triangles and triangles seen,
-/// and the law fitted to them; of one scene (--scene) instead: runs held against the soup.
+/// and the law fitted to them. With --scene: runs compared with the soup on that scene.
 Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& options);
 
-/// Touches and the time to the first hit of one view of ever larger hierarchies.
+/// Touches and the time to the first hit for one view of larger and larger hierarchies.
 Result<std::vector<Row>> run_law_nodes(const CommonOptions& common, const LawOptions& options);
 
-/// Boxes a second of each inner loop of scan building, on one thread, a row a loop and list.
+/// Boxes a second of each inner loop of scan building, on one thread, one row for each loop and
+/// list.
 Result<std::vector<Row>> run_kernel(const CommonOptions& common, const KernelOptions& options);
 
-/// The cost of cutting the scene's box along one axis: rows of what = uniform and adaptive samples,
-/// then the suggested and the true curve.
+/// The cost of splitting the scene's box along one axis: rows of what = uniform and adaptive
+/// samples, then the suggested and the true curve.
 Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptions& options);
 
-/// Rays lost, answered twice and answered wrong on closed scenes far from and near the origin, a
-/// row a family, kind of rays, method, builder and policy.
+/// Lost, duplicate and wrong hits on closed scenes near the origin and far from it, one row for
+/// each family, kind of rays, method, builder and policy.
 Result<std::vector<Row>> run_robust(const CommonOptions& common, const RobustOptions& options);
 
 /// The study of speed against accuracy: builders and their parameters, time to image, missed rays,
-/// over several scenes. Writes a CSV and plots of it; a row a file written. More errors:
+/// over several scenes. Writes a CSV and plots of it; one row for each file written. More errors:
 /// kNotFound: a scene; kFailedPrecondition: files that cannot be written.
 Result<std::vector<Row>> run_chart(const CommonOptions& common, const ChartOptions& options);
 
-/// Every builder over the meshes at which methods fail (tests/support/hard_meshes.h), trees full
-/// and growing: answers against the oracle, and what the trees cost against what they may, a row a
-/// family and builder. A failure is a row that is not `ok`, and no error.
+/// All builders over the meshes on which methods fail (tests/support/hard_meshes.h), with full and
+/// growing trees: answers against the oracle, and the costs of the trees against their bounds, one
+/// row for each family and builder. A failure is a row that is not `ok`, and no error.
 Result<std::vector<Row>> run_stability(const CommonOptions& common,
                                        const StabilityOptions& options);
 
-/// A hash of all answer columns of all kinds of query for every way to answer the same rays: every
-/// builder and SIMD target, full and growing trees, numbers of threads, orders and batches. Error:
-/// kDataLoss, naming the ways whose hashes are not those of the first.
+/// One hash of all answer columns of all kinds of query for every way to answer the same rays: all
+/// builders and SIMD targets, full and growing trees, numbers of threads, orders and batches.
+/// Error: kDataLoss, naming the ways whose hashes differ from the first.
 Result<std::vector<Row>> run_answers(const CommonOptions& common, const AnswersOptions& options);
-/// It uses so many, whatever the machine has: the caller's tbb::global_control must allow them.
+/// Threads that run_answers uses on any machine: the caller's tbb::global_control must allow them.
 inline constexpr int kMostAnswerThreads = 8;
 
 /// Trace times of the exact hit rule and of a plain float test in the same walk over the same full
-/// trees, a row a kind of ray. Times are sums of the least times of short stretches, over which the
-/// methods take turns.
+/// trees, one row for each kind of ray. Times are sums of the least times of short chunks, on each
+/// of which the methods take turns.
 Result<std::vector<Row>> run_exactness(const CommonOptions& common,
                                        const ExactnessOptions& options);
 

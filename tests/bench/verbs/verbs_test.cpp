@@ -1,5 +1,4 @@
-// The verbs print the keys of their contract, agree with each other, and refuse what they cannot
-// do.
+// The verbs print their documented keys, agree with each other, and refuse wrong input.
 #include "tests/bench/verbs/verbs.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +71,7 @@ TEST(VerbBuild, SetsBuilderParameters) {
   EXPECT_LT(costly->front()["nodes"], plain->front()["nodes"]);
 }
 
-TEST(VerbTrace, BuildersAndPoliciesAnswerAlike) {
+TEST(VerbTrace, AllBuildersAndPoliciesGiveTheSameAnswers) {
   CommonOptions options = common("gen:city?boxes=200");
   TraceOptions trace{.builders = kBuilders, .rays = some("random", 500)};
   const auto full = run_trace(options, trace);
@@ -94,7 +93,7 @@ TEST(VerbTrace, BuildersAndPoliciesAnswerAlike) {
   EXPECT_EQ(any->front()["hits"], full->front()["hits"]);
 }
 
-TEST(VerbBuild, ABuilderMayHaveParametersOfItsOwn) {
+TEST(VerbBuild, ABuilderMayHaveItsOwnParameters) {
   CommonOptions options = common("gen:terrain?triangles=2000");
   const auto rows = run_build(
       options, {.builders = {"scan-hybrid", "scan-hybrid?cost_traverse=8&samples=4", "sah-sweep"}});
@@ -107,7 +106,7 @@ TEST(VerbBuild, ABuilderMayHaveParametersOfItsOwn) {
   EXPECT_FALSE(run_build(options, {.builders = {"scan-hybrid?samples"}}).ok());
 }
 
-TEST(VerbBuild, HasRowsForEmbreeWhereItIs) {
+TEST(VerbBuild, HasRowsForEmbreeIfItIsAvailable) {
   const auto rows =
       run_build(common("gen:icosphere?level=3"),
                 {.builders = {"scan-one-axis", "embree-low", "embree-medium-robust"}});
@@ -121,7 +120,7 @@ TEST(VerbBuild, HasRowsForEmbreeWhereItIs) {
   EXPECT_EQ(none.ok(), embree_found());
 }
 
-TEST(VerbTrace, EmbreeRowsSayHowAndWhatDiffers) {
+TEST(VerbTrace, EmbreeRowsNameTheEntryPointAndTheDifferences) {
   if (!embree_found()) GTEST_SKIP() << "built without Embree 3";
   const auto rows = run_trace(common("gen:city?boxes=200"),
                               {.builders = {"scan-one-axis", "embree-medium", "embree-high"},
@@ -135,7 +134,7 @@ TEST(VerbTrace, EmbreeRowsSayHowAndWhatDiffers) {
   }
 }
 
-TEST(VerbLazy, EmbreeIsAMode) {
+TEST(VerbLazy, HasModesForEmbree) {
   const auto rows = run_lazy(common("gen:terrain?triangles=2000"),
                              {.rays = some("closeup", 300), .modes = {"lazy", "embree-low"}});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
@@ -147,7 +146,7 @@ TEST(VerbLazy, EmbreeIsAMode) {
   EXPECT_EQ(rows->back()["triangles_touched"] == 2000, embree_found());
 }
 
-TEST(VerbLazy, RatiosAndEmbreesOwnLaziness) {
+TEST(VerbLazy, PrintsRatiosAndEmbreesOwnLaziness) {
   const auto rows = run_lazy(
       common("gen:city?boxes=1000"),
       {.rays = some("closeup", 300), .modes = {"lazy", "full", "embree-low", "embree-lazy"}});
@@ -165,7 +164,7 @@ TEST(VerbLazy, RatiosAndEmbreesOwnLaziness) {
   EXPECT_LT(row["objects_built"], 20);
 }
 
-TEST(VerbLazy, HierarchiesAnswerAlike) {
+TEST(VerbLazy, AllHierarchiesGiveTheSameAnswers) {
   LazyOptions options{.rays = some("closeup", 300), .modes = {"lazy"}};
   const auto runs = run_lazy(common("gen:terrain?triangles=20000"), options);
   options.hierarchy = "soup";
@@ -177,7 +176,7 @@ TEST(VerbLazy, HierarchiesAnswerAlike) {
   EXPECT_EQ(run_lazy(common("gen:stadium"), options).error().code, Code::kInvalidArgument);
 }
 
-TEST(VerbKernel, PassesAreHeldAgainstCounting) {
+TEST(VerbKernel, ChecksPassesAgainstCounting) {
   const auto rows = run_kernel(common(""), {.boxes = {1, 1000}});
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   EXPECT_EQ(rows->size(), 10u);
@@ -205,7 +204,7 @@ TEST(VerbLazy, ModesAgreeAndLazyTouchesLess) {
   EXPECT_GT(full["visible_fraction"], 0);
 }
 
-TEST(VerbLazy, BatchesChangeNoAnswer) {
+TEST(VerbLazy, BatchesDoNotChangeAnswers) {
   LazyOptions options{.rays = some("overview", 300)};
   const auto whole = run_lazy(common("gen:stadium"), options);
   options.batch = 7;
@@ -229,7 +228,7 @@ TEST(VerbCurve, SamplesLieOnBothCurves) {
   }
   EXPECT_EQ(counts["uniform"], 8);
   EXPECT_EQ(counts["adaptive"], 8);
-  EXPECT_GE(counts["true"], 53);  // both sides of the wall
+  EXPECT_GE(counts["true"], 53);  // Both sides of the wall
   EXPECT_EQ(counts["true"], counts["suggested"]);
   EXPECT_LE(least_true, least_sample);
 }
@@ -243,7 +242,7 @@ TEST(VerbRays, WritesTheFile) {
   std::filesystem::remove(file);
 }
 
-TEST(Verbs, RefuseWhatTheyDoNotKnow) {
+TEST(Verbs, RefuseUnknownValues) {
   const auto code = [](const auto& result) {
     EXPECT_FALSE(result.ok());
     return result.ok() ? Code::kInternal : result.error().code;
@@ -267,7 +266,7 @@ TEST(Verbs, RefuseWhatTheyDoNotKnow) {
   EXPECT_EQ(code(run_build(common("/nonexistent.ply"), {.builders = kBuilders})), Code::kNotFound);
 }
 
-TEST(AnswerCheck, NoticesAWrongAnswer) {
+TEST(AnswerCheck, RejectsAWrongAnswer) {
   const auto scene = make_scene(common("gen:icosphere?level=2"));
   ASSERT_TRUE(scene.ok());
   const auto rays = make_rays(*scene, some("overview", 100), 1);

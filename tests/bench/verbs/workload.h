@@ -1,4 +1,4 @@
-// What the verbs share: the scene as asked for, its rays, and the check of answers.
+// Shared by the verbs: the requested scene, its rays, and the check of answers.
 #pragma once
 
 #include <memory>
@@ -15,10 +15,10 @@
 
 namespace sightline::bench {
 
-/// Loaded and turned.
+/// The scene, loaded and rotated.
 Result<SceneSource> make_scene(const CommonOptions& common);
 
-/// `fallback` where --policy is not given.
+/// `fallback` if --policy is not given.
 Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback);
 std::string_view policy_name(scenegraph::Growth growth);
 
@@ -28,14 +28,14 @@ Result<accel::mesh::References> parse_hierarchy(const std::string& name);
 Result<std::vector<accel::geometry::Ray>> make_rays(const SceneSource& scene,
                                                     const RayOptions& rays, std::uint64_t seed);
 
-/// Holds a sample of answers against brute force.
+/// Checks a sample of answers with brute force.
 class AnswerCheck {
  public:
   /// Keeps a copy of the scene's arrays.
   static Result<AnswerCheck> make(const SceneSource& scene,
                                   std::span<const accel::geometry::Ray> rays,
                                   scenegraph::QueryKind kind);
-  /// Error: kDataLoss, saying what differs.
+  /// Error: kDataLoss, naming the differences.
   Status operator()(std::span<const accel::geometry::Hit> hits) const;
 
  private:

@@ -1,4 +1,4 @@
-// Updates in one message, in several, and as batches of a stream.
+// Updates in one message, in several, and as stream batches.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,7 +13,7 @@
 namespace sightline::client::calls {
 namespace {
 
-TEST(UpdateBatch, ASmallOneIsOneMessage) {
+TEST(UpdateBatch, ASmallBatchIsOneMessage) {
   auto messages = pack_batch(std::vector<Update>{DeleteNode{1, false}, DeleteNode{2, true}});
   ASSERT_TRUE(messages);
   ASSERT_EQ(messages->size(), 1U);
@@ -23,14 +23,14 @@ TEST(UpdateBatch, ASmallOneIsOneMessage) {
   EXPECT_FALSE((*messages)[0].batch().more());
 }
 
-TEST(UpdateBatch, AnEmptyOneIsAMessageToo) {
+TEST(UpdateBatch, AnEmptyBatchIsOneMessage) {
   const auto messages = pack_batch({});
   ASSERT_TRUE(messages);
   ASSERT_EQ(messages->size(), 1U);
   EXPECT_TRUE((*messages)[0].has_batch());
 }
 
-TEST(UpdateBatch, LargeArraysAreCutBelowAMessagesLimitAndKeepTheirPlaces) {
+TEST(UpdateBatch, LargeArraysAreCutBelowTheMessageLimitInOrder) {
   PatchVertices patch{{3}, 100, {}};
   for (std::size_t i = 0; i < 300'000; ++i)
     patch.positions.push_back({static_cast<float>(i), 0, 0});
@@ -60,7 +60,7 @@ TEST(UpdateBatch, LargeArraysAreCutBelowAMessagesLimitAndKeepTheirPlaces) {
   EXPECT_EQ(transforms, 30'000U);
 }
 
-TEST(UpdateBatch, LimitsAreKeptAtHome) {
+TEST(UpdateBatch, LimitsAreCheckedByTheClient) {
   const std::vector<Update> many(kMaxUpdatesPerBatch + 1, DeleteNode{1, false});
   EXPECT_EQ(pack_batch(many).error().code, Code::kResourceExhausted);
   PutNode long_name;
@@ -106,7 +106,7 @@ TEST_F(Apply, OneBatchIsOneRevision) {
   EXPECT_EQ(deleted->revision, 3U);
 }
 
-TEST_F(Apply, ABadUpdateLeavesTheSceneAsItWas) {
+TEST_F(Apply, ABadUpdateDoesNotChangeTheScene) {
   const auto applied =
       client_.apply(kScene, std::vector<Update>{put(-1, 0, "a"), put(-2, 99, "b")});
   ASSERT_FALSE(applied);
@@ -114,7 +114,7 @@ TEST_F(Apply, ABadUpdateLeavesTheSceneAsItWas) {
   EXPECT_EQ(client_.get_scene(kScene)->revision, 0U);
 }
 
-TEST_F(Apply, AnotherRevisionThanExpectedIsAConflict) {
+TEST_F(Apply, AnUnexpectedRevisionIsAConflict) {
   EXPECT_EQ(client_.apply(kScene, std::vector<Update>{put(-1, 0, "a")}, {.expected_revision = 5})
                 .error()
                 .code,
@@ -134,11 +134,12 @@ TEST_F(Apply, ARepeatedRequestIsAppliedOnce) {
   EXPECT_EQ(again->revision, first->revision);
   EXPECT_EQ(again->token, first->token);
   EXPECT_EQ(again->nodes, first->nodes);
-  EXPECT_FALSE(client_.apply(kScene, updates)->replayed) << "each has an id of its own otherwise";
+  EXPECT_FALSE(client_.apply(kScene, updates)->replayed)
+      << "by default each request has its own id";
   EXPECT_EQ(client_.get_scene(kScene)->nodes, 2U);
 }
 
-TEST_F(Apply, RepeatedPartsAreAppliedOnceToo) {
+TEST_F(Apply, RepeatedPartsAreAppliedOnce) {
   std::vector<Update> updates;
   for (int i = 0; i < 3000; ++i) updates.emplace_back(put(-1 - i, 0, std::string(1000, 'x')));
   for (int round = 0; round < 2; ++round) {
@@ -164,7 +165,7 @@ TEST_F(Apply, VerticesArePatched) {
   EXPECT_EQ(client_.apply(name, std::vector<Update>{beyond}).error().code, Code::kInvalidArgument);
 }
 
-TEST_F(Apply, ARequestWhoseConnectionBreaksIsSentAgain) {
+TEST_F(Apply, ARequestIsSentAgainAfterABrokenConnection) {
   tests::Relay relay(server_->port());
   const auto through = Client::connect(relay.endpoint());
   ASSERT_TRUE(through && through->get_scene(kScene));
@@ -174,7 +175,7 @@ TEST_F(Apply, ARequestWhoseConnectionBreaksIsSentAgain) {
   EXPECT_EQ(client_.get_scene(kScene)->nodes, 1U);
 }
 
-TEST_F(Apply, WhatDoesNotFitAMessageIsRefusedAtHome) {
+TEST_F(Apply, AnUpdateAboveTheMessageLimitIsRefusedByTheClient) {
   const std::vector<Update> updates(2000, put(-1, 0, std::string(1000, 'x')));
   const auto applied = client_.apply(kScene, updates);
   ASSERT_FALSE(applied);
@@ -182,7 +183,7 @@ TEST_F(Apply, WhatDoesNotFitAMessageIsRefusedAtHome) {
   EXPECT_NE(applied.error().message.find("1048576"), std::string::npos);
 }
 
-TEST_F(Apply, AliasesHoldAcrossMessages) {
+TEST_F(Apply, AliasesAreValidAcrossMessages) {
   std::vector<Update> updates;
   const int n = 3000;
   updates.reserve(n);
@@ -198,7 +199,7 @@ TEST_F(Apply, AliasesHoldAcrossMessages) {
   EXPECT_EQ((*last)[0].parent, applied->nodes.front());
 }
 
-TEST_F(Apply, ManyTransformsGoInParts) {
+TEST_F(Apply, ManyTransformsAreSentInParts) {
   const std::size_t n = 20000;
   std::vector<Update> puts;
   SetTransforms set;

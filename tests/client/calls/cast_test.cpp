@@ -1,4 +1,4 @@
-// Rays over a real connection: one message, and streams of many.
+// Rays over a real connection, in one message and in streams.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,8 @@ struct Columns {
   std::vector<std::uint8_t> hit;
 };
 
-// The upper sheet, z = 1, of copy i is hit at t = 4 in face 2; node ids follow the scene's nodes.
+// The upper sheet, z = 1, of copy i is hit at t = 4 in face 2; node ids are in the order of the
+// scene's nodes.
 void expect_downward_hits(const Columns& hits) {
   for (std::size_t i = 0; i < hits.t.size(); ++i) {
     ASSERT_EQ(hits.t[i], 4) << i;
@@ -60,7 +61,7 @@ TEST_F(Cast, OneMessage) {
   EXPECT_EQ(report->revision, 1U);
 }
 
-TEST_F(Cast, StreamsOfManyMessagesAnswerInPlace) {
+TEST_F(Cast, StreamsOfManyMessagesAnswerInTheirRows) {
   for (const std::size_t n : {std::size_t{1}, kRaysPerMessage - 1, kRaysPerMessage,
                               kRaysPerMessage + 1, 10 * kRaysPerMessage + 17}) {
     const DownwardRays rays(n, kCopies);
@@ -73,7 +74,7 @@ TEST_F(Cast, StreamsOfManyMessagesAnswerInPlace) {
   }
 }
 
-TEST_F(Cast, FloatsAnswerAsDoublesDo) {
+TEST_F(Cast, FloatsGiveTheSameAnswersAsDoubles) {
   const DownwardRays rays(9000, kCopies);
   const std::vector<float> origins(rays.origins.begin(), rays.origins.end());
   const std::vector<float> directions(rays.directions.begin(), rays.directions.end());
@@ -89,7 +90,7 @@ TEST_F(Cast, FloatsAnswerAsDoublesDo) {
 TEST_F(Cast, BoundsAndMissesAndBadRaysKeepTheirRow) {
   const DownwardRays rays(4, 1);
   std::vector<double> directions = rays.directions;
-  directions[3 * 3 + 2] = 0;  // no direction at all
+  directions[3 * 3 + 2] = 0;  // No direction
   const std::vector<double> tmin{0, 4.5, 0, 0};
   const std::vector<double> tmax{10, 10, 3, 10};
   Columns hits(4);
@@ -117,7 +118,7 @@ TEST_F(Cast, AnyAnswersWhetherThereIsAHit) {
   EXPECT_EQ(hit, (std::vector<std::uint8_t>{0, 1, 1}));
 }
 
-TEST_F(Cast, CountAnswersHowManyThereAre) {
+TEST_F(Cast, CountAnswersTheNumberOfHits) {
   const DownwardRays rays(4, kCopies);
   std::vector<double> origins = rays.origins, directions = rays.directions;
   origins[0] = -50;
@@ -167,7 +168,7 @@ TEST_F(Cast, AllAnswersEveryHit) {
   }
 }
 
-TEST_F(Cast, AllMarksWhatWasCutOff) {
+TEST_F(Cast, AllMarksRaysWhoseListWasCut) {
   const DownwardRays rays(5000, kCopies);
   const std::vector<float> origins(rays.origins.begin(), rays.origins.end());
   const std::vector<float> directions(rays.directions.begin(), rays.directions.end());
@@ -179,7 +180,7 @@ TEST_F(Cast, AllMarksWhatWasCutOff) {
   EXPECT_EQ(all->report.rays_cut_off, 5000U);
 }
 
-TEST_F(Cast, ListsOfManyRepliesReachASinkInOrder) {
+TEST_F(Cast, ListsOfManyRepliesArriveInOrder) {
   const DownwardRays rays(kRaysPerMessage, kCopies);
   std::uint64_t next = 0;
   int calls = 0;
@@ -193,11 +194,11 @@ TEST_F(Cast, ListsOfManyRepliesReachASinkInOrder) {
     return {};
   };
   int messages = 0;
-  const RaySource<double> source = [&](const RayColumns<double>& room) -> Result<std::size_t> {
+  const RaySource<double> source = [&](const RayColumns<double>& buffer) -> Result<std::size_t> {
     if (++messages > 6) return std::size_t{0};
-    std::copy(rays.origins.begin(), rays.origins.end(), room.origins.begin());
-    std::copy(rays.directions.begin(), rays.directions.end(), room.directions.begin());
-    return room.size();
+    std::copy(rays.origins.begin(), rays.origins.end(), buffer.origins.begin());
+    std::copy(rays.directions.begin(), rays.directions.end(), buffer.directions.begin());
+    return buffer.size();
   };
   ASSERT_TRUE(client_.cast_stream(kScene, source, {}, {.t = true}, sink,
                                   {.kind = QueryKind::kAll, .max_hits = 16384}));
@@ -215,7 +216,7 @@ TEST_F(Cast, AllDoesNotFitRowsOfRays) {
             Code::kInvalidArgument);
 }
 
-TEST_F(Cast, CullingRootsAndExclusionsLeaveHitsOut) {
+TEST_F(Cast, CullingRootsAndExclusionsOmitHits) {
   const DownwardRays rays(kCopies, kCopies);
   const auto counts = [&](CastOptions options) {
     options.kind = QueryKind::kCount;
@@ -236,7 +237,7 @@ TEST_F(Cast, CullingRootsAndExclusionsLeaveHitsOut) {
   EXPECT_EQ(unknown.error().reason, "NODE_NOT_FOUND");
 }
 
-TEST_F(Cast, MasksOfNothingSeeNothing) {
+TEST_F(Cast, AZeroMaskHitsNothing) {
   const DownwardRays rays(2, kCopies);
   const std::vector<std::uint32_t> masks{0, 1};
   std::vector<double> t(2);
@@ -247,7 +248,7 @@ TEST_F(Cast, MasksOfNothingSeeNothing) {
   EXPECT_EQ(t[1], 4);
 }
 
-TEST_F(Cast, NoRaysAreAnsweredAtARevision) {
+TEST_F(Cast, AnEmptyBatchIsAnsweredAtARevision) {
   const auto streamed = client_.cast_stream(kScene, RayColumns<const double>{}, {});
   ASSERT_TRUE(streamed) << streamed.error().message;
   EXPECT_EQ(streamed->revision, 1U);
@@ -257,7 +258,7 @@ TEST_F(Cast, NoRaysAreAnsweredAtARevision) {
   EXPECT_EQ(once->rays, 0U);
 }
 
-TEST_F(Cast, TheSecondTimeNothingIsBuilt) {
+TEST_F(Cast, TheSecondCastBuildsNothing) {
   const DownwardRays rays(100, kCopies);
   Columns hits(100);
   const auto first =
@@ -269,7 +270,7 @@ TEST_F(Cast, TheSecondTimeNothingIsBuilt) {
   EXPECT_EQ(second->cells_expanded, 0U);
 }
 
-TEST_F(Cast, BuildNoneFindsTheSameAndGrowsNothing) {
+TEST_F(Cast, BuildNoneFindsTheSameHitsAndBuildsNothing) {
   const DownwardRays rays(100, kCopies);
   Columns hits(100);
   const auto report =
@@ -290,7 +291,7 @@ TEST_F(Cast, AnUnknownSceneIsNotFound) {
   EXPECT_EQ(client_.cast(nowhere, few.columns(), {}).error().code, Code::kNotFound);
 }
 
-TEST_F(Cast, ColumnsThatDisagreeNeverLeave) {
+TEST_F(Cast, ColumnsOfDifferentLengthsAreNotSent) {
   const DownwardRays rays(2, kCopies);
   std::vector<double> t(3);
   EXPECT_EQ(client_.cast(kScene, rays.columns(), {.t = t}).error().code, Code::kInvalidArgument);
@@ -298,7 +299,7 @@ TEST_F(Cast, ColumnsThatDisagreeNeverLeave) {
             Code::kInvalidArgument);
 }
 
-TEST_F(Cast, AStopCancels) {
+TEST_F(Cast, AStopCancelsTheCast) {
   std::stop_source stop;
   stop.request_stop();
   const DownwardRays rays(3 * kRaysPerMessage, kCopies);
@@ -311,11 +312,11 @@ TEST_F(Cast, AStopCancels) {
 
 // Endless rays down onto the first copy.
 RaySource<double> endless() {
-  return [](const RayColumns<double>& room) -> Result<std::size_t> {
-    const DownwardRays rays(room.size(), 1);
-    std::copy(rays.origins.begin(), rays.origins.end(), room.origins.begin());
-    std::copy(rays.directions.begin(), rays.directions.end(), room.directions.begin());
-    return room.size();
+  return [](const RayColumns<double>& buffer) -> Result<std::size_t> {
+    const DownwardRays rays(buffer.size(), 1);
+    std::copy(rays.origins.begin(), rays.origins.end(), buffer.origins.begin());
+    std::copy(rays.directions.begin(), rays.directions.end(), buffer.directions.begin());
+    return buffer.size();
   };
 }
 
@@ -337,9 +338,9 @@ TEST_F(Cast, ASinkThatFailsEndsTheCast) {
 TEST_F(Cast, ASourceThatFailsEndsTheCast) {
   int calls = 0;
   const RaySource<double> all = endless();
-  const RaySource<double> source = [&](const RayColumns<double>& room) -> Result<std::size_t> {
+  const RaySource<double> source = [&](const RayColumns<double>& buffer) -> Result<std::size_t> {
     if (++calls == 6) return Error{Code::kInvalidArgument, "line 7", {}};
-    return all(room);
+    return all(buffer);
   };
   const HitSink sink = [](std::uint64_t, std::size_t, const HitView&) { return Status(); };
   const auto report = client_.cast_stream(kScene, source, {}, {.t = true}, sink);
@@ -347,7 +348,7 @@ TEST_F(Cast, ASourceThatFailsEndsTheCast) {
   EXPECT_EQ(report.error().message, "line 7");
 }
 
-TEST_F(Cast, AStreamOutlivesNoServer) {
+TEST_F(Cast, AStreamEndsWithItsServer) {
   const HitSink sink = [&](std::uint64_t, std::size_t, const HitView&) {
     stop_server();
     return Status();

@@ -1,4 +1,4 @@
-// Columns that disagree, and copies of rows.
+// Columns of different lengths, and copies of rows.
 #include "client/calls/columns.h"
 
 #include <gtest/gtest.h>
@@ -29,11 +29,11 @@ TEST(Columns, LengthsMustAgree) {
       RayColumns<const double>{.origins = kSix, .directions = kSix, .tmin = kSix}, HitColumns{}));
 }
 
-TEST(Columns, ABoundLeftOutIsFilledIn) {
+TEST(Columns, AnOmittedBoundIsFilledIn) {
   std::vector<double> origins(3), directions(3), tmin(1), tmax(1);
-  const RayColumns<double> room{origins, directions, tmin, tmax};
+  const RayColumns<double> buffer{origins, directions, tmin, tmax};
   const RayColumns<const double> with_tmin{.origins = kSix, .directions = kSix, .tmin = kTwo};
-  copy_rays(with_tmin, 1, room);
+  copy_rays(with_tmin, 1, buffer);
   EXPECT_EQ(origins, (std::vector<double>{4, 5, 6}));
   EXPECT_EQ(tmin[0], 8);
   EXPECT_EQ(tmax[0], std::numeric_limits<double>::infinity());
@@ -41,7 +41,7 @@ TEST(Columns, ABoundLeftOutIsFilledIn) {
   EXPECT_FALSE(shape_of(RayColumns<const double>{kSix, kSix}).interval);
 }
 
-TEST(Columns, HitsGoToTheirRows) {
+TEST(Columns, HitsAreCopiedToTheirRows) {
   const std::vector<float> two_normals{1, 2, 3, 4, 5, 6};
   std::vector<float> normals(12);
   HitView answers;

@@ -10,7 +10,7 @@
 namespace sightline::client::calls {
 namespace {
 
-TEST(RpcError, EveryCodeHasOneOfItsOwn) {
+TEST(RpcError, EveryGrpcCodeHasItsOwnCode) {
   std::set<Code> codes;
   for (int code = grpc::CANCELLED; code <= grpc::UNAUTHENTICATED; ++code) {
     codes.insert(rpc_error(grpc::Status(static_cast<grpc::StatusCode>(code), "")).code);
@@ -20,7 +20,7 @@ TEST(RpcError, EveryCodeHasOneOfItsOwn) {
   EXPECT_EQ(rpc_error(grpc::Status(grpc::NOT_FOUND, "gone")).message, "gone");
 }
 
-TEST(RpcError, TheReasonComesFromErrorInfo) {
+TEST(RpcError, TheReasonIsReadFromErrorInfo) {
   google::rpc::ErrorInfo info;
   info.set_reason("NODE_CYCLE");
   google::rpc::Status details;
@@ -30,12 +30,12 @@ TEST(RpcError, TheReasonComesFromErrorInfo) {
   EXPECT_EQ(rpc_error(status).reason, "NODE_CYCLE");
 }
 
-TEST(RpcError, DetailsThatAreNoneLeaveNoReason) {
+TEST(RpcError, InvalidDetailsGiveNoReason) {
   EXPECT_EQ(rpc_error(grpc::Status(grpc::INTERNAL, "", "\xff\xff")).reason, "");
   EXPECT_EQ(rpc_error(grpc::Status(grpc::INTERNAL, "")).reason, "");
 }
 
-TEST(RequestId, IsAVersionFourUuidAndNeverTheSame) {
+TEST(RequestId, IsAUniqueVersionFourUuid) {
   std::set<std::string> seen;
   for (int i = 0; i < 1000; ++i) {
     const std::string id = random_request_id();

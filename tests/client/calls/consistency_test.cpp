@@ -1,4 +1,4 @@
-// Reads of one's own writes, and of the past.
+// Reads of the client's own writes, and of older revisions.
 #include "client/types.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class ConsistencyTest : public tests::LiveClient {
     moved_ = *applied;
   }
 
-  // Of a ray from 5 down onto the sheet, which is at 1, and at -2 when it is moved.
+  // t of a ray from 5 down onto the sheet, which is at 1, and at -2 after it is moved.
   double t_at(const Consistency& consistency, bool by_stream) {
     const tests::DownwardRays ray(1, 1);
     std::vector<double> t(1);
@@ -42,7 +42,7 @@ class ConsistencyTest : public tests::LiveClient {
   Applied moved_;
 };
 
-TEST_F(ConsistencyTest, ATokenIsSeenAndARevisionKept) {
+TEST_F(ConsistencyTest, ReadsAtATokenAndAtARevision) {
   EXPECT_EQ(client_.get_scene(kScene)->token, moved_.token);
   for (const bool by_stream : {false, true}) {
     EXPECT_EQ(t_at({}, by_stream), 7);
@@ -55,7 +55,7 @@ TEST_F(ConsistencyTest, ATokenIsSeenAndARevisionKept) {
   EXPECT_EQ((*client_.get_nodes(kScene, id))[0].parent_from_local[11], -3);
 }
 
-TEST_F(ConsistencyTest, WhatIsNotThereIsAnError) {
+TEST_F(ConsistencyTest, AnUnknownRevisionIsAnError) {
   const tests::DownwardRays ray(1, 1);
   std::vector<double> t(1);
   const auto code_of = [&](const Consistency& consistency) {

@@ -33,7 +33,7 @@ class Prefetch : public tests::LiveClient {
   }
 };
 
-TEST_F(Prefetch, BuildsEverythingAndTellsTheEnd) {
+TEST_F(Prefetch, BuildsEverythingAndReportsIt) {
   std::optional<PrefetchReport> last;
   const auto built =
       client_.prefetch(kScene, {}, [&](const PrefetchReport& report) { last = report; });
@@ -52,7 +52,7 @@ TEST_F(Prefetch, BuildsEverythingAndTellsTheEnd) {
   EXPECT_EQ(cells_of_cast(DownwardRays(100, kCopies)), 0U);
 }
 
-TEST_F(Prefetch, RootsAndExclusionsLeaveTreesOut) {
+TEST_F(Prefetch, RootsAndExclusionsOmitTrees) {
   EXPECT_EQ(client_.prefetch(kScene, {.roots = {2, 3}, .exclude = {1}})->meshes_total, 0U);
   EXPECT_EQ(triangles_built(), 0U);
   EXPECT_EQ(client_.prefetch(kScene, {.roots = {2, 3}, .exclude = {2}})->meshes_total, 1U);
@@ -63,22 +63,22 @@ TEST_F(Prefetch, RootsAndExclusionsLeaveTreesOut) {
   EXPECT_EQ(client_.prefetch("projects/default/scenes/nowhere").error().code, Code::kNotFound);
 }
 
-TEST_F(Prefetch, RaysOfManyMessagesAddUp) {
+TEST_F(Prefetch, RaysOfManyMessagesAreCounted) {
   const std::size_t n = 2 * kRaysPerMessage + 17;
   const DownwardRays rays(n, kCopies);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   const auto grown = client_.prefetch_rays(
       kScene, rays.columns(), {},
-      [&](const PrefetchReport& report) { told.push_back(report.rays_done); });
+      [&](const PrefetchReport& report) { reported.push_back(report.rays_done); });
   ASSERT_TRUE(grown) << grown.error().message;
   EXPECT_EQ(grown->rays_done, n);
   EXPECT_GT(grown->cells_expanded, 0U);
-  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-  EXPECT_EQ(told.back(), n);
+  EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
+  EXPECT_EQ(reported.back(), n);
   EXPECT_EQ(cells_of_cast(rays), 0U);
 }
 
-TEST_F(Prefetch, FloatsGrowWhatDoublesDo) {
+TEST_F(Prefetch, FloatsBuildTheSameCellsAsDoubles) {
   const DownwardRays rays(50, kCopies);
   const std::vector<float> origins(rays.origins.begin(), rays.origins.end());
   const std::vector<float> directions(rays.directions.begin(), rays.directions.end());
@@ -87,7 +87,7 @@ TEST_F(Prefetch, FloatsGrowWhatDoublesDo) {
   EXPECT_EQ(client_.prefetch_rays(kScene, rays.columns())->cells_expanded, 0U);
 }
 
-TEST_F(Prefetch, NoRaysAreACallAllTheSame) {
+TEST_F(Prefetch, AnEmptyBatchIsACall) {
   EXPECT_EQ(client_.prefetch_rays(kScene, RayColumns<const double>{})->rays_done, 0U);
   EXPECT_EQ(triangles_built(), 0U);
   EXPECT_EQ(client_.prefetch_rays("projects/default/scenes/nowhere", RayColumns<const double>{})
@@ -103,7 +103,7 @@ TEST_F(Prefetch, ASourceThatFailsEndsIt) {
   EXPECT_EQ(client_.prefetch_rays(kScene, source, {}).error().message, "bad disk");
 }
 
-TEST_F(Prefetch, ColumnsThatDisagreeNeverLeave) {
+TEST_F(Prefetch, ColumnsOfDifferentLengthsAreNotSent) {
   DownwardRays rays(3, kCopies);
   rays.directions.pop_back();
   EXPECT_EQ(client_.prefetch_rays(kScene, rays.columns()).error().code, Code::kInvalidArgument);

@@ -1,4 +1,4 @@
-// What is refused before a byte is sent.
+// Scenes that are refused before anything is sent.
 #include "client/calls/scene_check.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ importer::ImportedScene chain(std::uint32_t depth) {
   return scene;
 }
 
-TEST(SceneCheck, TakesWhatIsWithinTheLimits) {
+TEST(SceneCheck, AcceptsScenesWithinTheLimits) {
   importer::ImportedScene scene = chain(3);
   scene.meshes.resize(1);
   scene.meshes[0].faces.resize(2);
@@ -54,7 +54,7 @@ TEST(SceneCheck, NamesTheNodeWithoutAnInverse) {
   EXPECT_TRUE(check_scene(mirrored, limits()));
 }
 
-TEST(SceneCheck, AMeshTooBigIsAResourceLimit) {
+TEST(SceneCheck, AMeshThatIsTooLargeIsAResourceError) {
   importer::ImportedScene scene = chain(1);
   scene.meshes.resize(1);
   scene.meshes[0].faces.resize(3);

@@ -1,4 +1,4 @@
-// Meshes on their way to the server.
+// Uploads of meshes.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -18,7 +18,7 @@ using Upload = tests::LiveClient;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
-TEST_F(Upload, WhatWasUploadedIsNotMissing) {
+TEST_F(Upload, AnUploadedMeshIsNotMissing) {
   const importer::ImportedMesh mesh = tests::sheets(3);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   const std::vector<std::string> digests{blob.digest()};
@@ -28,19 +28,19 @@ TEST_F(Upload, WhatWasUploadedIsNotMissing) {
   EXPECT_TRUE(client_.upload_mesh(blob, digests[0])) << "again";
 }
 
-TEST_F(Upload, ABigMeshGoesInChunks) {
+TEST_F(Upload, ALargeMeshIsSentInChunks) {
   const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   ASSERT_GT(blob.size(), 3 * kChunkBytes);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> reported;
   ASSERT_TRUE(client_.upload_mesh(blob, blob.digest(),
-                                  [&](std::uint64_t bytes) { told.push_back(bytes); }));
-  EXPECT_EQ(told.front(), kChunkBytes);
-  EXPECT_EQ(told.back(), blob.size());
+                                  [&](std::uint64_t bytes) { reported.push_back(bytes); }));
+  EXPECT_EQ(reported.front(), kChunkBytes);
+  EXPECT_EQ(reported.back(), blob.size());
   EXPECT_TRUE(client_.upload_mesh(blob, blob.digest())) << "again";
 }
 
-TEST_F(Upload, IsTakenUpWhereItStopped) {
+TEST_F(Upload, ResumesWhereItStopped) {
   const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   {
@@ -73,7 +73,7 @@ TEST_F(Upload, AWrongDigestIsDataLoss) {
   EXPECT_EQ(uploaded.error().code, Code::kDataLoss);
 }
 
-TEST_F(Upload, AMeshThatIsNoneIsRefused) {
+TEST_F(Upload, AnInvalidMeshIsRefused) {
   importer::ImportedMesh mesh = tests::sheets(1);
   mesh.faces[0][0] = 99;
   const MeshBlob blob(mesh.vertices, mesh.faces);
@@ -82,7 +82,7 @@ TEST_F(Upload, AMeshThatIsNoneIsRefused) {
   EXPECT_EQ(uploaded.error().code, Code::kInvalidArgument);
 }
 
-TEST_F(Upload, ManyDigestsAreAskedInParts) {
+TEST_F(Upload, ManyDigestsAreCheckedInParts) {
   std::vector<std::string> digests;
   for (int i = 0; i < 10000; ++i) {
     const std::string number = std::to_string(100000 + i);

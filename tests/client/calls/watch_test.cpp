@@ -1,4 +1,4 @@
-// Following a scene, from then and from now, through broken connections.
+// Watching a scene, from an earlier revision and from now, through broken connections.
 #include "client/update.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ class WatchTest : public tests::LiveClient {
   }
 };
 
-TEST_F(WatchTest, TellsWhatWasDoneSince) {
+TEST_F(WatchTest, ReportsUpdatesSinceARevision) {
   put("a");
   put("b");
   put("c");
@@ -46,7 +46,7 @@ TEST_F(WatchTest, TellsWhatWasDoneSince) {
   EXPECT_EQ(std::get<PutNode>(seen[1].updates[0]).name, "c");
 }
 
-TEST_F(WatchTest, BeginsNowWhereNotToldOtherwise) {
+TEST_F(WatchTest, BeginsWithTheNewestRevisionByDefault) {
   put("before");
   bool begun = false;
   const Status watched = client_.watch(kScene, {}, [&](const SceneChange& change) {
@@ -64,7 +64,7 @@ TEST_F(WatchTest, BeginsNowWhereNotToldOtherwise) {
   EXPECT_TRUE(watched) << watched.error().message;
 }
 
-TEST_F(WatchTest, GoesOnThroughBrokenConnectionsWithoutGaps) {
+TEST_F(WatchTest, ContinuesAfterBrokenConnectionsWithoutGaps) {
   tests::Relay relay(server_->port());
   const auto through = Client::connect(relay.endpoint());
   ASSERT_TRUE(through);
@@ -83,7 +83,7 @@ TEST_F(WatchTest, GoesOnThroughBrokenConnectionsWithoutGaps) {
   EXPECT_GT(relay.connections(), 2);
 }
 
-TEST_F(WatchTest, ManyMessagesOfOneRevisionComeAsOne) {
+TEST_F(WatchTest, MergesTheMessagesOfOneRevision) {
   std::vector<Update> many;
   for (NodeRef alias = -1; alias >= -20'000; --alias) {
     PutNode put;
@@ -116,7 +116,7 @@ TEST_F(WatchTest, IsStopped) {
   EXPECT_EQ(watched.error().code, Code::kCancelled);
 }
 
-TEST_F(WatchTest, SaysWhatCannotBeWatched) {
+TEST_F(WatchTest, ReportsWhyASceneCannotBeWatched) {
   const SceneChangeSink none = [](const SceneChange&) { return true; };
   EXPECT_EQ(client_.watch("projects/default/scenes/none", {}, none).error().code, Code::kNotFound);
   EXPECT_EQ(client_.watch(kScene, 99, none).error().code, Code::kOutOfRange);

@@ -1,4 +1,4 @@
-// Arguments that are what they should be, and others.
+// Valid and invalid arguments.
 #include "client/cli/flags.h"
 
 #include <gtest/gtest.h>

@@ -62,7 +62,7 @@ class Program : public tests::LiveClient {
   tests::TempDir dir_;
 };
 
-TEST_F(Program, UsageErrorsAreTwo) {
+TEST_F(Program, UsageErrorsExitWithTwo) {
   const std::vector<std::vector<const char*>> wrong{
       {},
       {"fly"},
@@ -133,7 +133,7 @@ TEST_F(Program, HelpHasExamplesForEveryVerb) {
   }
 }
 
-TEST_F(Program, AnUnknownSceneIsThree) {
+TEST_F(Program, AnUnknownSceneExitsWithThree) {
   const std::string rays = dir_.write("rays.csv", "0,0,1,0,0,-1\n");
   const std::string out = dir_.path("out");
   EXPECT_EQ(run({"scene", "show", "none"}).exit, 3);
@@ -146,17 +146,17 @@ TEST_F(Program, AnUnknownSceneIsThree) {
   EXPECT_EQ(dir_.names(), "rays.csv");
 }
 
-TEST_F(Program, NoServerIsFive) {
+TEST_F(Program, NoServerExitsWithFive) {
   EXPECT_EQ(run({"scene", "ls", "--endpoint", "127.0.0.1:1"}).exit, 5);
 }
 
-TEST_F(Program, AServerThatSaysNothingIsFive) {
+TEST_F(Program, ASilentServerExitsWithFive) {
   const tests::SilentPort port;
   EXPECT_EQ(run({"scene", "ls", "--endpoint", port.endpoint().c_str(), "--deadline", "0.1"}).exit,
             5);
 }
 
-TEST_F(Program, LocalFilesThatCannotBeReadAreOne) {
+TEST_F(Program, UnreadableLocalFilesExitWithOne) {
   import_square();
   const std::string none = dir_.path("none");
   const std::string out = dir_.path("out.csv");
@@ -171,7 +171,7 @@ TEST_F(Program, LocalFilesThatCannotBeReadAreOne) {
   EXPECT_EQ(dir_.names(), "bad.csv square.obj");
 }
 
-TEST_F(Program, ImportTellsWhatItFound) {
+TEST_F(Program, ImportReportsItsCounts) {
   const std::string file = dir_.write("square.obj", kSquare);
   const Outcome outcome = run({"scene", "import", "square", file.c_str(), "--json", "--up", "z"});
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
@@ -187,7 +187,7 @@ TEST_F(Program, ImportTellsWhatItFound) {
   EXPECT_EQ(document["meters_per_unit"], nullptr);
 }
 
-TEST_F(Program, AnExistingSceneIsFourWithoutReplace) {
+TEST_F(Program, AnExistingSceneExitsWithFourWithoutReplace) {
   import_square();
   const std::string file = dir_.path("square.obj");
   const Outcome refused = run({"scene", "import", "square", file.c_str()});
@@ -212,7 +212,7 @@ TEST_F(Program, ScenesAreShownListedAndRemoved) {
   EXPECT_TRUE(json::parse(run({"scene", "ls", "--json"}).out)["scenes"].empty());
 }
 
-TEST_F(Program, CastWritesHitsAndTellsWhatItCost) {
+TEST_F(Program, CastWritesHitsAndReportsItsCosts) {
   import_square();
   const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n0,0,0,0,0,0\n");
   const std::string out = dir_.path("hits.csv");
@@ -234,7 +234,7 @@ TEST_F(Program, CastWritesHitsAndTellsWhatItCost) {
             "nan,0,0,0,0,0,0,0\n");
 }
 
-TEST_F(Program, CastToStandardOutputIsCsvAlone) {
+TEST_F(Program, CastToStandardOutputPrintsOnlyCsv) {
   import_square();
   const std::string rays =
       dir_.write("rays.csv", "ox,oy,oz,dx,dy,dz\n0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n0,0,0,0,0,0\n");
@@ -269,7 +269,7 @@ TEST_F(Program, CastCountsHitsAndListsThem) {
   EXPECT_EQ(cast({"--kind", "all", "--max-hits", "16385"}).exit, 1);
 }
 
-TEST_F(Program, ListsAreFilesOfAsManyRowsAsHits) {
+TEST_F(Program, ListFilesHaveOneRowForEachHit) {
   import_square();
   const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n");
   const std::string out = dir_.path("hits.npy");
@@ -283,7 +283,7 @@ TEST_F(Program, ListsAreFilesOfAsManyRowsAsHits) {
   EXPECT_NE(file.find("'shape': (1,)"), std::string::npos);
 }
 
-TEST_F(Program, PrefetchTellsWhatItHasBuilt) {
+TEST_F(Program, PrefetchReportsWhatItHasBuilt) {
   import_square();
   const std::string rays = dir_.write("rays.csv", "0.75,0.25,2,0,0,-1\n9,9,9,0,0,1\n");
   const Outcome none = run({"prefetch", "square", "--exclude", "2", "--json"});
@@ -309,7 +309,7 @@ TEST_F(Program, PrefetchTellsWhatItHasBuilt) {
   EXPECT_EQ(run({"prefetch", "square", "--under", "55"}).exit, 3);
 }
 
-TEST_F(Program, CastInFullCountsWhatItBuiltFirst) {
+TEST_F(Program, CastInFullCountsTheCellsBuiltFirst) {
   import_square();
   const std::string rays = dir_.write("rays.csv", "9,9,9,0,0,1\n");
   const std::string out = dir_.path("hits.csv");
@@ -339,7 +339,7 @@ TEST_F(Program, RenderWritesAPngInEveryMode) {
             2);
 }
 
-TEST_F(Program, StatsHasTheContractsKeys) {
+TEST_F(Program, StatsHasTheDocumentedKeys) {
   import_square();
   const Outcome outcome = run({"stats", "square", "--json"});
   ASSERT_EQ(outcome.exit, 0);

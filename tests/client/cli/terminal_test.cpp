@@ -20,7 +20,7 @@
 namespace sightline::client::cli {
 namespace {
 
-TEST(Amounts, DigitsAreInThrees) {
+TEST(Amounts, DigitsAreGroupedInThrees) {
   EXPECT_EQ(format_count(0), "0");
   EXPECT_EQ(format_count(999), "999");
   EXPECT_EQ(format_count(1000), "1,000");
@@ -28,7 +28,7 @@ TEST(Amounts, DigitsAreInThrees) {
   EXPECT_EQ(format_count(std::numeric_limits<std::uint64_t>::max()), "18,446,744,073,709,551,615");
 }
 
-TEST(Amounts, SharesNeverReadAsNoneOrAllUnlessTheyAre) {
+TEST(Amounts, SharesAreZeroOrHundredPercentOnlyIfExact) {
   EXPECT_EQ(format_share(0, 0), "0 of 0");
   EXPECT_EQ(format_share(0, 5000), "0 of 5,000 (0 %)");
   EXPECT_EQ(format_share(1, 75730), "1 of 75,730 (below 0.1 %)");
@@ -37,7 +37,7 @@ TEST(Amounts, SharesNeverReadAsNoneOrAllUnlessTheyAre) {
   EXPECT_EQ(format_share(75730, 75730), "75,730 of 75,730 (100 %)");
 }
 
-TEST(Amounts, BytesGoInThousands) {
+TEST(Amounts, BytesUseDecimalUnits) {
   EXPECT_EQ(format_bytes(0), "0 B");
   EXPECT_EQ(format_bytes(999), "999 B");
   EXPECT_EQ(format_bytes(1000), "1.0 kB");
@@ -47,7 +47,7 @@ TEST(Amounts, BytesGoInThousands) {
   EXPECT_EQ(format_bytes(12'000'000'000'000'000), "12000.0 TB");
 }
 
-TEST(ExitCode, IsTheContract) {
+TEST(ExitCode, IsTheDocumentedOne) {
   EXPECT_EQ(exit_code(Code::kNotFound), 3);
   EXPECT_EQ(exit_code(Code::kAlreadyExists), 4);
   EXPECT_EQ(exit_code(Code::kAborted), 4);
@@ -75,7 +75,7 @@ struct ChildProgram : tests::ChildProcess {
 
 constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
-TEST(Interrupt, RequestsAStopOnce) {
+TEST(Interrupt, RequestsOneStop) {
   for (int round = 0; round < 3; ++round) {
     const Interrupt interrupt;
     EXPECT_FALSE(interrupt.happened());
@@ -94,7 +94,7 @@ TEST(Interrupt, RequestsAStopOnce) {
   }
 }
 
-TEST(Interrupt, ASecondOneEndsTheProcess) {
+TEST(Interrupt, ASecondInterruptEndsTheProcess) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {
@@ -105,7 +105,7 @@ TEST(Interrupt, ASecondOneEndsTheProcess) {
       testing::KilledBySignal(SIGINT), "");
 }
 
-TEST(Interrupt, LeavesTheSignalAsItWas) {
+TEST(Interrupt, RestoresTheSignalHandler) {
   struct sigaction before {
   }, after{};
   sigaction(SIGINT, nullptr, &before);
@@ -114,7 +114,7 @@ TEST(Interrupt, LeavesTheSignalAsItWas) {
   EXPECT_EQ(before.sa_handler, after.sa_handler);
 }
 
-TEST(InterruptedProgram, EndsThoughTheServerSaysNothing) {
+TEST(InterruptedProgram, EndsWithASilentServer) {
   const tests::SilentPort port;
   tests::TempDir dir;
   const std::string rays = dir.write("rays.csv", "0,0,1,0,0,-1\n");
@@ -133,10 +133,10 @@ TEST(InterruptedProgram, EndsThoughTheServerSaysNothing) {
     EXPECT_EQ(program.wait(), 130) << arguments[0];
     EXPECT_EQ(program.output(), "sightline: interrupted\n");
   }
-  EXPECT_EQ(dir.names(), "rays.csv") << "no half of a file is left";
+  EXPECT_EQ(dir.names(), "rays.csv") << "no partial file is left";
 }
 
-// A sheet of n x n squares, waved so that no two rows are alike.
+// A wavy sheet of n x n squares, without equal rows.
 importer::ImportedScene large_sheet(std::uint32_t n) {
   importer::ImportedScene scene;
   importer::ImportedMesh mesh;
@@ -161,7 +161,7 @@ importer::ImportedScene large_sheet(std::uint32_t n) {
 
 class InterruptedBuild : public tests::LiveClient {
  protected:
-  // Two million triangles: building goes on for long after it has been heard of.
+  // Two million triangles: building takes long after its first report.
   InterruptedBuild() { EXPECT_TRUE(upload_scene(client_, tests::kScene, large_sheet(1000), {})); }
 
   void expect_right_hits() {
@@ -176,7 +176,7 @@ class InterruptedBuild : public tests::LiveClient {
   tests::TempDir dir_;
 };
 
-TEST_F(InterruptedBuild, PrefetchSaysWhatIsBuiltAndTheSceneIsUsable) {
+TEST_F(InterruptedBuild, PrefetchReportsWhatIsBuiltAndTheSceneIsUsable) {
   ChildProgram program({"prefetch", "test", "--endpoint", endpoint()});
   ASSERT_TRUE(program.writes("building: ")) << program.output();
   program.signal(SIGINT);
@@ -192,7 +192,7 @@ TEST_F(InterruptedBuild, PrefetchSaysWhatIsBuiltAndTheSceneIsUsable) {
 
 using InterruptedStream = tests::LiveClient;
 
-TEST_F(InterruptedStream, EndsWithAllThatWasSentAnswered) {
+TEST_F(InterruptedStream, EndsAfterAllAnswers) {
   tests::TempDir dir;
   const std::string file = dir.write("strip.gltf", tests::bending_strip().text());
   ChildProgram program({"stream", "test", "--animate", file, "--loops", "0", "--fps", "200",
@@ -210,7 +210,7 @@ TEST_F(InterruptedStream, EndsWithAllThatWasSentAnswered) {
       << program.output();
 }
 
-TEST_F(InterruptedBuild, CastThatBuildsEverythingLeavesNoFile) {
+TEST_F(InterruptedBuild, CastInFullLeavesNoFile) {
   const std::string rays = dir_.write("rays.csv", "0.5,0.25,5,0,0,-1\n");
   const std::string out = dir_.path("hits.csv");
   const std::vector<std::string> cast{"cast", "test",    "--in", rays,         "--out",

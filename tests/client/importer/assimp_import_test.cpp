@@ -1,4 +1,4 @@
-// Scene files to plain arrays: nothing merged, nothing lost, numbers kept.
+// Scene files as plain arrays: nothing is merged or lost, and numbers are kept.
 #include "client/importer/assimp_import.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using tests::TempDir;
 
-// Two triangles of which the second repeats the first, and a quad.
+// Two triangles, the second a repetition of the first, and a quad.
 constexpr const char* kTwoObjects = R"(
 v 0 0 0
 v 1 0 0
@@ -26,7 +26,7 @@ o second
 f 1 2 4 3
 )";
 
-// One buffer of three vertices (0,0,0) (1,0,0) (0,1,0); the mesh has a triangle and a line; two
+// One buffer of three vertices (0,0,0) (1,0,0) (0,1,0); the mesh has a triangle and a line, and two
 // nodes share it.
 constexpr const char* kGltf = R"({
   "asset": {"version": "2.0"},
@@ -99,7 +99,7 @@ TEST(AssimpImport, AMeshOfSeveralNodesStaysOneMesh) {
   EXPECT_EQ(scene->nodes[3].mesh, scene->nodes[6].mesh);
 }
 
-TEST(AssimpImport, LinesKeepTheirNumberAndHoldNoTriangle) {
+TEST(AssimpImport, LinesKeepTheirIndexAndAreNoTriangle) {
   const TempDir dir;
   const auto scene = import_scene(dir.write("shared.gltf", kGltf));
   ASSERT_TRUE(scene) << error_of(scene);
@@ -110,7 +110,7 @@ TEST(AssimpImport, LinesKeepTheirNumberAndHoldNoTriangle) {
   for (const Face& face : lines.faces) EXPECT_EQ(face, (Face{kNoVertex, kNoVertex, kNoVertex}));
 }
 
-TEST(AssimpImport, LinesAmongTrianglesDoNotMoveTheNumbersBehindThem) {
+TEST(AssimpImport, LinesAmongTrianglesDoNotShiftLaterIndices) {
   const TempDir dir;
   const auto scene = import_scene(dir.write("mixed.obj", R"(
 v 0 0 0
@@ -133,7 +133,7 @@ f 1 2 4
   EXPECT_EQ(mesh.lines_and_points, 1U);
 }
 
-TEST(AssimpImport, KeepsVerticesThatAreNotFinite) {
+TEST(AssimpImport, KeepsNonFiniteVertices) {
   const TempDir dir;
   const auto scene = import_scene(dir.write("nan.ply", R"(ply
 format ascii 1.0
@@ -155,7 +155,7 @@ nan 1 0
   EXPECT_NE(scene->meshes[0].vertices[2][0], scene->meshes[0].vertices[2][0]);
 }
 
-TEST(AssimpImport, TheFrameOfGltfIsKnownAndConvertedOnRequest) {
+TEST(AssimpImport, TheFrameOfGltfIsRecordedAndConvertedOnRequest) {
   const TempDir dir;
   const std::string file = dir.write("shared.gltf", kGltf);
   const auto as_is = import_scene(file);
@@ -171,7 +171,7 @@ TEST(AssimpImport, TheFrameOfGltfIsKnownAndConvertedOnRequest) {
   EXPECT_EQ(converted->nodes[1].parent_from_local, as_is->nodes[1].parent_from_local);
 }
 
-TEST(AssimpImport, RefusesATransformThatIsNotFiniteByTheNodesName) {
+TEST(AssimpImport, RefusesANonFiniteTransformAndNamesTheNode) {
   const TempDir dir;
   std::string gltf = kGltf;
   gltf.replace(gltf.find("[10, 0, 0]"), 10, "[1e39, 0, 0]");
@@ -180,7 +180,7 @@ TEST(AssimpImport, RefusesATransformThatIsNotFiniteByTheNodesName) {
   EXPECT_NE(error_of(scene).find("node 'root'"), std::string::npos) << error_of(scene);
 }
 
-TEST(AssimpImport, SaysWhatIsWrongWithAFile) {
+TEST(AssimpImport, ReportsTheFaultOfAFile) {
   const TempDir dir;
   EXPECT_NE(error_of(import_scene(dir.path("none.obj"))).find("No such file"), std::string::npos);
   EXPECT_NE(error_of(import_scene(dir.path(""))).find("is a directory"), std::string::npos);
@@ -189,8 +189,8 @@ TEST(AssimpImport, SaysWhatIsWrongWithAFile) {
   EXPECT_NE(error_of(import_scene(dir.write("text.xyz", "hello"))), "");
 }
 
-// Assimp takes a face of no corners for a polygon and looks for it in vain.
-TEST(AssimpImport, AFaceWithoutCornersKeepsItsNumber) {
+// Assimp treats a face without corners as a polygon and fails to find it.
+TEST(AssimpImport, AFaceWithoutCornersKeepsItsIndex) {
   const TempDir dir;
   const std::string text = R"(ply
 format ascii 1.0
@@ -217,7 +217,7 @@ end_header
   EXPECT_EQ(all->meshes[0].triangles, 0u);
 }
 
-TEST(AssimpImport, RefusesAPolygonOfVerticesThatThereAreNot) {
+TEST(AssimpImport, RefusesAPolygonOfMissingVertices) {
   const TempDir dir;
   const auto scene = import_scene(dir.write("far.ply", R"(ply
 format ascii 1.0
@@ -239,14 +239,14 @@ end_header
       << error_of(scene);
 }
 
-TEST(AssimpImport, RefusesAUnitThatIsNone) {
+TEST(AssimpImport, RefusesAnInvalidUnit) {
   const TempDir dir;
   const std::string file = dir.write("two.obj", kTwoObjects);
   EXPECT_FALSE(import_scene(file, {{}, 0.0}));
   EXPECT_FALSE(import_scene(file, {{}, -1.0}));
 }
 
-TEST(AssimpImport, ProgressNeverRunsBackwards) {
+TEST(AssimpImport, ProgressNeverDecreases) {
   const TempDir dir;
   double last = 0;
   const auto scene = import_scene(dir.write("two.obj", kTwoObjects), {}, [&](double part) {

@@ -1,4 +1,4 @@
-// Scenes in Assimp's form that no good file makes.
+// Assimp scenes that no valid file produces.
 #include "client/importer/convert.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A root that carries a triangle.
+/// A root with a triangle.
 std::unique_ptr<aiScene> triangle() {
   auto scene = std::make_unique<aiScene>();
   scene->mNumMeshes = 1;
@@ -31,7 +31,7 @@ std::unique_ptr<aiScene> triangle() {
   return scene;
 }
 
-/// One that moves the root for two seconds and blends one shape, the first of as many as are said.
+/// Moves the root for two seconds and animates the weight of shape number `shape`; there is one.
 std::unique_ptr<aiScene> moving_triangle(unsigned shape) {
   auto scene = triangle();
   aiMesh& mesh = *scene->mMeshes[0];
@@ -69,7 +69,7 @@ TEST(Convert, RefusesVerticesWithoutPositions) {
             std::string::npos);
 }
 
-TEST(Convert, AnFbxUnitThatIsNoneIsUnknown) {
+TEST(Convert, AnInvalidFbxUnitIsUnknown) {
   for (const double centimeters : {kInf, kNaN, -1.0, 0.0}) {
     const auto scene = triangle();
     scene->mMetaData = new aiMetadata;
@@ -81,7 +81,7 @@ TEST(Convert, AnFbxUnitThatIsNoneIsUnknown) {
   }
 }
 
-TEST(Convert, RefusesATransformThatAnotherUnitMakesInfinite) {
+TEST(Convert, RefusesATransformThatAUnitConversionMakesInfinite) {
   const auto scene = triangle();
   scene->mRootNode->mTransformation.a1 = 1e20f;
   const ImportOptions tiny{{}, 1e-300};
@@ -91,7 +91,7 @@ TEST(Convert, RefusesATransformThatAnotherUnitMakesInfinite) {
   EXPECT_TRUE(convert_scene(*scene, "glTF2 Importer", {{}, 1e-200}));
 }
 
-TEST(Convert, AnAnimationEnds) {
+TEST(Convert, RefusesAnInfiniteDuration) {
   for (const double duration : {kInf, kNaN}) {
     const auto scene = moving_triangle(0);
     scene->mAnimations[0]->mDuration = duration;
@@ -102,7 +102,7 @@ TEST(Convert, AnAnimationEnds) {
   EXPECT_FALSE(convert_animated_scene(*scene, "", {}));
 }
 
-TEST(Convert, WeightsOfShapesThatThereAreNotMoveNothing) {
+TEST(Convert, WeightsOfMissingShapesMoveNothing) {
   const auto scene = moving_triangle(4000000000U);
   const auto animated = convert_animated_scene(*scene, "", {});
   ASSERT_TRUE(animated) << error_of(animated);

@@ -1,4 +1,4 @@
-// Folders of frames: their order, what they must have in common, their lattice.
+// Folders of frames: their order, their common topology, their lattice.
 #include "client/importer/frame_sequence.h"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ std::string squares(double z, double x = 0) {
   return text + "f 5 6 7\nf 5 7 8\n";
 }
 
-// Four vertices at height z, and these faces.
+// Four vertices at height z, with these faces.
 std::string sheet(double z, const std::vector<std::string>& faces) {
   std::string text = fmt::format(
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
@@ -42,7 +42,7 @@ std::string error_of(const Result<FrameSequence>& sequence) {
   return sequence ? "" : sequence.error().message;
 }
 
-TEST(FrameSequence, HasOnlyWhatChanges) {
+TEST(FrameSequence, HasOnlyChangingMeshes) {
   const TempDir dir;
   for (int k = 1; k <= 3; ++k) dir.write(fmt::format("f{}.obj", k), squares(k));
   const auto sequence = import_sequence(dir.path(""));
@@ -59,7 +59,7 @@ TEST(FrameSequence, HasOnlyWhatChanges) {
   EXPECT_EQ(sequence->frames[0].shaped[0].vertices, sequence->scene.meshes[0].vertices);
 }
 
-TEST(FrameSequence, NumbersInNamesCountAsNumbers) {
+TEST(FrameSequence, OrdersNumbersInNamesByValue) {
   const TempDir dir;
   for (const char* name : {"f10.obj", "f9.obj", "f009.obj", "f1a.obj", "f1.obj", "e99.obj"})
     dir.write(name, squares(1));
@@ -118,7 +118,7 @@ TEST(FrameSequence, AFrameThatTheLatticeCannotHoldIsAnError) {
             std::string::npos);
 }
 
-TEST(FrameSequence, TheHorseGallops) {
+TEST(FrameSequence, ReadsTheGallopingHorse) {
   const char* folder = std::getenv("SIGHTLINE_SCENES");
   if (folder == nullptr) GTEST_SKIP() << "SIGHTLINE_SCENES is not set";
   const auto sequence = import_sequence(std::string(folder) + "/horse_gallop");

@@ -20,7 +20,7 @@ ImportedScene scene_of(UpAxis up, double unit) {
   return scene;
 }
 
-TEST(Frame, ZUpTakesYToZ) {
+TEST(Frame, ZUpMapsYToZ) {
   ImportedScene scene = scene_of(UpAxis::kY, 1);
   convert_frame(scene, UpAxis::kZ, {});
   EXPECT_EQ(scene.nodes[0].parent_from_local, (Rows{1, 2, 3, 4, -9, -10, -11, -12, 5, 6, 7, 8}));
@@ -28,7 +28,7 @@ TEST(Frame, ZUpTakesYToZ) {
   EXPECT_EQ(scene.up_axis, UpAxis::kZ);
 }
 
-TEST(Frame, ThereAndBackIsNothing) {
+TEST(Frame, ConvertingBackIsTheIdentity) {
   ImportedScene scene = scene_of(UpAxis::kZ, 1);
   const Rows before = scene.nodes[0].parent_from_local;
   convert_frame(scene, UpAxis::kY, {});
@@ -46,7 +46,7 @@ TEST(Frame, AnotherUnitScalesTheRoots) {
   EXPECT_EQ(scene.meters_per_unit, 1);
 }
 
-TEST(Frame, WhatTheFileDoesNotSayIsOnlyRecorded) {
+TEST(Frame, AFrameThatTheFileDoesNotStateIsOnlyRecorded) {
   ImportedScene scene = scene_of(UpAxis::kUnknown, 0);
   const Rows before = scene.nodes[0].parent_from_local;
   convert_frame(scene, UpAxis::kZ, 0.001);
@@ -55,7 +55,7 @@ TEST(Frame, WhatTheFileDoesNotSayIsOnlyRecorded) {
   EXPECT_EQ(scene.meters_per_unit, 0.001);
 }
 
-TEST(Frame, NothingAskedChangesNothing) {
+TEST(Frame, NoRequestChangesNothing) {
   ImportedScene scene = scene_of(UpAxis::kZ, 0.01);
   const Rows before = scene.nodes[0].parent_from_local;
   convert_frame(scene, {}, {});

@@ -1,4 +1,4 @@
-// One buffer, as base64 in the file itself.
+// Has one buffer, embedded as base64.
 #include "tests/client/importer/gltf_file.h"
 
 #include <cmath>
@@ -97,7 +97,7 @@ GltfFile bending_strip() {
                                      "VEC4");
   const int weights = file.add(
       {1, 0, 0, 0, 1, 0, 0, 0, 0.5F, 0.5F, 0, 0, 0.5F, 0.5F, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4");
-  // Columns: nothing at the foot, one down at the upper joint.
+  // Columns: no offset at the foot, one down at the upper joint.
   const int inverses = file.add({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,
                                  1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},
                                 "MAT4");

@@ -1,4 +1,4 @@
-// Tracks between their keys and beyond them.
+// Tracks between their keys and outside them.
 #include "client/importer/key_frames.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ Quaternion about_x(double degrees) {
   return {std::cos(half), std::sin(half), 0, 0};
 }
 
-TEST(KeyFrames, AreMixedLinearly) {
+TEST(KeyFrames, AreInterpolatedLinearly) {
   EXPECT_EQ(sample(ramp(), 1), (Point{0, 0, 0}));
   EXPECT_EQ(sample(ramp(), 1.5), (Point{1, 2, 3}));
   EXPECT_EQ(sample(ramp(), 2), (Point{2, 4, 6}));
@@ -24,7 +24,7 @@ TEST(KeyFrames, AreMixedLinearly) {
   EXPECT_EQ(sample(ramp(), 4), (Point{2, 4, 10}));
 }
 
-TEST(KeyFrames, BeyondThemIsAsTheTrackSays) {
+TEST(KeyFrames, OutsideThemTheTrackDecides) {
   Track<Point> track = ramp();
   EXPECT_EQ(sample(track, 0), (Point{0, 0, 0}));
   EXPECT_EQ(sample(track, 9), (Point{2, 4, 10}));
@@ -37,22 +37,22 @@ TEST(KeyFrames, BeyondThemIsAsTheTrackSays) {
   EXPECT_EQ(sample(track, 0.5), (Point{2, 4, 9}));
 }
 
-TEST(KeyFrames, OneKeyIsAllThereIs) {
+TEST(KeyFrames, OneKeyIsConstant) {
   for (const Beyond beyond : {Beyond::kHold, Beyond::kExtrapolate, Beyond::kRepeat}) {
     const Track<Point> track{{{3, {1, 2, 3}}}, beyond, beyond};
     for (const double t : {-5.0, 3.0, 7.0}) EXPECT_EQ(sample(track, t), (Point{1, 2, 3}));
   }
 }
 
-TEST(KeyFrames, TwoAtOneTimeAreAStep) {
+TEST(KeyFrames, TwoKeysAtOneTimeAreAStep) {
   const Track<Point> track{{{0, {0, 0, 0}}, {1, {0, 0, 0}}, {1, {5, 5, 5}}, {2, {5, 5, 5}}}};
   EXPECT_EQ(sample(track, 0.999), (Point{0, 0, 0}));
   EXPECT_EQ(sample(track, 1), (Point{5, 5, 5}));
 }
 
-TEST(KeyFrames, RotationsTakeTheShorterArcAtAnEvenPace) {
+TEST(KeyFrames, RotationsTakeTheShorterArcAtConstantSpeed) {
   Quaternion far = about_x(80);
-  for (double& x : far) x = -x;  // the same rotation
+  for (double& x : far) x = -x;  // The same rotation
   const Track<Quaternion> track{{{0, about_x(0)}, {1, far}}};
   for (const double part : {0.0, 0.1, 0.25, 0.5, 0.9, 1.0}) {
     const Quaternion expected = about_x(80 * part);
@@ -63,7 +63,7 @@ TEST(KeyFrames, RotationsTakeTheShorterArcAtAnEvenPace) {
   }
 }
 
-TEST(KeyFrames, RotationsThatHardlyDifferStayOfUnitLength) {
+TEST(KeyFrames, NearlyEqualRotationsStayOfUnitLength) {
   const Track<Quaternion> track{{{0, about_x(10)}, {1, about_x(10 + 1e-9)}}};
   const Quaternion actual = sample(track, 0.5);
   double square = 0;
@@ -71,7 +71,7 @@ TEST(KeyFrames, RotationsThatHardlyDifferStayOfUnitLength) {
   EXPECT_NEAR(square, 1, 1e-15);
 }
 
-TEST(KeyFrames, WeightsThatAreMissingCountZero) {
+TEST(KeyFrames, MissingWeightsAreZero) {
   const Track<std::vector<double>> track{{{0, {1}}, {1, {0, 1}}}};
   EXPECT_EQ(sample(track, 0.25), (std::vector<double>{0.75, 0.25}));
 }

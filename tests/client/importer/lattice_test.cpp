@@ -1,4 +1,4 @@
-// Far scenes brought near: what for, when, and that nothing is moved by it.
+// Rebasing of far scenes: when it happens, and that it does not move anything.
 #include "client/importer/lattice.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ ImportedMesh mesh_of(std::vector<Vertex> vertices) {
   return mesh;
 }
 
-// A node a mesh, without a parent.
+// One node for each mesh, without a parent.
 ImportedScene scene_of(std::vector<ImportedMesh> meshes) {
   ImportedScene scene;
   scene.meshes = std::move(meshes);
@@ -74,7 +74,7 @@ TEST(Lattice, TheOffsetIsAMultipleOfTheExtentAsAPowerOfTwo) {
   EXPECT_EQ(scene.nodes[0].parent_from_local, (Rows{1, 0, 0, 1000, 0, 1, 0, 0, 0, 0, 1, -4000}));
 }
 
-TEST(Lattice, EveryVertexIsWhereItWasToTheLastBit) {
+TEST(Lattice, KeepsWorldPositionsToTheLastBit) {
   tests::Random random(1);
   int rebased = 0;
   for (int round = 0; round < 2000; ++round) {
@@ -103,7 +103,7 @@ TEST(Lattice, EveryVertexIsWhereItWasToTheLastBit) {
   EXPECT_GT(rebased, 1000);
 }
 
-TEST(Lattice, AMeshOfSeveralNodesIsMovedInEachOfThem) {
+TEST(Lattice, AMeshOfSeveralNodesIsRebasedInEachOfThem) {
   ImportedScene scene = scene_of({mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}})});
   scene.nodes = {{.name = "root", .parent_from_local = {1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0}},
                  {.name = "still", .parent = 0, .mesh = 0},
@@ -117,17 +117,17 @@ TEST(Lattice, AMeshOfSeveralNodesIsMovedInEachOfThem) {
   EXPECT_EQ(scene.nodes[2].parent_from_local, (Rows{0, -2, 0, 7, 2, 0, 0, 8200, 0, 0, -2, 9}));
 }
 
-TEST(Lattice, ATranslationThatTookTheVerticesBackIsGone) {
+TEST(Lattice, RemovesATranslationThatUndidTheOffset) {
   ImportedScene scene = scene_of({mesh_of({{4e6f, 0, 0}, {4e6f + 1, 0, 0}, {4e6f, 1, 0}})});
   scene.nodes[0].parent_from_local[3] = -4e6;
   rebase(scene);
   EXPECT_EQ(scene.nodes[0].parent_from_local, kIdentity);
 }
 
-TEST(Lattice, MeshesThatTouchAndMeshesThatAreEqualStaySo) {
+TEST(Lattice, TouchingMeshesAndEqualMeshesStaySo) {
   const std::vector<Vertex> left{{5000.25f, 0, 0}, {5001.5f, 0, 0}, {5001.5f, 1, 0}};
   const std::vector<Vertex> right{{5001.5f, 0, 0}, {5002.75f, 0, 0}, {5001.5f, 1, 0}};
-  // A copy of the first, moved: another mesh before, and another after.
+  // A copy of the first, moved: a different mesh before and after.
   const std::vector<Vertex> moved{{5002.25f, 0, 0}, {5003.5f, 0, 0}, {5003.5f, 1, 0}};
   ImportedScene scene = scene_of({mesh_of(left), mesh_of(right), mesh_of(moved), mesh_of(left)});
   EXPECT_NE(rebase(scene), kNowhere);
@@ -142,17 +142,17 @@ TEST(Lattice, MeshesThatTouchAndMeshesThatAreEqualStaySo) {
     EXPECT_EQ(node.parent_from_local, scene.nodes[0].parent_from_local);
 }
 
-TEST(Lattice, NearScenesStayAsTheyAre) {
+TEST(Lattice, NearScenesDoNotChange) {
   expect_untouched(scene_of({}));
   expect_untouched(scene_of({mesh_of({})}));
   expect_untouched(scene_of({mesh_of({{15, 15, 15}, {15.75f, 15, 15}, {15, 15.5f, 15}})}));
-  // All in one point: there is no extent to measure a distance by.
+  // All vertices in one point: there is no extent to compare a distance with.
   expect_untouched(scene_of({mesh_of({{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f, 1e6f}})}));
-  // Far, but on both sides.
+  // Far, but on both sides of the origin.
   expect_untouched(scene_of({mesh_of({{-1e6f, 0, 0}, {1e6f, 1, 0}, {1e6f, 0, 1}})}));
 }
 
-TEST(Lattice, VerticesThatAreNotFiniteDecideNothingAndStay) {
+TEST(Lattice, NonFiniteVerticesAreIgnoredAndKept) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   ImportedScene scene =
@@ -165,18 +165,18 @@ TEST(Lattice, VerticesThatAreNotFiniteDecideNothingAndStay) {
   EXPECT_EQ(rebase(none), kNowhere);
 }
 
-TEST(Lattice, NodesThatCannotBeMovedKeepTheWholeSceneWhereItIs) {
+TEST(Lattice, NodesThatCannotBeMovedPreventTheRebase) {
   const auto far = mesh_of({{4096, 0, 0}, {4097, 0, 0}, {4096, 1, 0}});
   ImportedScene scene = scene_of({far, far});
-  scene.nodes[1].parent = 0;  // it would move with the node above it
+  scene.nodes[1].parent = 0;  // It would move with the node above it
   expect_untouched(scene);
   scene = scene_of({far, far});
-  scene.nodes[1].parent_from_local[3] = 1e-15;  // 4096 and this need more bits than there are
+  scene.nodes[1].parent_from_local[3] = 1e-15;  // 4096 and this need more bits than a double has
   expect_untouched(scene);
   scene.nodes[1].parent_from_local = {1e-300, 0, 0, 0, 0, 1e-300, 0, 0, 0, 0, 1.0 / 3, 0};
   EXPECT_NE(rebase(scene), kNowhere) << "a power of two times any number is exact";
   scene = scene_of({mesh_of({{12288, 0, 0}, {12289, 0, 0}, {12288, 1, 0}})});
-  scene.nodes[0].parent_from_local[0] = 1.0 / 3;  // three times this is one bit too long
+  scene.nodes[0].parent_from_local[0] = 1.0 / 3;  // Three times this is one bit too long
   expect_untouched(scene);
 }
 

@@ -1,4 +1,4 @@
-// Poses with known answers, of files made for it and of real ones.
+// Poses with known answers, of files made for the tests and of real ones.
 #include "client/importer/pose.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ void expect_near(const Vertex& actual, const Point& expected) {
   }
 }
 
-// By the nodes of the scene.
+// By the scene's nodes.
 Transform in_world(const ImportedScene& scene, const Pose& pose, std::uint32_t node) {
   Transform out = kIdentity;
   for (; node != kNone; node = scene.nodes[node].parent) {
@@ -86,7 +86,7 @@ TEST(Pose, ANodeMovesLinearlyAndHoldsItsLastKey) {
   EXPECT_NEAR(x_at(50), 4, kNear);
 }
 
-TEST(Pose, RotationsGoAroundEvenlyAndScalesMultiply) {
+TEST(Pose, RotationsHaveConstantSpeedAndScalesMultiply) {
   GltfFile file = tests::triangle_under_root();
   const float half = std::sqrt(0.5F);
   file.animate(1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, half, half});
@@ -99,7 +99,7 @@ TEST(Pose, RotationsGoAroundEvenlyAndScalesMultiply) {
   expect_near(third.placed[0].parent_from_local, expected);
 }
 
-TEST(Pose, WhatIsScaledToNothingKeepsAnInverse) {
+TEST(Pose, AZeroScaleKeepsAnInverse) {
   GltfFile file = tests::triangle_under_root();
   file.animate(1, "scale", {0, 1}, {1, 1, 1, 0, 0, 0});
   const AnimatedScene scene = import(file);
@@ -107,7 +107,7 @@ TEST(Pose, WhatIsScaledToNothingKeepsAnInverse) {
   EXPECT_EQ(gone.placed.at(0).parent_from_local[0], kLeastScale);
 }
 
-TEST(Pose, RootsAreTurnedAsTheSceneWas) {
+TEST(Pose, RootsAreConvertedLikeTheScene) {
   GltfFile file = tests::triangle_under_root();
   file.animate(0, "translation", {0, 1}, {0, 0, 0, 0, 6, 0});
   const AnimatedScene scene = import(file, {UpAxis::kZ, 0.5});
@@ -121,13 +121,13 @@ TEST(Pose, RootsAreTurnedAsTheSceneWas) {
 TEST(Pose, ASkinnedStripBends) {
   const AnimatedScene scene = import(tests::bending_strip());
   ASSERT_EQ(scene.animations.size(), 1U);
-  const Pose at_rest = pose(scene, scene.animations[0], 0);
-  ASSERT_EQ(at_rest.shaped.size(), 1U);
+  const Pose rest_pose = pose(scene, scene.animations[0], 0);
+  ASSERT_EQ(rest_pose.shaped.size(), 1U);
   const ImportedMesh& mesh = scene.scene.meshes[0];
   for (std::size_t v = 0; v < 6; ++v) {
     const Vertex& p = mesh.vertices[v];
-    // The strip stands where its joints are, not where the node that carries it is.
-    expect_near(at_rest.shaped[0].vertices[v], {point(p)[0] - 10, point(p)[1], point(p)[2]});
+    // The strip is at its joints' positions, not at that of its node.
+    expect_near(rest_pose.shaped[0].vertices[v], {point(p)[0] - 10, point(p)[1], point(p)[2]});
   }
   const Pose bent = pose(scene, scene.animations[0], 1);
   const std::array<Point, 6> expected{
@@ -143,7 +143,7 @@ TEST(Pose, ASkinnedStripBends) {
   EXPECT_NEAR(top[1], turned[1] + 1, kNear);
 }
 
-TEST(Pose, ASkinFollowsItsBonesWhateverMovesTheNode) {
+TEST(Pose, ASkinFollowsItsBonesForAnyMotionOfItsNode) {
   GltfFile file = tests::bending_strip();
   file.animate(1, "translation", {0, 1}, {10, 0, 0, 77, 5, 3});
   const AnimatedScene scene = import(file);
@@ -153,11 +153,11 @@ TEST(Pose, ASkinFollowsItsBonesWhateverMovesTheNode) {
   EXPECT_NEAR(top[1], 1.5, 1e-5);
 }
 
-TEST(Pose, RebasedMeshesAreInTheWorldWhereTheyWere) {
+TEST(Pose, RebasedMeshesKeepTheirWorldPositions) {
   GltfFile near = tests::bending_strip();
   near.animate(2, "translation", {0, 1}, {0, 0, 0, 0, 0, 3});
   GltfFile far = near;
-  // The same strip, with 1,048,576 more in x in its vertices, and less in its joints.
+  // The same strip with 1,048,576 added to x in its vertices and subtracted in its joints.
   std::vector<float> positions;
   for (const float y : {0.0F, 1.0F, 2.0F}) {
     for (const float x : {-0.5F, 0.5F}) positions.insert(positions.end(), {x + 1048576.0F, y, 0});
@@ -175,12 +175,12 @@ TEST(Pose, RebasedMeshesAreInTheWorldWhereTheyWere) {
   for (std::size_t v = 0; v < 6; ++v) {
     const Point p = in_world(a.scene, here, here.shaped[0], v);
     const Point q = in_world(b.scene, there, there.shaped[0], v);
-    // The node that carries the strip is a million away: its vertices are floats near a million.
+    // The node of the strip is a million units away: its vertices are floats near a million.
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(p[k], q[k], 0.07) << v;
   }
 }
 
-TEST(Pose, AnAnimatedNodeThatCarriesARebasedMeshTurnsAboutItsOwnOrigin) {
+TEST(Pose, AnAnimatedNodeWithARebasedMeshRotatesAboutItsOwnOrigin) {
   GltfFile file = tests::triangle_under_root();
   file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
       file.add({1024, 0, 0, 1025, 0, 0, 1024, 1, 0}, "VEC3");
@@ -213,7 +213,7 @@ TEST(Pose, AFileWithoutAnimationsHasNone) {
   EXPECT_TRUE(import(tests::triangle_under_root()).animations.empty());
 }
 
-TEST(AnimatedImport, TheSceneIsThatOfAPlainImport) {
+TEST(AnimatedImport, TheSceneEqualsThatOfAPlainImport) {
   const TempDir dir;
   const std::string path = dir.write("strip.gltf", tests::bending_strip().text());
   const auto animated = import_animated_scene(path, {UpAxis::kZ, {}});
@@ -227,7 +227,7 @@ TEST(AnimatedImport, TheSceneIsThatOfAPlainImport) {
   EXPECT_EQ(animated->scene.meshes[0].vertices, plain->meshes[0].vertices);
 }
 
-TEST(AnimatedImport, RefusesKeysThatAreNotInOrder) {
+TEST(AnimatedImport, RefusesUnorderedKeys) {
   GltfFile file = tests::triangle_under_root();
   file.animate(1, "translation", {1, 0}, {0, 0, 0, 4, 0, 8});
   const TempDir dir;
@@ -248,7 +248,7 @@ class RealAnimations : public testing::Test {
   }
 };
 
-// The angles are slerps of the file's own numbers, worked out apart from this code.
+// The angles are slerps of the file's own numbers, computed independently of this code.
 TEST_F(RealAnimations, TheWheelsOfTheMilkTruckTurnOnceIn1250Milliseconds) {
   const AnimatedScene truck = import_real("cesium_milk_truck.glb");
   ASSERT_EQ(truck.animations.size(), 1U);
@@ -268,7 +268,7 @@ TEST_F(RealAnimations, TheWheelsOfTheMilkTruckTurnOnceIn1250Milliseconds) {
   }
 }
 
-TEST_F(RealAnimations, TheRobotsSkinsStayTogether) {
+TEST_F(RealAnimations, TheRobotsSkinsDoNotTear) {
   const AnimatedScene robot = import_real("brainstem.glb");
   ASSERT_EQ(robot.animations.size(), 1U);
   EXPECT_NEAR(robot.animations[0].seconds, 34.88, 1e-4);
@@ -285,7 +285,7 @@ TEST_F(RealAnimations, TheRobotsSkinsStayTogether) {
   }
   EXPECT_GT(low, -0.3) << "it stands on the ground";
   EXPECT_GT(high - low, 1.4);
-  EXPECT_LT(high - low, 2.2) << "as tall as it is at rest";
+  EXPECT_LT(high - low, 2.2) << "as tall as in its rest pose";
 }
 
 TEST_F(RealAnimations, TheDroneMovesItsPartsAndBlendsAShape) {

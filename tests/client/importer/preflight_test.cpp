@@ -1,4 +1,4 @@
-// Files that Assimp would not come back from, and their like that it would.
+// Files on which Assimp would hang or exhaust memory, and similar valid ones.
 #include "client/importer/preflight.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ std::string glb(std::uint32_t length, const std::string& json) {
          little_endian(length) + "JSON" + json;
 }
 
-/// Node i has nodes i + 1, `copies` times; the last has none.
+/// Node i has node i + 1 as child `copies` times; the last node has no children.
 std::string chain(int nodes, int copies) {
   std::string json = R"({"nodes": [)";
   for (int i = 0; i + 1 < nodes; ++i) {
@@ -56,7 +56,7 @@ std::string chain(int nodes, int copies) {
   return json + "{}]}";
 }
 
-TEST(Damage, AGoodFileHasNone) {
+TEST(Preflight, AcceptsAValidFile) {
   const TempDir dir;
   EXPECT_EQ(error_of(preflight(dir.write("good.ply", kPly))), "");
   EXPECT_EQ(error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
@@ -69,7 +69,7 @@ TEST(Damage, AGoodFileHasNone) {
   EXPECT_EQ(error_of(preflight(dir.write("empty.glb", ""))), "");
 }
 
-TEST(Damage, APlyHeaderHasAnEnd) {
+TEST(Preflight, RefusesAPlyHeaderWithoutAnEnd) {
   const TempDir dir;
   for (const char* end :
        {"", "end_headers", "the_end_header", "end", "list end_header", "comment end_header"}) {
@@ -78,7 +78,7 @@ TEST(Damage, APlyHeaderHasAnEnd) {
   }
 }
 
-TEST(Damage, APlyFileHasRoomForItsElements) {
+TEST(Preflight, RefusesAPlyFileTooSmallForItsElements) {
   const TempDir dir;
   const auto check = [&](const std::string& count) {
     const std::string element = "element vertex ";
@@ -90,14 +90,14 @@ TEST(Damage, APlyFileHasRoomForItsElements) {
   EXPECT_NE(check("18446744073709551615"), "");
 }
 
-TEST(Damage, AGlbChunkEndsWithinTheFile) {
+TEST(Preflight, RefusesAGlbChunkBeyondTheFile) {
   const TempDir dir;
   for (const std::uint32_t length : {3U, 0x7FFFFFFFU, 0xFFFFFFFFU})
     EXPECT_NE(error_of(preflight(dir.write("long.glb", glb(length, "{}")))), "") << length;
   EXPECT_EQ(error_of(preflight(dir.write("cut.glb", glb(2, "{}") + "abcd"))), "");
 }
 
-TEST(Damage, NodesOfGltfAndGlbAreCounted) {
+TEST(Preflight, LimitsTheNodesOfGltfAndGlb) {
   const TempDir dir;
   const std::string json = chain(40, 2);
   EXPECT_NE(error_of(preflight(dir.write("many.gltf", json))), "");
@@ -105,7 +105,7 @@ TEST(Damage, NodesOfGltfAndGlbAreCounted) {
   EXPECT_NE(error_of(preflight(dir.write("many.glb", file))), "");
 }
 
-TEST(GltfNodes, AFewWithTwoParentsAreFine) {
+TEST(GltfNodes, AFewNodesMayHaveTwoParents) {
   EXPECT_EQ(error_of(check_gltf_nodes(chain(20, 2))), "");
   EXPECT_NE(error_of(check_gltf_nodes(chain(22, 2))).find("node 0 stands for 4194303 nodes"),
             std::string::npos);
@@ -128,7 +128,7 @@ TEST(GltfNodes, BracketsAreLimited) {
   EXPECT_EQ(error_of(check_gltf_nodes(beside + R"("last": 1}])")), "");
 }
 
-TEST(GltfNodes, WhatIsNoTreeOrNoJsonIsLeftToAssimp) {
+TEST(GltfNodes, LeavesOtherFaultsToAssimp) {
   for (const char* json :
        {"", "{", "[]", "{}", R"({"nodes": 3})", R"({"nodes": {"a": {"children": ["a"]}}})",
         R"({"nodes": [1, null, {"children": 7}, {"children": ["x", -1, 99, 2.5]}]})",

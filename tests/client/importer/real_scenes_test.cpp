@@ -1,4 +1,4 @@
-// Counts of real scenes, as a plain Assimp read with triangulation gives them.
+// Counts of real scenes, equal to those of a plain Assimp read with triangulation.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -16,14 +16,14 @@ struct Counts {
   std::uint64_t triangles_unique;
   std::uint64_t triangles_instanced;
   std::uint64_t meshes;
-  std::uint64_t nodes;       // as the file has them, children for single meshes left out
-  std::uint64_t mesh_nodes;  // of those, the ones with a mesh
+  std::uint64_t nodes;       // As in the file, without children made for single meshes
+  std::uint64_t mesh_nodes;  // Nodes that have a mesh
   std::uint64_t lines_and_points;
 };
 
 class RealScenes : public testing::TestWithParam<Counts> {};
 
-// A child that stands for one of its parent's meshes.
+// A child made for one of its parent's meshes.
 bool is_part(const ImportedScene& scene, const ImportedNode& node) {
   if (node.parent == kNone || node.mesh == kNone) return false;
   const ImportedNode& parent = scene.nodes[node.parent];

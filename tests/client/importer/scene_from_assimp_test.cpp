@@ -1,4 +1,4 @@
-// Names that fit a message.
+// Node names that fit into a message.
 #include "client/importer/scene_from_assimp.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace sightline::client::importer {
 namespace {
 
-TEST(NodeName, Utf8StaysAsItIs) {
+TEST(NodeName, Utf8DoesNotChange) {
   EXPECT_EQ(node_name("plain"), "plain");
   EXPECT_EQ(node_name(""), "");
   EXPECT_EQ(node_name("Gel\xC3\xA4nde \xE2\x82\xAC \xF0\x9F\x8C\xB3"),

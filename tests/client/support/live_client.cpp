@@ -1,4 +1,4 @@
-// A server and a client, and scenes whose hits are plain.
+// A server and a client, and scenes whose hits are simple to compute.
 #include "tests/client/support/live_client.h"
 
 #include <grpc/grpc.h>
@@ -11,8 +11,8 @@ namespace sightline::tests {
 namespace {
 
 std::unique_ptr<server::Server> start() {
-  // Held for good: when the last user goes, the library waits for its client's poller, for up to
-  // ten seconds.
+  // Never released: when its last user is destroyed, the library waits up to ten seconds for its
+  // client's poller.
   static const bool library_held = (grpc_init(), true);
   static_cast<void>(library_held);
   spdlog::set_level(spdlog::level::err);

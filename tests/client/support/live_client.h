@@ -1,4 +1,4 @@
-// A server in this process on a free port, and a client of it.
+// A server in this process on a free port, and a client connected to it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ class LiveClient : public testing::Test {
   LiveClient();
 
   std::string endpoint() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  /// Ends the server; the port stays free for another on the same.
+  /// Stops the server; another one can use the same port.
   void stop_server() { server_.reset(); }
 
   std::unique_ptr<server::Server> server_;
@@ -30,11 +30,11 @@ class LiveClient : public testing::Test {
 /// `count` unit squares in planes z = 0, 1, 2, ..., two triangles each.
 client::importer::ImportedMesh sheets(std::uint32_t count);
 
-/// A root "room", and under it `copies` nodes "sheet" of one mesh, moved by 10 along x from one to
-/// the next.
+/// A root "room" with `copies` child nodes "sheet" that share one mesh, each moved by 10 along x
+/// from the one before.
 client::importer::ImportedScene row_of_sheets(std::uint32_t copies);
 
-/// n rays downward from z = 5 onto the squares of row_of_sheets, one a square, and around again.
+/// n rays down from z = 5 onto the squares of row_of_sheets, one for each square in turn.
 struct DownwardRays {
   DownwardRays(std::size_t n, std::uint32_t copies);
   client::RayColumns<const double> columns() const { return {origins, directions}; }

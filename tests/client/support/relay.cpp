@@ -1,4 +1,4 @@
-// A thread accepts, two more carry each connection's bytes.
+// One thread accepts connections, two more for each connection copy its bytes.
 #include "tests/client/support/relay.h"
 
 #include <arpa/inet.h>
@@ -42,7 +42,7 @@ bool send_all(int file, const char* bytes, std::size_t count) {
 
 struct Relay::Connection {
   int client = -1, server = -1;
-  std::size_t to_server = 0, from_server = 0;  // limits, 0: none
+  std::size_t to_server = 0, from_server = 0;  // Limits in bytes, 0: none
   std::thread up, down;
 };
 

@@ -1,4 +1,4 @@
-// A port that passes connections on to a server, and breaks them when told to.
+// A port that forwards connections to a server, and breaks them on request.
 #pragma once
 
 #include <condition_variable>
@@ -12,19 +12,19 @@ namespace sightline::tests {
 
 class Relay {
  public:
-  /// To 127.0.0.1:port.
+  /// Forwards to 127.0.0.1:port.
   explicit Relay(int port);
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
   ~Relay();
 
   const std::string& endpoint() const { return endpoint_; }
-  /// Breaks the connections there are.
+  /// Breaks all open connections.
   void cut();
-  /// Connections made from now on break once so many bytes have gone to the server, or have come
-  /// from it. 0: they do not.
+  /// Connections made from now on break after this many bytes to the server or from it. 0: no
+  /// limit.
   void cut_each_after(std::size_t to_server, std::size_t from_server);
-  /// While held, connections stay and no byte passes to the server.
+  /// While held, connections stay open and no bytes are forwarded to the server.
   void hold(bool held);
   int connections() const;
 

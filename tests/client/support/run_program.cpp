@@ -1,4 +1,4 @@
-// Output is caught as GoogleTest does it.
+// Captures output as GoogleTest does.
 #include "tests/client/support/run_program.h"
 
 #include <stdlib.h>

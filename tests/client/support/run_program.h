@@ -1,4 +1,4 @@
-// The command, run in this process, and what it wrote.
+// Runs the command in this process and captures its output.
 #pragma once
 
 #include <string>

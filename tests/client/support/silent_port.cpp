@@ -1,4 +1,4 @@
-// A socket that listens and accepts nobody: the system answers in its stead.
+// A socket that listens but never accepts: the system completes the connections.
 #include "tests/client/support/silent_port.h"
 
 #include <gtest/gtest.h>

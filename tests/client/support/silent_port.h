@@ -1,4 +1,4 @@
-// A port on which connections are made and nothing is ever said.
+// A port that accepts connections and never sends anything.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Folders under the system's own for temporary files.
+// Folders in the system's folder for temporary files.
 #include "tests/client/support/temp_dir.h"
 
 #include <gtest/gtest.h>

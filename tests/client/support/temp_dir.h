@@ -15,10 +15,10 @@ class TempDir {
   ~TempDir();
 
   std::string path(std::string_view name) const { return (folder_ / name).string(); }
-  /// Makes a file and returns its path.
+  /// Writes a file and returns its path.
   std::string write(std::string_view name, std::string_view content) const;
   std::string read(std::string_view name) const;
-  /// Names of all files in it, in order.
+  /// Names of all its files, in order.
   std::string names() const;
 
  private:

@@ -1,4 +1,4 @@
-// Updates there and back.
+// Encoding and decoding of updates.
 #include "client/wire/scene_codec.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace sightline::client::wire {
 namespace {
 
-TEST(UpdateCodec, WhatIsDecodedIsWhatWasEncoded) {
+TEST(UpdateCodec, DecodesWhatItEncodes) {
   PutNode put;
   put.node = -3;
   put.parent = 8;
@@ -43,7 +43,7 @@ TEST(UpdateCodec, WhatIsDecodedIsWhatWasEncoded) {
   EXPECT_TRUE(std::get<DeleteNode>(*deleted).subtree);
 }
 
-TEST(UpdateCodec, WhatCannotBeReadIsAnError) {
+TEST(UpdateCodec, UnreadableMessagesAreErrors) {
   v1::Update update;
   EXPECT_EQ(decode(update).error().code, Code::kInternal);
   update.mutable_patch_vertices()->set_positions("12345");

@@ -1,4 +1,4 @@
-// libFuzzer's target: builders and the trees they make. Built and run by tests/fuzz/run.
+// libFuzzer target: builders and their trees. Built and run by tests/fuzz/run.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Every ray is asked of both trees, thrice.
+// Traces every ray three times through both trees.
 #include "tests/fuzz/builder/check_soup.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ struct Answer {
   double t = accel::geometry::kInfinity;
   std::uint32_t primitive = 0;
   bool any = false;
-  std::vector<std::uint32_t> primitives;  ///< All that are hit, ascending.
+  std::vector<std::uint32_t> primitives;  ///< All primitives that are hit, ascending.
 
   bool operator==(const Answer&) const = default;
 };
@@ -70,7 +70,8 @@ Answer search(const SoupCase& soup, const Ray& ray, const LocalRay& local) {
   return answer;
 }
 
-/// What any t gets that is no double is not settled: a ray without limits alone is judged.
+/// Which limits apply is not defined if t is no finite double: only rays without limits are
+/// checked.
 Wrong judge_all(const SoupCase& soup, const LocalRay& local) {
   const RationalRay exact(local.origin, local.direction);
   for (const accel::geometry::Face& f : soup.faces) {
@@ -97,7 +98,7 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   fresh.node = 1;
   MeshQuery any = fresh, nearest = fresh, all = fresh;
   any.any = true;
-  accel::mesh::Distinct<std::uint32_t> primitives;
+  accel::mesh::UniqueHits<std::uint32_t> primitives;
   all.primitives = &primitives;
   tree.query(any, walked, built);
   tree.query(nearest, walked, built);
@@ -113,16 +114,16 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   return answer;
 }
 
-Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool has_room) {
+Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool within_capacity) {
   const accel::kdtree::EpochPin pin;
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
     return fmt::format("depth {}", metrics.max_depth);
-  if (metrics.unbuilt_cells != metrics.given_up_cells)
-    return fmt::format("{} unbuilt cells", metrics.unbuilt_cells);
-  if (has_room && metrics.given_up_cells != 0)
-    return fmt::format("{} cells without room", metrics.given_up_cells);
-  if (finite > 0 && metrics.unbuilt_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
+  if (metrics.deferred_cells != metrics.failed_cells)
+    return fmt::format("{} unbuilt cells", metrics.deferred_cells);
+  if (within_capacity && metrics.failed_cells != 0)
+    return fmt::format("{} cells without room", metrics.failed_cells);
+  if (finite > 0 && metrics.deferred_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
   if (metrics.nonempty_leaves > metrics.leaves || metrics.references < metrics.nonempty_leaves)
     return fmt::format("{} references in {} leaves", metrics.references, metrics.nonempty_leaves);
@@ -164,21 +165,22 @@ Wrong check_answers(MeshTree& tree, const SoupCase& soup, const std::vector<Aske
 
 Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   const MeshView view = soup.view();
-  const accel::mesh::MeshSurvey survey = accel::mesh::survey_mesh(view);
+  const accel::mesh::MeshStats survey = accel::mesh::compute_mesh_stats(view);
   const AnyBuilder builder = builder_for(soup);
-  // Builders of the papers may cut until there is no room; ours have a budget of references.
-  const bool has_room =
+  // Builders of the papers may cut until capacity ends; ours have a budget of references.
+  const bool within_capacity =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
   MeshTree full(view, survey, builder, soup.references);
   accel::kdtree::BuildCounters counters;
   full.expand_all(counters);
-  if (auto wrong = check_metrics(full, survey.finite_triangles, has_room)) return "full: " + *wrong;
+  if (auto wrong = check_metrics(full, survey.finite_triangles, within_capacity))
+    return "full: " + *wrong;
   if (auto wrong = check_answers(full, soup, asked)) return "full: " + *wrong;
 
   MeshTree lazy(view, survey, builder, soup.references);
   if (auto wrong = check_answers(lazy, soup, asked)) return "lazy: " + *wrong;
   lazy.expand_all(counters);
-  if (auto wrong = check_metrics(lazy, survey.finite_triangles, has_room))
+  if (auto wrong = check_metrics(lazy, survey.finite_triangles, within_capacity))
     return "completed: " + *wrong;
   if (auto wrong = check_answers(lazy, soup, asked)) return "completed: " + *wrong;
   return {};

@@ -1,4 +1,4 @@
-// One builder held against a search without a tree, and that against exact arithmetic.
+// One builder against a search without a tree, and that search against exact arithmetic.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace sightline::tests {
 
 struct SoupTally {
   std::uint64_t rays = 0;
-  std::uint64_t hits = 0;  ///< Pairs of a ray and a triangle.
+  std::uint64_t hits = 0;  ///< Pairs of a ray and a triangle that it hits.
 };
 
-/// What is wrong, or nothing. The builder's tree, built whole and grown by the rays, must answer
-/// each of them as a search through all triangles does, to the bit: nearest, any, count. Which
-/// triangles are hit is judged by RationalRay for the first ray of meshes that are small.
+/// Describes an error, or nothing. The builder's tree, built fully and grown by the rays, must
+/// answer every ray exactly as a search of all triangles does: nearest, any, count. For small
+/// meshes, RationalRay checks which triangles the first rays hit.
 std::optional<std::string> check_soup(const SoupCase& soup, SoupTally& tally);
 
 }  // namespace sightline::tests

@@ -1,4 +1,4 @@
-// Replays what is kept of the fuzzer of builders: as it is, and by every builder.
+// Replays the corpus of the builder fuzzer: as it is, and with every builder.
 #include "tests/fuzz/corpus.h"
 
 #include <gtest/gtest.h>
@@ -20,13 +20,13 @@ TEST(BuilderCorpus, HasNoFindings) {
   EXPECT_GT(tally.hits, 100u);
 }
 
-// As the builders are when nobody sets a parameter.
-TEST(BuilderCorpus, EveryBuilderStandsEveryMesh) {
+// Builders with their default parameters.
+TEST(BuilderCorpus, EveryBuilderHandlesEveryMesh) {
   SoupTally tally;
   for (const KeptInput& input : kept_inputs("builder")) {
     SoupCase soup = make_soup(Bytes(input.bytes));
     soup.parameters.clear();
-    if (soup.faces.size() > 100) continue;  // enough that all of it takes seconds
+    if (soup.faces.size() > 100) continue;  // Small enough that all of it takes seconds
     for (const std::string_view builder : accel::published::builder_names()) {
       soup.builder = builder;
       EXPECT_EQ(check_soup(soup, tally), std::nullopt) << input.name;

@@ -1,4 +1,4 @@
-// Corners are new points, or share what earlier ones have.
+// Corners are new points, or share coordinates of earlier ones.
 #include "tests/fuzz/builder/soup_case.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ Vec3f take_point(Bytes& bytes, const std::vector<Vec3f>& earlier) {
     p[axis] = std::nextafter(p[axis], kind % 2 == 0 ? 1e38f : -1e38f);
   } else if (kind < 128) {
     p[axis] += static_cast<float>(bytes.take<std::int8_t>());
-  } else if (kind < 192) {  // in its plane
+  } else if (kind < 192) {  // In its plane
     p[(axis + 1) % 3] = static_cast<float>(bytes.take<std::int8_t>());
     p[(axis + 2) % 3] = static_cast<float>(bytes.take<std::int8_t>());
   } else {
@@ -67,12 +67,12 @@ void take_faces(Bytes& bytes, SoupCase& soup) {
   }
 }
 
-/// Searching naively takes the square of the size.
+/// The naive search takes quadratic time.
 std::size_t most_faces(const SoupCase& soup) {
   return soup.builder == "sah-naive" ? kMostFaces / 4 : kMostFaces;
 }
 
-/// The list becomes long enough for cells to be deferred and runs to be made.
+/// The list becomes long enough that cells are deferred and runs are made.
 void copy_faces(Bytes& bytes, SoupCase& soup) {
   const auto kind = bytes.take<std::uint8_t>();
   if (kind < 192 || soup.faces.empty()) return;
@@ -107,7 +107,7 @@ void take_parameters(Bytes& bytes, SoupCase& soup) {
   static constexpr const char* kValues[] = {"0",   "1",    "2",     "3",    "4",   "8",
                                             "16",  "64",   "256",   "1000", "0.5", "0.001",
                                             "1e6", "1e-6", "1e300", "off",  "on",  "4294967295"};
-  // Where a step costs next to nothing a few triangles make as large a tree as there is room for.
+  // If a step costs almost nothing, a few triangles give a tree as large as the capacity allows.
   static constexpr const char* kCosts[] = {"0.5", "1", "1.5", "4", "20", "1e6", "1e300", "nan"};
   for (std::size_t left = bytes.below(4); left > 0; --left) {
     const std::string_view name = kNames[bytes.below(std::size(kNames))];
@@ -140,7 +140,7 @@ Ray take_ray(Bytes& bytes, const SoupCase& soup) {
   } else if (kind < 160) {
     ray.direction[kind % 3] = kind % 4 < 2 ? 1 : -1;
     ray.origin = target - ray.direction * static_cast<double>(bytes.take<std::int8_t>());
-  } else {  // in its plane
+  } else {  // In its plane
     ray.direction = kind % 3 == 0 ? b - a : c - a;
     ray.origin = target - ray.direction * static_cast<double>(bytes.below(3));
   }

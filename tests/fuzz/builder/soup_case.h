@@ -1,4 +1,4 @@
-// Bytes as a mesh on which builders lose their way, a builder, and rays.
+// Fuzzer bytes as a mesh that is difficult for builders, a builder, and rays.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@
 namespace sightline::tests {
 
 struct SoupCase {
-  std::string_view builder;  ///< Of accel::builder_names().
-  /// For set_parameter, which may refuse any.
+  std::string_view builder;  ///< One of accel::builder_names().
+  /// For set_parameter, which may refuse each of them.
   std::vector<std::pair<std::string_view, std::string>> parameters;
   accel::mesh::References references = accel::mesh::References::kRuns;
   bool in_parallel = false;
   accel::geometry::Culling culling = accel::geometry::Culling::kNone;
   std::vector<accel::geometry::Vec3f> vertices;  ///< May be NaN or infinite.
-  std::vector<accel::geometry::Face> faces;      ///< Indices are good, or all kNoVertex.
-  std::vector<accel::geometry::Ray> rays;        ///< May be none that the hit rule takes.
+  std::vector<accel::geometry::Face> faces;      ///< Indices are valid, or all kNoVertex.
+  std::vector<accel::geometry::Ray> rays;        ///< May be invalid rays.
 
   accel::geometry::MeshView view() const { return {vertices, faces}; }
 };
 
-/// Any bytes make one: up to 60 triangles, and of some of them copies, moved by one step after the
-/// other or not at all, up to kMostFaces.
+/// Any bytes make a case: up to 60 triangles, and copies of some of them, each moved by a step or
+/// not at all, up to kMostFaces.
 SoupCase make_soup(Bytes bytes);
 
 inline constexpr std::size_t kMostFaces = 400;

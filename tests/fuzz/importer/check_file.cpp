@@ -1,4 +1,4 @@
-// Tried in a child, then read in earnest.
+// A child process reads the file first, then this process.
 #include "tests/fuzz/importer/check_file.h"
 
 #include <fcntl.h>
@@ -23,7 +23,7 @@
 #include "client/importer/preflight.h"
 #include "tests/fuzz/importer/check_imported.h"
 
-/// Of sanitizers, where there is one.
+/// Sanitizers' functions, if there is a sanitizer.
 extern "C" [[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)());
 
 namespace sightline::tests {
@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPatienceMs = 5000;
+constexpr int kTimeoutMs = 5000;
 
 /// A folder of this process, removed at its end.
 class Folder {
@@ -61,7 +61,7 @@ class Folder {
   fs::path path_;
 };
 
-/// Death in the child is silent, and no finding of the fuzzer's.
+/// A crash in the child is silent, and not reported as the fuzzer's finding.
 void die_quietly() {
   if (__sanitizer_set_death_callback != nullptr) __sanitizer_set_death_callback(nullptr);
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGILL, SIGFPE, SIGALRM, SIGINT, SIGTERM})
@@ -73,12 +73,12 @@ void die_quietly() {
 void read_by_assimp(const fs::path& file) {
   try {
     (void)client::importer::AssimpFile::read(file).ok();
-  } catch (const std::exception&) {  // It lives: that is all that is asked here.
+  } catch (const std::exception&) {  // The child survives: only this is tested here.
   }
 }
 
-/// A process that reads the file each time it is told to, and is replaced when it dies. Forking for
-/// each file would take most of the time.
+/// A process that reads the file on every request, and is replaced when it dies. Forking for each
+/// file would take most of the time.
 class Taster {
  public:
   explicit Taster(fs::path folder) : folder_(std::move(folder)) {}
@@ -86,7 +86,7 @@ class Taster {
   Taster(const Taster&) = delete;
   Taster& operator=(const Taster&) = delete;
 
-  /// A child that has read many files may die of an earlier one: a fresh one has the last word.
+  /// A child that has read many files may die of an earlier one: a fresh child decides.
   bool survives(const fs::path& file) {
     const bool is_fresh = child_ == 0;
     return try_once(file) || (!is_fresh && try_once(file));
@@ -99,7 +99,7 @@ class Taster {
     char answer = 0;
     pollfd ready{answers_, POLLIN, 0};
     if (write(questions_, name.data(), name.size()) == static_cast<ssize_t>(name.size()) &&
-        poll(&ready, 1, kPatienceMs) == 1 && read(answers_, &answer, 1) == 1)
+        poll(&ready, 1, kTimeoutMs) == 1 && read(answers_, &answer, 1) == 1)
       return true;
     stop();
     return false;

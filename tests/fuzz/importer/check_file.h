@@ -1,4 +1,4 @@
-// The importer, Assimp and all, on one small file of any content.
+// The importer, including Assimp, on one small file with any content.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@ namespace sightline::tests {
 enum class FileOutcome : std::uint8_t {
   kTaken,
   kRefused,     ///< With a message.
-  kAssimpDied,  ///< Assimp crashed, ran out of memory or took too long, in a process of its own.
+  kAssimpDied,  ///< Assimp crashed, ran out of memory or took too long, in a separate process.
 };
 
 struct FileReport {
   FileOutcome outcome = FileOutcome::kRefused;
-  std::optional<std::string> wrong;  ///< What is wrong with what we made of it.
+  std::optional<std::string> wrong;  ///< The error in the imported scene.
 };
 
-/// The first byte chooses the format, the others are the file. Assimp is a library of others that
-/// dies of some damaged files: each is first read in a child process, and if that ends well, here,
-/// as the command does it.
+/// The first byte selects the format, the others are the file. Assimp is a third-party library that
+/// crashes on some damaged files: each file is first read in a child process, and if that succeeds,
+/// in this process, as the command does it.
 FileReport check_file(std::span<const std::uint8_t> bytes);
 
-/// "obj", "glb", ...: the ending of the file's name.
+/// "obj", "glb", ...: the file name's extension.
 const char* ending_of(std::span<const std::uint8_t> bytes);
 
 }  // namespace sightline::tests

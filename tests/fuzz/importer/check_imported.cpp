@@ -1,4 +1,4 @@
-// Every promise of imported_scene.h and animation.h, one by one.
+// Checks every guarantee of imported_scene.h and animation.h, one by one.
 #include "tests/fuzz/importer/check_imported.h"
 
 #include <fmt/format.h>
@@ -80,10 +80,10 @@ Wrong check_mesh(const ImportedMesh& mesh) {
   return {};
 }
 
-Wrong check_node(const ImportedScene& scene, std::size_t place) {
-  const ImportedNode& node = scene.nodes[place];
+Wrong check_node(const ImportedScene& scene, std::size_t index) {
+  const ImportedNode& node = scene.nodes[index];
   if (auto wrong = check_name(node.name)) return wrong;
-  if (node.parent != kNone && node.parent >= place) return "a parent that is no earlier node";
+  if (node.parent != kNone && node.parent >= index) return "a parent that is no earlier node";
   if (node.mesh != kNone && node.mesh >= scene.meshes.size()) return "a mesh that there is not";
   if (!is_finite(node.parent_from_local)) return "a transform that is not finite";
   return {};

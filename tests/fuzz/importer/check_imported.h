@@ -1,4 +1,4 @@
-// What everything that the importer accepts has to be.
+// The guarantees of every scene that the importer accepts.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,15 @@
 
 namespace sightline::tests {
 
-/// What is wrong, or nothing: indices that name nothing, parents that are no earlier nodes,
-/// transforms that are not finite, names that no message takes, counts that do not add up. Asks the
-/// checks before an upload too, which have to stand it.
+/// Describes an error, or nothing: invalid indices, parents that are no earlier nodes, non-finite
+/// transforms, names that no message can hold, wrong counts. Also runs the checks before an upload,
+/// which must not crash.
 std::optional<std::string> check_imported(const client::importer::ImportedScene& scene);
 
-/// The same of the scene and of what it is moved by, and of poses at many moments.
+/// The same for the scene and its animations, and for poses at many times.
 std::optional<std::string> check_animated(const client::importer::AnimatedScene& animated);
 
-/// Where two imports of one file differ in a bit.
+/// Where two imports of one file differ in any bit.
 std::optional<std::string> difference(const client::importer::ImportedScene& a,
                                       const client::importer::ImportedScene& b);
 

@@ -1,4 +1,4 @@
-// Plain and animated, which have to agree.
+// The plain and the animated import, which must agree.
 #include "tests/fuzz/importer/check_made.h"
 
 #include "client/importer/convert.h"

@@ -1,4 +1,4 @@
-// The importer held to its word on one scene in Assimp's form.
+// Checks the importer's guarantees on one scene in Assimp's form.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace sightline::tests {
 
-/// What is wrong with what the importer makes of the scene that the bytes make, or nothing. `taken`
-/// says whether it took the scene, animations and all.
+/// Describes an error in the import of the scene that the bytes make, or nothing. `taken` is set to
+/// whether it accepted the scene with its animations.
 std::optional<std::string> check_made(std::span<const std::uint8_t> bytes, bool* taken = nullptr);
 
 }  // namespace sightline::tests

@@ -1,4 +1,4 @@
-// Replays what is kept of the importer's fuzzers.
+// Replays the corpora of the importer's fuzzers.
 #include "tests/fuzz/corpus.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-// libFuzzer's target: the importer on files. Built and run by tests/fuzz/run. Files that Assimp
-// dies of are no findings of ours; the first ones are kept in the folder that SIGHTLINE_FUZZ_ASSIMP
-// names.
+// libFuzzer target: the importer on files. Built and run by tests/fuzz/run. Files on which Assimp
+// crashes are not findings; the first ones are kept in the folder SIGHTLINE_FUZZ_ASSIMP.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -31,7 +30,7 @@ void keep(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-// A file of a few bytes must not make Assimp ask for all there is; and it leaks what it refuses.
+// A file of a few bytes must not make Assimp allocate all memory; and Assimp leaks what it refuses.
 extern "C" const char* __asan_default_options() {
   return "max_allocation_size_mb=1024:detect_leaks=0";
 }

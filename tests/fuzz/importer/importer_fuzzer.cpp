@@ -1,4 +1,4 @@
-// libFuzzer's target: the importer behind Assimp, on scenes in Assimp's form. Built and run by
+// libFuzzer target: the importer after Assimp, on scenes in Assimp's form. Built and run by
 // tests/fuzz/run.
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Counts first, then what is counted.
+// Reads counts first, then the counted elements.
 #include "tests/fuzz/importer/made_scene.h"
 
 #include <cstddef>
@@ -23,7 +23,7 @@ aiMatrix4x4 take_matrix(Bytes& bytes) {
   const unsigned rows = kind < 6 ? 3 : 4;
   for (unsigned r = 0; r < rows; ++r) {
     for (unsigned c = 0; c < 4; ++c) {
-      // Some only move and scale.
+      // Some only translate and scale.
       if (kind < 4 && c != 3 && c != r) continue;
       matrix[r][c] = take_float(bytes);
     }
@@ -31,7 +31,7 @@ aiMatrix4x4 take_matrix(Bytes& bytes) {
   return matrix;
 }
 
-/// Below `count` as a rule, and then again anything.
+/// Usually below `count`, sometimes any number.
 unsigned take_index(Bytes& bytes, unsigned count) {
   const auto kind = bytes.take<std::uint8_t>();
   if (kind < 240) return count == 0 ? 0 : kind % count;
@@ -63,7 +63,7 @@ aiString take_name(Bytes& bytes) {
   return aiString(name);
 }
 
-/// Null for none. Made of pointers, as Assimp's arrays mostly are.
+/// Null if empty. An array of pointers, as most of Assimp's arrays are.
 template <class T, class Make>
 T** make_pointers(unsigned count, const Make& make) {
   if (count == 0) return nullptr;
@@ -186,7 +186,7 @@ class SceneMaker {
     return channel;
   }
 
-  /// In order as a rule.
+  /// Usually in order.
   double take_time(unsigned key) {
     const auto kind = bytes_.take<std::uint8_t>();
     return kind < 192 ? static_cast<double>(key) * (kind + 1) : take_double(bytes_);

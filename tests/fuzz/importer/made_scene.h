@@ -1,4 +1,4 @@
-// Bytes as a scene in Assimp's form, such as it makes of damaged files, and worse.
+// Fuzzer bytes as a scene in Assimp's form, like those of damaged files, and worse.
 #pragma once
 
 #include <assimp/scene.h>
@@ -12,14 +12,14 @@
 namespace sightline::tests {
 
 struct MadeScene {
-  std::unique_ptr<aiScene> scene;           ///< Has a root; arrays are as long as their counts say.
-  std::string importer_name;                ///< That Assimp would have read it with.
-  client::importer::ImportOptions options;  ///< Such as the command accepts.
+  std::unique_ptr<aiScene> scene;  ///< Has a root; arrays have the lengths of their counts.
+  std::string importer_name;       ///< The Assimp importer that would have read it.
+  client::importer::ImportOptions options;  ///< Options that the command accepts.
 };
 
 /// Any bytes make one: up to four meshes, twelve nodes and three animations of a few keys each.
-/// Numbers may be anything, NaN and infinite ones, indices and counts of the rest too; names are
-/// often equal, empty, too long or no UTF-8.
+/// Numbers may be NaN or infinite, indices and counts may be out of range; names are often equal,
+/// empty, too long or not UTF-8.
 MadeScene make_scene(Bytes bytes);
 
 }  // namespace sightline::tests

@@ -1,4 +1,4 @@
-// After any updates, the summaries equal those summed up from nothing.
+// After any updates, the summaries equal newly computed ones.
 #include "scenegraph/hierarchy/summary_update.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 using tests::Frames;
 using tests::Random;
 
-/// As if all nodes had just been put.
+/// Computed as if all nodes had just been put.
 Hierarchy added_up(const Hierarchy& hierarchy) {
   Hierarchy again = hierarchy;
   again.summaries = {};
@@ -44,7 +44,7 @@ std::vector<model::NodeId> ids_of(const revision::Snapshot& snapshot) {
   return ids;
 }
 
-/// Any update that may be refused as well: then nothing has happened.
+/// Any update; a refused one must change nothing.
 model::Update random_update(Random& random, const std::vector<model::NodeId>& ids, Frames frames,
                             int alias) {
   const auto any = [&] { return static_cast<model::NodeRef>(ids[random.below(ids.size())]); };
@@ -71,7 +71,7 @@ model::Update random_update(Random& random, const std::vector<model::NodeId>& id
 
 class SubtreesInFrames : public testing::TestWithParam<Frames> {};
 
-TEST_P(SubtreesInFrames, StayRightThroughAnyUpdates) {
+TEST_P(SubtreesInFrames, StayCorrectThroughAnyUpdates) {
   const Frames frames = GetParam();
   Random random(17);
   Scene scene;
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(All, SubtreesInFrames,
                          testing::Values(Frames::kRigid, Frames::kSheared, Frames::kFar,
                                          Frames::kFlat));
 
-TEST(Subtrees, OneOfManyChildrenAtATime) {
+TEST(Subtrees, FollowOneOfManyChildrenAtATime) {
   Random random(5);
   Scene scene;
   std::vector<model::Update> updates;
@@ -114,7 +114,7 @@ TEST(Subtrees, OneOfManyChildrenAtATime) {
   }
   ASSERT_TRUE(scene.apply(updates));
   for (int round = 0; round < 300; ++round) {
-    // Inward and outward, by a part that alone reaches an extreme or not.
+    // Inward and outward, with and without a child that alone determines an extreme.
     const auto id = static_cast<model::NodeRef>(2 + random.below(299));
     ASSERT_TRUE(scene.apply({model::SetTransforms{
         {id}, {random_frame(random, Frames::kRigid, round % 3 == 0 ? 40 : 3)}}}));
@@ -123,7 +123,7 @@ TEST(Subtrees, OneOfManyChildrenAtATime) {
   }
 }
 
-TEST(Subtrees, ManyOnLevelGround) {
+TEST(Subtrees, FollowManyChildrenOnLevelGround) {
   Scene scene;
   model::PutNode ground;
   ground.node = -1;
@@ -147,8 +147,8 @@ TEST(Subtrees, ManyOnLevelGround) {
   }
 }
 
-/// Groups grow past SummaryTree::kWide and shrink below it again.
-TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
+/// Groups grow beyond SummaryTree::kWide and shrink below it again.
+TEST(Subtrees, FollowHundredsOfAddedAndDeletedChildren) {
   Random random(21);
   Scene scene;
   model::PutNode one, other;
@@ -184,7 +184,7 @@ TEST(Subtrees, ChildrenComeAndGoByTheHundred) {
   }
 }
 
-TEST(Subtrees, CountWhatIsThere) {
+TEST(Subtrees, CountNodesAndTriangles) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(500, Frames::kRigid, 9));
   NodeSummary expected;
   snapshot->nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
@@ -203,13 +203,13 @@ TEST(Subtrees, CountWhatIsThere) {
   EXPECT_GT(all.mesh_nodes, all.instances);
 }
 
-TEST(Subtrees, HoldEveryVertexInTheirFrame) {
+TEST(Subtrees, ContainEveryVertexInTheirFrame) {
   for (const Frames frames : {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat}) {
     const auto snapshot = tests::snapshot_of(tests::random_hierarchy(200, frames, 11));
     snapshot->nodes().for_each(
         [&](model::NodeId id, const std::shared_ptr<const model::Node>& node) {
           if (node->mesh == nullptr || node->mesh->bounds().empty()) return;
-          // Upwards, one frame after the other, in 64 bits.
+          // Upward, one frame after the other, in double.
           for (const accel::geometry::Vec3f& v : node->mesh->view().vertices) {
             long double p[] = {static_cast<long double>(v.x), static_cast<long double>(v.y),
                                static_cast<long double>(v.z)};
@@ -234,7 +234,7 @@ TEST(Subtrees, HoldEveryVertexInTheirFrame) {
   }
 }
 
-TEST(Subtrees, OfASceneThatIsEmptiedAreGone) {
+TEST(Subtrees, OfAnEmptiedSceneAreDropped) {
   Scene scene;
   ASSERT_TRUE(scene.apply(tests::random_hierarchy(50, Frames::kRigid, 2)));
   while (!scene.snapshot()->roots().empty()) {

@@ -1,5 +1,5 @@
-// The hierarchy opened as rays look at it: always into the same, each instance once, in boxes that
-// hold one another.
+// The hierarchy, opened on demand by rays: always in the same way, each instance once, in nested
+// boxes.
 #include "scenegraph/instances/instance_list.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace sightline::scenegraph::instances {
 namespace {
 
-/// All of it in the static tree.
+/// All nodes in the static tree.
 std::vector<model::Update> static_nodes(int nodes, tests::Frames frames, std::uint64_t seed) {
   std::vector<model::Update> updates = tests::random_hierarchy(nodes, frames, seed);
   for (model::Update& update : updates)
@@ -23,7 +23,7 @@ std::vector<model::Update> static_nodes(int nodes, tests::Frames frames, std::ui
   return updates;
 }
 
-using accel::kdtree::BoxRef;
+using accel::kdtree::Reference;
 using tests::Frames;
 
 constexpr Frames kAllFrames[] = {Frames::kRigid, Frames::kSheared, Frames::kFar, Frames::kFlat};
@@ -35,29 +35,29 @@ bool holds(const accel::geometry::Aabb& outer, const accel::geometry::Aabb& inne
   return true;
 }
 
-/// Everything below these references.
-void open_down(const Instances& instances, const std::vector<BoxRef>& refs,
-               std::map<std::uint32_t, BoxRef>& found) {
-  for (const BoxRef& ref : refs) {
+/// All instances below these references.
+void open_down(const Instances& instances, const std::vector<Reference>& refs,
+               std::map<std::uint32_t, Reference>& found) {
+  for (const Reference& ref : refs) {
     if (!ref.openable()) {
       EXPECT_TRUE(found.emplace(ref.id, ref).second) << "reached twice: " << ref.id;
       continue;
     }
-    std::vector<BoxRef> finer;
+    std::vector<Reference> finer;
     instances.open(ref, finer);
     EXPECT_FALSE(finer.empty());
-    for (const BoxRef& part : finer) EXPECT_TRUE(holds(ref.bounds(), part.bounds())) << ref.id;
+    for (const Reference& part : finer) EXPECT_TRUE(holds(ref.bounds(), part.bounds())) << ref.id;
     open_down(instances, finer, found);
   }
 }
 
-std::map<std::uint32_t, BoxRef> open_down(const Instances& instances) {
-  std::map<std::uint32_t, BoxRef> found;
+std::map<std::uint32_t, Reference> open_down(const Instances& instances) {
+  std::map<std::uint32_t, Reference> found;
   open_down(instances, instances.coarsest(), found);
   return found;
 }
 
-TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
+TEST(Instances, AreEachReachedOnceThroughBoxesThatContainThem) {
   for (const Frames frames : kAllFrames) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const auto snapshot = tests::snapshot_of(static_nodes(300, frames, seed));
@@ -75,7 +75,7 @@ TEST(Instances, AreEachReachedOnceThroughBoxesThatHoldThem) {
   }
 }
 
-TEST(Instances, StandWhereTheHierarchyPutsThem) {
+TEST(Instances, HaveTheTransformsOfTheHierarchy) {
   for (const Frames frames : kAllFrames) {
     const auto snapshot = tests::snapshot_of(static_nodes(400, frames, 3));
     model::NodeId before = 0;
@@ -88,7 +88,7 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
       EXPECT_EQ(instance.mesh, node.mesh.get());
       EXPECT_EQ(instance.mask, node.mask);
       EXPECT_EQ(instance.entered, node.entered.get());
-      // The boxes of the groups above it take nothing away.
+      // Clipping to the boxes of the groups above removes nothing.
       EXPECT_EQ(instance.box, instance_box(world, instance.local_from_world, node.mesh->bounds(),
                                            snapshot->trees().static_tree.center()));
       EXPECT_NE(instance.node, before);
@@ -99,16 +99,17 @@ TEST(Instances, StandWhereTheHierarchyPutsThem) {
   }
 }
 
-TEST(Instances, BoxesHoldWhateverTheConditions) {
-  // Each alone is fine, and so is the whole: what is squeezed is stretched again below.
-  for (const double squeeze : {1e-3, 1e-6, 1e-9}) {
+TEST(Instances, BoxesContainTheirInstancesForAnyConditionNumber) {
+  // Each transform alone is valid, and so is the whole: a node scales up again what its parent
+  // scaled down.
+  for (const double thickness : {1e-3, 1e-6, 1e-9}) {
     std::vector<model::Update> updates;
     tests::Random random(8);
     for (int i = 1; i <= 40; ++i) {
       model::PutNode put;
       put.node = -i;
       put.parent = i == 1 ? 0 : -i + 1;
-      const double scale = i % 2 == 0 ? squeeze : 1 / squeeze;
+      const double scale = i % 2 == 0 ? thickness : 1 / thickness;
       put.parent_from_local =
           model::Affine{{1, 0, 0, random.uniform(-3, 3), 0, 1, 0, random.uniform(-3, 3), 0, 0,
                          scale, random.uniform(-3, 3)}};
@@ -120,13 +121,13 @@ TEST(Instances, BoxesHoldWhateverTheConditions) {
   }
 }
 
-TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
+TEST(Instances, OpenTheSameWayInEveryOrderOnAnyThreads) {
   const auto updates = static_nodes(3000, Frames::kSheared, 6);
   const auto expected_of = tests::snapshot_of(updates);
   const auto expected = open_down(expected_of->trees().static_tree);
   for (int round = 0; round < 10; ++round) {
     const auto snapshot = tests::snapshot_of(updates);
-    std::vector<std::map<std::uint32_t, BoxRef>> found(8);
+    std::vector<std::map<std::uint32_t, Reference>> found(8);
     std::vector<std::thread> threads;
     for (auto& mine : found) {
       threads.emplace_back([&] { mine = open_down(snapshot->trees().static_tree); });
@@ -146,18 +147,18 @@ TEST(Instances, OpenAlikeInEveryOrderAndByAnyThreads) {
   }
 }
 
-/// Groups of many kinds under one node, more than are placed together: of nothing, of one instance,
-/// of a few, of so many that runs are made of them, of groups.
+/// Groups of many kinds under one node, more than are placed at once: empty ones, with one
+/// instance, with a few, with enough that runs are made, and with groups.
 std::vector<model::Update> many_groups(int count) {
   std::vector<model::Update> updates;
   tests::Random random(9);
   model::NodeRef last = 0;
-  const auto add = [&](model::NodeRef parent, double apart, bool mesh) {
+  const auto add = [&](model::NodeRef parent, double extent, bool mesh) {
     model::PutNode put;
     put.node = --last;
     put.parent = parent;
-    put.parent_from_local.m[3] = random.uniform(0, apart);
-    put.parent_from_local.m[7] = random.uniform(0, apart);
+    put.parent_from_local.m[3] = random.uniform(0, extent);
+    put.parent_from_local.m[7] = random.uniform(0, extent);
     if (mesh) put.mesh = tests::some_mesh(random.below(2));
     updates.emplace_back(put);
     return put.node;
@@ -179,15 +180,15 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   const auto first = tests::snapshot_of(updates);
   const auto expected = open_down(first->trees().static_tree);
   ASSERT_EQ(expected.size(), first->trees().static_tree.size());
-  // In another order: whatever is at hand is opened next.
+  // In another order: opens any group that is available.
   const auto snapshot = tests::snapshot_of(updates);
   const Instances& instances = snapshot->trees().static_tree;
   tests::Random random(10);
-  std::map<std::uint32_t, BoxRef> found;
-  std::vector<BoxRef> closed = instances.coarsest();
+  std::map<std::uint32_t, Reference> found;
+  std::vector<Reference> closed = instances.coarsest();
   while (!closed.empty()) {
     std::swap(closed[random.below(closed.size())], closed.back());
-    const BoxRef ref = closed.back();
+    const Reference ref = closed.back();
     closed.pop_back();
     if (ref.openable()) {
       instances.open(ref, closed);
@@ -202,18 +203,18 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   }
 }
 
-TEST(Instances, WeighWhatIsBelow) {
+TEST(Instances, WeighTheInstancesBelow) {
   const auto snapshot = tests::snapshot_of(static_nodes(2000, Frames::kRigid, 7));
   const Instances& instances = snapshot->trees().static_tree;
-  const auto sum = [](const std::vector<BoxRef>& refs) {
+  const auto sum = [](const std::vector<Reference>& refs) {
     std::uint64_t weights = 0;
-    for (const BoxRef& ref : refs) weights += ref.weight;
+    for (const Reference& ref : refs) weights += ref.weight;
     return weights;
   };
   EXPECT_EQ(sum(instances.coarsest()), snapshot->hierarchy().summary(0).entry_cost);
-  for (const BoxRef& ref : instances.coarsest()) {
+  for (const Reference& ref : instances.coarsest()) {
     if (!ref.openable()) continue;
-    std::vector<BoxRef> finer;
+    std::vector<Reference> finer;
     instances.open(ref, finer);
     EXPECT_EQ(sum(finer), ref.weight);
   }
@@ -222,8 +223,8 @@ TEST(Instances, WeighWhatIsBelow) {
   EXPECT_EQ(weight_shift(std::uint64_t{1} << 40), 10u);
 }
 
-TEST(Instances, ThatCannotBeReachedAreInNoList) {
-  // Not by way of Scene, which refuses them.
+TEST(Instances, ThatCannotBeReachedAreNotListed) {
+  // Built without Scene, which refuses them.
   hierarchy::Hierarchy hierarchy;
   const auto add = [&](model::NodeId id, model::NodeId parent, const model::Affine& where,
                        std::shared_ptr<const model::Mesh> mesh) {
@@ -260,7 +261,7 @@ TEST(Instances, ThatCannotBeReachedAreInNoList) {
     EXPECT_EQ(instance.mask != 0, instance.node == 3);
 }
 
-TEST(Instances, OfNothing) {
+TEST(Instances, OfAnEmptyScene) {
   const Scene empty;
   EXPECT_EQ(empty.snapshot()->trees().static_tree.size(), 0u);
   EXPECT_TRUE(empty.snapshot()->trees().static_tree.list().empty());
@@ -279,7 +280,7 @@ TEST(Instances, OfNothing) {
 }
 
 /// Nodes in a chain above the only instance are opened at once.
-TEST(Instances, FarDownAChainAndFarAway) {
+TEST(Instances, OpenDownADeepChainFarAway) {
   std::vector<model::Update> updates;
   for (int i = 1; i <= model::kMaxDepth; ++i) {
     model::PutNode put;

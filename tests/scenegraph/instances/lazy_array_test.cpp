@@ -1,4 +1,4 @@
-// Arrays of zeros: zero until written, the same for every thread.
+// Zero-initialized arrays: zero until written, shared by all threads.
 #include "scenegraph/instances/lazy_array.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Rays through hierarchies that are opened as they go: the same hits as with everything opened, for
-// little of it.
+// Rays through lazily opened hierarchies: the same hits as with everything opened, with few groups
+// opened.
 #include <gtest/gtest.h>
 
 #include <tbb/task_arena.h>
@@ -40,7 +40,7 @@ void expect_same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
 
 class HierarchyInFrames : public testing::TestWithParam<Frames> {};
 
-TEST_P(HierarchyInFrames, LazilyOpenedEqualsAllOpenedAndTheOracle) {
+TEST_P(HierarchyInFrames, LazyOpeningEqualsFullOpeningAndTheOracle) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto updates = tests::random_hierarchy(400, GetParam(), seed);
     const auto opened = tests::snapshot_of(updates);
@@ -61,7 +61,7 @@ TEST_P(HierarchyInFrames, LazilyOpenedEqualsAllOpenedAndTheOracle) {
       options.growth = growth;
       expect_same(cast(*tests::snapshot_of(updates), rays, options), expected);
     }
-    // One ray a batch, from the last.
+    // One ray a batch, from the last to the first.
     const auto cold = tests::snapshot_of(updates);
     for (std::size_t i = rays.size(); i-- > rays.size() - 100;)
       expect_same(cast(*cold, {rays[i]}), {expected[i]});
@@ -143,7 +143,7 @@ TEST(LazyHierarchy, FollowsUpdates) {
   }
 }
 
-/// Down on the middle of the first square and of some others.
+/// Down onto the middle of the first square and of some others.
 std::vector<Ray> rays_at_squares(std::size_t leaves, std::size_t count) {
   std::size_t side = 1;
   while (side * side < leaves) side *= 2;
@@ -168,7 +168,7 @@ std::uint64_t placed_by_one_ray(std::size_t leaves, std::size_t fan) {
   return snapshot->trees().static_tree.opened_members();
 }
 
-TEST(LazyHierarchy, OneRayPlacesLittleOfALargeScene) {
+TEST(LazyHierarchy, OneRayOpensLittleOfALargeScene) {
   const std::uint64_t small = placed_by_one_ray(1 << 9, 16), large = placed_by_one_ray(1 << 17, 16);
   EXPECT_LE(small, (1u << 9) + 64);
   EXPECT_LT(large, 6000u);
@@ -204,7 +204,7 @@ TEST(LazyHierarchy, SummariesOpenNothing) {
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 1u << 12);
 }
 
-TEST(BuildAll, TellsHowFarItIs) {
+TEST(BuildAll, ReportsItsProgress) {
   const auto snapshot = tests::snapshot_of(tests::random_hierarchy(200, Frames::kRigid, 1));
   query::BuildProgress progress;
   EXPECT_EQ(progress.share(), 0);

@@ -16,7 +16,7 @@ void expect_near(const Vec3d& a, const Vec3d& b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-TEST(Affine, InverseUndoes) {
+TEST(Affine, InverseIsTheInverse) {
   tests::Random random(1);
   for (int round = 0; round < 1000; ++round) {
     Affine a;
@@ -36,14 +36,14 @@ TEST(Affine, ComposeAppliesTheInnerFirst) {
   EXPECT_EQ(compose(scale, shift).point({1, 1, 1}), (Vec3d{22, 2, 2}));
 }
 
-TEST(Affine, TransposedInverseCarriesNormals) {
+TEST(Affine, TransposedInverseTransformsNormals) {
   const Affine squash{{1, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 1, 0}};
   const Vec3d n = inverse(squash)->transposed({1, 1, 0});
   const Vec3d along = squash.direction({1, -1, 0});
   EXPECT_NEAR(dot(n, along), 0, 1e-12);
 }
 
-TEST(Affine, RefusesWhatCannotBeInverted) {
+TEST(Affine, RefusesSingularTransforms) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(inverse(Affine{{1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}}));
   EXPECT_FALSE(inverse(Affine{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}));

@@ -1,4 +1,4 @@
-// What a mesh accepts and refuses.
+// The arrays that a mesh accepts and refuses.
 #include "scenegraph/model/mesh.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<accel::geometry::Vec3f> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
-TEST(Mesh, CountsWhatItHolds) {
+TEST(Mesh, CountsVerticesAndFaces) {
   auto corners = kCorners;
   corners.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
   const auto mesh = Mesh::make(corners, {{0, 1, 2},
@@ -30,7 +30,7 @@ TEST(Mesh, NamesTheFaceAndTheIndexOutOfRange) {
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, Code::kInvalidArgument);
   EXPECT_EQ(mesh.error().message, "face 1 has vertex index 7, but the mesh has 3 vertices");
-  // Half of the mark is no mark.
+  // Two of three indices are kNoVertex: this does not mark the face as missing.
   EXPECT_FALSE(Mesh::make(kCorners, {{accel::geometry::kNoVertex, accel::geometry::kNoVertex, 0}}));
 }
 

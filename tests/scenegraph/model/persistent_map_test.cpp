@@ -1,4 +1,4 @@
-// The persistent map against std::map, and its sharing.
+// The persistent map against std::map, and sharing between copies.
 #include "scenegraph/model/persistent_map.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ TEST(PersistentMap, BehavesLikeAMap) {
   Map map;
   std::map<std::uint64_t, int> model;
   for (int step = 0; step < 20000; ++step) {
-    // Dense keys and now and then a far one.
+    // Dense keys, and sometimes a distant one.
     const std::uint64_t key = random.below(50) == 0 ? random.next() >> 8 : 1 + random.below(3000);
     if (random.below(3) == 0) {
       map.set(key, nullptr);
@@ -43,7 +43,7 @@ TEST(PersistentMap, BehavesLikeAMap) {
   EXPECT_EQ(map.find(~std::uint64_t{0}), nullptr);
 }
 
-TEST(PersistentMap, FindsManyTogether) {
+TEST(PersistentMap, FindsManyKeysAtOnce) {
   tests::Random random(2);
   for (const std::uint64_t range : {0u, 20u, 1000u, 300'000u}) {
     Map map;

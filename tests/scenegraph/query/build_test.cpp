@@ -1,4 +1,4 @@
-// Building before rays come: which nodes, and how far it has come.
+// Building before rays: the selection of nodes, and the progress.
 #include "scenegraph/query/build.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace {
 using tests::mesh_of;
 using tests::put_node;
 
-/// 1 holds 2 (a cube) and 3 (a group with 4, the same cube); 5 is a staircase beside them, 6 a mesh
-/// without a triangle.
+/// Node 1 has children 2 (a cube) and 3 (a group with node 4, the same cube); 5 is a separate
+/// staircase, 6 a mesh without triangles.
 std::shared_ptr<const revision::Snapshot> family() {
   const auto cube = mesh_of(tests::cube());
   Scene scene;
@@ -45,12 +45,12 @@ TEST(Build, SelectsEachNodeOnce) {
   EXPECT_EQ(ids_under({3, 1, 3, 4}, {}), (Ids{2, 4})) << "roots under roots";
   EXPECT_EQ(ids_under({4, 5}, {}), (Ids{4, 5}));
   EXPECT_EQ(ids_under({}, {3}), (Ids{2, 5}));
-  EXPECT_EQ(ids_under({4, 5}, {1}), (Ids{5})) << "a root under what is left out";
+  EXPECT_EQ(ids_under({4, 5}, {1}), (Ids{5})) << "a root under an excluded node";
   EXPECT_EQ(ids_under({3}, {3}), Ids{});
   EXPECT_EQ(ids_under({6}, {}), Ids{});
 }
 
-TEST(Build, NamesTheNodeThatIsNotThere) {
+TEST(Build, NamesAnUnknownNode) {
   const auto snapshot = family();
   const auto root = mesh_nodes_under(*snapshot, Ids{1, 77}, {});
   ASSERT_FALSE(root);
@@ -60,7 +60,7 @@ TEST(Build, NamesTheNodeThatIsNotThere) {
             "excluded node 78 is not in revision 1");
 }
 
-TEST(Build, BuildsWhatWasSelectedAndNoMore) {
+TEST(Build, BuildsOnlyTheSelection) {
   const auto snapshot = family();
   BuildProgress progress;
   const auto nodes = mesh_nodes_under(*snapshot, Ids{1}, {});
@@ -95,7 +95,7 @@ TEST(Build, CountsMeshesAndCells) {
   EXPECT_EQ(all.share(), 1);
 }
 
-TEST(Build, ACancelledOneBuildsNothingMore) {
+TEST(Build, ACancelledBuildStops) {
   const auto snapshot = family();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
   BuildProgress progress;
@@ -110,7 +110,7 @@ TEST(Build, ACancelledOneBuildsNothingMore) {
   EXPECT_EQ(summarize_build(*snapshot).triangles_built, 0u);
 }
 
-TEST(Build, GrowsForRaysWhatACastOfThemWould) {
+TEST(Build, GrowsForRaysTheCellsThatACastWouldGrow) {
   const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
   for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny, QueryKind::kCount}) {
     const auto snapshot = family();

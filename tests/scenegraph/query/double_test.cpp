@@ -1,4 +1,4 @@
-// Double where it matters: places far out, and transforms that stretch, mirror and almost flatten.
+// Cases that need double: distant positions, and transforms that scale, mirror and nearly flatten.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -67,7 +67,7 @@ model::Affine translation(const Vec3d& by) {
   return {{1, 0, 0, by.x, 0, 1, 0, by.y, 0, 0, 1, by.z}};
 }
 
-/// By the angle whose sine and cosine these are, about z and then about x.
+/// Rotates about z and then about x, by the angle with this sine and cosine.
 model::Affine turning(double sine, double cosine) {
   const model::Affine about_z{{cosine, -sine, 0, 0, sine, cosine, 0, 0, 0, 0, 1, 0}};
   const model::Affine about_x{{1, 0, 0, 0, 0, cosine, -sine, 0, 0, sine, cosine, 0}};
@@ -79,7 +79,7 @@ std::vector<Ray> moved(std::vector<Ray> rays, const Vec3d& by) {
   return rays;
 }
 
-TEST(Millimetres, AreTheSameToTheLastBitWhereTheRaysAreExact) {
+TEST(Millimetres, AreEqualToTheLastBitForExactRays) {
   const auto plate = to_mesh(tests::ridged_plate());
   const Vec3d far{1e7, -1e7, 1e7};
   const auto here = scene_of({put(-1, 0, plate, model::Affine{})});
@@ -94,10 +94,10 @@ TEST(Millimetres, AreTheSameToTheLastBitWhereTheRaysAreExact) {
   }
 }
 
-TEST(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
+TEST(Millimetres, AreHitTenThousandKilometersAwayAsAtTheOrigin) {
   const auto plate = to_mesh(tests::ridged_plate());
   const Vec3d far{1e7 + 1.0 / 3, -1e7 - 0.7, 1e7 + 0.1};
-  // Standing free, and turned under a parent that carries it out.
+  // As a root, and rotated under a parent that moves it far away.
   const model::Affine turned = turning(0.6, 0.8);
   const auto free_here = scene_of({put(-1, 0, plate, model::Affine{})});
   const auto free_there = scene_of({put(-1, 0, plate, translation(far))});
@@ -120,16 +120,16 @@ TEST(Millimetres, AreHitTenThousandKilometresOutAsAtTheOrigin) {
   }
 }
 
-TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
+TEST(Transforms, TIsInUnitsOfTheRaysDirectionForAnyScale) {
   const auto cube = to_mesh(tests::cube());
-  for (const model::Affine& stretch :
+  for (const model::Affine& scale :
        {scaling(1, 1, 1), scaling(1024, 0x1p-10, 1), scaling(3, 7, 0.1), scaling(1e5, 1e-5, 1)}) {
-    const auto snapshot = scene_of({put(-1, 0, cube, stretch)});
+    const auto snapshot = scene_of({put(-1, 0, cube, scale)});
     for (const double speed : {1.0, 0.25, 100.0}) {
-      // Down onto the top of the cube, whose height is the stretch of z.
-      const double top = stretch.m[10];
+      // Down onto the top of the cube, whose height is the scale of z.
+      const double top = scale.m[10];
       const Hit hit =
-          cast(*snapshot, Ray{{0.25 * stretch.m[0], 0.125 * stretch.m[5], 50}, {0, 0, -speed}});
+          cast(*snapshot, Ray{{0.25 * scale.m[0], 0.125 * scale.m[5], 50}, {0, 0, -speed}});
       ASSERT_EQ(hit.state, HitState::kHit);
       EXPECT_NEAR(hit.t, (50 - top) / speed, 1e-12 * 50 / speed);
       EXPECT_EQ(hit.normal, (accel::geometry::Vec3f{0, 0, 1}));
@@ -137,7 +137,7 @@ TEST(Transforms, TCountsInTheRaysOwnDirectionHoweverTheMeshIsStretched) {
   }
 }
 
-TEST(Transforms, NormalsStandOnStretchedSurfaces) {
+TEST(Transforms, NormalsArePerpendicularToScaledSurfaces) {
   const auto sphere = to_mesh(tests::icosphere(3));
   tests::Random random(3);
   for (const model::Affine& shape :
@@ -150,18 +150,18 @@ TEST(Transforms, NormalsStandOnStretchedSurfaces) {
       const Vec3d at = random.direction() * 0.5;
       const Hit hit = cast(*snapshot, Ray{shape.point(from), shape.direction(at - from)});
       ASSERT_EQ(hit.state, HitState::kHit);
-      // Of the triangle's corners in the world, by winding.
+      // Computed from the triangle's corners in world space, by winding.
       const accel::geometry::Face& f = mesh.faces[hit.primitive];
       const auto corner = [&](std::size_t k) { return shape.point(Vec3d(mesh.vertices[f[k]])); };
       const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
       EXPECT_NEAR(dot(n * (1 / length(n)), Vec3d(hit.normal)), 1, 1e-6);
-      // Outward, but where the transform turns the winding around.
+      // Outward, unless the transform reverses the winding.
       EXPECT_EQ(dot(Vec3d(hit.normal), shape.direction(at - from)) < 0, !mirrors(shape));
     }
   }
 }
 
-TEST(Transforms, NearlySingularOnesAgreeWithTheOracleUpToTheLimit) {
+TEST(Transforms, NearlySingularTransformsAgreeWithTheOracleUpToTheLimit) {
   const auto sphere = to_mesh(tests::icosphere(3));
   for (const double thin : {1e-3, 1e-6, 1e-9}) {
     const model::Affine flat = compose(turning(0.6, 0.8), scaling(1, 1, thin));
@@ -178,7 +178,7 @@ TEST(Transforms, NearlySingularOnesAgreeWithTheOracleUpToTheLimit) {
   }
 }
 
-TEST(Transforms, SingularOnesAreRefusedByTheNodesNameWithTheLimit) {
+TEST(Transforms, RefusalOfSingularTransformsNamesTheNodeAndTheLimit) {
   const auto refusal = [](const model::Affine& matrix) {
     Scene scene;
     const auto applied = scene.apply({put(-7, 0, nullptr, matrix)});

@@ -1,4 +1,4 @@
-// Which instances a ray has been to.
+// The instances that a ray has entered.
 #include "scenegraph/query/entered.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace sightline::scenegraph::query {
 namespace {
 
-TEST(EnteredOnce, KnowsEachUntilItIsCleared) {
+TEST(EnteredOnce, RecordsEachUntilItIsCleared) {
   EnteredOnce entered;
   for (int ray = 0; ray < 5; ++ray) {
     entered.clear();
@@ -16,7 +16,7 @@ TEST(EnteredOnce, KnowsEachUntilItIsCleared) {
   }
 }
 
-TEST(RecentlyEntered, KnowsTheLastFew) {
+TEST(RecentlyEntered, RecordsTheLastFew) {
   RecentlyEntered recent;
   EXPECT_FALSE(recent.contains_or_add(3));
   EXPECT_TRUE(recent.contains_or_add(3));

@@ -1,4 +1,4 @@
-// Closest, any, count and all see the same hits, whatever is asked beside.
+// Closest, any, count and all see the same hits, for all options.
 #include <gtest/gtest.h>
 
 #include <tbb/task_arena.h>
@@ -33,8 +33,8 @@ std::shared_ptr<const model::Mesh> to_mesh(
   return *model::Mesh::make(m.vertices, m.faces, builder);
 }
 
-model::PutNode place(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
-                     const model::Affine& where = {}, model::NodeRef parent = 0) {
+model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
+                        const model::Affine& where = {}, model::NodeRef parent = 0) {
   model::PutNode p;
   p.node = node;
   p.parent = parent;
@@ -44,7 +44,7 @@ model::PutNode place(model::NodeRef node, std::shared_ptr<const model::Mesh> mes
   return p;
 }
 
-/// Small triangles, and some that reach through all of them: these lie in very many leaves.
+/// Small triangles, and some large ones across all of them, which are in very many leaves.
 tests::TestMesh straddled(std::uint32_t triangles, std::uint64_t seed) {
   tests::TestMesh mesh = tests::random_soup(triangles, 0.08, seed);
   mesh.append(tests::random_soup(20, 3, seed + 1));
@@ -62,18 +62,19 @@ model::Affine random_affine(tests::Random& random, double reach) {
   }
 }
 
-/// Node 1 is a group with the even nodes under it, node 2 lies under 1 and carries a mesh and every
-/// fourth node. Masks go around.
-std::shared_ptr<const revision::Snapshot> crowd(int nodes,
-                                                const accel::published::AnyBuilder& builder) {
+/// Node 1 is a group with the even nodes below it; node 2 lies under 1 and has a mesh and every
+/// fourth node. Masks cycle.
+std::shared_ptr<const revision::Snapshot> random_scene(
+    int nodes, const accel::published::AnyBuilder& builder) {
   tests::Random random(31);
   const auto sphere = to_mesh(tests::icosphere(2), builder);
   const auto soup = to_mesh(straddled(300, 5), builder);
   Scene scene;
-  std::vector<model::Update> updates{place(-1, nullptr, random_affine(random, 1))};
+  std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
   for (int id = 2; id <= nodes; ++id) {
     const model::NodeRef parent = id == 2 ? -1 : id % 4 == 0 ? -2 : id % 2 == 0 ? -1 : 0;
-    model::PutNode node = place(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
+    model::PutNode node =
+        put_mesh(-id, id % 3 == 0 ? sphere : soup, random_affine(random, 2), parent);
     node.mask = 1u << (id % 3);
     updates.push_back(node);
   }
@@ -81,8 +82,8 @@ std::shared_ptr<const revision::Snapshot> crowd(int nodes,
   return scene.snapshot();
 }
 
-std::shared_ptr<const revision::Snapshot> crowd(int nodes) {
-  return crowd(nodes, accel::published::default_builder());
+std::shared_ptr<const revision::Snapshot> random_scene(int nodes) {
+  return random_scene(nodes, accel::published::default_builder());
 }
 
 /// Some with limits and masks of their own.
@@ -107,7 +108,7 @@ std::vector<Ray> rays_through(const revision::Snapshot& snapshot, std::size_t n,
   return rays;
 }
 
-/// Nodes of crowd() that a selection hides, by what crowd() says of their parents.
+/// Nodes of random_scene() that a selection hides, from the parents that random_scene() gives them.
 std::vector<std::uint64_t> hidden_by(int nodes, model::NodeId root,
                                      const std::vector<model::NodeId>& excluded) {
   std::vector<std::uint64_t> hidden;
@@ -142,9 +143,9 @@ void expect_same(const KindAnswers& a, const KindAnswers& b) {
   }
 }
 
-TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
+TEST(Kinds, AgreeWithEachOtherAndTheOracleForAllExclusions) {
   constexpr int kNodes = 30;
-  const tests::BruteForce oracle(crowd(kNodes));
+  const tests::BruteForce oracle(random_scene(kNodes));
   struct Selected {
     model::NodeId root;
     std::vector<model::NodeId> excluded;
@@ -154,7 +155,7 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   std::uint64_t seed = 1, hits = 0;
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
     for (const Selected& selected : selections) {
-      const auto snapshot = crowd(kNodes);
+      const auto snapshot = random_scene(kNodes);
       const auto selection = query::Selection::make(snapshot, selected.root, selected.excluded);
       ASSERT_TRUE(selection);
       const std::vector<Ray> rays = rays_through(*snapshot, 300, seed++);
@@ -173,9 +174,9 @@ TEST(Kinds, AgreeWithEachOtherAndTheOracleWhateverIsLeftOut) {
   EXPECT_GT(hits, 3000u);
 }
 
-TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
-  const std::vector<Ray> rays = rays_through(*crowd(20), 400, 7);
-  const KindAnswers expected = ask_all_kinds(*crowd(20), rays, {});
+TEST(Kinds, GiveTheSameAnswersForEveryBuilderLazyFullAndScanned) {
+  const std::vector<Ray> rays = rays_through(*random_scene(20), 400, 7);
+  const KindAnswers expected = ask_all_kinds(*random_scene(20), rays, {});
   EXPECT_EQ(contradiction(expected, TraceOptions{}.max_hits), "");
   for (const std::string_view name : accel::published::builder_names()) {
     const auto builder = accel::published::make_builder(name);
@@ -184,20 +185,20 @@ TEST(Kinds, AnswerAlikeForEveryBuilderLazyFullAndSearched) {
       TraceOptions options;
       options.growth = growth;
       SCOPED_TRACE(name);
-      expect_same(ask_all_kinds(*crowd(20, *builder), rays, options), expected);
+      expect_same(ask_all_kinds(*random_scene(20, *builder), rays, options), expected);
     }
   }
 }
 
-TEST(Kinds, AnswerAlikeInEveryBatchAndOrderOnAnyThreads) {
-  const auto snapshot = crowd(30);
+TEST(Kinds, GiveTheSameAnswersForAnyBatchesOrderAndThreads) {
+  const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1500, 8);
   const KindAnswers expected = ask_all_kinds(*snapshot, rays, {});
   for (const int threads : {1, 2, 8}) {
     tbb::task_arena arena(threads);
-    arena.execute([&] { expect_same(ask_all_kinds(*crowd(30), rays, {}), expected); });
+    arena.execute([&] { expect_same(ask_all_kinds(*random_scene(30), rays, {}), expected); });
   }
-  const auto cold = crowd(30);
+  const auto cold = random_scene(30);
   std::size_t end = expected.listed.size();
   for (std::size_t i = rays.size(); i-- > 0;) {
     end -= expected.lists[i].count;
@@ -212,8 +213,8 @@ TEST(Kinds, AnswerAlikeInEveryBatchAndOrderOnAnyThreads) {
   }
 }
 
-TEST(Kinds, AListKeepsTheNearestAndSaysThatItWasCutOff) {
-  const auto snapshot = crowd(30);
+TEST(Kinds, AListKeepsTheNearestHitsAndMarksTheCut) {
+  const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 500, 9);
   const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
   std::uint64_t cut = 0;
@@ -236,8 +237,8 @@ TEST(Kinds, AListKeepsTheNearestAndSaysThatItWasCutOff) {
   EXPECT_GT(cut, 100u);
 }
 
-TEST(Kinds, AListMayStopBetweenBlocksAndGoOn) {
-  const auto snapshot = crowd(30);
+TEST(Kinds, AListMayPauseBetweenBlocks) {
+  const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 10);
   const KindAnswers whole = ask_all_kinds(*snapshot, rays, {});
   TraceOptions options;
@@ -261,10 +262,10 @@ TEST(Kinds, AListMayStopBetweenBlocksAndGoOn) {
   for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(tallies[i].count, whole.lists[i].count);
 }
 
-TEST(Kinds, CoincidentTrianglesAreEachAHit) {
+TEST(Kinds, CoincidentTrianglesAreSeparateHits) {
   const auto mesh = to_mesh(tests::duplicates(300));
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, mesh), place(-2, mesh)}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, mesh), put_mesh(-2, mesh)}));
   const Ray ray{{0.2, 0.2, 1}, {0, 0, -1}};
   TraceOptions options;
   options.max_hits = 1000;
@@ -277,7 +278,7 @@ TEST(Kinds, CoincidentTrianglesAreEachAHit) {
   }
 }
 
-// Walls in no order, so that searching a list meets far ones first.
+// Walls in no order, so that scanning a list meets far ones first.
 tests::TestMesh shuffled_walls(std::uint32_t count) {
   tests::TestMesh walls = tests::flat_walls(count);
   tests::Random random(15);
@@ -286,13 +287,13 @@ tests::TestMesh shuffled_walls(std::uint32_t count) {
   return walls;
 }
 
-TEST(Kinds, ThousandsOfHitsOfOneRay) {
+TEST(Kinds, OneRayMayHaveThousandsOfHits) {
   const auto mesh = to_mesh(shuffled_walls(5000));
   const Ray ray{{-0.5, 0.3, 0.6}, {1, 0, 0}};
   for (const Growth growth : {Growth::kNone, Growth::kFirstTouch, Growth::kFull}) {
     for (const std::uint32_t max_hits : {10u, 100u, 1000u, 4999u, 5000u, 5001u}) {
       Scene scene;
-      ASSERT_TRUE(scene.apply({place(-1, mesh)}));
+      ASSERT_TRUE(scene.apply({put_mesh(-1, mesh)}));
       TraceOptions options;
       options.growth = growth;
       options.max_hits = max_hits;
@@ -307,11 +308,11 @@ TEST(Kinds, ThousandsOfHitsOfOneRay) {
   }
 }
 
-TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
+TEST(Kinds, CullingUsesTheWindingInSceneCoordinates) {
   const model::Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
   for (const model::Affine& where : {model::Affine{}, mirror}) {
     Scene scene;
-    ASSERT_TRUE(scene.apply({place(-1, to_mesh(tests::cube()), where)}));
+    ASSERT_TRUE(scene.apply({put_mesh(-1, to_mesh(tests::cube()), where)}));
     const Ray ray{{0.25, 0.125, 5}, {0, 0, -2}};
     const auto ask = [&](Culling culling) {
       TraceOptions options;
@@ -320,7 +321,7 @@ TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
       EXPECT_EQ(contradiction(answers, options.max_hits), "");
       return answers.closest[0];
     };
-    // The normal is that of the winding in scene coordinates: a front is what faces the ray.
+    // The normal follows the winding in scene coordinates: a front faces the ray.
     const bool outward = ask(Culling::kNone).normal.z > 0;
     EXPECT_EQ(outward, where == model::Affine{});
     EXPECT_EQ(ask(Culling::kBack).t, outward ? 2 : 3);
@@ -328,8 +329,8 @@ TEST(Kinds, CullingGoesByTheWindingInSceneCoordinates) {
   }
 }
 
-TEST(Kinds, FrontsAndBacksAreAllThereIs) {
-  const auto snapshot = crowd(30);
+TEST(Kinds, EveryHitIsAFrontOrABack) {
+  const auto snapshot = random_scene(30);
   const std::vector<Ray> rays = rays_through(*snapshot, 1000, 11);
   const auto counts = [&](Culling culling) {
     TraceOptions options;
@@ -344,15 +345,15 @@ TEST(Kinds, FrontsAndBacksAreAllThereIs) {
     ASSERT_EQ(all[i].count, fronts[i].count + backs[i].count) << i;
 }
 
-TEST(Kinds, AnOddCountIsInside) {
+TEST(Kinds, AnOddCountMeansInside) {
   Scene scene;
-  ASSERT_TRUE(scene.apply({place(-1, to_mesh(tests::icosphere(4)))}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, to_mesh(tests::icosphere(4)))}));
   tests::Random random(12);
   std::vector<Ray> rays;
   for (int i = 0; i < 4000; ++i) {
     const double radius = i % 2 == 0 ? random.uniform(0, 0.98) : random.uniform(1.001, 3);
     rays.push_back({random.direction() * radius, random.direction()});
-    // Along the axes, where vertices and edges are met.
+    // Along the axes, where rays meet vertices and edges.
     if (i % 4 < 2) rays.back().direction = {0, i % 8 < 4 ? 1.0 : -1.0, 0};
   }
   rays.push_back({{0, 0, 0}, {0, 0, 1}});
@@ -364,7 +365,7 @@ TEST(Kinds, AnOddCountIsInside) {
 }
 
 TEST(Kinds, ABadRayIsMarkedInEveryKind) {
-  const auto snapshot = crowd(5);
+  const auto snapshot = random_scene(5);
   std::vector<Ray> rays(3, Ray{{0, 0, 0}, {1, 0, 0}});
   rays[1].direction = {0, 0, 0};
   rays[2].tmax = std::numeric_limits<double>::quiet_NaN();
@@ -377,8 +378,8 @@ TEST(Kinds, ABadRayIsMarkedInEveryKind) {
   }
 }
 
-TEST(Kinds, WhatCannotBeAskedIsRefused) {
-  const auto snapshot = crowd(3);
+TEST(Kinds, InvalidQueriesAreRefused) {
+  const auto snapshot = random_scene(3);
   const std::vector<Ray> rays(4);
   std::vector<RayTally> tallies(3);
   std::vector<Hit> hits(4);

@@ -13,7 +13,7 @@ namespace {
 using tests::mesh_of;
 using tests::put_node;
 
-/// 1 holds 2 (a mesh) and 3 (a group with the mesh 4); 5 is a mesh beside them.
+/// Node 1 has children 2 (a mesh) and 3 (a group with the mesh 4); 5 is a separate mesh.
 std::shared_ptr<const revision::Snapshot> family() {
   const auto mesh = mesh_of(tests::cube());
   Scene scene;
@@ -38,7 +38,7 @@ std::vector<model::NodeId> selected(model::NodeId root,
   return nodes;
 }
 
-TEST(Selection, IsASubtreeLessSubtrees) {
+TEST(Selection, IsASubtreeWithoutSomeSubtrees) {
   using Nodes = std::vector<model::NodeId>;
   EXPECT_EQ(selected(0, {}), (Nodes{2, 4, 5}));
   EXPECT_EQ(selected(1, {}), (Nodes{2, 4}));
@@ -47,10 +47,10 @@ TEST(Selection, IsASubtreeLessSubtrees) {
   EXPECT_EQ(selected(0, {1}), (Nodes{5}));
   EXPECT_EQ(selected(0, {5, 3, 3}), (Nodes{2}));
   EXPECT_EQ(selected(1, {3}), (Nodes{2}));
-  EXPECT_EQ(selected(3, {1}), Nodes{}) << "a root that is left out";
+  EXPECT_EQ(selected(3, {1}), Nodes{}) << "an excluded root";
 }
 
-TEST(Selection, NamesTheNodeThatIsNotThere) {
+TEST(Selection, NamesAnUnknownNode) {
   const auto root = Selection::make(family(), 77, {});
   ASSERT_FALSE(root);
   EXPECT_EQ(root.error().code, Code::kNotFound);

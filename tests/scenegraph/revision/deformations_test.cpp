@@ -1,4 +1,4 @@
-// Patches of vertices, alone, together and in any order with other updates.
+// Patches of vertices: alone, together, and in any order with other updates.
 #include "scenegraph/revision/deformations.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(Deformations, MoveVerticesAndNothingElse) {
   EXPECT_FALSE(before->find(1)->patched);
 }
 
-TEST(Deformations, AreSharedByThoseNamedTogether) {
+TEST(Deformations, AreSharedByNodesPatchedTogether) {
   Scene scene;
   const auto mesh = triangle();
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(scene.apply(put(-1, mesh)));
@@ -58,7 +58,7 @@ TEST(Deformations, AreSharedByThoseNamedTogether) {
   EXPECT_EQ(snapshot->find(1)->mesh, snapshot->find(2)->mesh);
   EXPECT_EQ(height(scene, 1), 1);
   EXPECT_EQ(snapshot->find(3)->mesh, mesh);
-  // In one batch: together, then one alone, which leaves the other where it was.
+  // In one batch: first together, then one alone, which does not change the other.
   ASSERT_TRUE(scene.apply({model::PatchVertices{{1, 2}, 0, {{0, 0, 2}}},
                            model::PatchVertices{{2}, 0, {{0, 0, 3}}},
                            model::PatchVertices{{1}, 1, {{1, 1, 1}}}}));
@@ -67,7 +67,7 @@ TEST(Deformations, AreSharedByThoseNamedTogether) {
   EXPECT_EQ(scene.snapshot()->find(2)->mesh->view().vertices[1], (Vec3f{1, 0, 0}));
 }
 
-TEST(Deformations, EndWhereANodeIsPutAgainOrDeleted) {
+TEST(Deformations, EndWhenANodeIsPutAgainOrDeleted) {
   Scene scene;
   const auto mesh = triangle();
   ASSERT_TRUE(scene.apply(put(-1, mesh)));
@@ -78,7 +78,7 @@ TEST(Deformations, EndWhereANodeIsPutAgainOrDeleted) {
   EXPECT_EQ(scene.snapshot()->find(1), nullptr);
 }
 
-TEST(Deformations, OfWhatIsNotThereAreRefused) {
+TEST(Deformations, OfUnknownNodesAreRefused) {
   Scene scene;
   ASSERT_TRUE(scene.apply(put(-1, triangle())));
   ASSERT_TRUE(scene.apply(put(-1, triangle())));
@@ -95,7 +95,7 @@ TEST(Deformations, OfWhatIsNotThereAreRefused) {
   EXPECT_TRUE(patch(scene, {1}, 3, {}));
 }
 
-TEST(Deformations, MayLeaveTheRangeOfFiniteNumbersAndComeBack) {
+TEST(Deformations, MayBeNonFiniteForAWhile) {
   Scene scene;
   ASSERT_TRUE(scene.apply(put(-1, triangle())));
   const accel::geometry::Ray ray{{0.2, 0.2, 9}, {0, 0, -1}};

@@ -1,4 +1,4 @@
-// What moves, what rests, and what is shared between revisions.
+// Dynamic and static nodes, and sharing between revisions.
 #include "scenegraph/revision/mobility.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ void expect_as_oracle(const std::shared_ptr<const Snapshot>& snapshot, std::uint
   EXPECT_TRUE(compared.clean()) << compared.report();
 }
 
-TEST(Movers, BeginWhereTheirMobilitySays) {
+TEST(DynamicRoots, StartFromTheDeclaredMobility) {
   Scene scene;
   ASSERT_TRUE(scene.apply({mesh_node(-1, 0), mesh_node(-2, 10, model::Mobility::kRigid),
                            mesh_node(-3, 20, model::Mobility::kDeforming),
@@ -65,13 +65,14 @@ TEST(Movers, BeginWhereTheirMobilitySays) {
   const auto snapshot = scene.snapshot();
   EXPECT_EQ(snapshot->trees().static_tree.size(), 1u);
   EXPECT_EQ(snapshot->trees().dynamic_tree.size(), 4u);
-  EXPECT_EQ(snapshot->hierarchy().dynamic_roots.size(), 2u);  // node 5 goes with node 2
+  EXPECT_EQ(snapshot->hierarchy().dynamic_roots.size(),
+            2u);  // Node 5 belongs to the subtree of node 2
   EXPECT_EQ(summarize_build(*snapshot).dynamic_instances, 4u);
   EXPECT_EQ(summarize_build(*snapshot).static_instances, 1u);
   expect_as_oracle(snapshot, 1);
 }
 
-TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
+TEST(DynamicRoots, AreNewOrChangedNodesAfterTheFirstRay) {
   Scene scene;
   add_row(scene, 100);
   ASSERT_TRUE(scene.apply({model::SetTransforms{{3}, {at(35)}}}));
@@ -89,7 +90,7 @@ TEST(Movers, AreWhatIsNewOrChangedOnceRaysHaveLooked) {
   expect_as_oracle(scene.snapshot(), 4);
 }
 
-TEST(Movers, LeaveTheStaticTreeAlone) {
+TEST(DynamicRoots, DoNotChangeTheStaticTree) {
   Scene scene;
   add_row(scene, 500);
   ASSERT_TRUE(scene.apply({mesh_node(-1, 0, model::Mobility::kRigid)}));
@@ -99,11 +100,11 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   TraceStats stats;
   cast(*scene.snapshot(), rays, &stats);
   EXPECT_GT(stats.touches, stats.dynamic_touches);
-  const auto still = scene.snapshot()->shared_trees().static_tree;
+  const auto static_tree = scene.snapshot()->shared_trees().static_tree;
   for (int frame = 1; frame < 20; ++frame) {
     ASSERT_TRUE(scene.apply({model::SetTransforms{{id}, {at(3.0 * frame)}}}));
     cast(*scene.snapshot(), rays, &stats);
-    EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, still);
+    EXPECT_EQ(scene.snapshot()->shared_trees().static_tree, static_tree);
     EXPECT_EQ(stats.touches + stats.touches_prepare, stats.dynamic_touches);
     cast(*scene.snapshot(), rays, &stats);
     EXPECT_EQ(stats.touches, 0u);
@@ -111,7 +112,7 @@ TEST(Movers, LeaveTheStaticTreeAlone) {
   expect_as_oracle(scene.snapshot(), 5);
 }
 
-TEST(Movers, OfAGroupTakeAllBelowAlong) {
+TEST(DynamicRoots, OfAGroupIncludeAllNodesBelow) {
   Scene scene;
   model::PutNode group;
   group.node = -1;
@@ -123,7 +124,7 @@ TEST(Movers, OfAGroupTakeAllBelowAlong) {
   ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {at(3, 4)}}}));
   EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 49u);
   expect_as_oracle(scene.snapshot(), 6);
-  // One that is taken out of the group goes on moving by itself.
+  // A node that is removed from the group stays dynamic by itself.
   model::PutNode out = mesh_node(2, -5);
   ASSERT_TRUE(scene.apply({out}));
   EXPECT_EQ(scene.snapshot()->hierarchy().dynamic_roots.size(), 2u);
@@ -135,7 +136,7 @@ TEST(Movers, OfAGroupTakeAllBelowAlong) {
   expect_as_oracle(scene.snapshot(), 8);
 }
 
-TEST(Movers, ChangesOfNameAloneMoveNothing) {
+TEST(DynamicRoots, AreNotChangedByNewNames) {
   Scene scene;
   add_row(scene, 10);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
@@ -148,7 +149,7 @@ TEST(Movers, ChangesOfNameAloneMoveNothing) {
   EXPECT_EQ(scene.snapshot()->shared_trees().dynamic_tree, before.dynamic_tree);
 }
 
-TEST(Settle, BringsBackWhatRests) {
+TEST(Settle, ReturnsRestingNodesToTheStaticTree) {
   Scene scene;
   add_row(scene, 300);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
@@ -194,7 +195,7 @@ TEST(Settle, ANewStaticTreeIsDueOnceHalfOfTheSceneIsDeleted) {
   EXPECT_EQ(scene.snapshot()->shared_trees().removed, nullptr);
 }
 
-TEST(Settle, FindsTheNewTreeBuiltWhereTheOldWas) {
+TEST(Settle, BuildsTheNewTreeWhereTheOldOneWasBuilt) {
   Scene scene;
   add_row(scene, 3000);
   std::vector<Ray> rays;
@@ -204,11 +205,11 @@ TEST(Settle, FindsTheNewTreeBuiltWhereTheOldWas) {
   ASSERT_TRUE(scene.apply({model::SetTransforms{{7}, {at(75)}}}));
   scene.rebuild_static();
   cast(*scene.snapshot(), rays, &rebuilt);
-  // Not all: planes fall elsewhere, and a cell may lie between the places that are looked at.
+  // Not all of them: planes differ, and a cell may lie between the sampled positions.
   EXPECT_LT(10 * (rebuilt.touches - rebuilt.dynamic_touches), cold.touches);
 }
 
-TEST(Settle, OfNothingSeenDoesNothing) {
+TEST(Settle, OfATreeWithoutRaysDoesNothing) {
   Scene scene;
   add_row(scene, 10);
   const auto before = scene.snapshot();
@@ -216,9 +217,9 @@ TEST(Settle, OfNothingSeenDoesNothing) {
   EXPECT_EQ(scene.snapshot(), before);
 }
 
-/// Everything at once: groups and instances of any mobility change, some of them looked at, with
-/// settling in between.
-TEST(Settle, AmongAnyUpdatesHitsAreTheOracles) {
+/// All together: groups and instances of all mobilities change, some of them are seen by rays, and
+/// static trees are rebuilt meanwhile.
+TEST(Settle, KeepsHitsCorrectAmongAnyUpdates) {
   tests::Random random(31);
   for (const tests::Frames frames : {tests::Frames::kRigid, tests::Frames::kFar}) {
     Scene scene;

@@ -1,4 +1,4 @@
-// Meshes as the bytes that clients upload.
+// Meshes in the form that clients upload.
 #include "tests/server/blobs/blob_of.h"
 namespace sightline::tests {
 namespace {

@@ -1,4 +1,4 @@
-// Meshes as the bytes that clients upload.
+// Meshes in the form that clients upload.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace sightline::tests {
 
-/// The blob that proto/sightline/v1/blob.proto describes.
+/// The blob of a mesh, as described in proto/sightline/v1/blob.proto.
 std::string blob_of(const TestMesh& mesh);
 
-/// The digest that names these bytes.
+/// The digest of these bytes.
 server::blobs::BlobDigest digest_of(const std::string& bytes);
 
 inline std::span<const std::byte> bytes_of(const std::string& text) {

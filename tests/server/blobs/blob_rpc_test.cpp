@@ -61,7 +61,7 @@ class BlobRpcTest : public LiveServer {
   const std::string digest_ = digest_of(blob_).text();
 };
 
-TEST_F(BlobRpcTest, TakesAMeshInChunks) {
+TEST_F(BlobRpcTest, AcceptsAMeshInChunks) {
   v1::UploadBlobResponse reply;
   ASSERT_TRUE(api_.upload(blob_, digest_, &reply, 1234).ok());
   EXPECT_EQ(reply.digest(), digest_);
@@ -71,7 +71,7 @@ TEST_F(BlobRpcTest, TakesAMeshInChunks) {
   EXPECT_TRUE(status_of(digest_).complete());
 }
 
-TEST_F(BlobRpcTest, TellsWhatIsMissing) {
+TEST_F(BlobRpcTest, ListsMissingDigests) {
   ASSERT_TRUE(api_.upload(blob_, digest_).ok());
   const std::string other = digest_of(blob_of(cube())).text();
   grpc::ClientContext context, bad_context;
@@ -87,7 +87,7 @@ TEST_F(BlobRpcTest, TellsWhatIsMissing) {
             grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(BlobRpcTest, GoesOnWhereAnUploadStopped) {
+TEST_F(BlobRpcTest, ResumesAnUpload) {
   v1::UploadBlobResponse reply;
   ASSERT_TRUE(send({chunk(digest_, 0, blob_.substr(0, 5000))}, &reply).ok());
   EXPECT_EQ(reply.committed_size(), 5000u);
@@ -100,7 +100,7 @@ TEST_F(BlobRpcTest, GoesOnWhereAnUploadStopped) {
   EXPECT_EQ(reply.triangles(), 1000u);
 }
 
-TEST_F(BlobRpcTest, AMeshThatIsThereIsNotTakenAgain) {
+TEST_F(BlobRpcTest, AKnownMeshIsNotAcceptedAgain) {
   ASSERT_TRUE(api_.upload(blob_, digest_).ok());
   v1::UploadBlobResponse reply;
   ASSERT_TRUE(send({chunk(digest_, 0, "")}, &reply).ok());
@@ -108,7 +108,7 @@ TEST_F(BlobRpcTest, AMeshThatIsThereIsNotTakenAgain) {
   EXPECT_EQ(reply.triangles(), 1000u);
 }
 
-TEST_F(BlobRpcTest, RefusesWhatIsWrong) {
+TEST_F(BlobRpcTest, RefusesWrongUploads) {
   const auto invalid = grpc::StatusCode::INVALID_ARGUMENT;
   expect_refused({chunk("", 0, blob_, true)}, invalid, "BAD_DIGEST");
   expect_refused({chunk("md5:abc", 0, blob_, true)}, invalid, "BAD_DIGEST");
@@ -133,7 +133,7 @@ TEST_F(BlobRpcTest, RefusesWhatIsWrong) {
       send({chunk(digest_of(bad_index).text(), 0, bad_index, true)}, &reply);
   EXPECT_EQ(status.error_code(), invalid);
   EXPECT_NE(status.error_message().find("7"), std::string::npos) << status.error_message();
-  EXPECT_EQ(status_of(digest_).committed_size(), 0u) << "nothing that failed is kept";
+  EXPECT_EQ(status_of(digest_).committed_size(), 0u) << "a failed upload is dropped";
 }
 
 TEST_F(BlobRpcTest, NamesTheMemoryBudget) {
@@ -146,7 +146,7 @@ TEST_F(BlobRpcTest, NamesTheMemoryBudget) {
             std::string::npos);
 }
 
-TEST_F(BlobRpcTest, CountsTrianglesThatAreNotFinite) {
+TEST_F(BlobRpcTest, CountsNonFiniteTriangles) {
   TestMesh mesh = cube();
   mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
   mesh.faces.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size() - 1)});

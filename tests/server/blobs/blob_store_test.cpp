@@ -1,4 +1,4 @@
-// Uploads, the meshes they become, and the memory they share.
+// Uploads, the meshes made from them, and the memory that both share.
 #include "server/blobs/blob_store.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(BlobStore, KeepsAMeshByItsDigest) {
   EXPECT_EQ(blobs.status(digest_of(blob)).committed, blob.size());
 }
 
-TEST(BlobStore, AnUploadCanBeTakenUpAgain) {
+TEST(BlobStore, AnUploadCanBeResumed) {
   BlobStore blobs({kRoomy});
   const std::string blob = blob_of(tests::cube());
   {
@@ -66,7 +66,7 @@ TEST(BlobStore, AnUploadCanBeTakenUpAgain) {
   EXPECT_TRUE(blobs.complete(*upload));
 }
 
-TEST(BlobStore, BytesAreTakenInOrderOnly) {
+TEST(BlobStore, AcceptsBytesInOrderOnly) {
   BlobStore blobs({kRoomy});
   const std::string blob = blob_of(tests::cube());
   EXPECT_EQ(blobs.begin(digest_of(blob), 7).error().code, Code::kOutOfRange);
@@ -77,7 +77,7 @@ TEST(BlobStore, BytesAreTakenInOrderOnly) {
   EXPECT_NE(gap.error().message.find("continues at byte 0, not 10"), std::string::npos);
 }
 
-TEST(BlobStore, RefusesBytesThatAreNotTheDigests) {
+TEST(BlobStore, RefusesBytesThatDoNotMatchTheDigest) {
   BlobStore blobs({kRoomy});
   const std::string blob = sheet_blob(1);
   const auto upload = blobs.begin(digest_of(sheet_blob(2)), 0);
@@ -89,7 +89,7 @@ TEST(BlobStore, RefusesBytesThatAreNotTheDigests) {
   EXPECT_EQ(blobs.status(digest_of(sheet_blob(2))).committed, 0u);
 }
 
-TEST(BlobStore, NamesTheBudgetItHasNoRoomIn) {
+TEST(BlobStore, NamesTheExceededBudget) {
   const std::string blob = sheet_blob(0);
   BlobStore blobs({.memory_budget = blob.size() + 10, .idle = kNever});
   BlobDigest large = digest_of(blob);
@@ -103,7 +103,7 @@ TEST(BlobStore, NamesTheBudgetItHasNoRoomIn) {
   EXPECT_NE(refused.error().message.find(std::to_string(blob.size() + 10)), std::string::npos);
 }
 
-TEST(BlobStore, DropsMeshesThatNobodyUsesOldestFirst) {
+TEST(BlobStore, DropsUnusedMeshesOldestFirst) {
   const std::size_t size = sheet_blob(0).size();
   BlobStore blobs({.memory_budget = 3 * size, .idle = kNever});
   const auto used = store(blobs, sheet_blob(0));
@@ -124,7 +124,7 @@ TEST(BlobStore, DropsUploadsSetAsideBeforeMeshes) {
   EXPECT_NE(blobs.find(digest_of(sheet_blob(0))), nullptr);
 }
 
-TEST(BlobStore, DropsUploadsThatStandStillWhenRoomIsNeeded) {
+TEST(BlobStore, DropsIdleUploadsForNewOnes) {
   const std::size_t size = sheet_blob(0).size();
   BlobStore blobs({.memory_budget = size, .idle = std::chrono::seconds(0)});
   const auto standing = blobs.begin(digest_of(sheet_blob(0)), 0);
@@ -143,10 +143,11 @@ TEST(BlobStore, BoundsTheNumberOfUploads) {
   const auto second = blobs.begin(digest_of(sheet_blob(1)), 0);
   EXPECT_EQ(blobs.begin(digest_of(sheet_blob(2)), 0).error().reason, "TOO_MANY_UPLOADS");
   blobs.set_aside(*first);
-  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0)) << "one that was set aside makes room";
+  EXPECT_TRUE(blobs.begin(digest_of(sheet_blob(2)), 0))
+      << "a set-aside upload is dropped for a new one";
 }
 
-TEST(BlobStore, GivesBackWhatAnAbandonedUploadHeld) {
+TEST(BlobStore, ReleasesTheBytesOfAnAbandonedUpload) {
   BlobStore blobs({kRoomy});
   const auto upload = blobs.begin(digest_of(sheet_blob(0)), 0);
   EXPECT_EQ(blobs.bytes_used(), sheet_blob(0).size());
@@ -175,7 +176,7 @@ TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
     });
   }
   for (auto& thread : threads) thread.join();
-  for (const auto& mesh : meshes) EXPECT_EQ(mesh, meshes[0]) << "all got the one that is kept";
+  for (const auto& mesh : meshes) EXPECT_EQ(mesh, meshes[0]) << "all threads got the stored mesh";
   EXPECT_EQ(blobs.bytes_used(), meshes[0]->bytes());
 }
 

@@ -12,11 +12,11 @@
 namespace sightline::server::blobs {
 namespace {
 
-// The sum of "abc" as FIPS 180-2 gives it.
+// The digest of "abc" from FIPS 180-2.
 const std::string kAbc =
     "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad/3";
 
-TEST(BlobDigest, NamesBytes) { EXPECT_EQ(tests::digest_of("abc").text(), kAbc); }
+TEST(BlobDigest, IsTheSha256OfTheBytes) { EXPECT_EQ(tests::digest_of("abc").text(), kAbc); }
 
 TEST(BlobDigest, ParsesWhatItWrites) {
   const auto parsed = BlobDigest::parse(kAbc);
@@ -76,26 +76,26 @@ void expect_bad(const std::string& blob) {
   EXPECT_EQ(mesh.error().code, Code::kInvalidArgument) << mesh.error().message;
 }
 
-TEST(MeshBlob, RefusesWhatIsNoMesh) {
+TEST(MeshBlob, RefusesOtherBytes) {
   expect_bad(std::string(1000, 'x'));
   std::string other = blob_of(tests::cube());
   other[3] = '2';
   expect_bad(other);
 }
 
-TEST(MeshBlob, TheTwinNumberMeansNothing) {
-  std::string twin = blob_of(tests::cube());
-  twin[4] = 1;
-  const auto mesh = read(twin, 1000);
+TEST(MeshBlob, TheCopyNumberIsIgnored) {
+  std::string blob = blob_of(tests::cube());
+  blob[4] = 1;
+  const auto mesh = read(blob, 1000);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ((*mesh)->faces(), 12u);
 }
 
 TEST(MeshBlob, RefusesCountsThatDisagreeWithItsSize) {
   const std::string blob = blob_of(tests::cube());
-  for (const std::size_t place : {8u, 15u, 16u, 23u}) {
+  for (const std::size_t index : {8u, 15u, 16u, 23u}) {
     std::string wrong = blob;
-    wrong[place] = static_cast<char>(wrong[place] + 1);
+    wrong[index] = static_cast<char>(wrong[index] + 1);
     expect_bad(wrong);
   }
   expect_bad(blob + "x");
@@ -108,14 +108,14 @@ TEST(MeshBlob, RefusesCountsWhoseSumWrapsAround) {
   expect_bad(blob);
 }
 
-TEST(MeshBlob, RefusesMoreThanItsSize) {
+TEST(MeshBlob, RefusesExtraBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob)));
   EXPECT_FALSE(reader.append(bytes_of("x")));
 }
 
-TEST(MeshBlob, RefusesLess) {
+TEST(MeshBlob, RefusesMissingBytes) {
   const std::string blob = blob_of(tests::cube());
   MeshBlobReader reader(blob.size());
   ASSERT_TRUE(reader.append(bytes_of(blob).first(blob.size() - 1)));

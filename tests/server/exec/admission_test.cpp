@@ -1,4 +1,4 @@
-// The bound on what is in work.
+// The limit on work in flight.
 #include "server/exec/admission.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(Admission, CountsWhatIsInFlight) {
+TEST(Admission, CountsRaysAndBytesInFlight) {
   Admission admission({100, 1000});
   {
     const auto first = admission.admit(60, 500);
@@ -41,7 +41,7 @@ TEST(Admission, SumsDoNotWrapAround) {
   EXPECT_FALSE(admission.admit(0, std::numeric_limits<std::uint64_t>::max()));
 }
 
-TEST(Admission, ATicketMovesAndIsGivenBackOnce) {
+TEST(Admission, ATicketCanBeMovedAndIsReleasedOnce) {
   Admission admission({100, 1000});
   auto first = admission.admit(10, 10);
   Admission::Ticket ticket = std::move(*first);

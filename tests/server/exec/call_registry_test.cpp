@@ -1,4 +1,4 @@
-// The limit on open calls, and what stop() does.
+// The limit on open calls, and the effect of stop().
 #include "server/exec/call_registry.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(CallRegistry, RefusesCallsBeyondTheLimit) {
   EXPECT_TRUE(calls.enter(&c, [] {}));
 }
 
-TEST(CallRegistry, StopsOpenCallsOnceAndRefusesLaterOnes) {
+TEST(CallRegistry, StopsEachCallOnceAndRefusesNewCalls) {
   CallRegistry calls(things(3));
   int a = 0, b = 0, c = 0;
   EXPECT_TRUE(calls.enter(&a, [&] { ++a; }));

@@ -14,7 +14,7 @@
 namespace sightline::server::exec {
 namespace {
 
-TEST(Compute, NeverWorksOnTheCallersThread) {
+TEST(Compute, NeverRunsOnTheCallersThread) {
   for (const int threads : {1, 2, 4}) {
     std::atomic<int> done{0};
     std::atomic<bool> on_caller{false};
@@ -33,7 +33,7 @@ TEST(Compute, NeverWorksOnTheCallersThread) {
   }
 }
 
-/// Tasks that keep their workers until they are let go.
+/// Tasks that occupy their workers until they are released.
 class Blockers {
  public:
   ~Blockers() { let_go_.set_value(); }
@@ -46,12 +46,12 @@ class Blockers {
   std::shared_future<void> let_go_future_{let_go_.get_future()};
 };
 
-/// Whether a task has run. It runs or never does: the limit only ends a test that fails.
+/// Waits until a task has run. The limit only ends a failing test.
 bool has_run(std::future<void> done) {
   return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-TEST(Compute, BackgroundWorkLeavesTheWorkersToOthers) {
+TEST(Compute, BackgroundWorkDoesNotBlockOtherTasks) {
   Compute compute(1);
   const Blockers blockers;
   for (int i = 0; i < 3; ++i) compute.enqueue_background(blockers.task());
@@ -61,7 +61,7 @@ TEST(Compute, BackgroundWorkLeavesTheWorkersToOthers) {
   EXPECT_TRUE(has_run(std::move(done)));
 }
 
-TEST(Compute, UpdatesDoNotWaitForOthers) {
+TEST(Compute, UpdatesDoNotWaitForOtherTasks) {
   Compute compute(1);
   const Blockers blockers;
   for (int i = 0; i < 3; ++i) {
@@ -74,7 +74,7 @@ TEST(Compute, UpdatesDoNotWaitForOthers) {
   EXPECT_TRUE(has_run(std::move(done)));
 }
 
-TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
+TEST(Compute, TasksMayOwnMoveOnlyObjects) {
   std::weak_ptr<int> watch;
   {
     Compute compute(1);
@@ -87,9 +87,9 @@ TEST(Compute, TasksMayOwnWhatCannotBeCopied) {
   EXPECT_TRUE(watch.expired());
 }
 
-TEST(Strand, RunsOneAfterTheOtherInOrder) {
+TEST(Strand, RunsTasksOneAtATimeInOrder) {
   Strand queue;
-  std::vector<int> order;  // without a lock: tasks exclude each other
+  std::vector<int> order;  // Without a lock: tasks exclude each other
   {
     Compute compute(4);
     for (int i = 0; i < 1000; ++i) queue.post(compute, [&order, i] { order.push_back(i); });
@@ -114,7 +114,7 @@ TEST(Strand, TasksOfManyThreadsExcludeEachOther) {
   EXPECT_EQ(count, 4000);
 }
 
-TEST(Strand, ATaskMayBeTheLastToHoldItsQueue) {
+TEST(Strand, ATaskMayHoldTheLastReferenceToItsStrand) {
   std::atomic<int> done{0};
   {
     Compute compute(2);

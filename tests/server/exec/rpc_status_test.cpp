@@ -30,7 +30,7 @@ TEST(RpcStatus, CarriesCodeMessageAndReason) {
   EXPECT_EQ(info_of(status).domain(), "sightline");
 }
 
-TEST(RpcStatus, MapsEveryCodeToItsNamesake) {
+TEST(RpcStatus, MapsEveryCodeToTheGrpcCodeOfTheSameName) {
   const std::pair<Code, grpc::StatusCode> pairs[] = {
       {Code::kInvalidArgument, grpc::StatusCode::INVALID_ARGUMENT},
       {Code::kNotFound, grpc::StatusCode::NOT_FOUND},

@@ -1,4 +1,4 @@
-// What a cast asks for.
+// Decoding the query of a cast.
 #include "server/queries/cast_query.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST(DecodeQuery, HasDefaults) {
   EXPECT_FALSE(query->surface);
 }
 
-TEST(DecodeQuery, SurfaceIsComputedOnlyIfAskedFor) {
+TEST(DecodeQuery, SurfaceIsComputedOnlyOnRequest) {
   for (const auto field : {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL}) {
     v1::CastRaysRequest request;
     request.add_fields(field);
@@ -44,7 +44,7 @@ TEST(DecodeQuery, AnyAnswersHitAndWork) {
   EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
 }
 
-TEST(DecodeQuery, RefusesWhatItDoesNotKnow) {
+TEST(DecodeQuery, RefusesUnknownValues) {
   v1::CastRaysRequest kind, field, build, culling, twice, unspecified;
   kind.set_kind(static_cast<v1::QueryKind>(9));
   culling.set_culling(static_cast<v1::Culling>(9));
@@ -72,7 +72,7 @@ TEST(DecodeQuery, CountAnswersCountAndHitAndWork) {
   EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
 }
 
-TEST(DecodeQuery, AllAnswersOffsetsAndHitAndWhatIsAsked) {
+TEST(DecodeQuery, AllAnswersOffsetsHitAndTheRequestedFields) {
   v1::CastRaysRequest request = request_of(v1::QUERY_KIND_ALL);
   EXPECT_EQ(decode_query(request, {})->fields,
             (std::vector{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT, v1::HIT_FIELD_T,
@@ -86,7 +86,7 @@ TEST(DecodeQuery, AllAnswersOffsetsAndHitAndWhatIsAsked) {
   EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
 }
 
-TEST(DecodeQuery, OffsetsAndCountsAreOfTheirKindAlone) {
+TEST(DecodeQuery, OffsetsAndCountsBelongToOneKindEach) {
   for (const auto field : {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_COUNT}) {
     v1::CastRaysRequest request;
     request.add_fields(field);
@@ -96,7 +96,7 @@ TEST(DecodeQuery, OffsetsAndCountsAreOfTheirKindAlone) {
   }
 }
 
-TEST(DecodeQuery, TakesCullingAndNodes) {
+TEST(DecodeQuery, DecodesCullingAndNodes) {
   v1::CastRaysRequest request;
   request.set_culling(v1::CULLING_FRONT);
   request.set_root(5);
@@ -131,7 +131,7 @@ TEST(DecodeQuery, NamesTheLimitThatIsExceeded) {
             std::string::npos);
 }
 
-TEST(DecodeQuery, OnlyAListHasALimitOfHits) {
+TEST(DecodeQuery, OnlyKindAllHasALimitOfHits) {
   v1::CastRaysRequest request = request_of(v1::QUERY_KIND_COUNT);
   request.set_max_hits(5);
   EXPECT_EQ(decode_query(request, {}).error().reason, "LIMIT_NOT_OF_KIND");

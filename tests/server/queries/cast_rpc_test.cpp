@@ -86,7 +86,7 @@ TEST_F(CastRpcTest, AnyAgreesWithClosest) {
   EXPECT_EQ(column_of(cast(request), v1::HIT_FIELD_HIT), closest);
 }
 
-TEST_F(CastRpcTest, RepliesToWhatWasAskedAndOnlyThat) {
+TEST_F(CastRpcTest, RepliesWithTheRequestedFieldsOnly) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(10));
   const v1::CastRaysResponse standard = cast(request);
@@ -118,7 +118,7 @@ TEST_F(CastRpcTest, MarksBadRaysAndServesTheOthers) {
   EXPECT_EQ(reply.stats().hits(), 1u);
 }
 
-TEST_F(CastRpcTest, TakesFloat32Columns) {
+TEST_F(CastRpcTest, AcceptsFloat32Columns) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request;
   request.set_scene(kScene);
@@ -166,7 +166,7 @@ TEST_F(CastRpcTest, RefusesBadRequests) {
   EXPECT_EQ(reason_of(fail(request)), "COLUMN_LENGTH");
 }
 
-TEST_F(CastRpcTest, GrowsOnlyWhatIsAskedFor) {
+TEST_F(CastRpcTest, GrowsOnlyAsTheBuildModeAllows) {
   api_.make_scene(kScene, planar_sheet(64));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(100));
   request.set_build(v1::BUILD_MODE_NONE);
@@ -202,7 +202,7 @@ TEST_F(CastRpcTest, ManyClientsGetTheSameHitsOfAColdScene) {
   }
 }
 
-TEST_F(CastRpcTest, ADeadlineThatHasPassedIsToldAsSuch) {
+TEST_F(CastRpcTest, AnExpiredDeadlineIsReported) {
   api_.make_scene(kScene, planar_sheet(1));
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() - std::chrono::seconds(1));
@@ -243,7 +243,7 @@ class ShortQueueTest : public CastRpcTest {
   ShortQueueTest() : CastRpcTest(with_short_queue()) {}
 };
 
-TEST_F(ShortQueueTest, RefusesWhatIsOverItAndNamesIt) {
+TEST_F(ShortQueueTest, RefusesABatchAboveTheLimitAndNamesIt) {
   api_.make_scene(kScene, planar_sheet(1));
   const grpc::Status status = fail(cast_request(kScene, rays_downward(101)));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
@@ -253,7 +253,7 @@ TEST_F(ShortQueueTest, RefusesWhatIsOverItAndNamesIt) {
   for (int i = 0; i < 10; ++i) cast(cast_request(kScene, rays_downward(100)));
 }
 
-TEST_F(ShortQueueTest, LeavesRoomBesideBatchesThatListHits) {
+TEST_F(ShortQueueTest, BatchesThatListHitsLeaveCapacityForOthers) {
   api_.make_scene(kScene, planar_sheet(1));
   const auto all_of = [&](std::size_t rays) {
     auto request = cast_request(kScene, rays_downward(rays));

@@ -1,4 +1,4 @@
-// Reads at a token, at an exact revision, and at the newest, through a real server.
+// Reads at a token, at an exact revision, and at the newest one, through a real server.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ class ConsistencyRpcTest : public LiveServer {
   }
 };
 
-TEST_F(ConsistencyRpcTest, EveryAnswerNamesItsRevisionByAToken) {
+TEST_F(ConsistencyRpcTest, EveryAnswerHasTheTokenOfItsRevision) {
   v1::CastRaysResponse reply;
   ASSERT_TRUE(cast({}, &reply).ok());
   EXPECT_EQ(reply.served().token(), head().token());
@@ -74,7 +74,7 @@ TEST_F(ConsistencyRpcTest, EveryAnswerNamesItsRevisionByAToken) {
   EXPECT_EQ(applied.revision().token(), head().token());
 }
 
-TEST_F(ConsistencyRpcTest, ATokenThatHasBeenReachedIsAnsweredByTheNewest) {
+TEST_F(ConsistencyRpcTest, AReachedTokenIsAnsweredByTheNewestRevision) {
   const std::string token = head().token();
   ASSERT_TRUE(api_.apply(kScene, {move_to(1, 1)}).ok());
   v1::CastRaysResponse reply;
@@ -82,7 +82,7 @@ TEST_F(ConsistencyRpcTest, ATokenThatHasBeenReachedIsAnsweredByTheNewest) {
   EXPECT_EQ(reply.served().revision(), 2u);
 }
 
-TEST_F(ConsistencyRpcTest, RefusesWhatIsNoTokenOfTheScene) {
+TEST_F(ConsistencyRpcTest, RefusesTokensOfOtherScenes) {
   v1::CastRaysResponse reply;
   EXPECT_EQ(reason_of(at_least("nonsense", &reply)), "BAD_TOKEN");
   EXPECT_EQ(reason_of(at_least(head().token() + "x", &reply)), "BAD_TOKEN");
@@ -124,7 +124,7 @@ TEST_F(ConsistencyRpcTest, WaitsUntilTheRevisionIsPublished) {
   for (std::thread& reader : readers) reader.join();
 }
 
-TEST_F(ConsistencyRpcTest, AWaitEndsWithTheBoundOrTheDeadline) {
+TEST_F(ConsistencyRpcTest, AWaitEndsAtTheBoundOrTheDeadline) {
   v1::CastRaysResponse reply;
   const grpc::Status late = at_least(token_after(1), &reply);
   EXPECT_EQ(late.error_code(), grpc::StatusCode::UNAVAILABLE);
@@ -164,7 +164,7 @@ TEST_F(ConsistencyRpcTest, AnExactRevisionAnswersWithItsOwnHits) {
   EXPECT_EQ(got.nodes(0).transform().matrix(3), 0.1 * 3);
 }
 
-TEST_F(ConsistencyRpcTest, RefusesRevisionsThatAreNotKeptOrNotThere) {
+TEST_F(ConsistencyRpcTest, RefusesDroppedAndFutureRevisions) {
   const std::uint64_t kept = server::scenes::RecentLimits().revisions;
   for (std::uint64_t i = 0; i < kept + 5; ++i) ASSERT_TRUE(api_.apply(kScene, {}).ok());
   v1::CastRaysResponse reply;
@@ -194,7 +194,7 @@ TEST_F(ConsistencyRpcTest, BoundsTheReadsThatWait) {
     streams.push_back(clients.back().rays->StreamCastRays(contexts.back().get()));
     ASSERT_TRUE(streams.back()->Write(request));
   }
-  // One that asks when all places are taken is refused; until then it would wait for its turn.
+  // A read is refused if the waiting limit is reached; before that it would wait.
   v1::CastRaysResponse reply;
   const grpc::Status status = api_.cast(alone, &reply);
   EXPECT_TRUE(reason_of(status) == "TOO_MANY_WAITING" || reason_of(status) == "REVISION_NOT_THERE")

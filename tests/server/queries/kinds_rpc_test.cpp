@@ -78,7 +78,7 @@ class KindsRpcTest : public LiveServer {
     return api_.cast(request, &reply);
   }
 
-  /// Answers of one request each, the list in as many replies as it takes.
+  /// One request for each kind; the list may take several replies.
   KindAnswers ask(v1::CastRaysRequest request, int* replies = nullptr) {
     KindAnswers answers;
     request.set_kind(v1::QUERY_KIND_CLOSEST);
@@ -86,7 +86,8 @@ class KindsRpcTest : public LiveServer {
                              v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT})
       request.add_fields(field);
     answers.closest = decode_hits(cast(request));
-    for (accel::geometry::Hit& hit : answers.closest) {  // what a list does not have here
+    for (accel::geometry::Hit& hit :
+         answers.closest) {  // Clears the fields that the list does not have
       hit.u = hit.v = 0;
       hit.normal = {};
     }
@@ -158,19 +159,19 @@ TEST_F(KindsRpcTest, AgreeWithEachOtherAndTheOracle) {
   }
 }
 
-TEST_F(KindsRpcTest, AListOfAnyLengthComesInRepliesBelowAMebibyte) {
+TEST_F(KindsRpcTest, AListOfAnyLengthIsSplitIntoRepliesBelowAMebibyte) {
   api_.make_scene(kScene, duplicates(200));
   std::vector<accel::geometry::Ray> rays(3000, accel::geometry::Ray{{0.2, 0.2, 1}, {0, 0, -1}});
-  for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].origin.x = 5;  // misses
+  for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].origin.x = 5;  // Misses
   int replies = 0;
   const KindAnswers answers = ask(cast_request(kScene, rays), &replies);
   EXPECT_EQ(contradiction(answers, server::queries::kDefaultMaxHits), "");
   EXPECT_EQ(answers.listed.size(), 2000u * 200);
-  EXPECT_GT(answers.listed.size(), server::queries::kHitsListed) << "traced in several goes";
+  EXPECT_GT(answers.listed.size(), server::queries::kHitsListed) << "traced in several parts";
   EXPECT_GE(replies, 20);
 }
 
-TEST_F(KindsRpcTest, AStreamGoesOnAfterALongList) {
+TEST_F(KindsRpcTest, AStreamContinuesAfterALongList) {
   api_.make_scene(kScene, duplicates(200));
   grpc::ClientContext context;
   const auto stream = api_.rays->StreamCastRays(&context);
@@ -194,7 +195,7 @@ TEST_F(KindsRpcTest, AStreamGoesOnAfterALongList) {
   EXPECT_EQ(hits, std::vector<std::size_t>(5, 500 * 200));
 }
 
-TEST_F(KindsRpcTest, AClientThatLeavesALongListHoldsNobodyUp) {
+TEST_F(KindsRpcTest, AClientThatAbandonsALongListDoesNotDelayOthers) {
   api_.make_scene(kScene, duplicates(200));
   for (int i = 0; i < 3; ++i) {
     grpc::ClientContext context;
@@ -214,7 +215,7 @@ TEST_F(KindsRpcTest, AClientThatLeavesALongListHoldsNobodyUp) {
   EXPECT_EQ(cast(cast_request(kScene, rays_downward(10))).stats().rays(), 10u);
 }
 
-TEST_F(KindsRpcTest, MarksTheRaysThatWereCutOff) {
+TEST_F(KindsRpcTest, MarksTheRaysWhoseListWasCut) {
   api_.make_scene(kScene, duplicates(5));
   const accel::geometry::Ray hit{{0.2, 0.2, 1}, {0, 0, -1}}, miss{{5, 5, 1}, {0, 0, -1}},
       bad{{0, 0, 0}, {0, 0, 0}};
@@ -238,7 +239,7 @@ TEST_F(KindsRpcTest, MarksTheRaysThatWereCutOff) {
   EXPECT_EQ(reply.stats().rays_cut_off(), 0u);
 }
 
-TEST_F(KindsRpcTest, OneReplyHoldsSoManyHitsAndNoMore) {
+TEST_F(KindsRpcTest, OneReplyHoldsAtMostTheLimitOfHits) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(80));
   request.set_kind(v1::QUERY_KIND_ALL);
@@ -265,8 +266,8 @@ TEST_F(KindsRpcTest, AnEmptyBatchHasAnEmptyList) {
   EXPECT_FALSE(reply.more());
 }
 
-TEST_F(KindsRpcTest, SeesOnlyWhatIsUnderTheRootLessExclusions) {
-  // 1 holds 2 and 3, three sheets one above the other.
+TEST_F(KindsRpcTest, SeesOnlyNodesUnderTheRootWithoutExclusions) {
+  // Node 1 has children 2 and 3: three sheets above each other.
   ASSERT_TRUE(api_.create(kScene).ok());
   const std::string sheet = api_.add_mesh(planar_sheet(1));
   const auto at = [](double z) {

@@ -44,7 +44,7 @@ scenegraph::model::Affine moved(double x) {
   return affine;
 }
 
-/// Every number of `after` is at least that of `before`, and none is beyond its total.
+/// Every count of `after` is at least that of `before`, and none exceeds its total.
 void expect_grown(const v1::PrefetchResponse& before, const v1::PrefetchResponse& after) {
   EXPECT_GE(after.meshes_done(), before.meshes_done());
   EXPECT_GE(after.triangles_done(), before.triangles_done());
@@ -61,14 +61,14 @@ class PrefetchRpcTest : public LiveServer {
  protected:
   using LiveServer::LiveServer;
 
-  /// Reads to the end. `last` gets the last report.
+  /// Reads to the end. `last` receives the last report.
   grpc::Status prefetch(const v1::PrefetchRequest& request, v1::PrefetchResponse* last = nullptr) {
     grpc::ClientContext context;
     const auto reader = api_.rays->Prefetch(&context, request);
     v1::PrefetchResponse before, now;
     bool done = false;
     while (reader->Read(&now)) {
-      EXPECT_FALSE(done) << "nothing comes after the last report";
+      EXPECT_FALSE(done) << "no report follows the last one";
       expect_grown(before, now);
       done = now.done();
       before = now;
@@ -93,7 +93,7 @@ class PrefetchRpcTest : public LiveServer {
     return reply.stats().cells_expanded();
   }
 
-  /// The hits, judged by nobody yet, and as bytes.
+  /// The hits, not checked, and as bytes.
   v1::CastRaysResponse cast(std::span<const accel::geometry::Ray> rays, v1::BuildMode build) {
     v1::CastRaysResponse reply;
     const grpc::Status status = api_.cast(all_fields(rays, build), &reply);
@@ -107,7 +107,7 @@ class PrefetchRpcTest : public LiveServer {
     return bytes;
   }
 
-  /// Roots 1 and 3; under each a cube (2, 4), and a soup of its own (5) under node 3.
+  /// Roots 1 and 3, each with a cube below (2, 4), and a separate soup (5) under node 3.
   void make_two_groups() {
     ASSERT_TRUE(api_.create(kScene).ok());
     const std::string shared = api_.add_mesh(cube());
@@ -142,7 +142,7 @@ TEST_F(PrefetchRpcTest, BuildsTheWholeScene) {
   EXPECT_EQ(prefetched(prefetch_of(kScene)).cells_expanded(), 0u) << "it may be repeated";
 }
 
-TEST_F(PrefetchRpcTest, HitsAreThoseOfAnyOtherWayOfBuilding) {
+TEST_F(PrefetchRpcTest, HitsEqualThoseOfOtherBuildModes) {
   const TestMesh mesh = random_soup(2000, 0.2, 11);
   const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 400, 3);
   api_.make_scene(kScene, mesh);
@@ -162,7 +162,7 @@ TEST_F(PrefetchRpcTest, HitsAreThoseOfAnyOtherWayOfBuilding) {
   EXPECT_EQ(bytes_of(rays, v1::BUILD_MODE_FULL), expected);
 }
 
-TEST_F(PrefetchRpcTest, BuildsWhatIsUnderSomeNodesAndNotUnderOthers) {
+TEST_F(PrefetchRpcTest, BuildsOnlyUnderTheRootsWithoutExclusions) {
   make_two_groups();
   v1::PrefetchRequest request = prefetch_of(kScene);
   request.add_roots(1);
@@ -181,7 +181,7 @@ TEST_F(PrefetchRpcTest, BuildsWhatIsUnderSomeNodesAndNotUnderOthers) {
   EXPECT_EQ(prefetched(request).meshes_total(), 0u);
 }
 
-TEST_F(PrefetchRpcTest, BuildsWhatRaysWouldTouchAndNoMore) {
+TEST_F(PrefetchRpcTest, BuildsOnlyTheCellsThatRaysEnter) {
   api_.make_scene(kScene, planar_sheet(64));
   const std::vector<accel::geometry::Ray> rays = rays_downward(300);
   v1::PrefetchRequest request = prefetch_of(kScene);
@@ -198,7 +198,7 @@ TEST_F(PrefetchRpcTest, BuildsWhatRaysWouldTouchAndNoMore) {
   EXPECT_EQ(cells_of_cast(cast_request(kScene, rays)), 0u);
 }
 
-TEST_F(PrefetchRpcTest, TheKindOfTheRaysSaysHowFarTheyGo) {
+TEST_F(PrefetchRpcTest, TheKindDecidesHowFarRaysGo) {
   api_.make_scene(kScene, flat_walls(200));
   std::vector<accel::geometry::Ray> rays(1);
   rays[0].origin = {-0.5, 0.3, 0.4};
@@ -215,7 +215,7 @@ TEST_F(PrefetchRpcTest, TheKindOfTheRaysSaysHowFarTheyGo) {
   EXPECT_EQ(built(v1::QUERY_KIND_COUNT), 400u);
 }
 
-TEST_F(PrefetchRpcTest, RaysSeeTheirRootAlone) {
+TEST_F(PrefetchRpcTest, RaysSeeOnlyTheirRoot) {
   make_two_groups();
   std::vector<accel::geometry::Ray> rays(1);
   rays[0].origin = {-5, 0.3, 0.4};
@@ -231,7 +231,7 @@ TEST_F(PrefetchRpcTest, RaysSeeTheirRootAlone) {
   EXPECT_EQ(api_.stats(kScene).instances_entered(), 1u);
 }
 
-TEST_F(PrefetchRpcTest, RefusesWhatItDoesNotKnow) {
+TEST_F(PrefetchRpcTest, RefusesUnknownValues) {
   make_two_groups();
   EXPECT_EQ(prefetch(prefetch_of("nonsense")).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(prefetch(prefetch_of("projects/p/scenes/none")).error_code(),
@@ -257,7 +257,7 @@ TEST_F(PrefetchRpcTest, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(reason_of(prefetch(request)), "TOO_MANY_ROOTS");
 }
 
-TEST_F(PrefetchRpcTest, AnEmptySceneIsDoneAtOnce) {
+TEST_F(PrefetchRpcTest, AnEmptySceneFinishesAtOnce) {
   ASSERT_TRUE(api_.create(kScene).ok());
   EXPECT_EQ(prefetched(prefetch_of(kScene)).meshes_total(), 0u);
   v1::PrefetchRequest request = prefetch_of(kScene);
@@ -265,14 +265,14 @@ TEST_F(PrefetchRpcTest, AnEmptySceneIsDoneAtOnce) {
   EXPECT_EQ(prefetched(request).rays_total(), 0u);
 }
 
-TEST_F(PrefetchRpcTest, ACancelledOneLeavesAUsableSceneAndRoomForOthers) {
+TEST_F(PrefetchRpcTest, ACancelledCallLeavesAUsableSceneAndFreesItsSlot) {
   const TestMesh mesh = planar_sheet(kLarge);
   api_.make_scene(kScene, mesh);
   for (int round = 0; round < 12; ++round) {
     grpc::ClientContext context;
     const auto reader = api_.rays->Prefetch(&context, prefetch_of(kScene));
     v1::PrefetchResponse report;
-    if (round % 2 == 1) reader->Read(&report);  // the first report, or the last
+    if (round % 2 == 1) reader->Read(&report);  // The first report, or the last
     context.TryCancel();
     while (reader->Read(&report)) {
     }
@@ -281,7 +281,7 @@ TEST_F(PrefetchRpcTest, ACancelledOneLeavesAUsableSceneAndRoomForOthers) {
     ASSERT_TRUE(api_.cast(cast_request(kScene, rays_downward(100)), &reply).ok());
     EXPECT_EQ(reply.stats().hits(), 100u);
   }
-  // The server may still be ending the last of them.
+  // The server may still be ending the last one.
   v1::PrefetchResponse last;
   grpc::Status status = prefetch(prefetch_of(kScene), &last);
   while (status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED)
@@ -302,7 +302,7 @@ TEST_F(PrefetchRpcTest, ADeadlineEndsIt) {
   prefetched(prefetch_of(kScene));
 }
 
-TEST_F(PrefetchRpcTest, QueriesAndPrefetchesOfOneSceneGoTogether) {
+TEST_F(PrefetchRpcTest, QueriesAndPrefetchesOfOneSceneRunConcurrently) {
   const TestMesh mesh = random_soup(200'000, 0.01, 9);
   api_.make_scene(kScene, mesh);
   const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 200, 1);
@@ -316,18 +316,18 @@ TEST_F(PrefetchRpcTest, QueriesAndPrefetchesOfOneSceneGoTogether) {
   EXPECT_EQ(api_.stats(kScene).cells_deferred(), 0u);
 }
 
-server::ServerConfig config_without_room() {
+server::ServerConfig config_of_no_prefetches() {
   server::ServerConfig config = test_config();
   config.max_prefetches = 0;
   return config;
 }
 
-class PrefetchWithoutRoomTest : public PrefetchRpcTest {
+class NoPrefetchesTest : public PrefetchRpcTest {
  protected:
-  PrefetchWithoutRoomTest() : PrefetchRpcTest(config_without_room()) {}
+  NoPrefetchesTest() : PrefetchRpcTest(config_of_no_prefetches()) {}
 };
 
-TEST_F(PrefetchWithoutRoomTest, IsRefusedWithTheLimit) {
+TEST_F(NoPrefetchesTest, IsRefusedWithTheLimit) {
   api_.make_scene(kScene, cube());
   const grpc::Status status = prefetch(prefetch_of(kScene));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);

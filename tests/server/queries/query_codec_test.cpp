@@ -1,4 +1,4 @@
-// Ray batches between the wire and the tracer.
+// Ray batches and hits as messages.
 #include "server/queries/query_codec.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(DecodeRays, ReadsDoublesAndEveryColumn) {
   EXPECT_EQ(rays[0].mask, 6u);
 }
 
-TEST(DecodeRays, LeavesNanToTheTracer) {
+TEST(DecodeRays, PassesNanToTheTracer) {
   v1::Rays columns = two_rays();
   columns.set_tmin(column<float>({std::numeric_limits<float>::quiet_NaN(), 0}));
   std::vector<accel::geometry::Ray> rays;
@@ -67,7 +67,7 @@ TEST(DecodeRays, LeavesNanToTheTracer) {
   EXPECT_TRUE(std::isnan(rays[0].tmin));
 }
 
-TEST(DecodeRays, ForgetsTheBatchBefore) {
+TEST(DecodeRays, KeepsNothingOfTheBatchBefore) {
   v1::Rays columns = two_rays();
   columns.set_masks(column<std::uint32_t>({1, 2}));
   std::vector<accel::geometry::Ray> rays;
@@ -101,7 +101,7 @@ TEST(DecodeRays, NamesTheColumnItsBytesAndTheExpectedBytes) {
   EXPECT_NE(masks.find("masks has 7 bytes, expected 8"), std::string::npos) << masks;
 }
 
-TEST(DecodeRays, TakesTheLimitAndNotOneMore) {
+TEST(DecodeRays, AcceptsTheLimitAndNoMore) {
   v1::Rays columns;
   columns.set_origins(std::string(kMaxRaysPerRequest * 12, '\0'));
   columns.set_directions(std::string(kMaxRaysPerRequest * 12, '\0'));
@@ -142,7 +142,7 @@ TEST(EncodeHits, WritesEveryColumn) {
   EXPECT_EQ(values<std::uint32_t>(reply.columns(6).data()), (std::vector<std::uint32_t>{12, 0}));
 }
 
-TEST(EncodeHits, OverwritesAReplyThatIsUsedAgain) {
+TEST(EncodeHits, OverwritesAReusedReply) {
   v1::CastRaysResponse reply;
   encode_hits(std::vector<accel::geometry::Hit>(5),
               std::vector{v1::HIT_FIELD_T, v1::HIT_FIELD_NODE}, reply);

@@ -30,7 +30,7 @@ class StreamCastRpcTest : public LiveServer {
  protected:
   using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
 
-  /// The server answers, whatever went on before.
+  /// The server still answers, whatever happened before.
   void expect_serving() {
     v1::CastRaysResponse reply;
     const grpc::Status status =
@@ -61,7 +61,7 @@ TEST_F(StreamCastRpcTest, AnswersEveryRequestInOrder) {
   EXPECT_TRUE(stream->Finish().ok());
 }
 
-TEST_F(StreamCastRpcTest, TheFirstRequestSpeaksForAll) {
+TEST_F(StreamCastRpcTest, TheFirstRequestHoldsTheQueryOfAll) {
   api_.make_scene(kScene, planar_sheet(1));
   grpc::ClientContext context;
   const auto stream = api_.rays->StreamCastRays(&context);
@@ -78,7 +78,7 @@ TEST_F(StreamCastRpcTest, TheFirstRequestSpeaksForAll) {
   EXPECT_EQ(column_of(reply.response(), v1::HIT_FIELD_HIT), std::string(5, '\1'));
 }
 
-TEST_F(StreamCastRpcTest, IsAnsweredAtOneRevisionThoughTheSceneChangesAndGoes) {
+TEST_F(StreamCastRpcTest, IsAnsweredAtOneRevisionWhileTheSceneChangesAndIsDeleted) {
   api_.make_scene(kScene, planar_sheet(1));
   grpc::ClientContext context;
   const auto stream = api_.rays->StreamCastRays(&context);
@@ -117,7 +117,7 @@ TEST_F(StreamCastRpcTest, ABadBatchEndsTheCallWithItsError) {
   EXPECT_EQ(reason_of(large->Finish()), "TOO_MANY_RAYS");
 }
 
-TEST_F(StreamCastRpcTest, ACancelledStreamLeavesTheServerServing) {
+TEST_F(StreamCastRpcTest, TheServerContinuesAfterACancelledStream) {
   api_.make_scene(kScene, planar_sheet(64));
   for (int round = 0; round < 20; ++round) {
     grpc::ClientContext context;
@@ -130,7 +130,7 @@ TEST_F(StreamCastRpcTest, ACancelledStreamLeavesTheServerServing) {
   expect_serving();
 }
 
-TEST_F(StreamCastRpcTest, AClientThatNeverReadsIsNotServedAndBlocksNobody) {
+TEST_F(StreamCastRpcTest, AClientThatNeverReadsDoesNotBlockOthers) {
   api_.make_scene(kScene, planar_sheet(8));
   constexpr int kMessages = 10'000;
   grpc::ClientContext context;
@@ -144,7 +144,7 @@ TEST_F(StreamCastRpcTest, AClientThatNeverReadsIsNotServedAndBlocksNobody) {
   context.TryCancel();
   writer.join();
   stream->Finish();
-  EXPECT_LT(accepted, 500) << "what the connection's windows hold, and not what a queue would take";
+  EXPECT_LT(accepted, 500) << "only the connection's windows hold requests, there is no queue";
   expect_serving();
 }
 

@@ -22,7 +22,7 @@ std::shared_ptr<const scenegraph::model::Mesh> sheet(std::uint32_t n) {
   return *scenegraph::model::Mesh::make(mesh.vertices, mesh.faces);
 }
 
-TEST(AppliedUpdates, NameEveryNodeByItsId) {
+TEST(AppliedUpdates, ReferToEveryNodeByItsId) {
   std::vector<Update> updates{tests::put_node(-5, 0, sheet(1)),
                               tests::put_node(-6, -5, nullptr),
                               tests::put_node(7, -6, nullptr),
@@ -44,7 +44,7 @@ TEST(AppliedUpdates, NameEveryNodeByItsId) {
   EXPECT_EQ(std::get<DeleteNode>(updates[6]).node, 102);
 }
 
-TEST(AppliedUpdates, CountPatchedVerticesThatAreReplaced) {
+TEST(AppliedUpdates, CountPatchedVerticesThatWereReplaced) {
   Scene scene;
   ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, nullptr), tests::put_node(-2, -1, sheet(200))}));
   const std::vector<Update> patch{PatchVertices{{2}, 0, {{1, 2, 3}}}};

@@ -53,7 +53,7 @@ std::shared_ptr<const scenegraph::revision::Snapshot> revision(std::uint64_t num
                                                                 scenegraph::hierarchy::Hierarchy{});
 }
 
-TEST(RecentRevisions, AreBoundedInNumber) {
+TEST(RecentRevisions, KeepsALimitedNumber) {
   RecentRevisions recent({.revisions = 3});
   EXPECT_EQ(recent.oldest_or(7), 7u);
   for (std::uint64_t i = 0; i < 5; ++i) {
@@ -68,7 +68,7 @@ TEST(RecentRevisions, AreBoundedInNumber) {
   EXPECT_EQ(recent.oldest_or(7), 2u);
 }
 
-TEST(RecentRevisions, AreBoundedInBytes) {
+TEST(RecentRevisions, KeepsALimitedNumberOfBytes) {
   RecentRevisions recent({.revisions = 100, .bytes = 100});
   const auto publish = [&](std::uint64_t number, std::uint64_t bytes) {
     EXPECT_EQ(recent.retain(revision(number)), nullptr);
@@ -79,12 +79,12 @@ TEST(RecentRevisions, AreBoundedInBytes) {
   EXPECT_EQ(publish(2, 1), 1u);
   EXPECT_EQ(publish(3, 60), 1u);
   EXPECT_EQ(recent.find(2)->revision(), 2u);
-  EXPECT_EQ(publish(4, 1000), 3u) << "one that alone is too large is not kept either";
+  EXPECT_EQ(publish(4, 1000), 3u) << "a revision that is too large by itself is not kept";
   EXPECT_EQ(publish(5, 100), 0u);
   EXPECT_EQ(recent.find(5)->revision(), 5u);
 }
 
-TEST(RecentRevisions, TakesTheSameRevisionAnew) {
+TEST(RecentRevisions, ReplacesTheSameRevision) {
   RecentRevisions recent;
   const auto first = revision(0), anew = revision(0);
   EXPECT_EQ(recent.retain(first), nullptr);
@@ -92,7 +92,7 @@ TEST(RecentRevisions, TakesTheSameRevisionAnew) {
   EXPECT_EQ(recent.find(0), anew);
 }
 
-TEST(RecentRevisions, ForgetsAll) {
+TEST(RecentRevisions, DropsAll) {
   RecentRevisions recent;
   static_cast<void>(recent.retain(revision(0)));
   EXPECT_EQ(recent.drop_all().size(), 1u);
@@ -109,7 +109,7 @@ std::vector<Update> patch(std::size_t vertices) {
   return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
 }
 
-TEST(UpdateLog, IsBoundedInNumber) {
+TEST(UpdateLog, KeepsALimitedNumber) {
   UpdateLog log({.revisions = 3});
   EXPECT_EQ(log.last(), 0u);
   EXPECT_FALSE(log.find(0));
@@ -126,7 +126,7 @@ TEST(UpdateLog, IsBoundedInNumber) {
   }
 }
 
-TEST(UpdateLog, IsBoundedInBytesButKeepsTheNewest) {
+TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
   UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
   for (int i = 0; i < 5; ++i) log.add(patch(1000));
   EXPECT_FALSE(log.find(2));
@@ -136,7 +136,7 @@ TEST(UpdateLog, IsBoundedInBytesButKeepsTheNewest) {
   EXPECT_TRUE(log.find(6));
 }
 
-TEST(UpdateLog, WhoHoldsAnEntryKeepsIt) {
+TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
   UpdateLog log({.revisions = 1});
   log.add(patch(7));
   const auto held = log.find(1);

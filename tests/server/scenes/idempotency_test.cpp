@@ -37,7 +37,7 @@ TEST(RequestAnswers, KeepsFewerOfManyNodes) {
   EXPECT_NE(*answers.find("5", 5), nullptr);
 }
 
-TEST(RequestAnswers, RefusesAnotherRequestOfTheSameId) {
+TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
   RequestAnswers answers;
   answers.retain("a", 1, {.revision = 7, .nodes = {}});
   const auto other = answers.find("a", 2);

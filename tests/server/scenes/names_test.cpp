@@ -9,13 +9,13 @@
 namespace sightline::server::scenes {
 namespace {
 
-TEST(Names, TakesIdsOfTheDocumentedAlphabet) {
+TEST(Names, AcceptsIdsOfTheDocumentedAlphabet) {
   EXPECT_TRUE(check_scene_name("projects/p/scenes/s"));
   EXPECT_TRUE(check_scene_name("projects/default/scenes/0a.b_c-d"));
   EXPECT_TRUE(check_scene_name("projects/p/scenes/" + std::string(63, 'a')));
 }
 
-TEST(Names, RefusesOthersAndNamesTheId) {
+TEST(Names, RefusesOtherIdsAndNamesThem) {
   for (const std::string id : {"", "A", ".a", "-a", "a b", "a/b", "\xc3\xa4", "a\n"}) {
     const Status status = check_scene_name("projects/p/scenes/" + id);
     ASSERT_FALSE(status) << id;
@@ -38,9 +38,9 @@ TEST(Names, RefusesOtherShapes) {
   EXPECT_FALSE(check_project_name("p"));
 }
 
-TEST(Names, TellsTheProject) { EXPECT_EQ(project_of("projects/p/scenes/s"), "projects/p"); }
+TEST(Names, HasAProject) { EXPECT_EQ(project_of("projects/p/scenes/s"), "projects/p"); }
 
-TEST(Names, AnErrorIsShortHoweverLongTheName) {
+TEST(Names, AnErrorIsShortForAnyLengthOfTheName) {
   EXPECT_LT(check_scene_name(std::string(100'000, 'x')).error().message.size(), 300u);
 }
 

@@ -1,4 +1,4 @@
-// Reads that wait, and all that ends them.
+// Reads that wait for a revision, and the events that end the wait.
 #include "server/scenes/revision_wait.h"
 
 #include <gtest/gtest.h>
@@ -12,15 +12,15 @@ class RevisionWaitTest : public testing::Test {
  protected:
   using Answer = std::future<Result<RevisionWait::SnapshotPointer>>;
 
-  /// Asks for so many revisions beyond the newest.
+  /// Waits for the revision that is this many beyond the newest.
   Answer read(RevisionWait& wait, std::uint64_t ahead, std::chrono::hours time = kLong,
               std::size_t bytes = 1) {
     v1::Consistency consistency;
     consistency.set_at_least(scene_->token(scene_->snapshot()->revision() + ahead).text());
-    auto promise = std::make_shared<std::promise<Result<RevisionWait::SnapshotPointer>>>();
+    auto result = std::make_shared<std::promise<Result<RevisionWait::SnapshotPointer>>>();
     wait.read(scene_, consistency, std::chrono::system_clock::now() + time, bytes,
-              [promise](auto answer) { promise->set_value(std::move(answer)); });
-    return promise->get_future();
+              [result](auto answer) { result->set_value(std::move(answer)); });
+    return result->get_future();
   }
   std::shared_ptr<RevisionWait> wait() {
     return std::make_shared<RevisionWait>(compute_, admission_, waits_);
@@ -47,7 +47,7 @@ TEST_F(RevisionWaitTest, IsAnsweredWhenItsRevisionIsPublished) {
   EXPECT_EQ(admission_.in_flight().bytes, 0u);
 }
 
-TEST_F(RevisionWaitTest, DoesNotWaitForWhatIsThere) {
+TEST_F(RevisionWaitTest, DoesNotWaitForAPublishedRevision) {
   const auto ready = wait();
   auto answer = read(*ready, 0);
   EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::ready);
@@ -69,7 +69,7 @@ TEST_F(RevisionWaitTest, EndsWithTheScene) {
   EXPECT_EQ(answer.get().error().code, Code::kNotFound);
 }
 
-TEST_F(RevisionWaitTest, EndsWhenItIsCancelledEvenBefore) {
+TEST_F(RevisionWaitTest, EndsWhenCancelledEvenBeforeItBegins) {
   const auto waiting = wait(), before = wait();
   auto answer = read(*waiting, 1);
   waiting->cancel();
@@ -86,11 +86,11 @@ TEST_F(RevisionWaitTest, EndsWithTheDeadline) {
   EXPECT_EQ(error.reason, "REVISION_NOT_THERE");
 }
 
-TEST_F(RevisionWaitTest, SoManyWaitAtATimeAndOfSoManyBytes) {
+TEST_F(RevisionWaitTest, LimitsTheNumberAndTheBytesOfWaitingReads) {
   const auto a = wait(), b = wait(), c = wait(), d = wait();
   auto first = read(*a, 1), second = read(*b, 1);
   EXPECT_EQ(read(*c, 1).get().error().reason, "TOO_MANY_WAITING");
-  EXPECT_EQ(admission_.in_flight().bytes, 2u) << "one that was refused holds no place";
+  EXPECT_EQ(admission_.in_flight().bytes, 2u) << "a refused read is not counted";
   EXPECT_EQ(read(*d, 1, kLong, 5000).get().error().code, Code::kResourceExhausted);
   publish();
   EXPECT_TRUE(first.get());

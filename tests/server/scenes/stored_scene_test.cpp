@@ -1,4 +1,4 @@
-// A scene and those who follow it.
+// A scene and its listeners.
 #include "server/scenes/stored_scene.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class StoredSceneTest : public testing::Test {
   exec::Compute compute_{1};
 };
 
-TEST_F(StoredSceneTest, AnUpdateIsInTheLogWhenListenersAreTold) {
+TEST_F(StoredSceneTest, AnUpdateIsInTheLogBeforeListenersAreNotified) {
   std::uint64_t seen = 0;
   const auto listener = scene_->events().subscribe([&] {
     seen = scene_->log().last();
@@ -34,13 +34,13 @@ TEST_F(StoredSceneTest, AnUpdateIsInTheLogWhenListenersAreTold) {
   EXPECT_EQ(seen, 1u);
   EXPECT_EQ(std::get<PutNode>((*scene_->log().find(1))->front()).node, 1);
   EXPECT_FALSE(apply({tests::put_node(99, 0, nullptr)}));
-  EXPECT_EQ(scene_->log().last(), 1u) << "what failed is not in it";
+  EXPECT_EQ(scene_->log().last(), 1u) << "a failed update is not in the log";
   scene_->events().unsubscribe(listener);
   ASSERT_TRUE(apply({}));
   EXPECT_EQ(seen, 1u);
 }
 
-TEST_F(StoredSceneTest, KeepsRevisionsButNotManyMegabytesOfThem) {
+TEST_F(StoredSceneTest, KeepsRevisionsWithinALimitOfBytes) {
   const tests::TestMesh sheet = tests::planar_sheet(700);
   const auto mesh = *scenegraph::model::Mesh::make(sheet.vertices, sheet.faces);
   ASSERT_TRUE(apply({tests::put_node(-1, 0, mesh)}));
@@ -57,7 +57,7 @@ TEST_F(StoredSceneTest, KeepsRevisionsButNotManyMegabytesOfThem) {
   EXPECT_TRUE(scene_->at(31));
 }
 
-TEST_F(StoredSceneTest, TakesNoUpdatesOnceItIsRemoved) {
+TEST_F(StoredSceneTest, RefusesUpdatesAfterItsRemoval) {
   scene_->remove();
   const auto refused = apply({});
   ASSERT_FALSE(refused);

@@ -1,4 +1,4 @@
-// Calls on a server as its clients make them, for tests.
+// Client calls on a server, for tests.
 #include "tests/server/support/api.h"
 
 #include <grpcpp/client_context.h>

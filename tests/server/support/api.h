@@ -1,4 +1,4 @@
-// Calls on a server as its clients make them, for tests.
+// Client calls on a server, for tests.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -18,13 +18,13 @@
 
 namespace sightline::tests {
 
-/// The ErrorInfo reason a status carries; empty if it carries none.
+/// The ErrorInfo reason of a status; empty if it has none.
 std::string reason_of(const grpc::Status& status);
 
-/// A message of these rays as float64 columns.
+/// A message with these rays as float64 columns.
 v1::Rays encode_rays(std::span<const accel::geometry::Ray> rays);
 
-/// The column of this field, or empty.
+/// The column of this field; empty if there is none.
 std::string column_of(const v1::CastRaysResponse& reply, v1::HitField field);
 
 /// The rows of a reply that has the fields T, NODE, PRIMITIVE, BARYCENTRIC, NORMAL and HIT.
@@ -44,10 +44,10 @@ class Api {
 
   grpc::Status create(const std::string& scene);
   grpc::Status remove(const std::string& scene);
-  /// Whole, in chunks of `chunk` bytes.
+  /// Uploads all bytes in chunks of `chunk` bytes.
   grpc::Status upload(const std::string& blob, const std::string& digest,
                       v1::UploadBlobResponse* reply = nullptr, std::size_t chunk = 1 << 20);
-  /// Uploads the mesh and returns its digest; fails the test if that does not work.
+  /// Uploads the mesh and returns its digest; fails the test on an error.
   std::string add_mesh(const TestMesh& mesh);
   grpc::Status apply(const std::string& scene, const std::vector<v1::Update>& updates,
                      v1::ApplyUpdatesResponse* reply = nullptr);
@@ -55,11 +55,11 @@ class Api {
   v1::GetSceneStatsResponse stats(const std::string& scene);
   grpc::Status cast(const v1::CastRaysRequest& request, v1::CastRaysResponse* reply);
 
-  /// A scene of one node with this mesh, ready to be cast at; fails the test if that does not work.
+  /// Creates a scene of one node with this mesh; fails the test on an error.
   void make_scene(const std::string& scene, const TestMesh& mesh);
 };
 
-/// A PutNode of a fresh node.
+/// A PutNode of a new node.
 v1::Update put_node(std::int64_t alias, const std::string& digest = {}, std::int64_t parent = 0,
                     const scenegraph::model::Affine& parent_from_local = {});
 

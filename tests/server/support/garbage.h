@@ -3,8 +3,8 @@
 
 namespace sightline::tests {
 
-/// Three connections: random bytes, an HTTP/1.1 request, random bytes behind HTTP/2's preface.
-/// Returns when the server has hung up on all.
+/// Opens three connections: random bytes, an HTTP/1.1 request, random bytes after HTTP/2's preface.
+/// Returns when the server has closed all of them.
 void send_garbage(int port);
 
 }  // namespace sightline::tests

@@ -19,8 +19,8 @@ std::unique_ptr<server::Server> start(const server::ServerConfig& config) {
 }  // namespace
 
 std::shared_ptr<grpc::Channel> connect(int port) {
-  // Held for good: when the last user goes, the library waits for its client's poller, for up to
-  // ten seconds.
+  // Never released: when its last user is destroyed, the library waits up to ten seconds for its
+  // client's poller.
   static const bool library_held = (grpc_init(), true);
   static_cast<void>(library_held);
   grpc::ChannelArguments arguments;

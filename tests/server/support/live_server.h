@@ -20,7 +20,7 @@ inline server::ServerConfig test_config() {
   return config;
 }
 
-/// A connection of its own, not shared with other channels of this process.
+/// A separate connection, not shared with other channels of this process.
 std::shared_ptr<grpc::Channel> connect(int port);
 
 class LiveServer : public testing::Test {

@@ -55,7 +55,7 @@ TEST_F(ApplyRpcTest, ARequestThatFailedIsNotRemembered) {
   EXPECT_FALSE(reply.replayed());
 }
 
-TEST_F(ApplyRpcTest, AnIdStandsForOneRequest) {
+TEST_F(ApplyRpcTest, AnIdBelongsToOneRequest) {
   v1::ApplyUpdatesResponse reply;
   ASSERT_TRUE(apply(api_, "a", {put_node(-1)}, &reply).ok());
   const grpc::Status other = apply(api_, "a", {put_node(-2)}, &reply);
@@ -88,7 +88,7 @@ TEST_F(ApplyRpcTest, ConcurrentRepeatsAreAppliedOnce) {
   EXPECT_EQ(api_.get(kScene).head().revision(), static_cast<std::uint64_t>(kRequests));
 }
 
-TEST_F(ApplyRpcTest, ARepeatIsAnsweredThoughItsMeshIsGone) {
+TEST_F(ApplyRpcTest, ARepeatIsAnsweredAfterItsMeshWasEvicted) {
   const std::string digest = api_.add_mesh(cube());
   const auto update = put_node(-1, digest);
   v1::ApplyUpdatesResponse reply;
@@ -96,7 +96,7 @@ TEST_F(ApplyRpcTest, ARepeatIsAnsweredThoughItsMeshIsGone) {
   v1::Update removal;
   removal.mutable_delete_node()->set_node(1);
   ASSERT_TRUE(api_.apply(kScene, {removal}).ok());
-  // So much that the unused mesh has to go, which a revision of before still holds.
+  // Large enough that the unused mesh is evicted; an earlier revision still holds it.
   std::vector<TestMesh> meshes;
   for (int i = 0; i < 3; ++i) {
     meshes.push_back(planar_sheet(1800));

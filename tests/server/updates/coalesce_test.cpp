@@ -1,4 +1,4 @@
-// Batches made one: what they come to is what they come to one after the other.
+// Coalesced batches: the result equals applying them one by one.
 #include "server/updates/coalesce.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ std::deque<UpdateBatch> batches(std::vector<std::vector<Update>> all) {
   return made;
 }
 
-/// Four nodes of which two and two carry the same mesh.
+/// Four nodes; two share one mesh, two another.
 void fill(scenegraph::Scene& scene) {
   std::vector<Update> updates;
   for (int m = 0; m < 2; ++m) {
@@ -44,7 +44,7 @@ void fill(scenegraph::Scene& scene) {
   ASSERT_TRUE(scene.apply(updates));
 }
 
-TEST(Coalesce, OnlyBatchesOfPosesAndUpToTheFirstOther) {
+TEST(Coalesce, CoalescesOnlyPoseBatchesUpToTheFirstOtherBatch) {
   const std::vector<Update> pose{SetTransforms{{1}, {at(1)}}};
   const std::vector<Update> removal{DeleteNode{1}};
   EXPECT_EQ(count_to_coalesce(batches({})), 0u);
@@ -55,7 +55,7 @@ TEST(Coalesce, OnlyBatchesOfPosesAndUpToTheFirstOther) {
   EXPECT_EQ(count_to_coalesce(bad), 1u);
 }
 
-TEST(Coalesce, LeavesOutWhatIsSurelyUnsound) {
+TEST(Coalesce, LeavesOutInvalidUpdates) {
   const std::vector<Update> pose{SetTransforms{{1}, {at(1)}}};
   const std::vector<Update> flat{SetTransforms{{1}, {Affine{{}}}}};
   const std::vector<Update> alias{SetTransforms{{-1}, {at(1)}}};
@@ -64,7 +64,7 @@ TEST(Coalesce, LeavesOutWhatIsSurelyUnsound) {
     EXPECT_EQ(count_to_coalesce(batches({pose, unsound, pose})), 1u);
 }
 
-TEST(Coalesce, TheNewestTransformOfEachNodeCounts) {
+TEST(Coalesce, KeepsTheNewestTransformOfEachNode) {
   const auto made = coalesce(batches({{SetTransforms{{1, 2}, {at(1), at(2)}}},
                                       {SetTransforms{{3}, {at(3)}}, SetTransforms{{2}, {at(4)}}},
                                       {SetTransforms{{9}, {at(9)}}}}),
@@ -75,7 +75,7 @@ TEST(Coalesce, TheNewestTransformOfEachNodeCounts) {
   EXPECT_EQ(set.parent_from_local[1].m[3], 4);
 }
 
-TEST(Coalesce, APatchThatANewerOneCoversIsLeftOut) {
+TEST(Coalesce, LeavesOutAPatchThatANewerOneCovers) {
   const auto patch = [](std::vector<scenegraph::model::NodeRef> nodes, std::uint32_t first,
                         std::size_t count) {
     return Update(
@@ -92,7 +92,7 @@ TEST(Coalesce, APatchThatANewerOneCoversIsLeftOut) {
   EXPECT_EQ(std::get<PatchVertices>(made[3]).positions.size(), 3u);
 }
 
-TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
+TEST(Coalesce, GivesTheSameResultAsOneByOne) {
   std::mt19937 random(3);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   for (int round = 0; round < 300; ++round) {
@@ -120,7 +120,7 @@ TEST(Coalesce, ComesToTheSameAsOneAfterTheOther) {
     bool all_good = true;
     for (const UpdateBatch& b : made) all_good = all_good && one.apply(b.updates);
     const bool good = together.apply(coalesce(made, made.size())).ok();
-    if (!all_good) continue;  // then they are applied one by one
+    if (!all_good) continue;  // Then they are applied one by one
     ASSERT_TRUE(good) << round;
     for (scenegraph::model::NodeId id = 1; id <= 4; ++id) {
       const scenegraph::model::Node &a = *one.snapshot()->find(id),

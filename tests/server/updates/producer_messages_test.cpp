@@ -6,7 +6,7 @@
 namespace sightline::server::updates {
 namespace {
 
-TEST(UpdateAnswers, AcksThatFollowEachOtherAreOne) {
+TEST(UpdateAnswers, MergesConsecutiveAcks) {
   UpdateAnswers answers;
   answers.ack(1, {7, 1}, 0, {10, 11});
   answers.ack(2, {7, 2}, 3, {});
@@ -31,7 +31,7 @@ TEST(UpdateAnswers, AcksThatFollowEachOtherAreOne) {
   EXPECT_TRUE(answers.empty());
 }
 
-TEST(UpdateAnswers, StaySmallMessages) {
+TEST(UpdateAnswers, AreSmallMessages) {
   UpdateAnswers answers;
   const std::vector<scenegraph::model::NodeId> many(65536, ~scenegraph::model::NodeId{0});
   for (std::uint64_t i = 1; i <= 4; ++i) answers.ack(i, {7, i}, 0, many);

@@ -1,4 +1,4 @@
-// Batches of one producer, applied: alone, together, and where one of them is bad.
+// A producer's batches: applied alone, together, and with an invalid one among them.
 #include "server/updates/producer_session.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ class ProducerSessionTest : public testing::Test {
   double x(scenegraph::model::NodeId node) const {
     return scene_->snapshot()->find(node)->parent_from_local.m[3];
   }
-  /// Of all batches, in order.
+  /// The answers to all batches, in order.
   std::vector<BatchOutcome> apply_all(ProducerSession& session) {
     std::vector<BatchOutcome> all;
     while (!batches_.empty()) {
@@ -89,7 +89,7 @@ TEST_F(ProducerSessionTest, TheLatestPosesWin) {
   EXPECT_EQ(x(2), 3);
 }
 
-TEST_F(ProducerSessionTest, OnlyTheBadOneOfAGroupIsRejected) {
+TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
   ProducerSession session(*scene_, producer_, &call_, compute_, true);
   session.take_over();
   add_pose(1, 1);
@@ -107,10 +107,10 @@ TEST_F(ProducerSessionTest, OnlyTheBadOneOfAGroupIsRejected) {
   add_pose(1, 5);
   add_pose(1, 6);
   EXPECT_EQ(apply_all(session).size(), 2u);
-  EXPECT_EQ(session.coalesced(), 1u) << "together again";
+  EXPECT_EQ(session.coalesced(), 1u) << "coalesced again";
 }
 
-TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
+TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
   ProducerSession session(*scene_, producer_, &call_, compute_, true);
   session.take_over();
   add_pose(1, 1);
@@ -123,21 +123,21 @@ TEST_F(ProducerSessionTest, ABatchThatCannotBeReadIsRejectedInItsPlace) {
   EXPECT_EQ(x(1), 2);
 }
 
-TEST_F(ProducerSessionTest, EndsWhereAnotherCallHasTakenOver) {
+TEST_F(ProducerSessionTest, EndsWhenAnotherCallTakesOver) {
   ProducerSession older(*scene_, producer_, &call_, compute_, false);
   older.take_over();
-  int newer_call = 0, told = 0;
-  const auto listener = scene_->events().subscribe([&] { ++told; });
+  int newer_call = 0, events = 0;
+  const auto listener = scene_->events().subscribe([&] { ++events; });
   ProducerSession newer(*scene_, producer_, &newer_call, compute_, false);
   newer.take_over();
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(events, 1);
   scene_->events().unsubscribe(listener);
   add_pose(1, 1);
   const auto refused = older.apply_some(batches_);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kAborted);
   older.leave();
-  EXPECT_EQ(apply_all(newer).size(), 1u) << "whose place is kept";
+  EXPECT_EQ(apply_all(newer).size(), 1u) << "its sequence number was kept";
   scene_->remove();
   add_pose(1, 2);
   EXPECT_EQ(newer.apply_some(batches_).error().code, Code::kNotFound);

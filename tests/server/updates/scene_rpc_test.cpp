@@ -1,4 +1,4 @@
-// Scenes and their changes through a real server.
+// Scenes and their updates through a real server.
 #include "server/updates/scene_rpc.h"
 
 #include <grpcpp/client_context.h>
@@ -50,7 +50,7 @@ class SceneRpcTest : public LiveServer {
     return {reply.nodes().begin(), reply.nodes().end()};
   }
 
-  /// The batch is refused like this, and the scene stays as it was.
+  /// Expects that the batch is refused with this error, and that the scene does not change.
   void expect_refused(const std::vector<v1::Update>& updates, grpc::StatusCode code,
                       const std::string& reason) {
     const v1::Scene before = api_.get(kScene);
@@ -120,7 +120,7 @@ TEST_F(SceneRpcTest, ListsInPagesByName) {
   EXPECT_EQ(list("p", 0, "", &all).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(SceneRpcTest, AppliesABatchAndMakesOneRevision) {
+TEST_F(SceneRpcTest, AppliesABatchAsOneRevision) {
   ASSERT_TRUE(api_.create(kScene).ok());
   const std::string digest = api_.add_mesh(cube());
   v1::Update named = put_node(-2, digest, -1, {{1, 0, 0, 5, 0, 1, 0, 6, 0, 0, 1, 7}});
@@ -204,7 +204,7 @@ TEST_F(SceneRpcTest, RefusesBadBatchesWhole) {
   expect_refused({good, column}, grpc::StatusCode::INVALID_ARGUMENT, "COLUMN_LENGTH");
 }
 
-TEST_F(SceneRpcTest, NamesThePlaceOfABadUpdate) {
+TEST_F(SceneRpcTest, NamesTheIndexOfABadUpdate) {
   ASSERT_TRUE(api_.create(kScene).ok());
   EXPECT_NE(api_.apply(kScene, {put_node(-1), v1::Update()}).error_message().find("update 1"),
             std::string::npos);
@@ -227,7 +227,7 @@ TEST_F(SceneRpcTest, ListsMeshesThatWereNotUploaded) {
   EXPECT_NE(status.error_message().find("1000 meshes"), std::string::npos);
 }
 
-TEST_F(SceneRpcTest, HoldsToTheExpectedRevision) {
+TEST_F(SceneRpcTest, ChecksTheExpectedRevision) {
   ASSERT_TRUE(api_.create(kScene).ok());
   const auto apply_at = [&](std::uint64_t revision) {
     grpc::ClientContext context;

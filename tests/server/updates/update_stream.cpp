@@ -1,4 +1,4 @@
-// A producer of updates as its server sees it, for tests.
+// A producer of updates, for tests.
 #include "tests/server/updates/update_stream.h"
 
 #include <gtest/gtest.h>

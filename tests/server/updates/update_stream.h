@@ -1,4 +1,4 @@
-// A producer of updates as its server sees it, for tests.
+// A producer of updates, for tests.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -14,18 +14,18 @@ namespace sightline::tests {
 
 class UpdateStream {
  public:
-  /// Opens nothing yet.
+  /// Does not open the stream.
   explicit UpdateStream(Api& api);
   ~UpdateStream();
 
-  /// Opens, and reads what the server says to that; fails the test if it says something else.
+  /// Opens the stream and reads the reply; fails the test if it is no `opened`.
   v1::ProducerOpened open(const std::string& scene, const std::string& producer = "robot",
                           bool latest_wins = false);
-  /// False once the call has ended.
+  /// False after the call has ended.
   bool send_open(const std::string& scene, const std::string& producer, bool latest_wins = false);
   bool send(std::uint64_t sequence, const std::vector<v1::Update>& updates, bool more = false);
   bool read(v1::StreamUpdatesResponse& answer);
-  /// Reads until an ack or reject covers this batch: the answers on the way, at least one. Fails
+  /// Reads until an ack or reject covers this batch; returns the answers read, at least one. Fails
   /// the test if the call ends before.
   std::vector<v1::StreamUpdatesResponse> read_up_to(std::uint64_t sequence);
 
@@ -42,7 +42,7 @@ class UpdateStream {
   bool finished_ = false;
 };
 
-/// A SetTransforms of one node: moved along x.
+/// A SetTransforms that moves one node along x.
 v1::Update move_to(std::uint64_t node, double x);
 
 /// A PatchVertices of these nodes.

@@ -23,7 +23,7 @@ class UpdateStreamRpcTest : public LiveServer {
  protected:
   void SetUp() override { ASSERT_TRUE(api_.create(kScene).ok()); }
 
-  /// What the call ends with, once it is opened and this is sent.
+  /// The status of the call after it was opened and this was sent.
   grpc::Status ends_with(std::uint64_t sequence, bool more = false) {
     UpdateStream stream(api_);
     stream.open(kScene);
@@ -64,7 +64,7 @@ TEST_F(UpdateStreamRpcTest, AppliesBatchesInOrderAndAcksThem) {
   EXPECT_TRUE(stream.finish().ok());
 }
 
-TEST_F(UpdateStreamRpcTest, ARejectLeavesTheStreamAliveAndCountsAsAnswered) {
+TEST_F(UpdateStreamRpcTest, ARejectAnswersItsBatchAndTheStreamContinues) {
   {
     UpdateStream stream(api_);
     stream.open(kScene);
@@ -88,11 +88,12 @@ TEST_F(UpdateStreamRpcTest, ARejectLeavesTheStreamAliveAndCountsAsAnswered) {
   UpdateStream again(api_);
   EXPECT_EQ(again.open(kScene).last_committed(), 4u);
   again.send(4, {put_node(-1)});
-  EXPECT_EQ(again.read_up_to(4).back().ack().up_to_sequence(), 4u) << "is not tried again";
+  EXPECT_EQ(again.read_up_to(4).back().ack().up_to_sequence(), 4u)
+      << "a rejected batch is not applied again";
   EXPECT_EQ(api_.get(kScene).nodes(), 2u);
 }
 
-TEST_F(UpdateStreamRpcTest, GapsEndTheCallAndNameBoth) {
+TEST_F(UpdateStreamRpcTest, AGapEndsTheCallAndNamesBothNumbers) {
   const grpc::Status gap = ends_with(2);
   EXPECT_EQ(gap.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(reason_of(gap), "SEQUENCE_GAP");
@@ -103,7 +104,7 @@ TEST_F(UpdateStreamRpcTest, GapsEndTheCallAndNameBoth) {
   EXPECT_EQ(api_.get(kScene).nodes(), 0u);
 }
 
-TEST_F(UpdateStreamRpcTest, AnswersWhatCameBeforeTheMistake) {
+TEST_F(UpdateStreamRpcTest, AnswersBatchesBeforeTheMistake) {
   UpdateStream stream(api_);
   stream.open(kScene);
   for (std::uint64_t i = 1; i <= 5; ++i) stream.send(i, {put_node(-1)});
@@ -113,7 +114,7 @@ TEST_F(UpdateStreamRpcTest, AnswersWhatCameBeforeTheMistake) {
   EXPECT_EQ(api_.get(kScene).nodes(), 5u);
 }
 
-TEST_F(UpdateStreamRpcTest, TheFirstMessageOpensAndNoOther) {
+TEST_F(UpdateStreamRpcTest, OnlyTheFirstMessageOpens) {
   UpdateStream early(api_), twice(api_), unknown(api_), nameless(api_);
   early.send(1, {});
   EXPECT_EQ(reason_of(early.finish()), "NOT_OPENED");
@@ -126,7 +127,7 @@ TEST_F(UpdateStreamRpcTest, TheFirstMessageOpensAndNoOther) {
   EXPECT_EQ(reason_of(nameless.finish()), "BAD_PRODUCER");
 }
 
-TEST_F(UpdateStreamRpcTest, RepeatsAreAcknowledgedAndPassedOver) {
+TEST_F(UpdateStreamRpcTest, RepeatsAreAcknowledgedAndSkipped) {
   UpdateStream stream(api_);
   stream.open(kScene);
   stream.send(1, {put_node(-1)});
@@ -143,7 +144,7 @@ TEST_F(UpdateStreamRpcTest, RepeatsAreAcknowledgedAndPassedOver) {
   EXPECT_EQ(api_.get(kScene).nodes(), 2u);
 }
 
-TEST_F(UpdateStreamRpcTest, ABatchMayComeInSeveralMessages) {
+TEST_F(UpdateStreamRpcTest, ABatchMaySpanSeveralMessages) {
   UpdateStream stream(api_);
   stream.open(kScene);
   for (std::int64_t i = 1; i <= 100; ++i)
@@ -162,7 +163,7 @@ TEST_F(UpdateStreamRpcTest, ABatchMayComeInSeveralMessages) {
   EXPECT_EQ(api_.get(kScene).head().revision(), 1u);
 }
 
-TEST_F(UpdateStreamRpcTest, ABatchBeyondTheLimitOfBytesIsRejectedAndTheStreamGoesOn) {
+TEST_F(UpdateStreamRpcTest, ABatchAboveTheLimitOfBytesIsRejectedAndTheStreamContinues) {
   const std::uint64_t node = add_node();
   UpdateStream stream(api_);
   stream.open(kScene);
@@ -177,7 +178,7 @@ TEST_F(UpdateStreamRpcTest, ABatchBeyondTheLimitOfBytesIsRejectedAndTheStreamGoe
   EXPECT_EQ(x_of(api_, kScene, node), 3);
 }
 
-TEST_F(UpdateStreamRpcTest, ABatchThatIsNotFinishedIsNotApplied) {
+TEST_F(UpdateStreamRpcTest, AnUnfinishedBatchIsNotApplied) {
   {
     UpdateStream stream(api_);
     stream.open(kScene);
@@ -205,7 +206,7 @@ TEST_F(UpdateStreamRpcTest, ANewerCallTakesOver) {
   EXPECT_EQ(newer.read_up_to(2).back().ack().revision().revision(), 2u);
 }
 
-TEST_F(UpdateStreamRpcTest, TellsTheIdsOfBatchesWhoseAcksWereNotRead) {
+TEST_F(UpdateStreamRpcTest, ReportsTheIdsOfBatchesWhoseAcksWereNotRead) {
   {
     UpdateStream stream(api_);
     stream.open(kScene);
@@ -233,7 +234,7 @@ TEST_F(UpdateStreamRpcTest, EndsWithItsScene) {
   EXPECT_EQ(reason_of(status), "SCENE_NOT_FOUND");
 }
 
-TEST_F(UpdateStreamRpcTest, ADrainingServerAnswersWhatHasCome) {
+TEST_F(UpdateStreamRpcTest, ADrainingServerAnswersReceivedBatches) {
   UpdateStream stream(api_), idle(api_);
   stream.open(kScene);
   idle.open(kScene, "idle");
@@ -245,7 +246,7 @@ TEST_F(UpdateStreamRpcTest, ADrainingServerAnswersWhatHasCome) {
   drain.join();
 }
 
-TEST_F(UpdateStreamRpcTest, EveryBatchIsAppliedOnceHoweverOftenTheCallBreaks) {
+TEST_F(UpdateStreamRpcTest, EveryBatchIsAppliedOnceThroughBrokenCalls) {
   constexpr std::uint64_t kBatches = 600;
   std::mt19937_64 random(7);
   std::uint64_t next = 1, calls = 0;
@@ -254,7 +255,7 @@ TEST_F(UpdateStreamRpcTest, EveryBatchIsAppliedOnceHoweverOftenTheCallBreaks) {
     next = stream.open(kScene).last_committed() + 1;
     ++calls;
     const std::uint64_t stop = next + random() % 30;
-    // Some are read, some are sent twice, and then the client is gone.
+    // Some answers are read, some batches are sent twice, and then the client disconnects.
     for (std::uint64_t i = next > 3 ? next - random() % 3 : next; i <= std::min(stop, kBatches);
          ++i)
       if (!stream.send(i, {put_node(-1), put_node(-2, "", -1)})) break;
@@ -287,15 +288,15 @@ TEST_F(UpdateStreamRpcTest, CoalescesPosesAndKeepsTheLast) {
   const v1::UpdateAck& last = answers.back().ack();
   EXPECT_EQ(last.up_to_sequence(), kPoses);
   EXPECT_EQ(last.revision().revision(), 1 + kPoses - last.coalesced())
-      << "each batch makes a revision, or goes with a newer one";
+      << "each batch makes a revision, or is coalesced with a newer one";
   EXPECT_EQ(x_of(api_, kScene, node), kPoses);
 }
 
-TEST_F(UpdateStreamRpcTest, HoldsUpAProducerThatDoesNotRead) {
+TEST_F(UpdateStreamRpcTest, BlocksAProducerThatDoesNotRead) {
   const std::uint64_t node = add_node();
   UpdateStream stream(api_);
   stream.open(kScene);
-  // Each ack is small: the connection takes some thousands of them, and each waits for the one
+  // Each ack is small: the connection buffers some thousands of them, and each waits for the one
   // before.
   std::thread writer([&] {
     for (std::uint64_t i = 1; i <= 100'000 && stream.send(i, {move_to(node, 1)}); ++i) {
@@ -309,7 +310,7 @@ TEST_F(UpdateStreamRpcTest, HoldsUpAProducerThatDoesNotRead) {
   EXPECT_EQ(api_.get(kScene).head().revision(), 51 + committed);
 }
 
-TEST_F(UpdateStreamRpcTest, ManyProducersAtATime) {
+TEST_F(UpdateStreamRpcTest, ServesManyProducersConcurrently) {
   constexpr int kProducers = 8;
   constexpr std::uint64_t kBatches = 100;
   std::vector<std::thread> producers;

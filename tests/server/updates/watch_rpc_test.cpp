@@ -34,7 +34,7 @@ class Watcher {
   }
 
   bool read(v1::WatchSceneResponse& message) { return reader_->Read(&message); }
-  /// The next that is no progress; its messages made one.
+  /// The next event that is not progress, with its messages merged.
   bool revision(v1::WatchSceneResponse& whole) {
     whole.Clear();
     v1::WatchSceneResponse message;
@@ -69,7 +69,7 @@ class WatchRpcTest : public LiveServer {
   void SetUp() override { ASSERT_TRUE(api_.create(kScene).ok()); }
 };
 
-TEST_F(WatchRpcTest, BeginsWithWhereItStandsThenTellsWhatIsMade) {
+TEST_F(WatchRpcTest, BeginsWithTheCurrentRevisionAndReportsNewOnes) {
   ASSERT_TRUE(api_.apply(kScene, {put_node(-1)}).ok());
   Watcher watcher(api_, kScene);
   v1::WatchSceneResponse message;
@@ -107,7 +107,7 @@ TEST_F(WatchRpcTest, BeginsWithWhereItStandsThenTellsWhatIsMade) {
   EXPECT_EQ(message.updates(3).delete_node().node(), 2);
 }
 
-TEST_F(WatchRpcTest, TellsEveryRevisionFromTheStart) {
+TEST_F(WatchRpcTest, ReportsEveryRevisionFromTheStart) {
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(api_.apply(kScene, {put_node(-1)}).ok());
   Watcher watcher(api_, kScene, 5);
   v1::WatchSceneResponse message;
@@ -121,7 +121,7 @@ TEST_F(WatchRpcTest, TellsEveryRevisionFromTheStart) {
   }
 }
 
-TEST_F(WatchRpcTest, RefusesWhatIsNotKeptOrNotThere) {
+TEST_F(WatchRpcTest, RefusesDroppedAndFutureRevisions) {
   Watcher early(api_, kScene, 1);
   EXPECT_EQ(early.finish().error_code(), grpc::StatusCode::OUT_OF_RANGE);
   const std::uint64_t count = server::scenes::LogLimits().revisions + 10;
@@ -145,7 +145,7 @@ TEST_F(WatchRpcTest, RefusesWhatIsNotKeptOrNotThere) {
   EXPECT_EQ(unknown.finish().error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(WatchRpcTest, LargeRevisionsComeInPieces) {
+TEST_F(WatchRpcTest, LargeRevisionsAreSplit) {
   const std::string mesh = api_.add_mesh(planar_sheet(400));
   v1::ApplyUpdatesResponse reply;
   ASSERT_TRUE(api_.apply(kScene, {put_node(-1, mesh)}, &reply).ok());

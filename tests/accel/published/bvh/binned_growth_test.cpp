@@ -23,21 +23,21 @@ Bvh build(const tests::TestMesh& mesh, const BvhBuilder& builder = {}) {
   return builder.build(mesh.view(), counters);
 }
 
-std::vector<kdtree::BoxRef> references(const tests::TestMesh& mesh) {
-  std::vector<kdtree::BoxRef> refs(mesh.faces.size());
+std::vector<kdtree::Reference> references(const tests::TestMesh& mesh) {
+  std::vector<kdtree::Reference> refs(mesh.faces.size());
   refs.resize(mesh::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 
 /// The cost of every boundary of the bins, counted box by box.
-double least_sum(const std::vector<kdtree::BoxRef>& refs, const CenterBins& bins,
+double least_sum(const std::vector<kdtree::Reference>& refs, const CenterBins& bins,
                  std::uint32_t count) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::uint32_t last = 0; last + 1 < count; ++last) {
       geometry::Aabb left, right;
       double n_left = 0, n_right = 0;
-      for (const kdtree::BoxRef& ref : refs) {
+      for (const kdtree::Reference& ref : refs) {
         const bool goes = bins.goes_left(ref, {.axis = axis, .last_left = last});
         (goes ? left : right).grow(ref.bounds());
         ++(goes ? n_left : n_right);
@@ -51,9 +51,9 @@ double least_sum(const std::vector<kdtree::BoxRef>& refs, const CenterBins& bins
 
 TEST(CenterBins, FindTheCheapestOfTheirBoundaries) {
   for (const std::uint32_t count : {2u, 3u, 16u, 256u}) {
-    const std::vector<kdtree::BoxRef> refs = references(tests::random_soup(200, 0.1, count));
+    const std::vector<kdtree::Reference> refs = references(tests::random_soup(200, 0.1, count));
     ListSpan span;
-    for (const kdtree::BoxRef& ref : refs) span.add(ref);
+    for (const kdtree::Reference& ref : refs) span.add(ref);
     CenterBins bins(span.centers, count);
     bins.add(refs);
     const BinSplit best = bins.best();
@@ -63,9 +63,9 @@ TEST(CenterBins, FindTheCheapestOfTheirBoundaries) {
 }
 
 TEST(CenterBins, OfPartsAddUp) {
-  const std::vector<kdtree::BoxRef> refs = references(tests::random_soup(500, 0.1, 9));
+  const std::vector<kdtree::Reference> refs = references(tests::random_soup(500, 0.1, 9));
   ListSpan span;
-  for (const kdtree::BoxRef& ref : refs) span.add(ref);
+  for (const kdtree::Reference& ref : refs) span.add(ref);
   CenterBins whole(span.centers, 32), first(span.centers, 32), second(span.centers, 32);
   whole.add(refs);
   first.add(std::span(refs).first(123));
@@ -124,8 +124,9 @@ TEST(BinnedGrowth, CoincidentTrianglesAreHalved) {
   EXPECT_LE(m.max_depth, 8);
 }
 
-TEST(BinnedGrowth, EverShorterSplitsEndAtTheGreatestDepth) {
-  // Each center lies as far from the last as all before it together: a bin boundary separates one.
+TEST(BinnedGrowth, ShorterAndShorterSplitsEndAtTheDepthLimit) {
+  // Each center lies beyond the last by the distance of all before it: a bin boundary separates
+  // one.
   tests::TestMesh mesh;
   for (int i = 0; i < 250; ++i) {
     const auto x = static_cast<float>(std::ldexp(1.0, i - 125));
@@ -140,7 +141,7 @@ TEST(BinnedGrowth, EverShorterSplitsEndAtTheGreatestDepth) {
   }
 }
 
-TEST(BinnedGrowth, NumbersAtTheEndsOfFloat) {
+TEST(BinnedGrowth, HandlesTheEndsOfTheFloatRange) {
   tests::TestMesh mesh = tests::random_soup(50, 0.2, 4);
   for (const float scale : {3e38f, 1e-38f, 1e-44f}) {
     tests::TestMesh scaled = mesh;
@@ -149,7 +150,7 @@ TEST(BinnedGrowth, NumbersAtTheEndsOfFloat) {
   }
 }
 
-TEST(BinnedGrowth, OfNothingIsAnEmptyLeaf) {
+TEST(BinnedGrowth, OfNoTrianglesIsAnEmptyLeaf) {
   const Bvh bvh = build({});
   EXPECT_FALSE(bvh.root.inner);
   EXPECT_EQ(bvh.root.count, 0u);

@@ -1,4 +1,4 @@
-// Metrics of hierarchies whose values can be worked out by hand.
+// Metrics of hierarchies whose values can be computed by hand.
 #include "accel/published/bvh/bvh_measure.h"
 
 #include <gtest/gtest.h>
@@ -11,17 +11,19 @@
 namespace sightline::accel::published::bvh {
 namespace {
 
-kdtree::BoxRef ref(std::uint32_t id, const geometry::Aabb& box) { return {box.lo, id, box.hi, 1}; }
+kdtree::Reference ref(std::uint32_t id, const geometry::Aabb& box) {
+  return {box.lo, id, box.hi, 1};
+}
 
-/// [0, 2] x [0, 1] x [0, 1] over [0, 1.5] and [0.5, 2].
+/// A root [0, 2] x [0, 1] x [0, 1] over leaves [0, 1.5] and [0.5, 2].
 Bvh two_leaves() {
   BvhGrowth growth(3);
   const geometry::Aabb left{{0, 0, 0}, {1.5f, 1, 1}}, right{{0.5f, 0, 0}, {2, 1, 1}};
-  const std::vector<kdtree::BoxRef> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
+  const std::vector<kdtree::Reference> two{ref(0, left), ref(1, left)}, one{ref(2, right)};
   return growth.finish(growth.inner(growth.leaf(two, left), growth.leaf(one, right)));
 }
 
-TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
+TEST(BvhMeasure, SumsSharesOfTheRootsArea) {
   const kdtree::TreeMetrics m = measure(two_leaves());
   EXPECT_EQ(m.nodes, 3u);
   EXPECT_EQ(m.leaves, 2u);
@@ -35,10 +37,10 @@ TEST(BvhMeasure, AddsUpSharesOfTheRoot) {
   EXPECT_EQ(m.bytes, sizeof(BvhNode) + 3 * sizeof(std::uint32_t));
 }
 
-TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
+TEST(BvhGrowth, ListsEachTriangleOnceALeafUnlessItRepeats) {
   BvhGrowth growth(3);
   const geometry::Aabb box{{0, 0, 0}, {1, 1, 1}};
-  const std::vector<kdtree::BoxRef> thrice{ref(7, box), ref(3, box), ref(7, box)};
+  const std::vector<kdtree::Reference> thrice{ref(7, box), ref(3, box), ref(7, box)};
   const Bvh bvh = growth.finish(growth.leaf(thrice, box));
   EXPECT_EQ(bvh.ids, (std::vector<std::uint32_t>{7, 3}));
   BvhGrowth repeating(3, true);
@@ -46,7 +48,7 @@ TEST(BvhGrowth, NamesATriangleOnceALeafUnlessItRepeats) {
             (std::vector<std::uint32_t>{7, 3, 7}));
 }
 
-TEST(ClippedArea, IsThatOfThePartInTheBox) {
+TEST(ClippedArea, IsTheAreaOfThePartInTheBox) {
   const geometry::Vec3f a{0, 0, 0}, b{2, 0, 0}, c{0, 2, 0};
   EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, -1}, {2, 2, 1}}), 2);
   EXPECT_DOUBLE_EQ(clipped_area(a, b, c, {{0, 0, 0}, {1, 1, 0}}), 1);

@@ -1,4 +1,4 @@
-// Hierarchies under rays: built once, by whoever comes first, and searched for nothing in vain.
+// Hierarchies under rays: each is built once, by the first ray, and walks visit no box in vain.
 #include "accel/published/bvh/bvh_tree.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(BvhTree, IsBuiltOnceByManyThreads) {
   EXPECT_EQ(tree.bytes(), tree.built()->bytes());
 }
 
-// A thread that builds must not take up another ray's task, which would wait for what it builds.
+// A building thread must not run another ray's task, which would wait for the same build.
 TEST(BvhTree, IsBuiltFromWithinTasks) {
   const tests::TestMesh mesh = tests::random_soup(50'000, 0.02, 8);
   BvhTree tree(mesh.view(), BvhBuilder{});
@@ -48,31 +48,31 @@ TEST(BvhTree, IsBuiltFromWithinTasks) {
   EXPECT_EQ(done, 64);
 }
 
-TEST(BvhTree, OnlyRaysThatMayBuildDo) {
+TEST(BvhTree, OnlyRaysThatMayBuildBuild) {
   const tests::TestMesh mesh = tests::icosphere(3);
   for (const std::string_view name : builder_names()) {
     const AnyBuilder builder = *make_builder(name);
     if (!std::holds_alternative<BvhBuilder>(builder)) continue;
-    mesh::MeshTree tree(mesh.view(), mesh::survey_mesh(mesh.view()), builder);
-    const auto ask = [&](mesh::AtUnbuilt at_unbuilt) {
+    mesh::MeshTree tree(mesh.view(), mesh::compute_mesh_stats(mesh.view()), builder);
+    const auto ask = [&](mesh::OnDeferred on_deferred) {
       const kdtree::EpochPin pin;
       mesh::MeshQuery query;
       query.ray = *geometry::make_local_ray({0.1, 0.2, 3}, {0, 0, -1});
-      query.at_unbuilt = at_unbuilt;
+      query.on_deferred = on_deferred;
       kdtree::WalkCounters walked;
       kdtree::BuildCounters built;
       tree.query(query, walked, built);
       return query;
     };
-    EXPECT_EQ(tree.metrics().unbuilt_cells, 1u);
+    EXPECT_EQ(tree.metrics().deferred_cells, 1u);
     EXPECT_EQ(tree.growth().cells_deferred, 1u);
-    const mesh::MeshQuery skipped = ask(mesh::AtUnbuilt::kSkip),
-                          searched = ask(mesh::AtUnbuilt::kSearch);
-    EXPECT_TRUE(!skipped.found && skipped.met_unbuilt);
-    EXPECT_TRUE(searched.found && searched.met_unbuilt);
+    const mesh::MeshQuery skipped = ask(mesh::OnDeferred::kSkip),
+                          searched = ask(mesh::OnDeferred::kScan);
+    EXPECT_TRUE(!skipped.found && skipped.saw_deferred);
+    EXPECT_TRUE(searched.found && searched.saw_deferred);
     EXPECT_TRUE(tree.untouched());
-    const mesh::MeshQuery built = ask(mesh::AtUnbuilt::kExpand);
-    EXPECT_TRUE(built.found && !built.met_unbuilt);
+    const mesh::MeshQuery built = ask(mesh::OnDeferred::kExpand);
+    EXPECT_TRUE(built.found && !built.saw_deferred);
     EXPECT_EQ(built.best_t, searched.best_t);
     EXPECT_EQ(built.best_primitive, searched.best_primitive);
     EXPECT_EQ(tree.growth().references_built, mesh.faces.size());
@@ -80,8 +80,8 @@ TEST(BvhTree, OnlyRaysThatMayBuildDo) {
   }
 }
 
-/// Hits of boxes alone: what meet_children says against the slab test of a single box.
-TEST(BvhWalk, MeetsWhatMayMeetMeets) {
+/// Box tests only: meet_children against the slab test of a single box.
+TEST(BvhWalk, MeetChildrenAgreesWithTheSingleBoxTest) {
   tests::Random random(6);
   int met = 0;
   for (int i = 0; i < 20'000; ++i) {

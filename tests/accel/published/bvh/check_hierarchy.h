@@ -1,5 +1,5 @@
-// The invariants of every bounding volume hierarchy: boxes hold what is below them, and between
-// them the leaves that name a triangle cover all of it.
+// Checks the invariants of every bounding volume hierarchy: boxes contain everything below them,
+// and the leaves that list a triangle cover all of it together.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ inline void collect_leaves(const accel::published::bvh::Bvh& bvh,
   }
 }
 
-/// Points of triangles are tried at random: `tries` of each.
+/// Tests random points of triangles: `tries` for each.
 inline void check_hierarchy(const accel::published::bvh::Bvh& bvh, const TestMesh& mesh,
                             int tries = 8) {
   std::size_t nodes = 0, ids = 0;
@@ -77,7 +77,7 @@ inline void check_hierarchy(const accel::published::bvh::Bvh& bvh, const TestMes
       const bool covered = std::any_of(naming[i].begin(), naming[i].end(), [&](std::size_t leaf) {
         const accel::geometry::Aabb& box = leaves[leaf].box;
         for (std::size_t a = 0; a < 3; ++a) {
-          // The point itself is off by roundings of double, far below those of the box.
+          // The point is off by roundings of double, far below those of the box.
           const double off = 1e-14 * std::max(std::fabs(p[a]), 1e-300);
           if (p[a] < static_cast<double>(box.lo[a]) - off ||
               p[a] > static_cast<double>(box.hi[a]) + off)

@@ -1,4 +1,4 @@
-// Lists of fragments to try splits on.
+// Lists of fragments as input for splits.
 #pragma once
 
 #include <cmath>
@@ -10,15 +10,15 @@
 
 namespace sightline::tests {
 
-inline std::vector<accel::kdtree::BoxRef> face_refs(const TestMesh& mesh) {
-  std::vector<accel::kdtree::BoxRef> refs(mesh.faces.size());
+inline std::vector<accel::kdtree::Reference> face_refs(const TestMesh& mesh) {
+  std::vector<accel::kdtree::Reference> refs(mesh.faces.size());
   refs.resize(accel::mesh::face_references(mesh.view(), 0, mesh.faces.size(), refs.data()));
   return refs;
 }
 
-/// Sorted lists, and the memory they are in.
+/// Sorted lists, and their memory.
 struct SortedFragments {
-  explicit SortedFragments(const std::vector<accel::kdtree::BoxRef>& refs)
+  explicit SortedFragments(const std::vector<accel::kdtree::Reference>& refs)
       : lists(accel::published::bvh::sort_by_centers(refs, stack, counters)) {}
 
   accel::published::bvh::FragmentStack stack;
@@ -34,7 +34,7 @@ inline bool is_sorted_along(std::span<const accel::published::bvh::Fragment> lis
   return true;
 }
 
-/// Turned about x, y and z, by the same angle in degrees.
+/// Rotated about x, y and z by the same angle in degrees.
 inline TestMesh turned(TestMesh mesh, double degrees) {
   const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
   for (const std::size_t axis : {0u, 1u, 2u}) {
@@ -48,8 +48,8 @@ inline TestMesh turned(TestMesh mesh, double degrees) {
   return mesh;
 }
 
-/// n x n beams along each axis, through each other: large triangles that overlap once they are
-/// turned.
+/// n x n beams along each axis, through each other: large triangles that overlap when they are
+/// rotated.
 inline TestMesh beams(int n) {
   TestMesh mesh;
   for (const std::size_t axis : {0u, 1u, 2u}) {

@@ -1,4 +1,4 @@
-// Object splits: sorted lists stay sorted, and no split is cheaper than the one that is found.
+// Object splits: sorted lists stay sorted, and no split is cheaper than the chosen one.
 #include "accel/published/bvh/object_split.h"
 
 #include <gtest/gtest.h>
@@ -22,8 +22,8 @@ double sum_of(std::span<const Fragment> list, std::size_t left) {
          half_area(r) * static_cast<double>(list.size() - left);
 }
 
-/// Every place along every axis, counted anew.
-double least_sum(const std::vector<kdtree::BoxRef>& refs) {
+/// Every index along every axis, computed directly.
+double least_sum(const std::vector<kdtree::Reference>& refs) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<Fragment> list;
@@ -46,7 +46,7 @@ ObjectSplit best(const CenterLists& lists) {
 
 TEST(CenterLists, AreSortedAlongEachAxis) {
   for (const std::size_t n : {0u, 1u, 2u, 100u, 5000u}) {
-    const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(n, 1, n);
+    const std::vector<kdtree::Reference> refs = tests::lattice_boxes(n, 1, n);
     const SortedFragments sorted(refs);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ASSERT_EQ(sorted.lists.along[axis].size(), n);
@@ -57,7 +57,7 @@ TEST(CenterLists, AreSortedAlongEachAxis) {
 }
 
 TEST(CenterLists, DoNotDependOnTheOrderOfTheInput) {
-  std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(300, 1, 3);
+  std::vector<kdtree::Reference> refs = tests::lattice_boxes(300, 1, 3);
   const SortedFragments ascending(refs);
   std::reverse(refs.begin(), refs.end());
   const SortedFragments descending(refs);
@@ -70,7 +70,7 @@ TEST(CenterLists, DoNotDependOnTheOrderOfTheInput) {
   }
 }
 
-TEST(CenterLists, AreDividedAtAPlaceInTheirOrder) {
+TEST(CenterLists, AreDividedAtAnIndexInTheirOrder) {
   for (const std::size_t n : {2u, 3u, 50u, 9000u}) {
     for (const std::size_t axis : {0u, 1u, 2u}) {
       for (const std::size_t left : {std::size_t{1}, n / 2, n - 1}) {
@@ -95,9 +95,9 @@ TEST(CenterLists, AreDividedAtAPlaceInTheirOrder) {
 
 TEST(ObjectSplit, IsTheCheapestOfAll) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const std::vector<kdtree::BoxRef> refs = seed % 2 == 0
-                                                 ? tests::random_boxes(2 + seed, 0.2, seed)
-                                                 : tests::lattice_boxes(2 + seed, 1, seed);
+    const std::vector<kdtree::Reference> refs = seed % 2 == 0
+                                                    ? tests::random_boxes(2 + seed, 0.2, seed)
+                                                    : tests::lattice_boxes(2 + seed, 1, seed);
     const SortedFragments sorted(refs);
     const ObjectSplit split = best(sorted.lists);
     const double whole = half_area(sorted.lists.box) * static_cast<double>(refs.size());
@@ -111,8 +111,8 @@ TEST(ObjectSplit, IsTheCheapestOfAll) {
   }
 }
 
-TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
-  const std::vector<kdtree::BoxRef> refs = tests::random_boxes(6000, 0.05, 9);
+TEST(ObjectSplit, OfALongListIsTheBestOfEachAxis) {
+  const std::vector<kdtree::Reference> refs = tests::random_boxes(6000, 0.05, 9);
   const SortedFragments sorted(refs);
   const ObjectSplit split = best(sorted.lists);
   ASSERT_TRUE(split.found());
@@ -125,8 +125,8 @@ TEST(ObjectSplit, OfALongListIsThatOfEachAxis) {
   EXPECT_LE(split.sum, least);
 }
 
-TEST(ObjectSplit, ThereIsNoneWhereNothingSeparates) {
-  std::vector<kdtree::BoxRef> same;
+TEST(ObjectSplit, IsNoneIfNothingSeparates) {
+  std::vector<kdtree::Reference> same;
   for (std::uint32_t i = 0; i < 20; ++i) same.push_back(tests::box_ref({0, 0, 0}, {1, 2, 3}, i));
   const SortedFragments sorted(same);
   EXPECT_FALSE(best(sorted.lists).found());

@@ -1,4 +1,4 @@
-// Chopped binning: what lies in each bin, against clipping to it, and the cheapest of all planes.
+// Chopped binning: the content of each bin against clipping to it, and the cheapest of all planes.
 #include "accel/published/bvh/plane_search.h"
 
 #include <gtest/gtest.h>
@@ -24,11 +24,11 @@ std::optional<geometry::Aabb> clipped(const geometry::MeshView& mesh, std::uint3
   return clipped_bounds(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]], cell);
 }
 
-/// A fragment of each face: what of it lies in a random box, or all of it.
+/// A fragment of each face: its part in a random box, or all of it.
 std::vector<Fragment> random_fragments(const TestMesh& mesh, std::uint64_t seed) {
   tests::Random random(seed);
   std::vector<Fragment> fragments;
-  for (const kdtree::BoxRef& ref : tests::face_refs(mesh)) {
+  for (const kdtree::Reference& ref : tests::face_refs(mesh)) {
     geometry::Aabb part;
     const auto x = [&] { return static_cast<float>(random.uniform(-0.3, 1.3)); };
     part.grow(geometry::Vec3f{x(), x(), x()});
@@ -56,7 +56,7 @@ void expect_near(const geometry::Aabb& a, const geometry::Aabb& b, double off) {
   }
 }
 
-/// What a plane leaves on its sides, clipped anew for each.
+/// The parts on the sides of a plane, clipped directly.
 double clipped_sum(const geometry::MeshView& mesh, std::span<const Fragment> list, std::size_t axis,
                    float position) {
   std::array<geometry::Aabb, 2> box;
@@ -77,7 +77,7 @@ double clipped_sum(const geometry::MeshView& mesh, std::span<const Fragment> lis
   return half_area(box[0]) * n[0] + half_area(box[1]) * n[1];
 }
 
-TEST(ChoppedAxis, HoldsWhatClippingToEachBinLeaves) {
+TEST(ChoppedAxis, EqualsClippingToEachBin) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const TestMesh mesh = tests::random_soup(40, 0.5, seed);
     for (const Fragment& f : random_fragments(mesh, seed)) {
@@ -95,7 +95,7 @@ TEST(ChoppedAxis, HoldsWhatClippingToEachBinLeaves) {
           cell.hi[axis] = std::min(cell.hi[axis], planes[i + 1]);
           if (cell.empty() || cell.lo[axis] == cell.hi[axis]) continue;
           const std::optional<geometry::Aabb> part = clipped(mesh.view(), f.id(), cell);
-          // A corner that only just reaches into a bin may be missed.
+          // A corner that barely reaches into a bin may be missed.
           const geometry::Aabb found = bins.bounds(i).aabb();
           if (found.empty() || !part) continue;
           expect_near(found, *part, 2e-6);
@@ -105,19 +105,19 @@ TEST(ChoppedAxis, HoldsWhatClippingToEachBinLeaves) {
   }
 }
 
-TEST(ChoppedAxis, CountsWhatEntersAndLeaves) {
+TEST(ChoppedAxis, CountsEntriesAndExits) {
   const std::array<float, 5> planes{0, 1, 2, 3, 4};
   ChoppedAxis bins(0, planes);
   const auto add = [&](float lo, float hi) {
     const Fragment f({{lo, 0, 0}, {hi, 1, 1}}, 0, 0);
     if (bins.meets(f)) bins.add(f, bins.span(f), {});
   };
-  add(0, 1);  // ends at a plane: below it
-  add(1, 2);  // begins at a plane: above it
+  add(0, 1);  // Ends at a plane: below it
+  add(1, 2);  // Begins at a plane: above it
   add(0.5f, 3.5f);
-  add(-1, 0);  // beyond
+  add(-1, 0);  // Beyond
   add(-1, 5);
-  add(4, 5);  // beyond
+  add(4, 5);  // Beyond
   const ChoppedAxis::Sides sides = bins.sides({}, {});
   const std::array<std::size_t, 5> left{0, 2, 3, 3, 3}, right{3, 2, 1, 1, 0};
   for (std::size_t i = 0; i < 5; ++i) {
@@ -139,42 +139,43 @@ TEST(PlaneSearch, FindsTheCheapestOfAllPlanes) {
         }
       }
       kdtree::BuildCounters counters;
-      ListCorners room;
-      const SpatialSplit split = best_spatial_split(
-          mesh.view(), sorted.lists, bins, std::numeric_limits<double>::infinity(), room, counters);
+      ListCorners corners;
+      const SpatialSplit split =
+          best_spatial_split(mesh.view(), sorted.lists, bins,
+                             std::numeric_limits<double>::infinity(), corners, counters);
       ASSERT_TRUE(split.found());
       EXPECT_NEAR(split.sum, least, 1e-5 * least);
       EXPECT_NEAR(split.sum,
                   clipped_sum(mesh.view(), sorted.lists.along[0], split.axis, split.position),
                   1e-5 * least);
       EXPECT_FALSE(
-          best_spatial_split(mesh.view(), sorted.lists, bins, 0.999 * least, room, counters)
+          best_spatial_split(mesh.view(), sorted.lists, bins, 0.999 * least, corners, counters)
               .found());
     }
   }
 }
 
-TEST(PlaneSearch, LooksAtLongListsInSlices) {
+TEST(PlaneSearch, ScansLongListsInSlices) {
   const TestMesh mesh = tests::random_soup(20'000, 0.2, 8);
   const SortedFragments sorted(tests::face_refs(mesh));
   kdtree::BuildCounters counters;
-  ListCorners room;
+  ListCorners corners;
   const SpatialSplit split = best_spatial_split(
-      mesh.view(), sorted.lists, 64, std::numeric_limits<double>::infinity(), room, counters);
+      mesh.view(), sorted.lists, 64, std::numeric_limits<double>::infinity(), corners, counters);
   ASSERT_TRUE(split.found());
   EXPECT_NEAR(split.sum,
               clipped_sum(mesh.view(), sorted.lists.along[0], split.axis, split.position),
               1e-5 * split.sum);
 }
 
-TEST(PlaneSearch, NothingIsFoundInANodeWithoutExtent) {
-  // Its box is as wide as widen_flat makes a point.
+TEST(PlaneSearch, FindsNothingInANodeWithoutExtent) {
+  // Its box has the extent that widen_flat gives to a point.
   const TestMesh mesh{{{1, 1, 1}}, {{0, 0, 0}, {0, 0, 0}}};
   const SortedFragments sorted(tests::face_refs(mesh));
   kdtree::BuildCounters counters;
-  ListCorners room;
+  ListCorners corners;
   EXPECT_FALSE(best_spatial_split(mesh.view(), sorted.lists, 256,
-                                  std::numeric_limits<double>::infinity(), room, counters)
+                                  std::numeric_limits<double>::infinity(), corners, counters)
                    .found());
 }
 

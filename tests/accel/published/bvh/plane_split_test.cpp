@@ -1,4 +1,4 @@
-// Splitting by a plane: all of a triangle stays in its parts, and who is kept whole.
+// Splitting by a plane: the parts cover all of a triangle, and some triangles are kept whole.
 #include "accel/published/bvh/plane_split.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ PlaneSplit plan(const TestMesh& mesh, const CenterLists& lists, std::size_t axis
   return split;
 }
 
-/// Section 4.4 of the paper, with nothing carried along.
+/// Section 4.4 of the paper, computed from scratch.
 std::map<std::uint32_t, Goes> decided_naively(const CenterLists& lists, const PlaneSplit& all) {
   std::map<std::uint32_t, Goes> goes;
   std::map<std::uint32_t, const Straddler*> parts;
@@ -50,7 +50,7 @@ std::map<std::uint32_t, Goes> decided_naively(const CenterLists& lists, const Pl
         continue;
       }
       const Goes g = goes[f.order()];
-      // What was cut on both sides stays in the box that it is taken out of.
+      // A fragment cut on both sides stays in the box that it is removed from.
       const bool cut = s->second->goes == Goes::kBoth;
       if (cut || g == Goes::kLeft) left.grow(s->second->left);
       if (cut || g == Goes::kRight) right.grow(s->second->right);
@@ -74,7 +74,7 @@ std::map<std::uint32_t, Goes> decided_naively(const CenterLists& lists, const Pl
   return goes;
 }
 
-TEST(PlaneSplit, KeepsWholeWhatIsCheaperWhole) {
+TEST(PlaneSplit, KeepsWholeIfThatIsCheaper) {
   int kept = 0, cut = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const TestMesh mesh = tests::random_soup(10 + 3 * static_cast<std::uint32_t>(seed), 0.4, seed);
@@ -95,16 +95,17 @@ TEST(PlaneSplit, KeepsWholeWhatIsCheaperWhole) {
   EXPECT_GT(cut, 100);
 }
 
-TEST(PlaneSplit, ChildrenHoldAllOfEveryTriangle) {
+TEST(PlaneSplit, ChildrenCoverEveryTriangle) {
   tests::Random random(4);
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const TestMesh mesh = tests::random_soup(100, 0.5, seed);
     SortedFragments sorted(tests::face_refs(mesh));
     const PlaneSplit split = plan(mesh, sorted.lists, seed % 3, seed % 2 == 0);
     EXPECT_TRUE(split.reduces(sorted.lists));
-    std::vector<Fragment> room(3 * split.right);
+    std::vector<Fragment> fragments(3 * split.right);
     const std::size_t size = sorted.lists.size();
-    const ListHalves halves = divide_by_plane(sorted.lists, split, room.data(), sorted.counters);
+    const ListHalves halves =
+        divide_by_plane(sorted.lists, split, fragments.data(), sorted.counters);
     EXPECT_EQ(halves.left.size() + halves.right.size(), size + split.added(size));
     std::map<std::uint32_t, std::vector<geometry::Aabb>> parts;
     for (const CenterLists* half : {&halves.left, &halves.right}) {
@@ -137,10 +138,10 @@ TEST(PlaneSplit, ChildrenHoldAllOfEveryTriangle) {
 }
 
 TEST(PlaneSplit, OneSidedPartsAreNoStraddlers) {
-  // A triangle whose box reaches over the plane by a corner that an earlier cut has taken away.
+  // A triangle whose box crosses the plane only with a corner that an earlier cut has removed.
   const TestMesh mesh{{{0, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   FragmentStack stack;
-  std::vector<kdtree::BoxRef> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
+  std::vector<kdtree::Reference> refs{{{0, 0, 0}, 0, {3, 1, 1e-3f}, 1}};
   kdtree::BuildCounters counters;
   const CenterLists lists = sort_by_centers(refs, stack, counters);
   PlaneSplit split;

@@ -1,5 +1,5 @@
-// Hierarchies grown by sweeping, with and without spatial splits: whole, bounded, and the same for
-// any number of threads.
+// Hierarchies grown by sweeping, with and without spatial splits: complete, bounded, and the same
+// for any number of threads.
 #include "accel/published/bvh/sweep_growth.h"
 
 #include <gtest/gtest.h>
@@ -23,15 +23,15 @@ using tests::TestMesh;
 struct Grown {
   Bvh bvh;
   kdtree::BuildCounters counters;
-  std::size_t references = 0;  ///< There were.
+  std::size_t references = 0;  ///< Number of references.
 };
 
 Grown grow(const TestMesh& mesh, const SpatialRule& spatial, const BvhLeafRule& leaf = {}) {
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   Grown grown;
   grown.references = refs.size();
-  BvhGrowth growth(sweep_room(refs.size(), spatial));
+  BvhGrowth growth(sweep_capacity(refs.size(), spatial));
   grown.bvh =
       growth.finish(grow_by_sweep(&view, std::move(refs), leaf, spatial, growth, grown.counters));
   return grown;
@@ -39,7 +39,7 @@ Grown grow(const TestMesh& mesh, const SpatialRule& spatial, const BvhLeafRule& 
 
 constexpr SpatialRule kNever{.alpha = 1};
 
-TEST(SpatialRule, NamesWhatIsOutOfRange) {
+TEST(SpatialRule, NamesTheValueOutOfRange) {
   EXPECT_FALSE(SpatialRule{}.check());
   EXPECT_NE(SpatialRule{.alpha = -0.1}.check().value_or("").find("alpha"), std::string::npos);
   EXPECT_NE(SpatialRule{.alpha = 1.5}.check().value_or("").find("alpha"), std::string::npos);
@@ -54,7 +54,7 @@ TEST(SpatialRule, NamesWhatIsOutOfRange) {
   EXPECT_LT(SpatialRule{.budget = 63}.most_references(2'000'000'000u), std::size_t{1} << 31);
 }
 
-TEST(SweepGrowth, NamesEveryFaceOnceWithoutSpatialSplits) {
+TEST(SweepGrowth, ListsEveryFaceOnceWithoutSpatialSplits) {
   for (const std::uint32_t n : {0u, 1u, 2u, 7u, 8u, 9u, 100u, 20'000u}) {
     const TestMesh mesh = tests::random_soup(n, 0.2, n);
     const Grown grown = grow(mesh, kNever);
@@ -64,7 +64,7 @@ TEST(SweepGrowth, NamesEveryFaceOnceWithoutSpatialSplits) {
   }
 }
 
-TEST(SweepGrowth, SmallSizesWithAnyRule) {
+TEST(SweepGrowth, HandlesSmallSizesWithAnyRule) {
   for (std::uint32_t n = 0; n <= 40; ++n) {
     for (const TestMesh& mesh :
          {tests::random_soup(n, 0.8, n), tests::duplicates(n), tests::flat_walls(n)}) {
@@ -81,7 +81,7 @@ TEST(SweepGrowth, SmallSizesWithAnyRule) {
   }
 }
 
-TEST(SweepGrowth, SpatialSplitsKeepAllOfEveryTriangle) {
+TEST(SweepGrowth, SpatialSplitsCoverEveryTriangle) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     TestMesh mesh = tests::turned(tests::beams(7), 40);
     mesh.append(tests::random_soup(1000, 0.3, seed));
@@ -118,19 +118,19 @@ TEST(SweepGrowth, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(SweepGrowth, IsTheSameInWhateverOrderReferencesAre) {
+TEST(SweepGrowth, IsTheSameForAnyOrderOfReferences) {
   const TestMesh mesh = tests::random_soup(5000, 0.1, 3);
   const geometry::MeshView view = mesh.view();
-  std::vector<kdtree::BoxRef> refs = tests::face_refs(mesh);
+  std::vector<kdtree::Reference> refs = tests::face_refs(mesh);
   const Grown straight = grow(mesh, {});
   std::reverse(refs.begin(), refs.end());
   kdtree::BuildCounters counters;
-  BvhGrowth growth(sweep_room(refs.size(), {}));
+  BvhGrowth growth(sweep_capacity(refs.size(), {}));
   const Bvh reversed = growth.finish(grow_by_sweep(&view, refs, {}, {}, growth, counters));
   EXPECT_EQ(reversed.ids, straight.bvh.ids);
 }
 
-TEST(SweepGrowth, SpatialSplitsLowerCostAndOverlapOfWhatIsTurned) {
+TEST(SweepGrowth, SpatialSplitsLowerCostAndOverlapOfRotatedBeams) {
   for (const double degrees : {0.0, 20.0, 45.0}) {
     const TestMesh mesh = tests::turned(tests::beams(8), degrees);
     const kdtree::TreeMetrics sweep = measure(grow(mesh, kNever).bvh);
@@ -143,7 +143,7 @@ TEST(SweepGrowth, SpatialSplitsLowerCostAndOverlapOfWhatIsTurned) {
   }
 }
 
-TEST(SweepGrowth, LittleOverlapInTheNodeCanBeLetPass) {
+TEST(SweepGrowth, LittleOverlapNeedsNoSpatialSplit) {
   const TestMesh mesh = tests::turned(tests::beams(7), 45);
   const Grown all = grow(mesh, {}), some = grow(mesh, {.node_overlap = 0.2});
   EXPECT_LT(some.counters.touches, all.counters.touches);
@@ -162,7 +162,7 @@ TEST(SweepGrowth, AddsNoMoreReferencesThanTheBudget) {
     tests::check_hierarchy(grown.bvh, mesh);
     const std::size_t most = rule.most_references(mesh.faces.size());
     EXPECT_LE(grown.bvh.ids.size(), most);
-    // All of it is of use, but for what a split would need more of.
+    // All of it helps, except the rest that is too small for a split.
     EXPECT_GE(grown.bvh.ids.size() + 16, most);
     const double now = measure(grown.bvh).sah_cost;
     EXPECT_LT(now, cost * 1.001) << budget;
@@ -170,7 +170,7 @@ TEST(SweepGrowth, AddsNoMoreReferencesThanTheBudget) {
   }
 }
 
-TEST(SweepGrowth, HalfOfTheReferencesBuyMoreThanHalfOfTheGain) {
+TEST(SweepGrowth, HalfTheReferencesGiveMoreThanHalfTheGain) {
   const TestMesh mesh = tests::turned(tests::beams(7), 45);
   const Grown all = grow(mesh, {.budget = 63});
   const double triangles = static_cast<double>(mesh.faces.size());
@@ -190,8 +190,8 @@ TEST(SweepGrowth, DuplicatesAreHalved) {
   }
 }
 
-/// Each half as long as the one before: what is farthest is split off, one at a time.
-TEST(SweepGrowth, DepthIsBoundedWhateverTheInput) {
+/// Each is half as long as the one before: the farthest is split off, one at a time.
+TEST(SweepGrowth, DepthIsBoundedForAnyInput) {
   TestMesh mesh;
   for (int i = 0; i < 2000; ++i) {
     const float x = std::ldexp(1.0f, 100 - i % 200) * (1 + static_cast<float>(i) * 1e-4f);
@@ -206,7 +206,7 @@ TEST(SweepGrowth, DepthIsBoundedWhateverTheInput) {
   }
 }
 
-TEST(SweepGrowth, CoordinatesOfAnySize) {
+TEST(SweepGrowth, HandlesCoordinatesOfAnySize) {
   for (const float scale : {1e-44f, 1e-38f, 1e-20f, 1e10f, 1e30f, 1e38f}) {
     for (const float at : {0.0f, 1.0f}) {
       TestMesh mesh = tests::random_soup(500, 0.4, 11);
@@ -218,7 +218,7 @@ TEST(SweepGrowth, CoordinatesOfAnySize) {
   }
 }
 
-TEST(SweepGrowth, FlatAndThinThings) {
+TEST(SweepGrowth, HandlesFlatAndThinTriangles) {
   TestMesh fan;
   for (int i = 0; i < 500; ++i) {
     const auto v = static_cast<std::uint32_t>(fan.vertices.size());
@@ -243,7 +243,7 @@ TEST(SweepGrowth, FlatAndThinThings) {
 TEST(SweepGrowth, WithoutAMeshThereAreNoSpatialSplits) {
   const TestMesh mesh = tests::turned(tests::beams(5), 45);
   kdtree::BuildCounters counters;
-  BvhGrowth growth(sweep_room(mesh.faces.size(), {}));
+  BvhGrowth growth(sweep_capacity(mesh.faces.size(), {}));
   const Bvh bvh =
       growth.finish(grow_by_sweep(nullptr, tests::face_refs(mesh), {}, {}, growth, counters));
   EXPECT_EQ(bvh.ids, grow(mesh, kNever).bvh.ids);

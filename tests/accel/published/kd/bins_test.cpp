@@ -17,8 +17,8 @@ using tests::bounds_of;
 TEST(AxisBins, CountsWhereBoxesStartAndEnd) {
   AxisBins bins(0, 8, 4);
   bins.add(0, 1, 1);
-  bins.add(1.9f, 2, 10);  // a bound on a boundary belongs to the bin above it
-  bins.add(-5, 99, 100);  // what reaches out, to the first and the last
+  bins.add(1.9f, 2, 10);  // A bound on a boundary belongs to the bin above it
+  bins.add(-5, 99, 100);  // Bounds outside go to the first and the last bin
   bins.add(7, 8, 1000);
   const std::uint32_t starts[] = {111, 0, 0, 1000}, ends[] = {1, 10, 0, 1100};
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -30,7 +30,7 @@ TEST(AxisBins, CountsWhereBoxesStartAndEnd) {
 }
 
 TEST(CountBins, EqualsDirectCounting) {
-  const auto refs = tests::lattice_boxes(5000, 9, 1);  // bounds at 0 to 5
+  const auto refs = tests::lattice_boxes(5000, 9, 1);  // Bounds at 0 to 5
   std::array<AxisBins, 3> axes{AxisBins(0, 8, 8), AxisBins(0, 8, 8), AxisBins(0, 8, 8)};
   count_bins(refs, Sampling{}, axes);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -38,7 +38,7 @@ TEST(CountBins, EqualsDirectCounting) {
     count_bins(refs, a, alone);
     for (std::uint32_t i = 0; i < 8; ++i) {
       std::uint32_t starts = 0, ends = 0;
-      for (const kdtree::BoxRef& ref : refs) {
+      for (const kdtree::Reference& ref : refs) {
         starts += static_cast<std::uint32_t>(ref.lo[a]) == i ? ref.weight : 0;
         ends += static_cast<std::uint32_t>(ref.hi[a]) == i ? ref.weight : 0;
       }
@@ -73,8 +73,8 @@ TEST(CountBins, DoesNotDependOnThreads) {
 }
 
 TEST(ContentBounds, EndAtTheCell) {
-  const std::vector<kdtree::BoxRef> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
-                                         tests::box_ref({2, 0, 0}, {3, 2, 1})};
+  const std::vector<kdtree::Reference> refs{tests::box_ref({0, 0, 0}, {4, 1, 1}),
+                                            tests::box_ref({2, 0, 0}, {3, 2, 1})};
   EXPECT_EQ(content_bounds(refs, {{1, -1, 0}, {9, 1.5f, 9}}),
             (geometry::Aabb{{1, 0, 0}, {4, 1.5f, 1}}));
 }
@@ -92,8 +92,8 @@ TEST(Sampling, TakesOneOfEveryStrideConsecutive) {
   }
 }
 
-/// Every l-th reference is of another kind: a fixed stride would see one kind alone.
-TEST(Sampling, IsNotFooledByARegularOrder) {
+/// Every l-th reference is of another kind: a fixed stride would sample only one kind.
+TEST(Sampling, IsNotBiasedByARegularOrder) {
   for (const std::size_t stride : {2u, 3u, 4u, 5u}) {
     const Sampling sampling{stride};
     const std::size_t n = 10000 * stride;

@@ -1,5 +1,5 @@
-// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads, all
-// the same.
+// Whole trees of the exact builders: naive, sorted, swept, cell by cell and on many threads are all
+// equal.
 #include "accel/published/kd/event_growth.h"
 
 #include <gtest/gtest.h>
@@ -31,10 +31,10 @@ using tests::TestMesh;
 
 constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
-/// What a leaf holds, or a cell that was given up for want of room, as a set.
+/// The references of a leaf, or of a deferred cell that failed for lack of capacity, as a set.
 std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
   std::vector<std::uint32_t> ids;
-  if (slot.is_unbuilt()) {
+  if (slot.is_deferred()) {
     ids = tests::ids_of(slot.cell()->list);
   } else if (slot.leaf_count() > 0) {
     std::uint32_t storage;
@@ -67,9 +67,9 @@ std::size_t expect_same(const kdtree::KdTree& a, const kdtree::KdTree& b) {
 lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
   lazy::ReferenceSource source;
   source.coarsest = [mesh](kdtree::BuildCounters&) {
-    return lazy::ReferenceSource::Coarsest{.places = mesh.faces.size()};
+    return lazy::ReferenceSource::Coarsest{.slots = mesh.faces.size()};
   };
-  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::BoxRef* out,
+  source.list = [mesh](std::size_t begin, std::size_t end, kdtree::Reference* out,
                        kdtree::BuildCounters&) {
     return mesh::face_references(mesh, begin, end, out);
   };
@@ -78,15 +78,15 @@ lazy::ReferenceSource source_of_faces(const geometry::MeshView& mesh) {
 
 std::unique_ptr<lazy::LazyTree> make_tree(const TestMesh& mesh, const geometry::MeshView& view,
                                           const ExactBuilder& builder) {
-  const mesh::MeshSurvey survey = mesh::survey_mesh(mesh.view());
+  const mesh::MeshStats survey = mesh::compute_mesh_stats(mesh.view());
   return std::make_unique<lazy::LazyTree>(padded(survey.bounds), survey.finite_triangles,
                                           rule_of(builder), source_of_faces(view), &view);
 }
 
 void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
   kdtree::BuildCounters counters;
-  while (kdtree::load(slot).is_unbuilt() &&
-         tree.expand(slot, lazy::AtBusy::kWait, counters) == lazy::Expanded::kAgain) {
+  while (kdtree::load(slot).is_deferred() &&
+         tree.expand(slot, lazy::WhenPending::kWait, counters) == lazy::ExpandResult::kRetry) {
   }
   if (!kdtree::load(slot).is_binary()) return;
   kdtree::AtomicSlot* children = tree.tree().children(kdtree::load(slot));
@@ -94,7 +94,7 @@ void touch_all(lazy::LazyTree& tree, kdtree::AtomicSlot& slot) {
   touch_all(tree, children[1]);
 }
 
-/// Triangles with corners on a lattice: many flat ones, many bounds alike.
+/// Triangles with corners on a lattice: many flat ones, many equal bounds.
 TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
   tests::Random random(seed);
   TestMesh mesh;
@@ -106,7 +106,7 @@ TestMesh lattice_soup(std::uint32_t n, std::uint64_t seed) {
   return mesh;
 }
 
-TestMesh room() {
+TestMesh furnished_mesh() {
   TestMesh mesh = tests::planar_sheet(6);
   for (std::uint32_t i = 0; i < 7; ++i) {
     const auto x = static_cast<float>(i);
@@ -129,7 +129,7 @@ std::vector<Case> cases() {
       {"walls", [] { return tests::flat_walls(30); }},
       {"duplicates", [] { return tests::duplicates(40); }},
       {"fan", [] { return tests::fan(32); }},
-      {"room", room},
+      {"room", furnished_mesh},
       {"soup", [] { return tests::random_soup(300, 0.1, 1); }},
       {"large_soup", [] { return tests::random_soup(60, 0.8, 2); }},
       {"lattice", [] { return lattice_soup(150, 3); }},
@@ -152,12 +152,12 @@ TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
       kdtree::BuildCounters counters;
       trees.back()->expand_all(counters);
     }
-    trees.push_back(make_tree(mesh, view, builder));  // cell by cell
+    trees.push_back(make_tree(mesh, view, builder));  // Cell by cell
     const kdtree::EpochPin pin;
     touch_all(*trees.back(), trees.back()->root());
     for (std::size_t i = 1; i < trees.size(); ++i) {
       const kdtree::TreeMetrics m = measure(trees[0]->tree());
-      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.unbuilt_cells);
+      EXPECT_EQ(expect_same(trees[0]->tree(), trees[i]->tree()), m.nodes + m.deferred_cells);
     }
   }
 }
@@ -195,9 +195,9 @@ TEST(ExactTrees, ThreadsBuildTheSameTree) {
   EXPECT_EQ(touches[0], touches[1]);
 }
 
-/// Instances of a scene: heavy, and nothing to clip.
+/// Instances of a scene: heavy references that cannot be clipped.
 TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
-  const std::vector<kdtree::BoxRef> refs = tests::lattice_boxes(200, 50, 8);
+  const std::vector<kdtree::Reference> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<lazy::LazyTree>> trees;
   for (const ExactSearch search : kSearches) {
     trees.push_back(std::make_unique<lazy::LazyTree>(bounds_of(refs), refs.size(),
@@ -211,17 +211,18 @@ TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   EXPECT_GT(expect_same(trees[0]->tree(), trees[2]->tree()), 3u);
 }
 
-TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
+TEST(ExactTrees, ACancelledSweepLeavesUsableLists) {
   const TestMesh mesh = tests::random_soup(20000, 0.02, 9);
   const geometry::MeshView view = mesh.view();
   const auto whole = make_tree(mesh, view, {}), parts = make_tree(mesh, view, {});
   kdtree::BuildCounters counters;
   whole->expand_all(counters);
   const kdtree::EpochPin pin;
-  // One cut by a touch, then both halves deferred again by a cancelled sweep of each, then
+  // One cut by a ray, then both halves are deferred again by a cancelled sweep of each, then
   // finished.
-  while (kdtree::load(parts->root()).is_unbuilt())
-    ASSERT_EQ(parts->expand(parts->root(), lazy::AtBusy::kWait, counters), lazy::Expanded::kAgain);
+  while (kdtree::load(parts->root()).is_deferred())
+    ASSERT_EQ(parts->expand(parts->root(), lazy::WhenPending::kWait, counters),
+              lazy::ExpandResult::kRetry);
   const std::atomic<bool> cancelled{true};
   const kdtree::Slot root = kdtree::load(parts->root());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -231,11 +232,11 @@ TEST(ExactTrees, ACancelledSweepLeavesListsThatCanBeGoneOnWith) {
     scratch.reserve(cell.size);
     const split::SplitRule rule = rule_of(ExactBuilder{});
     const grow::GrowContext context{scratch, *rule, &view, 60, &cancelled};
-    const kdtree::BoxList listed = cell.list.copy();
-    std::vector<kdtree::BoxRef> list(listed.all().begin(), listed.all().end());
+    const kdtree::ReferenceList listed = cell.list.copy();
+    std::vector<kdtree::Reference> list(listed.all().begin(), listed.all().end());
     const kdtree::Slot again = grow::grow(context, list, cell.box, cell.path, counters);
-    ASSERT_TRUE(again.is_unbuilt());
-    const kdtree::BoxList deferred = again.cell()->list.copy();
+    ASSERT_TRUE(again.is_deferred());
+    const kdtree::ReferenceList deferred = again.cell()->list.copy();
     const auto before = listed.all(), after = deferred.all();
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {

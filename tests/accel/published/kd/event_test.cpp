@@ -13,7 +13,7 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-TEST(Event, KeepsWhatItIsMadeOf) {
+TEST(Event, KeepsItsParts) {
   constexpr float kLargest = std::numeric_limits<float>::max();
   for (const float x : {-kLargest, -1.5f, -1e-38f, 0.0f, 1e-38f, 2.0f, kLargest}) {
     for (const EventType type : {EventType::kEnd, EventType::kPlanar, EventType::kStart}) {
@@ -39,7 +39,7 @@ TEST(Event, OrdersByPositionThenTypeThenReference) {
   for (std::size_t i = 0; i + 1 < ordered.size(); ++i) EXPECT_LT(ordered[i], ordered[i + 1]);
 }
 
-TEST(Event, AFlatBoxHasOne) {
+TEST(Event, OfAFlatBoxIsOne) {
   Event events[2];
   EXPECT_EQ(put_events(1, geometry::least_above(1), 4, events) - events, 1);
   EXPECT_EQ(events[0], Event(1, EventType::kPlanar, 4));
@@ -48,13 +48,13 @@ TEST(Event, AFlatBoxHasOne) {
   EXPECT_EQ(events[1], Event(2, EventType::kEnd, 4));
 }
 
-TEST(SortEvents, SortsManyAsFew) {
+TEST(SortEvents, SortsLongAndShortListsTheSameWay) {
   tests::Random random(3);
   for (const std::uint32_t boxes : {0u, 1u, 100u, 30000u}) {
     std::vector<Event> events(2 * boxes);
     Event* end = events.data();
     for (std::uint32_t i = 0; i < boxes; ++i) {
-      // Half of them on a lattice, so that many are alike.
+      // Half of them on a lattice, so that many are equal.
       const double x =
           i % 2 == 0 ? static_cast<double>(random.below(5)) - 2 : random.uniform(-1e3, 1e3);
       const auto lo = static_cast<float>(x);

@@ -18,11 +18,11 @@ using tests::box_ref;
 
 constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
-double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
-                 const kdtree::Cut& cut, const ExactCosts& costs) {
+double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                 const kdtree::Split& cut, const ExactCosts& costs) {
   double left = 0, right = 0;
-  std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
-  const kdtree::Sifted n = kdtree::sift(refs, cut, l.data(), r.data());
+  std::vector<kdtree::Reference> l(refs.size()), r(refs.size());
+  const kdtree::PartitionCounts n = kdtree::sift(refs, cut, l.data(), r.data());
   for (std::size_t i = 0; i < n.left; ++i) left += l[i].weight;
   for (std::size_t i = 0; i < n.right; ++i) right += r[i].weight;
   const geometry::HalvedCell halves = halve(cell, cut.plane.axis, cut.plane.position);
@@ -32,22 +32,22 @@ double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   return left == 0 || right == 0 ? cost * costs.lambda : cost;
 }
 
-/// Every bound, both sides; cuts that change nothing left out.
-double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+/// Every bound, both sides, without cuts that change nothing.
+double best_possible(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                      const ExactCosts& costs) {
   double best = 1e300;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         for (const bool planar_left : {false, true}) {
-          const kdtree::Cut cut{.plane = {axis, x}, .planar_left = planar_left};
-          std::vector<kdtree::BoxRef> l(refs.size()), r(refs.size());
-          const kdtree::Sifted n = kdtree::sift(refs, cut, l.data(), r.data());
+          const kdtree::Split cut{.plane = {axis, x}, .planar_left = planar_left};
+          std::vector<kdtree::Reference> l(refs.size()), r(refs.size());
+          const kdtree::PartitionCounts n = kdtree::sift(refs, cut, l.data(), r.data());
           if (x <= cell.lo[a] || x >= cell.hi[a]) continue;
           if (n.left == refs.size() && n.right == refs.size()) continue;
           if (x == geometry::least_above(ref.lo[a]))
-            continue;  // behind a flat box: not a bound of anything
+            continue;  // Behind a flat box: not a bound of any box
           best = std::min(best, true_cost(refs, cell, cut, costs));
         }
       }
@@ -56,14 +56,14 @@ double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aa
   return best;
 }
 
-double weight_of(const std::vector<kdtree::BoxRef>& refs) {
+double weight_of(const std::vector<kdtree::Reference>& refs) {
   double sum = 0;
-  for (const kdtree::BoxRef& ref : refs) sum += ref.weight;
+  for (const kdtree::Reference& ref : refs) sum += ref.weight;
   return sum;
 }
 
-void check_optimum(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
-  std::vector<std::optional<kdtree::Cut>> cuts;
+void check_optimum(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
+  std::vector<std::optional<kdtree::Split>> cuts;
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;
@@ -85,17 +85,17 @@ TEST(ExactBuilder, FindsTheOptimum) {
   for (std::size_t n = 1; n <= 60; ++n) {
     const auto loose = tests::random_boxes(n, 0.3, n);
     check_optimum(loose, bounds_of(loose));
-    check_optimum(loose, {{0.2f, 0.1f, 0.3f}, {0.7f, 0.9f, 0.6f}});  // boxes reach beyond the cell
+    check_optimum(loose, {{0.2f, 0.1f, 0.3f}, {0.7f, 0.9f, 0.6f}});  // Boxes reach beyond the cell
     const auto lattice = tests::lattice_boxes(n, 3, n);
     check_optimum(lattice, bounds_of(lattice));
-    check_optimum(lattice, {{-1, -1, -1}, {7, 7, 7}});  // empty space all around
+    check_optimum(lattice, {{-1, -1, -1}, {7, 7, 7}});  // Empty space on all sides
   }
 }
 
 TEST(ExactBuilder, HeavyReferencesPullThePlane) {
-  const std::vector<kdtree::BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}),
-                                         box_ref({1, 0, 0}, {2, 1, 1}),
-                                         box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  const std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}),
+                                            box_ref({1, 0, 0}, {2, 1, 1}),
+                                            box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   for (const ExactSearch search : kSearches) {
     kdtree::BuildCounters counters;
     const auto cut = ExactBuilder{.search = search}.choose({refs, bounds_of(refs), {}}, counters);
@@ -104,71 +104,72 @@ TEST(ExactBuilder, HeavyReferencesPullThePlane) {
   }
 }
 
-TEST(ExactBuilder, LeavesWhatCannotBeSeparated) {
+TEST(ExactBuilder, MakesALeafIfNothingSeparates) {
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search, .bad_refines = 9};
     kdtree::BuildCounters counters;
     EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, {}}, counters));
-    const std::vector<kdtree::BoxRef> same(50, box_ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::Reference> same(50, box_ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(builder.choose({same, bounds_of(same), {}}, counters));
-    const std::vector<kdtree::BoxRef> flat(50, box_ref({0, 0, 2}, {1, 1, 2}));
+    const std::vector<kdtree::Reference> flat(50, box_ref({0, 0, 2}, {1, 1, 2}));
     EXPECT_FALSE(builder.choose({flat, bounds_of(flat), {}}, counters));
     EXPECT_FALSE(
-        builder.choose({flat, {{0, 0, 2}, {1, 1, 2}}, {}}, counters));  // a cell without thickness
-    EXPECT_FALSE(builder.choose({flat, {{0, 0, 2}, {1, 0, 2}}, {}}, counters));  // without area
+        builder.choose({flat, {{0, 0, 2}, {1, 1, 2}}, {}}, counters));  // A cell without thickness
+    EXPECT_FALSE(
+        builder.choose({flat, {{0, 0, 2}, {1, 0, 2}}, {}}, counters));  // A cell without area
   }
 }
 
-/// A floor with walls standing on it: the floor goes into a flat cell, at the face of the cell, on
-/// the side that the walls are not on.
+/// A floor with walls standing on it: the floor gets a flat cell at the face of the cell, on the
+/// side without walls.
 TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 20; ++i) {
     const auto x = static_cast<float>(i);
-    refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // a strip of floor
-    refs.push_back(box_ref({0, x / 20, 0}, {20, x / 20 + 10, 5}));  // a wall askew
+    refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // A strip of floor
+    refs.push_back(box_ref({0, x / 20, 0}, {20, x / 20 + 10, 5}));  // A slanted wall
   }
   for (const ExactSearch search : kSearches) {
     const ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;
     const auto cut = builder.choose({refs, bounds_of(refs), {}}, counters);
     ASSERT_TRUE(cut);
-    EXPECT_EQ(*cut, (kdtree::Cut{.plane = {2, 0}, .planar_left = true}));
-    std::vector<kdtree::BoxRef> left(refs.size()), right(refs.size());
-    const kdtree::Sifted n = kdtree::sift(refs, *cut, left.data(), right.data());
+    EXPECT_EQ(*cut, (kdtree::Split{.plane = {2, 0}, .planar_left = true}));
+    std::vector<kdtree::Reference> left(refs.size()), right(refs.size());
+    const kdtree::PartitionCounts n = kdtree::sift(refs, *cut, left.data(), right.data());
     EXPECT_EQ(n.left, 20u);
     EXPECT_EQ(n.right, 20u);
     EXPECT_FALSE(
         builder.choose({std::span(right).first(n.right), {{0, 0, 0}, {20, 20, 5}}, {}}, counters)
-            .value_or(kdtree::Cut{})
-            .planar_left);  // nothing is left in the face
+            .value_or(kdtree::Split{})
+            .planar_left);  // No reference is left in the face
   }
 }
 
 /// "An axis-aligned triangle in the middle of a voxel should result in two splits, generating two
 /// empty voxels and one flat, nonempty cell" (section 3.5).
-TEST(ExactBuilder, AWallInTheMiddleGetsTwoCuts) {
-  std::vector<kdtree::BoxRef> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
+TEST(ExactBuilder, CutsAWallInTheMiddleTwice) {
+  std::vector<kdtree::Reference> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
   geometry::Aabb cell{{0, 0, 0}, {9, 9, 9}};
   for (const ExactSearch search : kSearches) {
     kdtree::BuildCounters counters;
     const ExactBuilder builder{.search = search};
     const auto first = builder.choose({refs, cell, {}}, counters);
     ASSERT_TRUE(first);
-    // Empty is the larger part, above the wall.
-    EXPECT_EQ(*first, (kdtree::Cut{.plane = {2, 4}, .planar_left = true}));
+    // The larger part, above the wall, is empty.
+    EXPECT_EQ(*first, (kdtree::Split{.plane = {2, 4}, .planar_left = true}));
     const geometry::Aabb below = halve(cell, 2, 4).left;
     const auto second = builder.choose({refs, below, {}}, counters);
     ASSERT_TRUE(second);
-    EXPECT_EQ(*second, (kdtree::Cut{.plane = {2, 4}, .planar_left = false}));
+    EXPECT_EQ(*second, (kdtree::Split{.plane = {2, 4}, .planar_left = false}));
     EXPECT_FALSE(builder.choose({refs, halve(below, 2, 4).right, {}}, counters));
   }
 }
 
-TEST(ExactBuilder, CutsAtALossAsOftenAsAllowed) {
-  // Two boxes that overlap nearly wholly: no cut pays.
-  const std::vector<kdtree::BoxRef> refs{box_ref({0, 0, 0}, {1, 1, 1}),
-                                         box_ref({0.1f, 0, 0}, {1, 1, 1})};
+TEST(ExactBuilder, MakesAtMostTheAllowedUnprofitableCuts) {
+  // Two boxes that overlap almost completely: no cut pays.
+  const std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}),
+                                            box_ref({0.1f, 0, 0}, {1, 1, 1})};
   for (const ExactSearch search : kSearches) {
     ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;

@@ -14,15 +14,15 @@
 namespace sightline::accel::published::kd {
 namespace {
 
-kdtree::BoxRef ref(const geometry::Vec3f& lo, const geometry::Vec3f& hi, std::uint32_t id = 0,
-                   std::uint32_t weight = 1) {
+kdtree::Reference ref(const geometry::Vec3f& lo, const geometry::Vec3f& hi, std::uint32_t id = 0,
+                      std::uint32_t weight = 1) {
   const geometry::Aabb box = geometry::widen_flat({lo, hi});
   return {box.lo, id, box.hi, weight};
 }
 
-std::vector<kdtree::BoxRef> random_boxes(std::size_t n, double size, std::uint64_t seed) {
+std::vector<kdtree::Reference> random_boxes(std::size_t n, double size, std::uint64_t seed) {
   tests::Random random(seed);
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = [&] { return static_cast<float>(random.uniform()); };
     const geometry::Vec3f lo{x(), x(), x()};
@@ -32,17 +32,17 @@ std::vector<kdtree::BoxRef> random_boxes(std::size_t n, double size, std::uint64
   return refs;
 }
 
-geometry::Aabb bounds(const std::vector<kdtree::BoxRef>& refs) {
+geometry::Aabb bounds(const std::vector<kdtree::Reference>& refs) {
   geometry::Aabb b;
-  for (const kdtree::BoxRef& r : refs) b.grow(r.bounds());
+  for (const kdtree::Reference& r : refs) b.grow(r.bounds());
   return b;
 }
 
 /// The cost of a plane by its definition.
-double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, const split::SahConstants& constants) {
   double left = 0, right = 0;
-  for (const kdtree::BoxRef& r : refs) {
+  for (const kdtree::Reference& r : refs) {
     left += r.lo[static_cast<std::size_t>(plane.axis)] < plane.position ? r.weight : 0;
     right += r.hi[static_cast<std::size_t>(plane.axis)] > plane.position ? r.weight : 0;
   }
@@ -53,12 +53,12 @@ double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& 
   return constants.traverse + constants.intersect * children;
 }
 
-double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double best_possible(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                      const split::SahConstants& constants) {
   double best = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const kdtree::BoxRef& r : refs) {
+    for (const kdtree::Reference& r : refs) {
       for (const float x : {r.lo[a], r.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
           best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
@@ -71,7 +71,7 @@ double best_possible(const std::vector<kdtree::BoxRef>& refs, const geometry::Aa
 TEST(HuntScan, FindsTheOptimumWhenExact) {
   const HuntScan builder;
   for (std::size_t n = 1; n <= builder.exact_below; ++n) {
-    const std::vector<kdtree::BoxRef> refs = random_boxes(n, 0.1, n);
+    const std::vector<kdtree::Reference> refs = random_boxes(n, 0.1, n);
     const geometry::Aabb cell = bounds(refs);
     kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
@@ -79,7 +79,7 @@ TEST(HuntScan, FindsTheOptimumWhenExact) {
     if (best < static_cast<double>(n)) {
       ASSERT_TRUE(plane) << n;
       EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best,
-                  1e-6 * best)  // weighed in float
+                  1e-6 * best)  // Costs are computed in float
           << n;
     } else {
       EXPECT_FALSE(plane) << n;
@@ -91,7 +91,7 @@ TEST(HuntScan, SampledChoiceIsNearTheOptimumOnSmoothInput) {
   for (const ScanAxes axes : {ScanAxes::kAll, ScanAxes::kHybrid}) {
     HuntScan builder;
     builder.axes = axes;
-    const std::vector<kdtree::BoxRef> refs = random_boxes(1000, 0.02, 5);
+    const std::vector<kdtree::Reference> refs = random_boxes(1000, 0.02, 5);
     const geometry::Aabb cell = bounds(refs);
     kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
@@ -99,25 +99,25 @@ TEST(HuntScan, SampledChoiceIsNearTheOptimumOnSmoothInput) {
     EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
               1.03 * best_possible(refs, cell, builder.cost));
     EXPECT_EQ(counters.touches,
-              2 * refs.size());  // the uniform and the adaptive pass, all axes fused
+              2 * refs.size());  // The uniform and the adaptive pass, all axes fused
   }
 }
 
-/// A wall of many flat boxes: the adaptive samples close in on it (section 5.1).
-TEST(HuntScan, AdaptiveSamplesCloseInOnAStep) {
-  std::vector<kdtree::BoxRef> refs = random_boxes(200, 0.01, 6);
+/// A wall of many flat boxes: the adaptive samples concentrate on it (section 5.1).
+TEST(HuntScan, AdaptiveSamplesConcentrateOnAStep) {
+  std::vector<kdtree::Reference> refs = random_boxes(200, 0.01, 6);
   for (int i = 0; i < 2000; ++i) {
     const auto y = static_cast<float>(i % 50) / 50, z = static_cast<float>(i / 50) / 40;
     refs.push_back(ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
   }
   geometry::Aabb cell = bounds(refs);
-  cell.hi.x = 1.5f;  // the longest axis
+  cell.hi.x = 1.5f;  // The longest axis
   HuntScan builder;
   builder.axes = ScanAxes::kOne;
   kdtree::BuildCounters counters;
   const auto plane = builder.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
-  // Nearly all of the rise lies in the wall's segment, so it gets all teeth but one, if not all.
+  // Nearly all of the rise lies in the wall's segment, so it gets at least all teeth but one.
   const double segment = (static_cast<double>(cell.hi.x) - static_cast<double>(cell.lo.x)) /
                          (builder.uniform_samples - 1);
   EXPECT_LT(std::fabs(static_cast<double>(plane->plane.position) - 0.637),
@@ -127,8 +127,8 @@ TEST(HuntScan, AdaptiveSamplesCloseInOnAStep) {
 TEST(HuntScan, OneAxisCutsTheLongest) {
   HuntScan builder;
   builder.axes = ScanAxes::kOne;
-  std::vector<kdtree::BoxRef> refs = random_boxes(500, 0.01, 7);
-  for (kdtree::BoxRef& r : refs) {
+  std::vector<kdtree::Reference> refs = random_boxes(500, 0.01, 7);
+  for (kdtree::Reference& r : refs) {
     r.lo.z *= 10;
     r.hi.z *= 10;
   }
@@ -137,9 +137,9 @@ TEST(HuntScan, OneAxisCutsTheLongest) {
 }
 
 TEST(HuntScan, HeavyReferencesPullThePlane) {
-  // Two light boxes left, one heavy one right: the cut separates the heavy one.
-  std::vector<kdtree::BoxRef> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
-                                   ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  // Two light boxes left, one heavy box right: the cut separates the heavy one.
+  std::vector<kdtree::Reference> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
+                                      ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
   const geometry::Aabb cell = bounds(refs);
   kdtree::BuildCounters counters;
   const auto plane = HuntScan{}.choose({refs, cell, 0}, counters);
@@ -147,20 +147,20 @@ TEST(HuntScan, HeavyReferencesPullThePlane) {
   EXPECT_EQ(plane->plane, (kdtree::Plane{0, 8}));
 }
 
-TEST(HuntScan, LeavesWhatCannotBeSeparated) {
+TEST(HuntScan, MakesALeafIfNothingSeparates) {
   const HuntScan builder;
   kdtree::BuildCounters counters;
   EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));
   for (const std::size_t n : {1u, 20u, 500u}) {
-    const std::vector<kdtree::BoxRef> same(n, ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::Reference> same(n, ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(builder.choose({same, bounds(same), 0}, counters)) << n;
   }
 }
 
 TEST(HuntScan, ParallelScansChooseTheSamePlane) {
-  const std::vector<kdtree::BoxRef> refs = random_boxes(200000, 0.001, 9);
+  const std::vector<kdtree::Reference> refs = random_boxes(200000, 0.001, 9);
   const geometry::Aabb cell = bounds(refs);
-  std::vector<kdtree::Cut> cuts;
+  std::vector<kdtree::Split> cuts;
   for (const int threads : {1, 2, 4}) {
     tbb::task_arena arena(threads);
     kdtree::BuildCounters counters;

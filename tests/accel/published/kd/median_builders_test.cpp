@@ -1,4 +1,4 @@
-// Cuts in the middle.
+// Median cuts.
 #include "accel/published/kd/median_builders.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 using tests::bounds_of;
 using tests::box_ref;
 
-TEST(SpatialMedian, CutsTheMiddleOfTheAxesInTurn) {
+TEST(SpatialMedian, CyclesThroughTheAxesAndCutsTheMiddle) {
   const auto refs = tests::random_boxes(100, 0.01, 1);
   const geometry::Aabb cell{{0, 0, 0}, {1, 2, 4}};
   kdtree::BuildCounters counters;
@@ -24,8 +24,8 @@ TEST(SpatialMedian, CutsTheMiddleOfTheAxesInTurn) {
   EXPECT_EQ(counters.touches, 5 * refs.size());
 }
 
-TEST(SpatialMedian, PassesOverAnAxisThatSeparatesNothing) {
-  std::vector<kdtree::BoxRef> refs;  // rods along x
+TEST(SpatialMedian, SkipsAnAxisThatSeparatesNothing) {
+  std::vector<kdtree::Reference> refs;  // Rods along x
   for (int i = 0; i < 20; ++i) {
     const auto y = static_cast<float>(i);
     refs.push_back(box_ref({0, y, 0}, {9, y + 0.5f, 1}));
@@ -34,14 +34,14 @@ TEST(SpatialMedian, PassesOverAnAxisThatSeparatesNothing) {
   const auto cut = SpatialMedianBuilder{}.choose({refs, bounds_of(refs), {0}}, counters);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->plane.axis, 1);
-  const std::vector<kdtree::BoxRef> same(20, refs[0]);
+  const std::vector<kdtree::Reference> same(20, refs[0]);
   EXPECT_FALSE(SpatialMedianBuilder{}.choose({same, bounds_of(same), {0}}, counters));
 }
 
 TEST(ObjectMedian, HalvesTheObjectsOfTheLongestAxis) {
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 101; ++i) {
-    const auto x = static_cast<float>(i * i);  // crowded at the lower end
+    const auto x = static_cast<float>(i * i);  // Denser at the lower end
     refs.push_back(box_ref({0, x, 0}, {1, x + 1, 1}));
   }
   kdtree::BuildCounters counters;
@@ -50,8 +50,8 @@ TEST(ObjectMedian, HalvesTheObjectsOfTheLongestAxis) {
   EXPECT_EQ(cut->plane, (kdtree::Plane{1, 50 * 50 + 0.5f}));
 }
 
-TEST(ObjectMedian, RefusesCutsThatLeaveOneSideWithEverything) {
-  std::vector<kdtree::BoxRef> refs;  // rods along y, the longest axis, side by side in z
+TEST(ObjectMedian, RefusesCutsThatLeaveEverythingOnOneSide) {
+  std::vector<kdtree::Reference> refs;  // Rods along y, the longest axis, side by side in z
   for (int i = 0; i < 20; ++i) {
     const auto z = static_cast<float>(i);
     refs.push_back(box_ref({0, 0, z}, {1, 50, z + 0.5f}));
@@ -60,13 +60,13 @@ TEST(ObjectMedian, RefusesCutsThatLeaveOneSideWithEverything) {
   const auto cut = ObjectMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters);
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->plane.axis, 2);
-  const std::vector<kdtree::BoxRef> same(20, refs[0]);
+  const std::vector<kdtree::Reference> same(20, refs[0]);
   EXPECT_FALSE(ObjectMedianBuilder{}.choose({same, bounds_of(same), {}}, counters));
 }
 
 TEST(Medians, StopAtTheLeafSize) {
   const auto refs = tests::random_boxes(9, 0.01, 2);
-  const std::span<const kdtree::BoxRef> eight = std::span(refs).first(8);
+  const std::span<const kdtree::Reference> eight = std::span(refs).first(8);
   kdtree::BuildCounters counters;
   EXPECT_TRUE(SpatialMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters));
   EXPECT_TRUE(ObjectMedianBuilder{}.choose({refs, bounds_of(refs), {}}, counters));

@@ -13,24 +13,24 @@ namespace {
 using tests::bounds_of;
 using tests::box_ref;
 
-double true_cost(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  const kdtree::Plane& plane, const split::SahConstants& constants) {
   const auto a = static_cast<std::size_t>(plane.axis);
   double left = 0, right = 0;
-  for (const kdtree::BoxRef& ref : refs) {
+  for (const kdtree::Reference& ref : refs) {
     left += ref.lo[a] < plane.position ? ref.weight : 0;
     right += ref.hi[a] > plane.position ? ref.weight : 0;
   }
-  return cut_cost(constants, split::CutAreas(cell, plane.axis), static_cast<double>(plane.position),
-                  left, right);
+  return split_cost(constants, split::SplitAreas(cell, plane.axis),
+                    static_cast<double>(plane.position), left, right);
 }
 
-double best_bound(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+double best_bound(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                   const split::SahConstants& constants) {
   double best = 1e300;
   for (const int axis : {0, 1, 2}) {
     const auto a = static_cast<std::size_t>(axis);
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
           best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
@@ -40,14 +40,14 @@ double best_bound(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb&
   return best;
 }
 
-std::optional<kdtree::Cut> choose(const MinMaxBuilder& builder,
-                                  const std::vector<kdtree::BoxRef>& refs,
-                                  const geometry::Aabb& cell, int depth = 0) {
+std::optional<kdtree::Split> choose(const MinMaxBuilder& builder,
+                                    const std::vector<kdtree::Reference>& refs,
+                                    const geometry::Aabb& cell, int depth = 0) {
   kdtree::BuildCounters counters;
   return builder.choose({refs, cell, {depth}}, counters);
 }
 
-TEST(MinMaxBuilder, IsExactUpToTheNumberOfBins) {
+TEST(MinMaxBuilder, IsExactForAsManyBoxesAsBins) {
   const MinMaxBuilder builder;
   for (std::size_t n = 1; n <= 32; ++n) {
     const auto refs = tests::random_boxes(n, 0.1, n);
@@ -63,7 +63,7 @@ TEST(MinMaxBuilder, IsExactUpToTheNumberOfBins) {
   }
 }
 
-TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
+TEST(MinMaxBuilder, BinsApproximateTheOptimum) {
   for (const bool subsample : {false, true}) {
     const MinMaxBuilder builder{.subsample = subsample, .threads = 1};
     for (const std::size_t n : {200u, 2000u}) {
@@ -77,7 +77,7 @@ TEST(MinMaxBuilder, BinsComeCloseToTheOptimum) {
   }
 }
 
-TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
+TEST(MinMaxBuilder, CutsOffEmptySpaceWhereTheContentsEnd) {
   const auto refs = tests::random_boxes(1000, 0.01, 3);
   const geometry::Aabb contents = bounds_of(refs);
   geometry::Aabb cell = contents;
@@ -87,14 +87,14 @@ TEST(MinMaxBuilder, CutsEmptySpaceOffWhereTheContentsEnd) {
   EXPECT_EQ(cut->plane, (kdtree::Plane{1, contents.hi.y}));
 }
 
-/// F10 of the failure catalogue: object, floor, object, floor. The objects stand at one end, the
-/// floor lies everywhere.
+/// F10 of the failure catalogue: objects and floor alternate in the list. The objects are at one
+/// end, the floor is everywhere.
 TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
   for (int i = 0; i < 600; ++i) {
     const auto s = static_cast<float>(i) / 600;
-    refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // the floor
-    refs.push_back(box_ref({0.1f * s, 0.5f, 0.1f}, {0.1f * s + 0.001f, 0.6f, 0.2f}, 0));  // objects
+    refs.push_back(box_ref({s, 0, s}, {s + 0.01f, 0.01f, s + 0.01f}));  // The floor
+    refs.push_back(box_ref({0.1f * s, 0.5f, 0.1f}, {0.1f * s + 0.001f, 0.6f, 0.2f}, 0));  // Objects
   }
   const geometry::Aabb cell = bounds_of(refs);
   const MinMaxBuilder sampled{.threads = 1}, all{.subsample = false, .threads = 1};
@@ -107,7 +107,7 @@ TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
 TEST(MinMaxBuilder, DecomposesAtTheMedian) {
   auto refs = tests::random_boxes(20000, 0.001, 4);
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    refs[i].lo.x = refs[i].lo.x * refs[i].lo.x * 8;  // crowded at the lower end of the longest axis
+    refs[i].lo.x = refs[i].lo.x * refs[i].lo.x * 8;  // Denser at the lower end of the longest axis
     refs[i].hi.x = refs[i].lo.x + 0.001f;
   }
   const geometry::Aabb cell = bounds_of(refs);
@@ -117,20 +117,20 @@ TEST(MinMaxBuilder, DecomposesAtTheMedian) {
     ASSERT_TRUE(cut);
     EXPECT_EQ(cut->plane.axis, 0);
     double left = 0, right = 0;
-    for (const kdtree::BoxRef& ref : refs) {
+    for (const kdtree::Reference& ref : refs) {
       left += ref.lo.x < cut->plane.position ? 1 : 0;
       right += ref.hi.x > cut->plane.position ? 1 : 0;
     }
     EXPECT_NEAR(left, right, 0.01 * 20000) << depth;
   }
-  EXPECT_EQ(choose(builder, refs, cell, 2), choose({.threads = 1}, refs, cell));  // one thread left
+  EXPECT_EQ(choose(builder, refs, cell, 2), choose({.threads = 1}, refs, cell));  // One thread left
 }
 
 TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
   const auto refs = tests::random_boxes(300000, 0.001, 5);
   const geometry::Aabb cell = bounds_of(refs);
   for (const std::uint32_t threads : {1u, 8u}) {
-    std::vector<std::optional<kdtree::Cut>> cuts;
+    std::vector<std::optional<kdtree::Split>> cuts;
     for (const int arena_threads : {1, 4}) {
       tbb::task_arena arena(arena_threads);
       cuts.push_back(arena.execute([&] { return choose({.threads = threads}, refs, cell); }));
@@ -139,10 +139,10 @@ TEST(MinMaxBuilder, ThreadsChooseTheSamePlane) {
   }
 }
 
-TEST(MinMaxBuilder, LeavesWhatCannotBeSeparated) {
+TEST(MinMaxBuilder, MakesALeafIfNothingSeparates) {
   EXPECT_FALSE(choose({}, {}, {{0, 0, 0}, {1, 1, 1}}));
   for (const std::size_t n : {1u, 20u, 500u, 20000u}) {
-    const std::vector<kdtree::BoxRef> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
+    const std::vector<kdtree::Reference> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
     EXPECT_FALSE(choose({.threads = 4}, same, bounds_of(same))) << n;
   }
 }

@@ -1,18 +1,15 @@
-// How far sampled C_L and C_R may be from the true ones: the bounds of Appendix A, with their
-// constants.
-//
-// Of a function that only rises, by r over a segment of width w, the line between its ends is off
-// by an area of at most w r / 2: nothing is worse than a step at one end. C_L and -C_R both only
-// rise, and F = C_L - C_R rises by what they rise together, so every bound on F's segments (w r / 2
-// with r the rise of F) holds for C_L, for C_R, and, without the paper's factor of two, for the sum
-// of their errors. With a and b the cell's faces, R = F(b) - F(a), and q uniform samples:
-//
-//   all segments       sum of w r / 2 <= (b - a) R / (2 (q - 1)): every w is at most (b - a) / (q -
-//   1)         (A.2) n more, adaptive   a segment of the first pass that rises by r holds more than
-//   n r / R - 1 of the n teeth. It is cut
-//                      into at least n r / R pieces, so each has w <= (b - a) / (q - 1) * R / (n r)
-//                      and rises by at most r: w r / 2 <= (b - a) R / (2 (q - 1) n), wherever the
-//                      rise is                           (A.3)
+// The error bounds of sampled C_L and C_R: those of Appendix A, with their constants.
+// A function that only rises, by r over a segment of width w, differs from the line between its
+// ends by an area of at most w r / 2: a step at one end is the worst case. C_L and -C_R only rise,
+// and F = C_L - C_R rises by the sum of both rises. So every bound on F's segments (w r / 2 with r
+// the rise of F) holds for C_L, for C_R, and, without the paper's factor of two, for the sum of
+// their errors. Let a and b be the cell's faces, R = F(b) - F(a), and q the number of uniform
+// samples.
+// A.2, all segments: the sum of w r / 2 is at most (b - a) R / (2 (q - 1)), as every w is at most
+// (b - a) / (q - 1).
+// A.3, n more adaptive samples: a segment of the first pass that rises by r holds more than n r / R
+// - 1 of the n teeth. It is cut into at least n r / R pieces, so each has w <= (b - a) / (q - 1) *
+// R / (n r) and rises by at most r: w r / 2 <= (b - a) R / (2 (q - 1) n), wherever the rise is.
 #include "accel/published/kd/scan_samples.h"
 
 #include <gtest/gtest.h>
@@ -33,22 +30,22 @@ namespace {
 using tests::SampleSegment;
 using tests::TrueCounts;
 
-// Sample positions are floats: this much of a bound is rounding.
+// Sample positions are floats: this share of a bound allows for rounding.
 constexpr double kRounding = 1 + 1e-4;
 
 struct Soup {
   std::string name;
-  std::vector<kdtree::BoxRef> refs;
+  std::vector<kdtree::Reference> refs;
 };
 
 const geometry::Aabb kUnitCell{{0, 0, 0}, {1, 1, 1}};
 
-kdtree::BoxRef slab(double lo, double hi, std::uint32_t weight = 1) {
+kdtree::Reference slab(double lo, double hi, std::uint32_t weight = 1) {
   return tests::box_ref({static_cast<float>(lo), 0, 0}, {static_cast<float>(hi), 1, 1}, 0, weight);
 }
 
 /// `count` thin boxes side by side, filling [0, 1].
-void add_row(std::vector<kdtree::BoxRef>& refs, int count) {
+void add_row(std::vector<kdtree::Reference>& refs, int count) {
   for (int i = 0; i < count; ++i)
     refs.push_back(slab(i / static_cast<double>(count), (i + 1) / static_cast<double>(count)));
 }
@@ -63,7 +60,7 @@ std::vector<Soup> soups(std::uint64_t seed) {
   add_row(hat.refs, 100);
   for (int i = 0; i < 400; ++i) {
     step.refs.push_back(slab(wall, wall));
-    hat.refs.push_back(slab(wall, wall + thickness));  // may end beyond the cell
+    hat.refs.push_back(slab(wall, wall + thickness));  // May end beyond the cell
     const double at = random.uniform() * random.uniform();
     weighted.refs.push_back(
         slab(at, at + 0.1 * random.uniform(), static_cast<std::uint32_t>(1 + random.below(1000))));
@@ -79,7 +76,7 @@ std::vector<Soup> soups(std::uint64_t seed) {
           {"lattice", tests::lattice_boxes(200, 9, seed)}};
 }
 
-Samples sample(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell,
+Samples sample(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                std::uint32_t uniform, std::uint32_t adaptive) {
   kdtree::BuildCounters counters;
   return sample_axes(refs, cell, {0, 1}, uniform, adaptive, counters)[0];
@@ -95,8 +92,8 @@ struct Errors {
   double left = 0, right = 0;
 };
 
-/// Integrals of |C_L - its line| and |C_R - its line| over a segment, exactly: between steps the
-/// true ones are constant.
+/// Integrals of |C_L - its line| and |C_R - its line| over a segment, exact: between steps the true
+/// functions are constant.
 Errors integrate(const TrueCounts& truth, const SampleSegment& segment) {
   Errors errors;
   std::vector<double> stops{segment.begin.position};
@@ -123,11 +120,11 @@ void for_all_soups(const Check& check) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     for (const Soup& soup : soups(seed)) {
       SCOPED_TRACE(soup.name + ", seed " + std::to_string(seed));
-      // A cell that shares faces with boxes, one that boxes reach out of, and all of the list.
+      // A cell that shares faces with boxes, one that boxes exceed, and the whole list.
       for (const geometry::Aabb& cell :
            {kUnitCell, geometry::Aabb{{0.2f, 0, 0}, {0.7f, 1, 1}}, tests::bounds_of(soup.refs)}) {
-        std::vector<kdtree::BoxRef> inside;
-        for (const kdtree::BoxRef& ref : soup.refs) {
+        std::vector<kdtree::Reference> inside;
+        for (const kdtree::Reference& ref : soup.refs) {
           if (is_member(ref.bounds(), cell)) inside.push_back(ref);
         }
         if (!inside.empty()) check(inside, cell);
@@ -136,8 +133,8 @@ void for_all_soups(const Check& check) {
   }
 }
 
-TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+TEST(ScanSamples, AreTheTrueCountsIncludingTheCellsFaces) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const auto& [uniform, adaptive] : {std::pair(8u, 0u), {8u, 8u}, {9u, 13u}, {16u, 16u}}) {
       const Samples samples = sample(refs, cell, uniform, adaptive);
@@ -155,9 +152,9 @@ TEST(ScanSamples, AreTheTrueCountsTheCellsFacesIncluded) {
   });
 }
 
-// Boxes that begin at a face lie above it: a plane there has nothing on its outer side.
+// Boxes that begin at a face lie above it: a plane there has no reference on its outer side.
 TEST(ScanSamples, CountStrictlyAtTheFaces) {
-  const std::vector<kdtree::BoxRef> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
+  const std::vector<kdtree::Reference> refs{slab(0, 0.5), slab(0, 1), slab(0.5, 1)};
   const Samples samples = sample(refs, kUnitCell, 2, 0);
   EXPECT_EQ(samples.at[0].left, 0);
   EXPECT_EQ(samples.at[0].right, 3);
@@ -166,7 +163,7 @@ TEST(ScanSamples, CountStrictlyAtTheFaces) {
 }
 
 TEST(ScanSamples, APassCountsEightPlanes) {
-  const std::vector<kdtree::BoxRef> refs = tests::random_boxes(1000, 0.01, 1);
+  const std::vector<kdtree::Reference> refs = tests::random_boxes(1000, 0.01, 1);
   for (const auto& [uniform, adaptive, passes] :
        {std::tuple(2u, 0u, 1u), {8u, 8u, 2u}, {9u, 8u, 3u}, {16u, 16u, 4u}}) {
     kdtree::BuildCounters counters;
@@ -175,8 +172,8 @@ TEST(ScanSamples, APassCountsEightPlanes) {
   }
 }
 
-TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+TEST(ScanSamples, UniformSamplesKeepTheErrorBelowOneOverN) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, 0);
@@ -196,7 +193,7 @@ TEST(ScanSamples, UniformOnesKeepTheErrorBelowOneOverN) {
 }
 
 TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const TrueCounts truth(refs, 0);
     for (const SampleSegment& segment : tests::segments(sample(refs, cell, 8, 8))) {
       const Errors e = integrate(truth, segment);
@@ -205,8 +202,8 @@ TEST(ScanSamples, NoSegmentIsOffByMoreThanHalfWidthTimesRise) {
   });
 }
 
-TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+TEST(ScanSamples, AdaptiveSamplesKeepEverySegmentBelowOneOverNSquared) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     for (std::uint32_t n = 2; n <= kMostSamples; ++n) {
       const Samples samples = sample(refs, cell, n, n);
       const double width = static_cast<double>(cell.hi[0]) - static_cast<double>(cell.lo[0]);
@@ -219,11 +216,11 @@ TEST(ScanSamples, AdaptiveOnesKeepEverySegmentBelowOneOverNSquared) {
 }
 
 // A segment with the share s of the rise is cut into at least n s pieces: the larger a
-// discontinuity, the narrower the segment that it is caught in.
-TEST(ScanSamples, CrowdAtADiscontinuity) {
+// discontinuity, the narrower the segment that contains it.
+TEST(ScanSamples, AreDenseAtADiscontinuity) {
   for (const double wall : {0.05, 0.31, 0.5, 0.77}) {
     for (const int weight : {100, 1000, 10000}) {
-      std::vector<kdtree::BoxRef> refs;
+      std::vector<kdtree::Reference> refs;
       add_row(refs, 500);
       for (int i = 0; i < weight; ++i) refs.push_back(slab(wall, wall));
       const auto segments = tests::segments(sample(refs, kUnitCell, 8, 8));
@@ -234,11 +231,11 @@ TEST(ScanSamples, CrowdAtADiscontinuity) {
   }
 }
 
-/// The cost of one axis, true and as the samples suggest. Without the bonus for empty sides, which
-/// Appendix A knows not.
+/// The cost along one axis, exact and from the samples. Without the bonus for empty sides, which
+/// Appendix A does not have.
 class CostAlongAxis {
  public:
-  CostAlongAxis(const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell)
+  CostAlongAxis(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell)
       : builder_{.axes = ScanAxes::kOne, .exact_below = 0, .cost = {.empty_bonus = 1}},
         areas_(cell, 0),
         truth_(refs, 0),
@@ -246,11 +243,11 @@ class CostAlongAxis {
             sample(refs, cell, builder_.uniform_samples, builder_.adaptive_samples))) {}
 
   double real(double x) const {
-    return cut_cost(builder_.cost, areas_, x, truth_.left(x), truth_.right(x));
+    return split_cost(builder_.cost, areas_, x, truth_.left(x), truth_.right(x));
   }
   double suggested(double x) const {
     const SampleSegment& s = segment(x);
-    return cut_cost(builder_.cost, areas_, x, s.left(x), s.right(x));
+    return split_cost(builder_.cost, areas_, x, s.left(x), s.right(x));
   }
   const SampleSegment& segment(double x) const { return tests::segment_at(segments_, x); }
   const std::vector<double>& steps() const { return truth_.steps(); }
@@ -258,16 +255,16 @@ class CostAlongAxis {
 
  private:
   HuntScan builder_;
-  split::CutAreas areas_;
+  split::SplitAreas areas_;
   TrueCounts truth_;
   std::vector<SampleSegment> segments_;
 };
 
 // Both probabilities are at most one, so at every x the cost is off by no more than the rise of x's
-// segment. Times the segment's width, within which the plane is known, that is at most (b - a) R /
-// ((q - 1) n): A.4.
+// segment. Multiplied by the segment's width, within which the plane is known, this is at most (b -
+// a) R / ((q - 1) n): A.4.
 TEST(ScanSamples, CostIsOffByNoMoreThanTheRiseOfTheSegment) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     for (const double step : cost.steps()) {
       for (const double x : {step, step + 1e-4}) {
@@ -283,7 +280,8 @@ struct Optimum {
   double at = 0, cost = 0;
 };
 
-/// Between steps the cost is linear and it is semicontinuous at them, so the least lies at a step.
+/// Between steps the cost is linear, and it is semicontinuous at them, so the minimum lies at a
+/// step.
 Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
   Optimum best{0, 1e300};
   for (const double x : cost.steps()) {
@@ -293,10 +291,10 @@ Optimum true_optimum(const CostAlongAxis& cost, const geometry::Aabb& cell) {
   return best;
 }
 
-// The suggested cost is least at the chosen plane, so the true one exceeds the optimum by no more
-// than what the two are off by together.
-TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
-  for_all_soups([](const std::vector<kdtree::BoxRef>& refs, const geometry::Aabb& cell) {
+// The sampled cost is least at the chosen plane, so the true cost there exceeds the optimum by at
+// most the sum of both errors.
+TEST(ScanSamples, TheChosenPlaneIsNearlyOptimal) {
+  for_all_soups([](const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
     const CostAlongAxis cost(refs, cell);
     if (cell.hi.x - cell.lo.x < std::max(cell.hi.y - cell.lo.y, cell.hi.z - cell.lo.z)) return;
     kdtree::BuildCounters counters;
@@ -309,19 +307,19 @@ TEST(ScanSamples, TheChosenPlaneCostsLittleMoreThanTheBest) {
   });
 }
 
-// A wall of at least two thirds of the weight in an evenly filled cell: with M boxes in the wall
-// and S beside it the true cost falls toward the wall from both sides (its slope there is in
-// proportion to 2 S (2x - 1) -+ M, with M >= 2 S), so the best plane is at the wall and the chosen
-// one in the wall's segment or at its ends. Then the distance between them is at most its width w,
-// the excess of cost at most twice its rise r, and their product at most 2 w r <= 2 (b - a) R / ((q
-// - 1) n).
+// A wall of at least two thirds of the weight in an evenly filled cell. With M boxes in the wall
+// and S beside it, the true cost falls toward the wall from both sides (its slope is proportional
+// to 2 S (2x - 1) -+ M, with M >= 2 S), so the best plane is at the wall, and the chosen one is in
+// the wall's segment or at its ends. Then their distance is at most the segment's width w, the
+// excess cost at most twice its rise r, and their product at most 2 w r <= 2 (b - a) R / ((q - 1)
+// n).
 TEST(ScanSamples, DistanceTimesExcessIsBoundedAtAWall) {
   tests::Random random(17);
   for (int trial = 0; trial < 500; ++trial) {
     const double wall = random.uniform(0.02, 0.98);
     const int beside = 50 + static_cast<int>(random.below(500));
     const int boxes = 2 * beside + static_cast<int>(random.below(5000));
-    std::vector<kdtree::BoxRef> refs;
+    std::vector<kdtree::Reference> refs;
     add_row(refs, beside);
     for (int i = 0; i < boxes; ++i) refs.push_back(slab(wall, wall));
     const CostAlongAxis cost(refs, kUnitCell);

@@ -1,4 +1,4 @@
-// Rays in CSV, good and bad.
+// Rows in CSV, valid and invalid.
 #include "client/cli/files/csv.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Outcome {
   std::vector<RayRow> rows;
   bool has_interval = false;
-  std::string error;  // after the file's folder
+  std::string error;  // After the file's folder
 };
 
 Outcome read(const std::string& text) {
@@ -58,14 +58,14 @@ TEST(Csv, EightColumnsHaveBounds) {
   EXPECT_TRUE(outcome.has_interval);
 }
 
-TEST(Csv, NamesMayComeInAnyOrder) {
+TEST(Csv, NamesMayBeInAnyOrder) {
   const Outcome outcome = read("tmax,dz,dy,dx,oz,oy,ox\n9,6,5,4,3,2,1\n");
   ASSERT_EQ(outcome.rows.size(), 1U) << outcome.error;
   EXPECT_EQ(outcome.rows[0], (RayRow{1, 2, 3, 4, 5, 6, 0, 9}));
   EXPECT_TRUE(outcome.has_interval);
 }
 
-TEST(Csv, BlanksCommentsEmptyLinesAndLineEndsOfAllKinds) {
+TEST(Csv, AllowsBlanksCommentsEmptyLinesAndAllLineEnds) {
   const Outcome outcome = read(
       "\xEF\xBB\xBF# from a scanner\r\n\r\n ox , oy,oz,dx,dy,dz\r\n 1 "
       ",\t2,3,4,5,+6\r\n\n#\n7,8,9,1,2,3");
@@ -74,7 +74,7 @@ TEST(Csv, BlanksCommentsEmptyLinesAndLineEndsOfAllKinds) {
   EXPECT_EQ(outcome.rows[1][0], 7);
 }
 
-TEST(Csv, NoRaysAreNoRays) {
+TEST(Csv, AFileWithoutRowsHasNoRays) {
   for (const char* text : {"", "\n\n", "# nothing\n", "ox,oy,oz,dx,dy,dz\n"}) {
     const Outcome outcome = read(text);
     EXPECT_TRUE(outcome.rows.empty());
@@ -82,7 +82,7 @@ TEST(Csv, NoRaysAreNoRays) {
   }
 }
 
-TEST(Csv, AFirstRayOfNansIsNoLineOfNames) {
+TEST(Csv, AFirstRowOfNansIsNotAHeader) {
   const Outcome outcome = read("nan,0,0,inf,0,0\n");
   ASSERT_EQ(outcome.rows.size(), 1U) << outcome.error;
   EXPECT_TRUE(std::isnan(outcome.rows[0][0]));
@@ -100,9 +100,9 @@ TEST(Csv, ErrorsNameTheLine) {
   EXPECT_EQ(read("x,y,z\n").error, "rays.csv:1: column 'x' is none of ox oy oz dx dy dz tmin tmax");
 }
 
-TEST(Csv, RowsBeforeABadOneAreThere) { EXPECT_EQ(read("1,2,3,4,5,6\nx\n").rows.size(), 1U); }
+TEST(Csv, RowsBeforeABadRowAreRead) { EXPECT_EQ(read("1,2,3,4,5,6\nx\n").rows.size(), 1U); }
 
-TEST(Csv, LinesLongerThanAReadAreWhole) {
+TEST(Csv, LinesLongerThanTheBufferAreReadWhole) {
   std::string text = "# " + std::string(1 << 20, 'x') + "\n";
   for (int i = 0; i < 40000; ++i) text += "0.123456789,2,3,4,5,6\n";
   const Outcome outcome = read(text);

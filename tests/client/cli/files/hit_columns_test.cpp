@@ -10,13 +10,13 @@
 namespace sightline::client::cli::files {
 namespace {
 
-TEST(HitColumns, ComeInTheOrderOfFilesWhateverTheOrderAsked) {
+TEST(HitColumns, AreInTheOrderOfFilesForAnyRequestedOrder) {
   const auto columns = parse_hit_columns("nz,t,node");
   ASSERT_TRUE(columns);
   EXPECT_EQ(*columns, (std::vector{HitColumn::kT, HitColumn::kNode, HitColumn::kNz}));
 }
 
-TEST(HitColumns, AllAreTheContracts) {
+TEST(HitColumns, AllAreTheDocumentedColumns) {
   std::string types;
   for (const HitColumn column : all_closest_columns()) {
     types += std::string(info_of(column).name) + " " + std::string(info_of(column).type) + ", ";
@@ -30,7 +30,7 @@ std::string names(const std::vector<HitColumn>& columns) {
   return text;
 }
 
-TEST(HitColumns, EveryKindHasItsOwn) {
+TEST(HitColumns, EveryKindHasItsColumns) {
   EXPECT_EQ(names(standard_columns(QueryKind::kClosest)), "t node primitive u v nx ny nz ");
   EXPECT_EQ(names(standard_columns(QueryKind::kAny)), "hit ");
   EXPECT_EQ(names(standard_columns(QueryKind::kCount)), "count ");
@@ -43,18 +43,18 @@ TEST(HitColumns, EveryKindHasItsOwn) {
   EXPECT_FALSE(check_columns({HitColumn::kCount}, QueryKind::kAny));
 }
 
-TEST(HitColumns, OtherWordsAreErrors) {
+TEST(HitColumns, UnknownNamesAreErrors) {
   for (const char* text : {"", "t,", "t,t", "T", "normal", " t"})
     EXPECT_FALSE(parse_hit_columns(text)) << text;
 }
 
-TEST(HitColumns, AskTheServerForNoMoreThanTheyNeed) {
+TEST(HitColumns, RequestOnlyTheFieldsThatTheyNeed) {
   const HitFields fields = fields_for({HitColumn::kV, HitColumn::kNx});
   EXPECT_TRUE(fields.barycentric && fields.normal);
   EXPECT_FALSE(fields.t || fields.node || fields.primitive || fields.hit || fields.work);
 }
 
-// Two hits, a miss, a bad ray, one hit of a ray that was cut off.
+// Two hits, a miss, a bad ray, and one hit of a ray whose list was cut.
 struct Answers {
   std::vector<std::uint32_t> offsets{0, 2, 2, 2, 3};
   std::vector<std::uint8_t> hit{1, 0, 2, kCutOff};
@@ -80,7 +80,7 @@ std::vector<T> copy(std::span<const T> rows) {
   return {rows.begin(), rows.end()};
 }
 
-TEST(HitRows, AreAHitEachAndOneForABadRay) {
+TEST(HitRows, AreOneForEachHitAndOneForABadRay) {
   const Answers answers;
   HitRows rows;
   for (int twice = 0; twice < 2; ++twice) {
@@ -97,7 +97,7 @@ TEST(HitRows, AreAHitEachAndOneForABadRay) {
   }
 }
 
-TEST(HitRows, AreCountedThoughTheirTIsNotAskedFor) {
+TEST(HitRows, AreCountedWithoutColumnT) {
   const Answers answers;
   HitView hits;
   hits.offsets = answers.offsets;

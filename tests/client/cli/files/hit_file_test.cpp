@@ -23,7 +23,7 @@ const std::vector<std::uint32_t> kPrimitive{3, 0, 0};
 const std::vector<float> kUv{0.25F, 0.5F, 0, 0, 0, 0};
 const std::vector<float> kNormal{0, 0, 1, 0, 0, 0, 0, 0, 0};
 const std::vector<std::uint8_t> kHit{1, 0, 2};
-const std::vector<std::uint32_t> kWork{5 | kMetUnbuilt, 2, 0};
+const std::vector<std::uint32_t> kWork{5 | kSawDeferred, 2, 0};
 const HitView kHits{kT, kNode, kPrimitive, kUv, kNormal, kHit, kWork};
 
 void write(const std::string& path, std::vector<HitColumn> columns,
@@ -41,7 +41,7 @@ T value_at(const std::string& bytes, std::size_t offset) {
   return value;
 }
 
-TEST(HitFile, NpyHasTheContractsType) {
+TEST(HitFile, NpyHasTheDocumentedType) {
   const TempDir dir;
   write(dir.path("hits.npy"), all_closest_columns(), 3);
   const std::string file = dir.read("hits.npy");
@@ -63,7 +63,7 @@ TEST(HitFile, NpyHasTheContractsType) {
   EXPECT_TRUE(std::isinf(value_at<double>(file, start + row)));
 }
 
-TEST(HitFile, ANumberOfRowsThatWasNotKnownIsFilledInAtTheEnd) {
+TEST(HitFile, AnUnknownNumberOfRowsIsFilledInAtTheEnd) {
   const TempDir dir;
   write(dir.path("known.npy"), {HitColumn::kT}, 3);
   write(dir.path("unknown.npy"), {HitColumn::kT}, std::nullopt);
@@ -90,13 +90,13 @@ TEST(HitFile, AnyIsOneByteARay) {
   EXPECT_EQ(file.substr(header->data_offset), std::string("\1\0\2", 3));
 }
 
-TEST(HitFile, WorkIsWithoutItsMark) {
+TEST(HitFile, WorkIsWrittenWithoutItsFlag) {
   const TempDir dir;
   write(dir.path("work.csv"), {HitColumn::kHit, HitColumn::kWork}, 3);
   EXPECT_EQ(dir.read("work.csv"), "hit,work\n1,5\n0,2\n2,0\n");
 }
 
-TEST(HitFile, WithoutACommitThereIsNoFile) {
+TEST(HitFile, WithoutACommitNoFileIsWritten) {
   const TempDir dir;
   {
     auto file = HitFile::open(dir.path("hits.npy"), all_closest_columns(), 3);

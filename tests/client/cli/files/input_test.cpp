@@ -14,7 +14,7 @@ namespace {
 
 using tests::TempDir;
 
-TEST(Input, LinesWithAndWithoutALastEnd) {
+TEST(Input, ReadsLinesWithAndWithoutAFinalNewline) {
   const TempDir dir;
   auto input = Input::open(dir.write("lines", "one\r\n\ntwo"));
   ASSERT_TRUE(input);
@@ -26,7 +26,7 @@ TEST(Input, LinesWithAndWithoutALastEnd) {
   EXPECT_EQ(all, "[one][][two]");
 }
 
-TEST(Input, PeekTakesNothing) {
+TEST(Input, PeekConsumesNothing) {
   const TempDir dir;
   auto input = Input::open(dir.write("short", "abc"));
   ASSERT_TRUE(input);
@@ -52,7 +52,7 @@ TEST(Input, PipesAreReadToTheirEnd) {
   EXPECT_EQ(whole->size(), content.size());
 }
 
-TEST(Input, WhatCannotBeReadIsSaid) {
+TEST(Input, ReportsAnUnreadableFile) {
   const TempDir dir;
   EXPECT_EQ(Input::open(dir.path("none")).error().message,
             dir.path("none") + ": No such file or directory");

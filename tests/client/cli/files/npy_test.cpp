@@ -22,7 +22,7 @@ Result<NpyHeader> parse(const std::string& file) {
   return parse_npy_header(std::as_bytes(std::span(file)));
 }
 
-TEST(Npy, ReadsWhatNumPyWrites) {
+TEST(Npy, ReadsHeadersOfNumPy) {
   const auto header =
       parse(file_of("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 6), }          \n"));
   ASSERT_TRUE(header) << header.error().message;
@@ -58,7 +58,7 @@ TEST(Npy, ReadsItsOwnHeaders) {
   }
 }
 
-TEST(Npy, RefusesWhatIsNone) {
+TEST(Npy, RefusesInvalidHeaders) {
   const std::string good = file_of("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 6), }\n");
   for (std::size_t n = 0; n < good.size(); ++n) EXPECT_FALSE(parse(good.substr(0, n))) << n;
   EXPECT_FALSE(parse(file_of("{'descr': '<f8'}")));

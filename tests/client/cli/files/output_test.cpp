@@ -1,4 +1,4 @@
-// Files that are whole or not there.
+// Files that are written completely or not at all.
 #include "client/cli/files/output.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Output, ReplacesAFileAtTheEndOnly) {
   EXPECT_EQ(dir.names(), "file");
 }
 
-TEST(Output, LeavesWhatWasThereIfNothingIsCommitted) {
+TEST(Output, KeepsTheOldFileWithoutACommit) {
   const TempDir dir;
   const std::string path = dir.write("file", "old");
   {
@@ -49,7 +49,7 @@ TEST(Output, ALinkStaysALink) {
   EXPECT_EQ(dir.read("file"), "new");
 }
 
-TEST(Output, DevicesAreWrittenToAsTheyAre) {
+TEST(Output, DevicesAreWrittenDirectly) {
   auto output = Output::open("/dev/null");
   ASSERT_TRUE(output);
   EXPECT_TRUE(output->write("gone"));
@@ -60,7 +60,7 @@ TEST(Output, DevicesAreWrittenToAsTheyAre) {
   EXPECT_EQ(full->write("x").error().message, "/dev/full: No space left on device");
 }
 
-TEST(Output, AFolderThatIsNotThereIsSaid) {
+TEST(Output, ReportsAMissingFolder) {
   const TempDir dir;
   const auto output = Output::open(dir.path("none/file"));
   ASSERT_FALSE(output);

@@ -1,4 +1,4 @@
-// Files of rays in all their forms.
+// Files of rays in all formats.
 #include "client/cli/files/ray_file.h"
 
 #include <gtest/gtest.h>
@@ -33,14 +33,14 @@ std::string npy_of(const char* dtype, std::size_t rows, std::size_t columns, boo
 }
 
 template <class T>
-std::vector<T> read_rows(RayFile& file, std::size_t room_rows) {
+std::vector<T> read_rows(RayFile& file, std::size_t batch_rows) {
   auto* source = std::get_if<RaySource<T>>(&file.source);
   EXPECT_NE(source, nullptr) << "another precision";
   if (source == nullptr) return {};
-  std::vector<T> origins(3 * room_rows), directions(3 * room_rows), tmin, tmax, all;
+  std::vector<T> origins(3 * batch_rows), directions(3 * batch_rows), tmin, tmax, all;
   if (file.shape.interval) {
-    tmin.resize(room_rows);
-    tmax.resize(room_rows);
+    tmin.resize(batch_rows);
+    tmax.resize(batch_rows);
   }
   while (true) {
     const auto n = (*source)(RayColumns<T>{origins, directions, tmin, tmax});
@@ -66,7 +66,7 @@ std::vector<T> expected_rows(std::size_t rows, std::size_t columns) {
   return values;
 }
 
-TEST(RayFile, NpyOfEitherPrecisionShapeAndOrder) {
+TEST(RayFile, ReadsNpyOfAnyPrecisionShapeAndOrder) {
   const TempDir dir;
   for (const std::size_t columns : {std::size_t{6}, std::size_t{8}}) {
     for (const bool fortran : {false, true}) {
@@ -90,7 +90,7 @@ TEST(RayFile, NpyWithoutRays) {
   EXPECT_TRUE(read_rows<double>(*rays, 4).empty());
 }
 
-TEST(RayFile, CsvByItsContent) {
+TEST(RayFile, RecognizesCsvByItsContent) {
   const TempDir dir;
   auto rays = open_rays(dir.write("rays.txt", "0,1,2,3,4,5\n10,11,12,13,14,15\n"));
   ASSERT_TRUE(rays) << rays.error().message;
@@ -98,7 +98,7 @@ TEST(RayFile, CsvByItsContent) {
   EXPECT_EQ(read_rows<double>(*rays, 2), expected_rows<double>(2, 6));
 }
 
-TEST(RayFile, SaysWhatIsWrongWithAnNpy) {
+TEST(RayFile, ReportsTheFaultOfAnNpy) {
   const TempDir dir;
   const auto error = [&](const std::string& content) {
     const auto rays = open_rays(dir.write("rays.npy", content));

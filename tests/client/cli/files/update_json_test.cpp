@@ -1,4 +1,4 @@
-// Updates as JSON: what is read, what is refused and in which words.
+// Updates as JSON: accepted and refused text, and the errors.
 #include "client/cli/files/update_json.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(UpdateJson, ReadsAllKinds) {
   EXPECT_TRUE(std::get<DeleteNode>(*deleted).subtree);
 }
 
-TEST(UpdateJson, WhatIsLeftOutIsAsInTheMessages) {
+TEST(UpdateJson, OmittedKeysHaveTheMessagesDefaults) {
   const auto put = parse_update(R"({"put_node": {"node": -1}})");
   ASSERT_TRUE(put) << put.error().message;
   EXPECT_EQ(std::get<PutNode>(*put).mask, 0xffffffff);
@@ -54,7 +54,7 @@ TEST(UpdateJson, WhatIsLeftOutIsAsInTheMessages) {
   EXPECT_EQ(std::get<PutNode>(*put).mobility, Mobility::kStatic);
 }
 
-TEST(UpdateJson, TakesTheMessagesOwnForms) {
+TEST(UpdateJson, AcceptsTheMessagesOwnForms) {
   const auto put = parse_update(
       std::string(R"({"put_node": {"node": 4, "mobility": "MOBILITY_DEFORMING", "transform": )") +
       R"({"matrix": )" + kMoved + "}}}");
@@ -95,7 +95,7 @@ TEST(UpdateJson, NamesTheKeyThatIsWrong) {
             "delete_node.subtree is not true or false");
 }
 
-TEST(UpdateJson, WhatIsWrittenCanBeRead) {
+TEST(UpdateJson, WrittenUpdatesCanBeRead) {
   PutNode put;
   put.node = 5;
   put.name = "x";

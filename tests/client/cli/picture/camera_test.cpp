@@ -1,4 +1,4 @@
-// The overview and cameras of one's own.
+// The overview and user-defined cameras.
 #include "client/cli/picture/camera.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ void expect_near(const Vec3& a, const Vec3& b) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-12) << k;
 }
 
-TEST(Camera, TheOverviewIsTwelveTenthsOfADiagonalFromTheCenter) {
+TEST(Camera, TheOverviewIsOnePointTwoDiagonalsFromTheCenter) {
   const auto camera = make_camera({}, scene_of({0, 0, 0, 2, 4, 4}));
   ASSERT_TRUE(camera);
   const double norm = std::sqrt(1 + 0.49 + 0.25);
@@ -30,7 +30,7 @@ TEST(Camera, TheOverviewIsTwelveTenthsOfADiagonalFromTheCenter) {
   EXPECT_NEAR(camera->half_height, std::tan(20 * std::acos(-1.0) / 180), 1e-12);
 }
 
-TEST(Camera, UpIsTheScenes) {
+TEST(Camera, UpIsTheScenesUpAxis) {
   EXPECT_GT(make_camera({}, scene_of({0, 0, 0, 1, 1, 1}, UpAxis::kZ))->up[2], 0.8);
   EXPECT_GT(make_camera({}, scene_of({0, 0, 0, 1, 1, 1}, UpAxis::kY))->up[1], 0.7);
   EXPECT_GT(make_camera({}, scene_of({0, 0, 0, 1, 1, 1}))->up[1], 0.7);
@@ -45,7 +45,7 @@ TEST(Camera, TheMiddleOfThePictureIsForwardAndItsTopIsUp) {
   EXPECT_GT(camera->direction(1.5, 0.5, 1.5)[0], 0);
 }
 
-TEST(Camera, LookingAlongTheUpAxisStillHasAPicture) {
+TEST(Camera, LookingAlongTheUpAxisGivesAPicture) {
   const auto camera = make_camera({Vec3{0, 5, 0}, Vec3{0, 0, 0}}, {});
   ASSERT_TRUE(camera);
   EXPECT_NEAR(length(camera->right), 1, 1e-12);
@@ -53,7 +53,7 @@ TEST(Camera, LookingAlongTheUpAxisStillHasAPicture) {
   EXPECT_NEAR(dot(camera->up, camera->forward), 0, 1e-12);
 }
 
-TEST(Camera, AnEyeAloneLooksAtTheCenter) {
+TEST(Camera, AnEyeWithoutATargetLooksAtTheCenter) {
   const auto camera = make_camera({Vec3{1, 1, 9}, {}}, scene_of({0, 0, 0, 2, 2, 2}));
   ASSERT_TRUE(camera);
   expect_near(camera->forward, {0, 0, -1});
@@ -64,7 +64,7 @@ TEST(Camera, ScenesWithoutExtentHaveAnOverview) {
   EXPECT_TRUE(make_camera({}, scene_of({3, 3, 3, 3, 3, 3})));
 }
 
-TEST(Camera, NowhereToLookIsNoCamera) {
+TEST(Camera, AnEyeAtItsTargetIsAnError) {
   EXPECT_FALSE(make_camera({Vec3{1, 2, 3}, Vec3{1, 2, 3}}, {}));
 }
 

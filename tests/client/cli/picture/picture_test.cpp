@@ -12,7 +12,7 @@
 namespace sightline::client::cli::picture {
 namespace {
 
-TEST(Sampling, EveryPixelOnceInTiles) {
+TEST(Sampling, VisitsEveryPixelOnceInTiles) {
   const auto pixels = tiled_pixels({21, 10});
   std::set<std::pair<int, int>> seen;
   for (const Pixel pixel : pixels) {
@@ -36,7 +36,7 @@ TEST(Sampling, SamplesFillThePixelRowsAndColumns) {
   EXPECT_EQ(xs, ys);
 }
 
-TEST(Png, ComesBackTheSame) {
+TEST(Png, DecodesToTheSamePixels) {
   std::vector<std::uint8_t> rgb;
   for (int i = 0; i < 7 * 5 * 3; ++i) rgb.push_back(static_cast<std::uint8_t>(i * 37));
   const auto bytes = encode_png(rgb, 7, 5);

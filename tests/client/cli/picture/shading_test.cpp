@@ -18,7 +18,7 @@ TEST(Palette, HeatGetsLighterAndDepthDarker) {
   }
 }
 
-TEST(Palette, OutsideTheRampAreItsEnds) {
+TEST(Palette, ValuesOutsideTheRampAreClamped) {
   EXPECT_EQ(heat_colour(-1), heat_colour(0));
   EXPECT_EQ(heat_colour(2), heat_colour(1));
 }
@@ -54,8 +54,8 @@ TEST(Shading, NormalsFaceTheRay) {
   EXPECT_EQ(facing({0, 0, -1}, {0, 0, -1}), (Vec3{0, 0, 1}));
 }
 
-TEST(Shading, UpLooksTheSameWhicheverAxisItIs) {
-  const Camera y_camera;  // looks along -z, y up
+TEST(Shading, UpLooksTheSameForBothAxes) {
+  const Camera y_camera;  // Looks along -z, y up
   Camera z_camera;
   z_camera.forward = {0, 1, 0};
   z_camera.up = {0, 0, 1};
@@ -63,7 +63,7 @@ TEST(Shading, UpLooksTheSameWhicheverAxisItIs) {
             normal_shade({0, 0, 1}, z_camera, UpAxis::kZ));
 }
 
-TEST(Shading, DepthGoesFromNearToFarAndBehindIsDark) {
+TEST(Shading, DepthGoesFromNearToFarAndMissesAreDark) {
   std::vector<Sample> samples(101, Sample{0, 1, false});
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].value = static_cast<float>(i);
   samples.push_back({1e9F, -1, false});
@@ -74,7 +74,7 @@ TEST(Shading, DepthGoesFromNearToFarAndBehindIsDark) {
   EXPECT_LT(brightness(colours.back()), brightness(colours[100]));
 }
 
-TEST(Shading, HeatOfWhatIsNotBuiltIsDark) {
+TEST(Shading, HeatOfDeferredCellsIsDark) {
   const auto colours =
       heat_shades({{40, 0.5F, false}, {40, -1, false}, {40, -1, true}, {10, 0.5F, false}});
   EXPECT_GT(brightness(colours[0]), brightness(colours[3]));
@@ -82,7 +82,7 @@ TEST(Shading, HeatOfWhatIsNotBuiltIsDark) {
   EXPECT_LT(brightness(colours[2]), 0.5F * brightness(colours[0]));
 }
 
-TEST(Shading, APictureOfNothingHasColours) {
+TEST(Shading, AnEmptyPictureHasColors) {
   EXPECT_EQ(depth_shades({{0, -1, false}}).size(), 1U);
   EXPECT_EQ(heat_shades({{0, -1, false}}).size(), 1U);
   EXPECT_TRUE(depth_shades({}).empty());

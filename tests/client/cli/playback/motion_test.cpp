@@ -36,7 +36,7 @@ TEST(Motion, OfASkinMovesABoneAndAMesh) {
   }
 }
 
-TEST(Motion, WhatHangsBelowAMovedNodeMovesWithIt) {
+TEST(Motion, DescendantsOfAMovedNodeMoveWithIt) {
   const TempDir dir;
   tests::GltfFile file = tests::triangle_under_root();
   file.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
@@ -45,7 +45,7 @@ TEST(Motion, WhatHangsBelowAMovedNodeMovesWithIt) {
   EXPECT_EQ(motion->mobilities(), std::vector<Mobility>(2, Mobility::kRigid));
 }
 
-TEST(Motion, OfAFolderShowsAFrameAtATime) {
+TEST(Motion, OfAFolderShowsOneFrameAtATime) {
   const TempDir dir;
   for (int k = 0; k < 4; ++k)
     dir.write(fmt::format("f{}.obj", k),
@@ -76,10 +76,10 @@ TEST(Motion, AnimationsAreChosenByNameOrNumber) {
   }
 }
 
-TEST(Motion, WhatDoesNotMoveIsRefused) {
+TEST(Motion, AFileWithoutAnimationIsRefused) {
   const TempDir dir;
-  const std::string still = dir.write("still.gltf", tests::triangle_under_root().text());
-  EXPECT_EQ(error_of(open_motion({.path = still})), still + ": holds no animation");
+  const std::string unanimated = dir.write("still.gltf", tests::triangle_under_root().text());
+  EXPECT_EQ(error_of(open_motion({.path = unanimated})), unanimated + ": holds no animation");
   dir.write("frames.obj", "");
   const TempDir alike;
   for (const char* name : {"a.obj", "b.obj"})

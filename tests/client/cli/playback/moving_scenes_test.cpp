@@ -1,4 +1,4 @@
-// update, watch and stream as scripts call them.
+// The verbs update, watch and stream, as scripts call them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using tests::run_program;
 
 class MovingScenes : public tests::LiveProgram {
  protected:
-  // Of a ray along -z from far above (x, y); inf: nothing is there.
+  // t of a ray along -z from far above (x, y); inf for a miss.
   double t_above(const std::string& scene, double x, double y,
                  const std::vector<std::string>& flags = {}) {
     const std::string rays = dir_.write("rays.csv", fmt::format("{},{},100,0,0,-1\n", x, y));
@@ -87,7 +87,7 @@ TEST_F(UpdateVerb, NamesFileLineAndKey) {
   EXPECT_EQ(run_program({"update", "s", "--file", ops, "--request-id", ""}).exit, 2);
 }
 
-TEST_F(UpdateVerb, NodesAreListedAsTheyAre) {
+TEST_F(UpdateVerb, ListsNodesWithTheirState) {
   ASSERT_TRUE(client_.create_scene("projects/default/scenes/s"));
   const std::string ops = dir_.write("ops.ndjson", R"({"put_node": {"node": -1, "name": "a"}}
 {"put_node": {"node": -2, "parent": -1, "name": "b", "mobility": "rigid", "mask": 3}}
@@ -107,7 +107,7 @@ TEST_F(UpdateVerb, NodesAreListedAsTheyAre) {
 
 using WatchVerb = MovingScenes;
 
-TEST_F(WatchVerb, PrintsALineARevision) {
+TEST_F(WatchVerb, PrintsOneLineForEachRevision) {
   ASSERT_TRUE(client_.create_scene("projects/default/scenes/s"));
   const std::string ops = dir_.write("ops", R"({"put_node": {"node": -1, "name": "a"}})");
   for (int k = 0; k < 2; ++k) ASSERT_EQ(run_program({"update", "s", "--file", ops}).exit, 0);
@@ -126,7 +126,7 @@ TEST_F(WatchVerb, PrintsALineARevision) {
 
 using StreamVerb = MovingScenes;
 
-TEST_F(StreamVerb, ImportsTheSceneAndBendsItToTheMoment) {
+TEST_F(StreamVerb, ImportsTheSceneAndPosesIt) {
   const json bent = stream({"strip", "--animate", strip(), "--time", "1"});
   EXPECT_EQ(bent["imported"], true);
   EXPECT_EQ(bent["frames_sent"], 1);
@@ -143,7 +143,7 @@ TEST_F(StreamVerb, ImportsTheSceneAndBendsItToTheMoment) {
   EXPECT_EQ(t_above("strip", 0.3, 1.9, {"--at-least", straight["token"].get<std::string>()}), 100);
 }
 
-TEST_F(StreamVerb, ReportsAllItsFigures) {
+TEST_F(StreamVerb, ReportsAllFigures) {
   const json report = stream({"strip", "--animate", strip(), "--fps", "200", "--loops", "1"});
   for (const char* key :
        {"scene", "animation", "frames_sent", "frames_unchanged", "frames_late", "frames_dropped",
@@ -162,7 +162,7 @@ TEST_F(StreamVerb, ReportsAllItsFigures) {
   EXPECT_NE(table.out.find("at revision"), std::string::npos);
 }
 
-TEST_F(StreamVerb, PlaysIntoASceneThatHoldsOtherThings) {
+TEST_F(StreamVerb, PlaysIntoASceneWithOtherNodes) {
   const std::string floor =
       dir_.write("floor.obj", "v -9 -9 -5\nv 9 -9 -5\nv 9 9 -5\nv -9 9 -5\nf 1 2 3\nf 1 3 4\n");
   ASSERT_EQ(run_program({"scene", "import", "hall", floor}).exit, 0);
@@ -177,7 +177,7 @@ TEST_F(StreamVerb, PlaysIntoASceneThatHoldsOtherThings) {
   EXPECT_EQ(t_above("hall", -0.9, 1), 100);
 }
 
-TEST_F(StreamVerb, KeepsToTheFrameThatTheSceneHas) {
+TEST_F(StreamVerb, KeepsTheUpAxisAndUnitOfTheScene) {
   ASSERT_EQ(run_program({"scene", "import", "strip", strip(), "--up", "z"}).exit, 0);
   stream({"strip", "--animate", strip(), "--time", "0"});
   const std::string rays = dir_.write("rays.csv", "0.3,50,1.9,0,-1,0\n");
@@ -186,7 +186,7 @@ TEST_F(StreamVerb, KeepsToTheFrameThatTheSceneHas) {
   EXPECT_EQ(outcome.out, "t\n50\n");
 }
 
-TEST_F(StreamVerb, MovesOnlyTheNodesAskedFor) {
+TEST_F(StreamVerb, MovesOnlyTheRequestedNodes) {
   tests::GltfFile file = tests::triangle_under_root();
   file.animate(0, "translation", {0, 1}, {0, 0, 0, 0, 0, 7});
   file.animate(1, "translation", {0, 1}, {0, 0, 0, 0, 0, 20});
@@ -213,9 +213,9 @@ TEST_F(StreamVerb, PlaysAFolderOfFrames) {
   EXPECT_EQ(t_above("s", 0.2, 0.2), 100) << "frames come around";
 }
 
-TEST_F(StreamVerb, SaysWhatIsWrong) {
-  const std::string still = dir_.write("still.gltf", tests::triangle_under_root().text());
-  const ProgramOutcome none = run_program({"stream", "s", "--animate", still});
+TEST_F(StreamVerb, ReportsErrors) {
+  const std::string unanimated = dir_.write("still.gltf", tests::triangle_under_root().text());
+  const ProgramOutcome none = run_program({"stream", "s", "--animate", unanimated});
   EXPECT_EQ(none.exit, 1);
   EXPECT_NE(none.err.find("holds no animation"), std::string::npos);
   EXPECT_EQ(run_program({"stream", "s", "--animate", dir_.path("none")}).exit, 1);

@@ -1,4 +1,4 @@
-// Updates of frames, and which frames are sent.
+// The updates of frames, and the choice of frames to send.
 #include "client/cli/playback/playback.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Transform moved_by(double x) {
   return out;
 }
 
-TEST(FrameUpdates, SayOnlyWhatIsNew) {
+TEST(FrameUpdates, HoldOnlyChanges) {
   FrameUpdates frames({10, 11, 12, 13});
   importer::Pose pose;
   pose.placed = {{0, moved_by(1)}, {1, moved_by(2)}};
@@ -47,7 +47,7 @@ TEST(FrameUpdates, SayOnlyWhatIsNew) {
   EXPECT_EQ(frames.make(pose).size(), 2U);
 }
 
-TEST(FrameUpdates, NodesWithoutAnIdAreLeftAlone) {
+TEST(FrameUpdates, SkipNodesWithoutAnId) {
   FrameUpdates frames({0, 11, 0, 13});
   importer::Pose pose;
   pose.placed = {{0, moved_by(1)}, {1, moved_by(2)}};
@@ -89,8 +89,8 @@ class Playback : public tests::LiveClient {
   }
 };
 
-TEST_F(Playback, EveryFrameIsAccountedForAndTheLastIsSent) {
-  // At this rate some are late; how many depends on the machine.
+TEST_F(Playback, EveryFrameIsCountedAndTheLastIsSent) {
+  // At this rate some frames are late; how many depends on the machine.
   const auto report = play(
       client_, request(500, 20'000), [](std::uint64_t k, bool) { return move(k); },
       [](std::uint64_t) {});
@@ -102,7 +102,7 @@ TEST_F(Playback, EveryFrameIsAccountedForAndTheLastIsSent) {
   EXPECT_EQ(x(), 499);
 }
 
-TEST_F(Playback, FramesOfNothingAreNotSent) {
+TEST_F(Playback, EmptyFramesAreNotSent) {
   const auto report = play(
       client_, request(3, 1000), [](std::uint64_t, bool) { return std::vector<Update>(); },
       [](std::uint64_t) {});
@@ -112,7 +112,7 @@ TEST_F(Playback, FramesOfNothingAreNotSent) {
   EXPECT_EQ(client_.get_scene(kScene)->revision, 1U);
 }
 
-TEST_F(Playback, WhileTheWindowIsFullFramesAreDroppedAndTheNextSaysAll) {
+TEST_F(Playback, FramesAreDroppedWhileTheWindowIsFullAndTheNextOneIsComplete) {
   constexpr std::size_t kWindow = 16;
   tests::Relay relay(server_->port());
   const auto through = Client::connect(relay.endpoint());
@@ -129,9 +129,9 @@ TEST_F(Playback, WhileTheWindowIsFullFramesAreDroppedAndTheNextSaysAll) {
       *through, endless,
       [&](std::uint64_t frame, bool afresh) {
         if (shown.empty()) relay.hold(true);
-        // Answers come again once a frame has been dropped.
+        // Answers resume after a frame has been dropped.
         if (afresh) relay.hold(false);
-        // The frame before this one was afresh, and was sent.
+        // The frame before this one was complete, and was sent.
         if (!afresh && !shown.empty() && shown.back().afresh) stop.request_stop();
         shown.push_back({frame, afresh});
         return move(frame);
@@ -148,7 +148,7 @@ TEST_F(Playback, WhileTheWindowIsFullFramesAreDroppedAndTheNextSaysAll) {
             report->frames_dropped);
 }
 
-TEST_F(Playback, AStopEndsItWithEverythingAnswered) {
+TEST_F(Playback, AStopEndsItAfterAllAnswers) {
   std::stop_source stop;
   PlaybackRequest endless = request(0, 1000);
   endless.stop = stop.get_token();
@@ -161,7 +161,7 @@ TEST_F(Playback, AStopEndsItWithEverythingAnswered) {
   EXPECT_EQ(report->stream.last_answered, report->frames_sent);
 }
 
-TEST_F(Playback, ARejectedFrameIsReportedAndTheNextSaysAll) {
+TEST_F(Playback, ARejectedFrameIsReportedAndTheNextOneIsComplete) {
   bool rejected = false;
   int afresh_seen = 0;
   std::stop_source stop;

@@ -1,4 +1,4 @@
-// Nodes of a file found in a scene.
+// Finding the nodes of a file in a scene.
 #include "client/cli/playback/target.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using tests::kScene;
 
-// A root "car" with two nodes "wheel" that carry a mesh.
+// A root "car" with two nodes "wheel" that have a mesh.
 Motion car() {
   Motion motion;
   motion.scene.meshes.push_back(tests::sheets(1));
@@ -37,7 +37,7 @@ NodeInfo node(std::uint64_t id, std::uint64_t parent, std::string name, std::str
 
 using Ids = std::vector<std::uint64_t>;
 
-TEST(MatchNodes, GoesByNamesAndAmongEqualOnesByOrder) {
+TEST(MatchNodes, MatchesByNameAndEqualNamesByOrder) {
   const std::vector<NodeInfo> scene{node(1, 0, "hall"), node(4, 0, "car"), node(5, 4, "wheel", "m"),
                                     node(6, 4, "flag"), node(9, 4, "wheel", "m")};
   const auto ids = match_nodes(car(), scene, 0);
@@ -45,7 +45,7 @@ TEST(MatchNodes, GoesByNamesAndAmongEqualOnesByOrder) {
   EXPECT_EQ(*ids, (Ids{4, 5, 9}));
 }
 
-TEST(MatchNodes, LooksUnderTheNodeItIsGiven) {
+TEST(MatchNodes, SearchesUnderTheGivenNode) {
   const std::vector<NodeInfo> scene{
       node(1, 0, "car"), node(2, 1, "wheel", "m"), node(3, 1, "wheel", "m"), node(4, 0, "road"),
       node(5, 4, "car"), node(6, 5, "wheel", "m"), node(7, 5, "wheel", "m")};
@@ -53,7 +53,7 @@ TEST(MatchNodes, LooksUnderTheNodeItIsGiven) {
   EXPECT_EQ(*match_nodes(car(), scene, 4), (Ids{5, 6, 7}));
 }
 
-TEST(MatchNodes, NamesWhatIsMissing) {
+TEST(MatchNodes, NamesTheMissingNode) {
   const auto ids = match_nodes(car(), {node(4, 0, "car"), node(5, 4, "wheel", "m")}, 0);
   ASSERT_FALSE(ids);
   EXPECT_EQ(ids.error().code, Code::kFailedPrecondition);
@@ -61,7 +61,7 @@ TEST(MatchNodes, NamesWhatIsMissing) {
   EXPECT_FALSE(match_nodes(car(), {}, 0));
 }
 
-TEST(MatchNodes, NodesThatDoNotMoveNeedNotBeThere) {
+TEST(MatchNodes, StaticNodesMayBeMissing) {
   Motion motion = car();
   motion.placed = {1};
   const auto ids = match_nodes(motion, {node(4, 0, "car"), node(5, 4, "wheel", "m")}, 0);
@@ -69,7 +69,7 @@ TEST(MatchNodes, NodesThatDoNotMoveNeedNotBeThere) {
   EXPECT_EQ(*ids, (Ids{4, 5, 0}));
 }
 
-TEST(MatchNodes, MeshesThatDeformMustBeTheFiles) {
+TEST(MatchNodes, DeformingMeshesMustEqualTheFiles) {
   Motion motion = car();
   motion.shaped = {1};
   const std::string digest = mesh_digests(motion.scene)[0];
@@ -85,7 +85,7 @@ TEST(MatchNodes, MeshesThatDeformMustBeTheFiles) {
 
 using ListNodes = tests::LiveClient;
 
-TEST_F(ListNodes, FindsAllThatAreLeft) {
+TEST_F(ListNodes, FindsAllRemainingNodes) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(5), {}));
   ASSERT_TRUE(client_.apply(kScene, std::vector<Update>{DeleteNode{3, false}}));
   const auto nodes = list_nodes(client_, kScene);

@@ -13,10 +13,10 @@
 namespace sightline::accel::lazy {
 
 /// What sifting needs to know of a cell; owns it, so that it may be done late.
-struct Sieve {
+struct PartitionInput {
   split::SplitRule rule;
   std::optional<geometry::MeshView> clipped;  ///< What straddlers are clipped against, if they are.
-  kdtree::Cut cut;
+  kdtree::Split cut;
   geometry::HalvedCell halves;
   bool scans;          ///< The children's lists are scanned meanwhile.
   bool openable;       ///< Straddlers that can be opened are to be counted.
@@ -28,18 +28,19 @@ struct Straddling {
   std::size_t openable = 0, all = 0;
 };
 
-struct Sides {
-  kdtree::BoxList left, right;
-  kdtree::FirstScan left_scan, right_scan;
+struct PartitionResult {
+  kdtree::ReferenceList left, right;
+  kdtree::ChildScan left_scan, right_scan;
   Straddling straddling;  ///< Before clipping.
 };
 
 /// `size`: of all spans together. Throws std::bad_alloc.
-Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::BoxRef>> spans,
-                 std::size_t size, kdtree::BuildCounters& counters);
+PartitionResult sift_spans(const PartitionInput& input,
+                           std::span<const std::span<const kdtree::Reference>> spans,
+                           std::size_t size, kdtree::BuildCounters& counters);
 
 /// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
 /// at the length they come to. Throws std::bad_alloc.
-std::span<kdtree::BoxRef> scratch(std::size_t size);
+std::span<kdtree::Reference> scratch(std::size_t size);
 
 }  // namespace sightline::accel::lazy

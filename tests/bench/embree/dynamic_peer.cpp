@@ -1,5 +1,5 @@
 // A moving part under Embree: layouts, and what a frame costs.
-#include "tests/bench/embree/mover.h"
+#include "tests/bench/embree/dynamic_peer.h"
 
 #include <tbb/parallel_for.h>
 
@@ -23,24 +23,24 @@ enum class Layout : std::uint8_t { kOneScene, kTwoScenes, kInstances };
 
 constexpr std::size_t kTrialFrames = 4;
 
-// Triangles where they are to be, with the padding that Embree reads.
+// Transformed triangles, with the padding that Embree reads.
 struct Laid {
   std::vector<Vec3f> vertices;
   const std::vector<accel::geometry::Face>* faces = nullptr;
   std::uint64_t node = 0;
 
-  void lay(const std::vector<Vec3f>& from, const Affine& place) {
+  void lay(const std::vector<Vec3f>& from, const Affine& world_from_local) {
     vertices.resize(from.size() + 1);
     std::transform(from.begin(), from.end(), vertices.begin(),
-                   [&](const Vec3f& v) { return Vec3f(place.point(Vec3d(v))); });
+                   [&](const Vec3f& v) { return Vec3f(world_from_local.point(Vec3d(v))); });
   }
 };
 
-class Mover final : public EmbreeMover {
+class DynamicPeer final : public EmbreeDynamicPeer {
  public:
-  Mover(const StagedScene& scene, const Motion& motion, EmbreeUpdate update)
+  DynamicPeer(const StagedScene& scene, const Motion& motion, EmbreeUpdate update)
       : scene_(scene), motion_(motion), update_(update) {
-    lay_still();
+    lay_static();
   }
 
   Status open(int threads) { return device_.open(threads); }
@@ -59,31 +59,31 @@ class Mover final : public EmbreeMover {
   }
 
  private:
-  void lay_still();
+  void lay_static();
   Status build(Layout layout);
   EmbreeScenePtr new_scene(RTCBuildQuality quality, RTCSceneFlags flags) const;
   void attach(RTCScene scene, const Laid& laid, RTCBuildQuality quality, std::size_t id,
               std::vector<EmbreeGeometryPtr>* keep);
-  EmbreeGeometryPtr attach_instance(RTCScene of, const Affine& place);
+  EmbreeGeometryPtr attach_instance(RTCScene of, const Affine& where);
   void build_parts();
-  void place(RTCGeometry instance, const Affine& where) const;
+  void set_transform(RTCGeometry instance, const Affine& where) const;
 
   const StagedScene& scene_;
   const Motion& motion_;
   EmbreeUpdate update_;
-  Affine frame_;  // the world's own
-  std::vector<Laid> still_, moving_;
-  std::vector<std::uint64_t> nodes_;  // by geometry, whatever scene it is in
+  Affine frame_;  // Identity: all geometry is in world space
+  std::vector<Laid> static_, moving_;
+  std::vector<std::uint64_t> nodes_;  // By geometry, over all scenes
   EmbreeDevice device_;
   Layout layout_ = Layout::kOneScene;
-  EmbreeScenePtr still_scene_, moving_scene_;
+  EmbreeScenePtr static_scene_, moving_scene_;
   std::vector<EmbreeScenePtr> part_scenes_;
   EmbreeScenePtr top_;
-  std::vector<EmbreeGeometryPtr> changing_;  // geometries or instances, one a moving node
+  std::vector<EmbreeGeometryPtr> changing_;  // One geometry or instance for each moving node
   EmbreeEntry entry_, any_entry_;
 };
 
-void Mover::lay_still() {
+void DynamicPeer::lay_static() {
   std::vector<Affine> placed;
   const SceneSource& source = scene_.source;
   for (std::size_t n = 0; n < source.nodes.size(); ++n) {
@@ -92,25 +92,25 @@ void Mover::lay_still() {
                                  : node.parent_from_local);
     if (!node.mesh) continue;
     const SourceMesh& mesh = source.meshes[*node.mesh];
-    Laid& laid = (n < scene_.still ? still_ : moving_).emplace_back();
+    Laid& laid = (n < scene_.static_nodes ? static_ : moving_).emplace_back();
     laid.lay(mesh.vertices, placed.back());
     laid.faces = &mesh.faces;
     laid.node = node_id(n);
   }
-  for (const auto* part : {&still_, &moving_}) {
+  for (const auto* part : {&static_, &moving_}) {
     for (const Laid& laid : *part) nodes_.push_back(laid.node);
   }
 }
 
-EmbreeScenePtr Mover::new_scene(RTCBuildQuality quality, RTCSceneFlags flags) const {
+EmbreeScenePtr DynamicPeer::new_scene(RTCBuildQuality quality, RTCSceneFlags flags) const {
   EmbreeScenePtr scene(rtcNewScene(device_.get()));
   rtcSetSceneBuildQuality(scene.get(), quality);
   rtcSetSceneFlags(scene.get(), flags);
   return scene;
 }
 
-void Mover::attach(RTCScene scene, const Laid& laid, RTCBuildQuality quality, std::size_t id,
-                   std::vector<EmbreeGeometryPtr>* keep) {
+void DynamicPeer::attach(RTCScene scene, const Laid& laid, RTCBuildQuality quality, std::size_t id,
+                         std::vector<EmbreeGeometryPtr>* keep) {
   EmbreeGeometryPtr geometry =
       new_embree_triangles(device_.get(), EmbreeQuality::kMedium, laid.vertices, *laid.faces);
   rtcSetGeometryBuildQuality(geometry.get(), quality);
@@ -119,69 +119,69 @@ void Mover::attach(RTCScene scene, const Laid& laid, RTCBuildQuality quality, st
   if (keep != nullptr) keep->push_back(std::move(geometry));
 }
 
-void Mover::place(RTCGeometry instance, const Affine& where) const {
+void DynamicPeer::set_transform(RTCGeometry instance, const Affine& where) const {
   std::array<float, 12> rows;
   std::transform(where.m.begin(), where.m.end(), rows.begin(),
                  [](double x) { return static_cast<float>(x); });
   rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
 }
 
-EmbreeGeometryPtr Mover::attach_instance(RTCScene of, const Affine& where) {
+EmbreeGeometryPtr DynamicPeer::attach_instance(RTCScene of, const Affine& where) {
   EmbreeGeometryPtr instance(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(instance.get(), of);
-  place(instance.get(), where);
+  set_transform(instance.get(), where);
   rtcCommitGeometry(instance.get());
   rtcAttachGeometry(top_.get(), instance.get());
   return instance;
 }
 
-// Each part's own scene is built once, in the part's frame.
-void Mover::build_parts() {
+// Builds each part's scene once, in the part's own frame.
+void DynamicPeer::build_parts() {
   for (std::size_t n = 0; n < moving_.size(); ++n) {
     moving_[n].lay(motion_.vertices(n, 0), Affine{});
     part_scenes_.push_back(new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE));
-    attach(part_scenes_.back().get(), moving_[n], RTC_BUILD_QUALITY_HIGH, still_.size() + n,
+    attach(part_scenes_.back().get(), moving_[n], RTC_BUILD_QUALITY_HIGH, static_.size() + n,
            nullptr);
     rtcCommitScene(part_scenes_.back().get());
-    changing_.push_back(attach_instance(part_scenes_.back().get(), motion_.place(n, 0)));
+    changing_.push_back(attach_instance(part_scenes_.back().get(), motion_.transform(n, 0)));
   }
 }
 
-Status Mover::build(Layout layout) {
+Status DynamicPeer::build(Layout layout) {
   layout_ = layout;
   changing_.clear();
   top_.reset();
   part_scenes_.clear();
   moving_scene_.reset();
-  still_scene_.reset();
-  // LOW as a scene's quality stands for two levels: what does not change keeps its tree.
+  static_scene_.reset();
+  // LOW as a scene's quality stands for two levels: unchanged geometries keep their trees.
   top_ = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
   const RTCBuildQuality quality =
       update_ == EmbreeUpdate::kRefit ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_LOW;
-  RTCScene holds_still = top_.get(), holds_moving = top_.get();
+  RTCScene static_target = top_.get(), moving_target = top_.get();
   if (layout != Layout::kOneScene) {
-    still_scene_ = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
-    holds_still = still_scene_.get();
+    static_scene_ = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    static_target = static_scene_.get();
   }
-  for (std::size_t i = 0; i < still_.size(); ++i) {
-    attach(holds_still, still_[i],
+  for (std::size_t i = 0; i < static_.size(); ++i) {
+    attach(static_target, static_[i],
            layout == Layout::kOneScene ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH, i,
            nullptr);
   }
-  if (still_scene_ && !still_.empty()) {
-    rtcCommitScene(still_scene_.get());
-    attach_instance(still_scene_.get(), Affine{});
+  if (static_scene_ && !static_.empty()) {
+    rtcCommitScene(static_scene_.get());
+    attach_instance(static_scene_.get(), Affine{});
   }
   if (layout == Layout::kInstances) {
     build_parts();
   } else {
     if (layout == Layout::kTwoScenes) {
       moving_scene_ = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
-      holds_moving = moving_scene_.get();
+      moving_target = moving_scene_.get();
     }
     for (std::size_t n = 0; n < moving_.size(); ++n) {
-      moving_[n].lay(motion_.vertices(n, 0), motion_.place(n, 0));
-      attach(holds_moving, moving_[n], quality, still_.size() + n, &changing_);
+      moving_[n].lay(motion_.vertices(n, 0), motion_.transform(n, 0));
+      attach(moving_target, moving_[n], quality, static_.size() + n, &changing_);
     }
     if (moving_scene_) {
       rtcCommitScene(moving_scene_.get());
@@ -192,14 +192,14 @@ Status Mover::build(Layout layout) {
   return device_.status();
 }
 
-Result<EmbreeMover::Advanced> Mover::advance(std::size_t frame) {
+Result<EmbreeDynamicPeer::Advanced> DynamicPeer::advance(std::size_t frame) {
   Advanced advanced;
   const Stopwatch update;
   tbb::parallel_for(std::size_t{0}, moving_.size(), [&](std::size_t n) {
     if (layout_ == Layout::kInstances) {
-      place(changing_[n].get(), motion_.place(n, frame));
+      set_transform(changing_[n].get(), motion_.transform(n, frame));
     } else {
-      moving_[n].lay(motion_.vertices(n, frame), motion_.place(n, frame));
+      moving_[n].lay(motion_.vertices(n, frame), motion_.transform(n, frame));
     }
   });
   advanced.update_seconds = update.seconds();
@@ -212,7 +212,7 @@ Result<EmbreeMover::Advanced> Mover::advance(std::size_t frame) {
   if (moving_scene_) rtcCommitScene(moving_scene_.get());
   if (layout_ == Layout::kTwoScenes) {
     // The instance's bounds are those of the scene below.
-    rtcCommitGeometry(rtcGetGeometry(top_.get(), still_.empty() ? 0 : 1));
+    rtcCommitGeometry(rtcGetGeometry(top_.get(), static_.empty() ? 0 : 1));
   }
   rtcCommitScene(top_.get());
   advanced.build_seconds = build.seconds();
@@ -220,7 +220,7 @@ Result<EmbreeMover::Advanced> Mover::advance(std::size_t frame) {
   return advanced;
 }
 
-Status Mover::choose(std::span<const accel::geometry::Ray> rays) {
+Status DynamicPeer::choose(std::span<const accel::geometry::Ray> rays) {
   std::vector<Layout> layouts{Layout::kOneScene, Layout::kTwoScenes};
   if (motion_.rigid() && update_ == EmbreeUpdate::kRebuild) layouts.push_back(Layout::kInstances);
   std::vector<accel::geometry::Hit> hits(rays.size());
@@ -235,7 +235,7 @@ Status Mover::choose(std::span<const accel::geometry::Ray> rays) {
       const auto advanced = advance(frame);
       if (!advanced.ok()) return advanced.error();
       const double traced = trace(rays, false, hits);
-      // The first is a warm-up.
+      // The first run is a warm-up.
       if (frame > 1) seconds += advanced->update_seconds + advanced->build_seconds + traced;
     }
     if (seconds >= best) continue;
@@ -247,7 +247,7 @@ Status Mover::choose(std::span<const accel::geometry::Ray> rays) {
   return build(chosen);
 }
 
-std::string Mover::layout() const {
+std::string DynamicPeer::layout() const {
   switch (layout_) {
     case Layout::kOneScene:
       return "one scene";
@@ -261,12 +261,13 @@ std::string Mover::layout() const {
 
 }  // namespace
 
-Result<std::unique_ptr<EmbreeMover>> EmbreeMover::make(const StagedScene& scene,
-                                                       const Motion& motion, EmbreeUpdate update,
-                                                       int threads) {
-  auto mover = std::make_unique<Mover>(scene, motion, update);
-  if (auto opened = mover->open(threads); !opened.ok()) return opened.error();
-  return std::unique_ptr<EmbreeMover>(std::move(mover));
+Result<std::unique_ptr<EmbreeDynamicPeer>> EmbreeDynamicPeer::make(const StagedScene& scene,
+                                                                   const Motion& motion,
+                                                                   EmbreeUpdate update,
+                                                                   int threads) {
+  auto peer = std::make_unique<DynamicPeer>(scene, motion, update);
+  if (auto opened = peer->open(threads); !opened.ok()) return opened.error();
+  return std::unique_ptr<EmbreeDynamicPeer>(std::move(peer));
 }
 
 }  // namespace sightline::bench

@@ -32,7 +32,7 @@ SourceMesh make_block(std::uint64_t boxes, Random& random) {
   for (std::uint64_t i = 0; i < boxes; ++i) {
     const double x = static_cast<double>(i % 8) * 10, z = static_cast<double>(i / 8) * 10;
     const double wide = random.uniform(4, 9), deep = random.uniform(4, 9);
-    // Few towers over many low houses.
+    // Few towers and many low houses.
     const double luck = random.uniform();
     const double high = 4 + 60 * luck * luck * luck * luck;
     block.append(tests::box(Vec3f(Vec3d{x, 0, z}), Vec3f(Vec3d{x + wide, high, z + deep})));
@@ -64,8 +64,8 @@ constexpr std::uint64_t kPerGroup = 16;  // four by four
 constexpr std::array<std::string_view, 7> kGroupNames{"district", "borough",   "county", "province",
                                                       "country",  "continent", "planet"};
 
-// Groups of sixteen groups of sixteen ... of `objects` places. Object k stands where the digits of
-// k to the base of sixteen say, whatever `objects` is: a smaller world is a corner of a larger one.
+// Nested groups of sixteen, down to `objects` objects. The base-sixteen digits of k decide where
+// object k stands, whatever `objects` is: a smaller world is a corner of a larger one.
 class Nest {
  public:
   Nest(SceneSource& scene, std::uint64_t objects, Spacing between, Spacing street)
@@ -74,22 +74,22 @@ class Nest {
   template <class AddObject>
   void fill(std::size_t parent, std::size_t level, std::uint64_t first,
             const AddObject& add_object) {
-    std::uint64_t size = 1;  // objects of a child
-    Spacing apart = between_;
+    std::uint64_t size = 1;  // Objects of a child
+    Spacing spacing = between_;
     for (std::size_t l = 0; l < level; ++l) {
       size *= kPerGroup;
-      apart = {4 * apart.x + street_.x, 4 * apart.z + street_.z};
+      spacing = {4 * spacing.x + street_.x, 4 * spacing.z + street_.z};
     }
     for (std::uint64_t k = 0; k < kPerGroup && first + k * size < objects_; ++k) {
-      const Affine place = translation(static_cast<double>(k % 4) * apart.x, 0,
-                                       static_cast<double>(k / 4) * apart.z);
+      const Affine transform = translation(static_cast<double>(k % 4) * spacing.x, 0,
+                                           static_cast<double>(k / 4) * spacing.z);
       if (level == 0) {
-        add_object(parent, first + k, place);
+        add_object(parent, first + k, transform);
         continue;
       }
       const std::string name =
           fmt::format("{} {}", kGroupNames[level - 1], (first + k * size) / size);
-      fill(scene_.add_node(parent, name, place), level - 1, first + k * size, add_object);
+      fill(scene_.add_node(parent, name, transform), level - 1, first + k * size, add_object);
     }
   }
 
@@ -99,13 +99,14 @@ class Nest {
   Spacing between_, street_;
 };
 
-// A root over as few levels of groups as will do, but one at least. `between` neighbours of a
-// group, and a street around each group.
+// A root over the fewest levels of groups that suffice, but at least one. `between` separates
+// neighbors of a group, and a street surrounds each group.
 template <class AddObject>
 void nest(SceneSource& scene, std::string name, std::uint64_t objects, Spacing between,
           Spacing street, const AddObject& add_object) {
   std::size_t level = 1;
-  for (std::uint64_t room = kPerGroup * kPerGroup; room < objects; room *= kPerGroup) ++level;
+  for (std::uint64_t capacity = kPerGroup * kPerGroup; capacity < objects; capacity *= kPerGroup)
+    ++level;
   const std::size_t root = scene.add_node(std::nullopt, std::move(name));
   Nest(scene, objects, between, street).fill(root, level, 0, add_object);
 }
@@ -139,10 +140,10 @@ SceneSource make_city(std::uint64_t boxes, std::uint64_t seed) {
   Random random(seed);
   SceneSource scene;
   const std::uint64_t objects = (boxes + kBoxesPerObject - 1) / kBoxesPerObject;
-  const auto add_object = [&](std::size_t district, std::uint64_t object, const Affine& place) {
+  const auto add_object = [&](std::size_t district, std::uint64_t object, const Affine& transform) {
     const std::uint64_t left = boxes - object * kBoxesPerObject;
     const std::size_t mesh = scene.add_mesh(make_block(std::min(left, kBoxesPerObject), random));
-    scene.add_node(district, fmt::format("object {}", object), place, mesh);
+    scene.add_node(district, fmt::format("object {}", object), transform, mesh);
   };
   nest(scene, "city", objects, {95, 85}, {40, 60}, add_object);
   return scene;
@@ -151,9 +152,9 @@ SceneSource make_city(std::uint64_t boxes, std::uint64_t seed) {
 SceneSource make_village(std::uint64_t houses, std::uint64_t seed) {
   Random random(seed);
   SceneSource scene;
-  const auto add_house = [&](std::size_t block, std::uint64_t house, const Affine& place) {
+  const auto add_house = [&](std::size_t block, std::uint64_t house, const Affine& transform) {
     const std::size_t mesh = scene.add_mesh(make_house(random));
-    scene.add_node(block, fmt::format("house {}", house), place, mesh);
+    scene.add_node(block, fmt::format("house {}", house), transform, mesh);
   };
   nest(scene, "village", houses, {14, 14}, {8, 8}, add_house);
   return scene;
@@ -166,8 +167,8 @@ SceneSource make_stadium() {
   scene.add_node(stadium, "pitch", {},
                  scene.add_mesh(to_source(tests::box({-52.5f, -1, -34}, {52.5f, 0, 34}))));
   constexpr double kRadius = 0.15;
-  const Affine place{{kRadius, 0, 0, 0, 0, kRadius, 0, kRadius, 0, 0, kRadius, 0}};
-  scene.add_node(stadium, "ball", place, scene.add_mesh(to_source(tests::icosphere(6))));
+  const Affine transform{{kRadius, 0, 0, 0, 0, kRadius, 0, kRadius, 0, 0, kRadius, 0}};
+  scene.add_node(stadium, "ball", transform, scene.add_mesh(to_source(tests::icosphere(6))));
   return scene;
 }
 
@@ -185,16 +186,16 @@ SceneSource make_herd(const SceneSource& animal, std::uint64_t copies, std::uint
     const double flat = std::sqrt(heading.x * heading.x + heading.z * heading.z);
     const double c = flat > 0 ? heading.x / flat : 1, s = flat > 0 ? heading.z / flat : 0;
     const Affine turn{{c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0}};
-    const Affine place = compose(translation(static_cast<double>(copy % side) * spacing, 0,
-                                             static_cast<double>(copy / side) * spacing),
-                                 compose(turn, translation(-center.x, -center.y, -center.z)));
-    const std::size_t root = scene.add_node(std::nullopt, fmt::format("copy {}", copy), place);
+    const Affine transform = compose(translation(static_cast<double>(copy % side) * spacing, 0,
+                                                 static_cast<double>(copy / side) * spacing),
+                                     compose(turn, translation(-center.x, -center.y, -center.z)));
+    const std::size_t root = scene.add_node(std::nullopt, fmt::format("copy {}", copy), transform);
     const std::size_t first_node = scene.nodes.size();
     for (const SourceNode& node : animal.nodes) {
-      SourceNode twin = node;
-      twin.parent = node.parent ? first_node + *node.parent : root;
-      if (node.mesh) twin.mesh = first_mesh + *node.mesh;
-      scene.nodes.push_back(std::move(twin));
+      SourceNode copied = node;
+      copied.parent = node.parent ? first_node + *node.parent : root;
+      if (node.mesh) copied.mesh = first_mesh + *node.mesh;
+      scene.nodes.push_back(std::move(copied));
     }
   }
   return scene;
@@ -214,11 +215,11 @@ SceneSource make_boxed(SceneSource scene) {
   const SceneGeometry geometry(scene);
   const Vec3d center = geometry.center();
   const Vec3d half = (geometry.hi() - geometry.lo()) * 0.75;
-  // A flat scene still gets a box with an inside.
+  // A flat scene gets a box with positive extent.
   const double least = 0.05 * geometry.diagonal();
-  const Affine place{{std::max(half.x, least), 0, 0, center.x, 0, std::max(half.y, least), 0,
-                      center.y, 0, 0, std::max(half.z, least), center.z}};
-  scene.add_node(std::nullopt, "box", place, scene.add_mesh(to_source(tests::cube())));
+  const Affine transform{{std::max(half.x, least), 0, 0, center.x, 0, std::max(half.y, least), 0,
+                          center.y, 0, 0, std::max(half.z, least), center.z}};
+  scene.add_node(std::nullopt, "box", transform, scene.add_mesh(to_source(tests::cube())));
   return scene;
 }
 
