@@ -62,8 +62,9 @@ std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::drop_all() {
 }
 
 std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
-  std::uint64_t bytes = sizeof(updates) + updates.size() * sizeof(scenegraph::model::Update);
-  for (const scenegraph::model::Update& update : updates)
+  using scenegraph::model::Update;
+  std::uint64_t bytes = sizeof(std::vector<Update>) + updates.size() * sizeof(Update);
+  for (const Update& update : updates)
     bytes += std::visit([](const auto& kind) { return held_by(kind); }, update);
   return bytes;
 }

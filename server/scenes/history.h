@@ -55,6 +55,7 @@ class History {
   /// Drops all entries.
   std::vector<Entry> clear() {
     std::vector<Entry> dropped;
+    dropped.reserve(items_.size());
     for (Item& item : items_) dropped.push_back(std::move(item.entry));
     items_.clear();
     weight_ = 0;
