@@ -1,23 +1,79 @@
-// Answers a batch of rays at one revision. Start reading here.
+// The way of a batch of rays through one revision. Start reading here.
 //
-// answer_in_blocks pins the snapshot's static and dynamic tree and, for each block of rays, an
-// epoch. For each ray RayCaster then
-//   1. orders the two trees by where the ray enters them  (trees_by_entry),
-//   2. walks the instances of each, near to far           (walk_instances),
-//   3. enters an instance's frame and asks its mesh       (enter_instance),
-//   4. returns the hit, the count or the list             (cast, count, list).
-// Steps 2 and 3 expand unbuilt cells on the way, as TraceOptions::growth allows.
+//   trace_blocks   pins the two trees of the revision and, for each block of rays, an epoch
+//   cast_ray       takes one ray through the trees, their instances and the meshes of those
+//   trace, count_hits, list_hits   return the hits, their number or all of them
+//
+// Deferred cells on a ray's way are expanded in walk_instances() and ask_mesh(): see
+// accel/lazy/walk_lazily.h.
 #include "scenegraph/trace.h"
 
 #include <algorithm>
 #include <atomic>
 #include <string>
 
+#include "accel/kdtree/epoch.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
 
 namespace sightline::scenegraph {
 namespace {
+
+using accel::geometry::Hit;
+using accel::geometry::Ray;
+using accel::lazy::WhenPending;
+using query::RayBlock;
+using query::RayCaster;
+using query::TreeEntry;
+
+/// Runs answer(RayCaster, RayBlock) for every block of a batch.
+template <class Answer>
+Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t rays,
+                                std::size_t rays_per_block, const TraceOptions& options,
+                                const Answer& answer) {
+  Result<TraceStats> built = options.growth == Growth::kFull
+                                 ? build_all(snapshot, options.cancelled, options.progress)
+                                 : TraceStats{};
+  if (!built) return built;
+  const instances::OpenTrees trees = snapshot.trees();
+  Result<TraceStats> traced =
+      query::run_blocks(rays, rays_per_block, options.cancelled, [&](const RayBlock& block) {
+        const accel::kdtree::EpochPin pin;
+        RayCaster caster(trees, options);
+        answer(caster, block);
+        return caster.stats();
+      });
+  if (traced) *traced += *built;
+  return traced;
+}
+
+/// One ray, with its answer in the caster. False: it is suspended, because it needs a large cell
+/// that other threads are building.
+bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending when_pending) {
+  caster.begin(kind, ray, when_pending);
+  for (TreeEntry* tree : caster.trees_by_entry()) {
+    caster.walk_instances(*tree, [&](const instances::Instance& instance) {
+      if (caster.enter_frame(instance)) caster.ask_mesh(instance, *tree);
+    });
+    if (caster.is_done()) break;
+  }
+  return caster.end();
+}
+
+/// Casts every ray and calls keep(i, caster) where the answer to rays[i] is in the caster.
+template <class Keep>
+Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
+                             std::span<const Ray> rays, const TraceOptions& options,
+                             const Keep& keep) {
+  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
+    answer_block(caster, block, [&](std::size_t i, WhenPending when_pending) {
+      const bool done = cast_ray(caster, kind, rays[i], when_pending);
+      if (done) keep(i, caster);
+      return done;
+    });
+  };
+  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+}
 
 Status check_sizes(std::size_t rays, std::size_t answers) {
   if (rays == answers) return {};
@@ -28,63 +84,66 @@ Status check_sizes(std::size_t rays, std::size_t answers) {
 
 }  // namespace
 
-Result<TraceStats> trace(const revision::Snapshot& snapshot,
-                         std::span<const accel::geometry::Ray> rays,
-                         std::span<accel::geometry::Hit> hits, const TraceOptions& options) {
+Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+                         std::span<Hit> hits, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
-      return caster.cast(rays[i], when_pending, hits[i]);
-    });
-  };
-  return query::answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return cast_rays(snapshot, options.kind, rays, options,
+                   [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
 }
 
-Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
-                              std::span<const accel::geometry::Ray> rays,
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
-  const auto answer = [&](query::RayCaster& caster, const query::RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
-      const std::optional<RayTally> tally = caster.count(rays[i], when_pending);
-      if (tally) tallies[i] = *tally;
-      return tally.has_value();
-    });
-  };
-  return query::answer_in_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return cast_rays(snapshot, QueryKind::kCount, rays, options,
+                   [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
 }
 
-Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
-                             std::span<const accel::geometry::Ray> rays,
-                             std::span<RayTally> tallies, std::vector<accel::geometry::Hit>& hits,
+Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+                             std::span<RayTally> tallies, std::vector<Hit>& hits,
                              const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   const std::size_t rays_per_block = std::clamp<std::size_t>(
       kHitsPerListBlock / std::max(options.max_hits, 1u), 1, kRaysPerListBlock);
-  std::vector<std::vector<accel::geometry::Hit>> of_blocks((rays.size() + rays_per_block - 1) /
-                                                           rays_per_block);
+  std::vector<std::vector<Hit>> of_blocks((rays.size() + rays_per_block - 1) / rays_per_block);
   // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};
-  auto traced = query::answer_in_blocks(
-      snapshot, rays.size(), rays_per_block, options,
-      [&](query::RayCaster& caster, const query::RayBlock&) {
-        if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return;
-        const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
-        const std::size_t first = block * rays_per_block;
-        for (std::size_t i = first; i < std::min(first + rays_per_block, rays.size()); ++i)
-          tallies[i] = caster.list(rays[i], of_blocks[block]);
-        listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
-      });
+  const auto answer = [&](RayCaster& caster, const RayBlock&) {
+    if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return;
+    const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
+    const std::size_t first = block * rays_per_block;
+    for (std::size_t i = first; i < std::min(first + rays_per_block, rays.size()); ++i) {
+      cast_ray(caster, QueryKind::kAll, rays[i], WhenPending::kWait);
+      tallies[i] = caster.list(of_blocks[block]);
+    }
+    listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
+  };
+  auto traced = trace_blocks(snapshot, rays.size(), rays_per_block, options, answer);
   if (!traced) return traced;
   hits.clear();
   hits.reserve(traced->hits_found);
-  for (std::vector<accel::geometry::Hit>& block : of_blocks) {
+  for (std::vector<Hit>& block : of_blocks) {
     hits.insert(hits.end(), block.begin(), block.end());
     block = {};
   }
   return traced;
+}
+
+Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+                     const TraceOptions& options, query::BuildProgress& progress) {
+  // Lists grow what counts grow.
+  const QueryKind kind = options.kind == QueryKind::kAll ? QueryKind::kCount : options.kind;
+  constexpr std::size_t kRaysPerReport = 4096;
+  while (!rays.empty()) {
+    const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
+    rays = rays.subspan(part.size());
+    const auto cast = cast_rays(snapshot, kind, part, options, [](std::size_t, RayCaster&) {});
+    if (!cast) return cast.error();
+    progress.add(cast->cells_expanded, cast->build_seconds);
+    progress.rays_done += part.size();
+  }
+  return {};
 }
 
 }  // namespace sightline::scenegraph

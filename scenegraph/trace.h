@@ -8,20 +8,12 @@
 #include "accel/geometry/ray.h"
 #include "accel/result.h"
 #include "scenegraph/query/build.h"
-#include "scenegraph/query/trace_stats.h"
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph {
 
 using query::build_all;
-using query::kHitsPerListBlock;
-using query::kInvalidCount;
-using query::kMaxCount;
-using query::kRaysPerBlock;
-using query::kRaysPerListBlock;
-using query::RayTally;
-using query::TraceStats;
 
 /// Answers every ray of the batch at this one revision: hits[i] is the answer to rays[i].
 /// kAny reports only `state` (and `work`). Runs in the calling thread's oneTBB arena, in parallel.
@@ -45,5 +37,10 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
                              std::span<const accel::geometry::Ray> rays,
                              std::span<RayTally> tallies, std::vector<accel::geometry::Hit>& hits,
                              const TraceOptions& options);
+
+/// Grows what a cast of these rays would grow, and keeps no hit. `options` are those of the cast,
+/// of any kind. Parallel in the caller's arena. Errors: kCancelled.
+Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
+                     const TraceOptions& options, query::BuildProgress& progress);
 
 }  // namespace sightline::scenegraph

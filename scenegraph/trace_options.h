@@ -1,12 +1,114 @@
-// What a batch of rays asks for: the names that callers of trace.h use.
+// What a batch of rays asks for, what it cost, and what is reported for each counted or listed ray.
 #pragma once
 
-#include "scenegraph/query/trace_options.h"
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "accel/geometry/facing.h"
+#include "accel/geometry/ray.h"
 
 namespace sightline::scenegraph {
 
-using query::Growth;
-using query::QueryKind;
-using query::TraceOptions;
+namespace query {
+class Selection;
+struct BuildProgress;
+}  // namespace query
+
+/// All kinds see the same hits, so that any == (count > 0) == (closest is a hit) == (all is not
+/// empty), with any limits, masks, culling and selection.
+enum class QueryKind : std::uint8_t {
+  kClosest,  ///< The hit with the smallest (t, node, primitive).
+  kAny,      ///< Whether there is a hit.
+  kCount,    ///< The number of distinct (node, primitive) that are hit.
+  kAll,      ///< Every hit by (t, node, primitive), each (node, primitive) once.
+};
+
+/// How much tree a batch may grow.
+enum class Growth : std::uint8_t {
+  kFirstTouch,  ///< The first ray that enters a cell expands it.
+  kFull,        ///< Everything is built before the first ray.
+  kNone,        ///< Nothing is grown; deferred cells are searched triangle by triangle.
+  kBuiltOnly,   ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
+                ///< answer to a query.
+};
+
+struct TraceOptions {
+  QueryKind kind = QueryKind::kClosest;  ///< For trace(): kClosest or kAny.
+  Growth growth = Growth::kFirstTouch;
+  /// Whether barycentrics and normals are computed.
+  bool surface = true;
+  /// By the winding in scene coordinates, like normals: a mirrored instance reverses its mesh's
+  /// windings. Culled hits do not exist for any kind.
+  accel::geometry::Culling culling = accel::geometry::Culling::kNone;
+  /// The nodes that rays see, from the traced snapshot; null: all. Must outlive the batch.
+  const query::Selection* selection = nullptr;
+  /// For list_hits(): the number of nearest hits kept for each ray.
+  std::uint32_t max_hits = 256;
+  /// For list_hits(): no block begins after this many hits are listed.
+  std::size_t hits_at_once = std::numeric_limits<std::size_t>::max();
+  /// Checked before every block. Once true, no further block begins.
+  const std::atomic<bool>* cancelled = nullptr;
+  /// For Growth::kFull: receives the progress of the build. Must outlive the batch.
+  query::BuildProgress* progress = nullptr;
+};
+
+inline bool is_cancelled(const std::atomic<bool>* cancelled) {
+  return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+}
+
+/// Rays of one block. A block is one task, and the unit of cancelling.
+inline constexpr std::size_t kRaysPerBlock = 512;
+/// Most rays of one block that lists hits.
+inline constexpr std::size_t kRaysPerListBlock = 64;
+/// Most hits of one such block, unless a single ray has more.
+inline constexpr std::size_t kHitsPerListBlock = 16384;
+
+/// Work done for one batch, summed over threads. Deterministic on one thread.
+struct TraceStats {
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;  ///< Rays with a hit, of any kind.
+  std::uint64_t invalid = 0;
+  std::uint64_t hits_found = 0;       ///< kCount: sum of the counts. kAll: hits listed.
+  std::uint64_t cut_off = 0;          ///< kAll: rays with more than max_hits.
+  std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
+  std::uint64_t triangle_tests = 0;   ///< Scans of deferred cells included.
+  std::uint64_t instances_entered = 0;
+  std::uint64_t cells_expanded = 0;
+  std::uint64_t touches = 0;  ///< Reference bounds read by build passes.
+  /// The part of `touches` and `touches_prepare` for the dynamic tree and the meshes that rays
+  /// entered through it. (For a full build: of the dynamic tree only.)
+  std::uint64_t dynamic_touches = 0;
+  std::uint64_t touches_prepare = 0;  ///< Boxes made from vertices.
+  double build_seconds = 0;           ///< Summed over threads.
+
+  TraceStats& operator+=(const TraceStats& o) {
+    rays += o.rays;
+    hits += o.hits;
+    invalid += o.invalid;
+    hits_found += o.hits_found;
+    cut_off += o.cut_off;
+    traversal_steps += o.traversal_steps;
+    triangle_tests += o.triangle_tests;
+    instances_entered += o.instances_entered;
+    cells_expanded += o.cells_expanded;
+    touches += o.touches;
+    dynamic_touches += o.dynamic_touches;
+    touches_prepare += o.touches_prepare;
+    build_seconds += o.build_seconds;
+    return *this;
+  }
+};
+
+/// The answer of count_hits and list_hits to one ray.
+struct RayTally {
+  std::uint32_t count = 0;  ///< UniqueHits hits, at most kMaxCount. For list_hits: those listed.
+  std::uint32_t work = 0;   ///< As Hit::work.
+  accel::geometry::HitState state = accel::geometry::HitState::kMiss;
+  bool cut_off = false;  ///< There are farther hits than those listed.
+};
+inline constexpr std::uint32_t kInvalidCount = 0xffffffffu;  ///< count_hits: for an invalid ray.
+inline constexpr std::uint32_t kMaxCount = kInvalidCount - 1;
 
 }  // namespace sightline::scenegraph

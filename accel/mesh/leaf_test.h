@@ -90,7 +90,16 @@ struct LeafTest {
     return false;
   }
 
-  /// Tests faces without a tree. Returns true if the traversal ends.
+  /// Tests one reference of a list that is scanned. Returns true if the traversal ends.
+  bool reference(const kdtree::Reference& ref) {
+    if (!may_meet(ray, ref.bounds(), limit())) return false;
+    if (!ref.openable()) return test(ref.id);
+    return search_faces(faces_of_run(mesh, ref));
+  }
+
+  /// Tests every face, before there is a tree or a list. Returns true if the traversal ends.
+  bool everything() { return search_faces({0, mesh.faces.size()}); }
+
   bool search_faces(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
       const std::optional<geometry::Aabb> box = face_bounds(mesh, i);

@@ -3,51 +3,10 @@
 
 #include <algorithm>
 
-#include "accel/kdtree/walk.h"
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
-#include "accel/mesh/runs.h"
 
 namespace sightline::accel::mesh {
-namespace {
-
-/// The visitor of a kd-tree: at leaves and at deferred cells.
-struct KdVisit : LeafTest {
-  lazy::LazyTree& lazy;
-  kdtree::BuildCounters& built;
-
-  kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-    if (query.on_deferred == OnDeferred::kExpand) {
-      const lazy::ExpandResult expanded = lazy.expand(slot, query.when_pending, built);
-      if (expanded == lazy::ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
-      if (expanded == lazy::ExpandResult::kPending) {
-        query.suspended = true;
-        query.progress = lazy::LazyTree::progress(slot);
-        return kdtree::DeferredAction::kStop;
-      }
-    }
-    query.saw_deferred = true;
-    if (query.on_deferred == OnDeferred::kSkip) return kdtree::DeferredAction::kDone;
-    return search(cell) ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
-  }
-
-  bool search(const kdtree::DeferredCell& cell) {
-    if (cell.has_list)
-      return cell.list.any_part(
-          [&](std::span<const kdtree::Reference> refs) { return search(refs); });
-    return search_faces({0, mesh.faces.size()});
-  }
-
-  bool search(std::span<const kdtree::Reference> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const kdtree::Reference& ref) {
-      if (!may_meet(ray, ref.bounds(), limit())) return false;
-      if (!ref.openable()) return test(ref.id);
-      return search_faces(faces_of_run(mesh, ref));
-    });
-  }
-};
-
-}  // namespace
 
 MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::MeshView* own,
                               const MeshStats& stats, const TreeBuilder& builder,
@@ -69,10 +28,9 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   kdtree::TreeRay ray;
   const double tmax = std::min(query.tmax, query.best_t);
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
-  const LeafTest test{mesh_, query, ray, walked};
+  LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
-    KdVisit visit{test, *lazy, built};
-    walk(lazy->tree(), ray, lazy->root(), walked, visit);
+    walk_lazily(*lazy, ray, query, walked, built, test);
   } else {
     query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
   }
@@ -82,7 +40,7 @@ void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters
   if (!tree.is_built() && test.query.on_deferred == OnDeferred::kExpand) tree.build(built);
   if (tree.is_built()) return tree.query(test);
   test.query.saw_deferred = true;
-  if (test.query.on_deferred == OnDeferred::kScan) test.search_faces({0, mesh_.faces.size()});
+  if (test.query.on_deferred == OnDeferred::kScan) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {

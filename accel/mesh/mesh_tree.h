@@ -12,7 +12,7 @@
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/kdtree/tree_ray.h"
-#include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
@@ -33,12 +33,7 @@ enum class References : std::uint8_t {
   kRuns,  ///< Runs of consecutive triangles, if those are compact; opened where rays need them.
 };
 
-/// What a query does at a deferred cell.
-enum class OnDeferred : std::uint8_t {
-  kExpand,  ///< Expand it, or help another thread to, or search its list while another thread does.
-  kScan,    ///< Do not expand; test the triangles of its list whose boxes the ray meets.
-  kSkip,    ///< Skip it.
-};
+using lazy::OnDeferred;
 
 /// A query: the ray in one mesh's frame, and the hits found so far. t is in units of the world
 /// ray's direction.
@@ -46,13 +41,11 @@ enum class OnDeferred : std::uint8_t {
 /// Nearest or any hit: a hit is accepted if (t, node, primitive) is less than (best_t, best_node,
 /// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell that
 /// it is found in; best_t is then the t beyond which hits are not needed.
-struct MeshQuery {
+struct MeshQuery : lazy::LazyQuery {
   geometry::LocalRay ray;
   double tmin = 0, tmax = geometry::kInfinity;
   geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
-  OnDeferred on_deferred = OnDeferred::kExpand;
-  lazy::WhenPending when_pending = lazy::WhenPending::kWait;
-  bool any = false;  ///< Stop at the first hit found.
+  bool any = false;                                      ///< Stop at the first hit found.
   std::uint64_t node = 0;
   std::uint32_t instance = 0;  ///< The caller's number for the node.
   double best_t = std::numeric_limits<double>::max();
@@ -60,11 +53,6 @@ struct MeshQuery {
   std::uint32_t best_primitive = 0;
   std::uint32_t best_instance = 0;
   bool found = false;
-  bool saw_deferred = false;  ///< A deferred cell was skipped or searched.
-  /// With WhenPending::kReturn: the traversal met a large cell that other threads are expanding,
-  /// and stopped. Repeat with a fresh query when `progress` has grown.
-  bool suspended = false;
-  std::uint64_t progress = 0;
   UniqueHits<ListedHit>* list = nullptr;
   UniqueHits<std::uint32_t>* primitives = nullptr;
 

@@ -37,6 +37,13 @@ struct Hierarchy {
   const NodeSummary& group(model::NodeId id) const { return **summaries.find(id); }
 };
 
+/// Whether test(id) is true for the node or for one above it. `id` may be 0: then it is false.
+template <class Test>
+bool any_upward(const Hierarchy& hierarchy, model::NodeId id, const Test& test) {
+  while (id != 0 && !test(id)) id = hierarchy.find(id)->parent;
+  return id != 0;
+}
+
 /// World transform of a node: its ancestors' transforms applied from the root down, in double.
 model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node);
 

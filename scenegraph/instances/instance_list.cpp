@@ -124,23 +124,4 @@ void Instances::append(const Opened& opened, std::size_t first, std::vector<Refe
   }
 }
 
-void Instances::open_all() const {
-  if (all_open_.load(std::memory_order_acquire)) return;
-  std::vector<const Group*> waiting{root_group_.get()};
-  while (!waiting.empty()) {
-    const Group& group = *waiting.back();
-    waiting.pop_back();
-    const Opened& members = opened(group);
-    for (std::size_t i = 0; i < members.slices.size(); ++i) {
-      for (const Group& below : members.slices[i].groups) waiting.push_back(&below);
-    }
-  }
-  all_open_.store(true, std::memory_order_release);
-}
-
-InstanceList Instances::list() const {
-  open_all();
-  return InstanceList(*this);
-}
-
 }  // namespace sightline::scenegraph::instances

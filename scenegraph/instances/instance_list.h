@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -13,8 +12,6 @@
 #include "scenegraph/instances/lazy_array.h"
 
 namespace sightline::scenegraph::instances {
-
-class InstanceList;
 
 /// The instances of one tree. Opened groups stay open and the kd-tree grows; nothing else changes.
 /// Threads: all members, any; no thread waits for a stopped one.
@@ -32,7 +29,7 @@ class Instances {
 
   /// How many there are, opened or not.
   std::size_t size() const { return instances_.size(); }
-  /// `index`: from a list or leaf of the tree; any, after open_all().
+  /// `index`: of a reference that was opened, so of any that a list or leaf of the tree holds.
   const Instance& operator[](std::size_t index) const {
     return *instances_[index].load(std::memory_order_acquire);
   }
@@ -48,8 +45,6 @@ class Instances {
   /// Appends the members of an openable reference: the same at every call, from any thread.
   /// Throws std::bad_alloc.
   void open(const accel::kdtree::Reference& ref, std::vector<accel::kdtree::Reference>& out) const;
-  /// Opens everything. In the order of a walk down from the roots, nodes before their children.
-  InstanceList list() const;
 
   /// Groups and instances opened so far.
   std::uint64_t opened_members() const { return opened_members_.load(std::memory_order_relaxed); }
@@ -70,7 +65,6 @@ class Instances {
   void enlist(const Opened& opened) const;
   void append(const Opened& opened, std::size_t first,
               std::vector<accel::kdtree::Reference>& out) const;
-  void open_all() const;
 
   MobilityView view_;
   accel::geometry::Vec3d center_;
@@ -79,46 +73,6 @@ class Instances {
   std::unique_ptr<Group> root_group_;
   mutable std::atomic<const Roots*> roots_{nullptr};
   mutable std::atomic<std::uint64_t> opened_members_{0};
-  mutable std::atomic<bool> all_open_{false};
-};
-
-/// All instances, opened. A view.
-class InstanceList {
- public:
-  explicit InstanceList(const Instances& instances) : instances_(&instances) {}
-
-  class Iterator {
-   public:
-    using difference_type = std::ptrdiff_t;
-    using value_type = Instance;
-
-    Iterator() = default;
-    Iterator(const Instances& instances, std::size_t at) : instances_(&instances), at_(at) {}
-    const Instance& operator*() const { return (*instances_)[at_]; }
-    Iterator& operator++() {
-      ++at_;
-      return *this;
-    }
-    Iterator operator++(int) {
-      const Iterator before = *this;
-      ++at_;
-      return before;
-    }
-    bool operator==(const Iterator& o) const { return at_ == o.at_; }
-
-   private:
-    const Instances* instances_ = nullptr;
-    std::size_t at_ = 0;
-  };
-
-  Iterator begin() const { return {*instances_, 0}; }
-  Iterator end() const { return {*instances_, size()}; }
-  std::size_t size() const { return instances_->size(); }
-  bool empty() const { return size() == 0; }
-  const Instance& operator[](std::size_t i) const { return (*instances_)[i]; }
-
- private:
-  const Instances* instances_;
 };
 
 }  // namespace sightline::scenegraph::instances

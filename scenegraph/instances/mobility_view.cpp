@@ -28,8 +28,9 @@ hierarchy::NodeSummary summary_in_world(const hierarchy::Hierarchy& hierarchy,
 
 bool is_dynamic(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
   if (hierarchy.dynamic_roots.size() == 0) return false;
-  while (id != 0 && hierarchy.dynamic_roots.find(id) == nullptr) id = hierarchy.find(id)->parent;
-  return id != 0;
+  return any_upward(hierarchy, id, [&](model::NodeId above) {
+    return hierarchy.dynamic_roots.find(above) != nullptr;
+  });
 }
 
 std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hierarchy) {

@@ -34,8 +34,6 @@ class MobilityView {
   }
   /// The summary of a node of this side that has children; `known` is the hierarchy's summary.
   const hierarchy::NodeSummary& group(model::NodeId id, const hierarchy::NodeSummary& known) const;
-  /// Whether any summary differs from that of the hierarchy.
-  bool lacks_dynamic() const { return !without_dynamic_.empty(); }
 
  private:
   void leave_out_dynamic();

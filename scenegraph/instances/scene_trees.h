@@ -9,6 +9,7 @@
 
 #include "scenegraph/instances/instance_filter.h"
 #include "scenegraph/instances/instance_list.h"
+#include "scenegraph/model/persistent_map.h"
 
 namespace sightline::scenegraph::instances {
 
@@ -33,6 +34,30 @@ class SceneTree {
   const MobilitySide side_;
   const hierarchy::Hierarchy hierarchy_;
   mutable std::atomic<const Instances*> instances_{nullptr};
+};
+
+using NodeSet = model::PersistentMap<bool>;
+
+/// The instances removed from the static tree since it was made. The tree still holds them; rays
+/// skip them. Revisions with the same removed nodes share one filter. Threads: any.
+class RemovedFilter {
+ public:
+  /// `nodes` are removed with all that was below them when the tree was made. Rays have opened the
+  /// tree.
+  RemovedFilter(std::shared_ptr<const SceneTree> tree, NodeSet nodes);
+
+  const NodeSet& nodes() const { return nodes_; }
+  /// `index`: of an opened instance of the tree.
+  bool has(std::size_t index) const {
+    return removed_.passes(index, [&] { return decide(index); });
+  }
+
+ private:
+  bool decide(std::size_t index) const;
+
+  std::shared_ptr<const SceneTree> tree_;
+  NodeSet nodes_;
+  InstanceFilter removed_;
 };
 
 /// The trees of a revision, shared with the revisions that have the same.

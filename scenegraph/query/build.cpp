@@ -2,21 +2,17 @@
 #include "scenegraph/query/build.h"
 
 #include <algorithm>
-#include <string>
 #include <unordered_set>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "scenegraph/query/ray_blocks.h"
+#include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
 namespace {
 
 using accel::kdtree::BuildCounters;
-
-/// Rays grown between two reports of progress.
-constexpr std::size_t kRaysPerReport = 4096;
 
 Error cancelled_error() { return {Code::kCancelled, "cancelled while building", "CANCELLED"}; }
 
@@ -27,11 +23,7 @@ Result<std::vector<model::NodeId>> known_ids(const revision::Snapshot& snapshot,
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   for (const model::NodeId id : sorted) {
-    if (snapshot.find(id) != nullptr) continue;
-    return Error{Code::kNotFound,
-                 std::string(role) + " node " + std::to_string(id) + " is not in revision " +
-                     std::to_string(snapshot.revision()),
-                 "NODE_NOT_FOUND"};
+    if (const Status known = check_node(snapshot, id, role); !known) return known.error();
   }
   return sorted;
 }
@@ -43,10 +35,8 @@ bool holds(std::span<const model::NodeId> sorted, model::NodeId id) {
 /// Whether one of those above the node is among `sorted`.
 bool is_below(const revision::Snapshot& snapshot, model::NodeId id,
               std::span<const model::NodeId> sorted) {
-  for (id = snapshot.find(id)->parent; id != 0; id = snapshot.find(id)->parent) {
-    if (holds(sorted, id)) return true;
-  }
-  return false;
+  return any_upward(snapshot.hierarchy(), snapshot.find(id)->parent,
+                    [&](model::NodeId above) { return holds(sorted, above); });
 }
 
 void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progress) {
@@ -54,16 +44,11 @@ void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progr
   progress.meshes_total += meshes.size();
 }
 
-void add_built(std::uint64_t cells, double seconds, BuildProgress& progress) {
-  progress.cells_expanded += cells;
-  progress.build_us += static_cast<std::uint64_t>(seconds * 1e6);
-}
-
 void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
                 BuildProgress& progress, BuildCounters& total) {
   BuildCounters built;
   mesh.tree().expand_all(built, cancelled);
-  add_built(built.cells_expanded, built.seconds, progress);
+  progress.add(built.cells_expanded, built.seconds);
   total += built;
   if (is_cancelled(cancelled)) return;
   progress.triangles_done += mesh.triangles();
@@ -88,7 +73,7 @@ BuildCounters build_tree(const instances::Instances& tree, const std::atomic<boo
   BuildCounters built;
   if (is_cancelled(cancelled)) return built;
   tree.tree().expand_all(built, cancelled);
-  add_built(built.cells_expanded, built.seconds, progress);
+  progress.add(built.cells_expanded, built.seconds);
   return built;
 }
 
@@ -163,28 +148,6 @@ Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progr
   build_tree(trees.static_tree, cancelled, progress);
   build_tree(trees.dynamic_tree, cancelled, progress);
   return is_cancelled(cancelled) ? Status(cancelled_error()) : Status();
-}
-
-Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
-                     TraceOptions options, BuildProgress& progress) {
-  options.surface = false;
-  const bool counts = options.kind == QueryKind::kCount || options.kind == QueryKind::kAll;
-  while (!rays.empty()) {
-    const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
-    rays = rays.subspan(part.size());
-    const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-      answer_block(caster, block, [&](std::size_t i, accel::lazy::WhenPending when_pending) {
-        accel::geometry::Hit hit;
-        return counts ? caster.count(part[i], when_pending).has_value()
-                      : caster.cast(part[i], when_pending, hit);
-      });
-    };
-    const auto cast = answer_in_blocks(snapshot, part.size(), kRaysPerBlock, options, answer);
-    if (!cast) return cast.error();
-    add_built(cast->cells_expanded, cast->build_seconds, progress);
-    progress.rays_done += part.size();
-  }
-  return {};
 }
 
 }  // namespace sightline::scenegraph::query

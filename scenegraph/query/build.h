@@ -1,4 +1,4 @@
-// Builds trees before rays come: all of a revision, a part of it, or what given rays will touch.
+// Builds trees before rays come: all of a revision, or a part of it.
 #pragma once
 
 #include <atomic>
@@ -6,11 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "accel/geometry/ray.h"
 #include "accel/result.h"
-#include "scenegraph/query/trace_options.h"
-#include "scenegraph/query/trace_stats.h"
 #include "scenegraph/revision/snapshot.h"
+#include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
 
@@ -24,6 +22,11 @@ struct BuildProgress {
   std::atomic<std::uint64_t> rays_done{0};       ///< Of grow_for_rays().
   std::atomic<std::uint64_t> cells_expanded{0};
   std::atomic<std::uint64_t> build_us{0};  ///< Time spent on growing trees, summed over threads.
+
+  void add(std::uint64_t cells, double seconds) {
+    cells_expanded += cells;
+    build_us += static_cast<std::uint64_t>(seconds * 1e6);
+  }
 
   /// From 0 to 1, by triangles; 0 before the totals are set.
   double share() const {
@@ -57,10 +60,5 @@ Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress
 /// Builds the scene's own two trees completely, over all instances. Errors: kCancelled.
 Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
                         const std::atomic<bool>* cancelled);
-
-/// Grows what a cast of these rays would grow, and keeps no hit. `options` are those of the cast,
-/// of any kind. Parallel in the caller's arena. Errors: kCancelled.
-Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
-                     TraceOptions options, BuildProgress& progress);
 
 }  // namespace sightline::scenegraph::query

@@ -1,14 +1,14 @@
-// Walks the scene's trees and asks the meshes of the instances that a ray enters.
+// The steps of one ray, and its answer.
 #include "scenegraph/query/ray_caster.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
-#include "accel/kdtree/walk.h"
+#include "accel/geometry/intersect.h"
 #include "scenegraph/query/selection.h"
-#include "scenegraph/query/surface.h"
 
 namespace sightline::scenegraph::query {
 namespace {
@@ -16,8 +16,7 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
-using accel::kdtree::Reference;
-using accel::mesh::MeshQuery;
+using accel::mesh::ListedHit;
 using accel::mesh::OnDeferred;
 
 OnDeferred on_deferred(Growth growth) {
@@ -35,263 +34,186 @@ OnDeferred on_deferred(Growth growth) {
 
 }  // namespace
 
-/// What a walk of the static or dynamic tree does at leaves and deferred cells.
-struct RayCaster::Visit {
-  RayCaster& caster;
-  const Ray& ray;
-  const Entry& entry;
-  MeshQuery& query;
-  RecentlyEntered recent;
-
-  double limit() const { return query.best_t / entry.centered.unit + entry.ray.slack; }
-
-  bool leaf(std::span<const std::uint32_t> ids) {
-    for (const std::uint32_t id : ids) {
-      if (enter(id)) return true;
-    }
-    return false;
-  }
-
-  accel::kdtree::DeferredAction deferred(accel::kdtree::AtomicSlot& slot,
-                                         const accel::kdtree::DeferredCell& cell) {
-    if (query.on_deferred == OnDeferred::kExpand) {
-      const accel::lazy::ExpandResult expanded =
-          entry.instances->tree().expand(slot, query.when_pending, *entry.built);
-      if (expanded == accel::lazy::ExpandResult::kRetry)
-        return accel::kdtree::DeferredAction::kRetry;
-      if (expanded == accel::lazy::ExpandResult::kPending) {
-        query.suspended = true;
-        query.progress = accel::lazy::LazyTree::progress(slot);
-        return accel::kdtree::DeferredAction::kStop;
-      }
-    }
-    query.saw_deferred = true;
-    if (query.on_deferred == OnDeferred::kSkip) return accel::kdtree::DeferredAction::kDone;
-    return search(cell) ? accel::kdtree::DeferredAction::kStop
-                        : accel::kdtree::DeferredAction::kDone;
-  }
-
-  bool search(const accel::kdtree::DeferredCell& cell) {
-    if (cell.has_list)
-      return cell.list.any_part([&](std::span<const Reference> refs) { return search(refs); });
-    return search(entry.instances->coarsest());
-  }
-
-  bool search(std::span<const Reference> refs) {
-    return std::any_of(refs.begin(), refs.end(), [&](const Reference& ref) {
-      return ref.openable() ? search_below(ref) : enter(ref.id);
-    });
-  }
-
-  /// Opens groups whose boxes the ray may meet.
-  bool search_below(const Reference& ref) {
-    std::vector<Reference>& pending = caster.pending_;
-    pending.assign(1, ref);
-    while (!pending.empty()) {
-      const Reference next = pending.back();
-      pending.pop_back();
-      if (!next.openable()) {
-        if (enter(next.id)) return true;
-      } else if (accel::kdtree::may_meet(entry.ray, next.bounds(), limit())) {
-        entry.instances->open(next, pending);
-      }
-    }
-    return false;
-  }
-
-  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
-  /// that holds it.
-  bool enter(std::uint32_t id) {
-    const instances::Instance& instance = (*entry.instances)[id];
-    const std::uint32_t index = entry.first + id;
-    if ((instance.mask & ray.mask) == 0 || recent.contains_or_add(id)) return false;
-    if (!is_seen(id, index)) return false;
-    if (!accel::kdtree::may_meet(entry.ray, instance.box, limit())) return false;
-    if (query.collects() && !caster.entered_.add(index)) return false;
-    caster.enter_instance(ray, instance, index, *entry.built, query);
-    return query.suspended || (query.any && query.found);
-  }
-
-  bool is_seen(std::uint32_t id, std::uint32_t index) const {
-    if (entry.removed != nullptr && entry.removed->has(id)) return false;
-    const Selection* selection = caster.options_.selection;
-    return selection == nullptr || selection->selects(index);
-  }
-};
-
-RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees),
-      options_(options),
-      on_deferred_(on_deferred(options.growth)),
-      list_(std::size_t{options.max_hits} + 1) {
-  static_entry_.instances = &trees_.static_tree;
-  static_entry_.removed = trees_.removed;
-  static_entry_.built = &built_;
-  dynamic_entry_.instances = &trees_.dynamic_tree;
-  dynamic_entry_.built = &built_dynamic_;
-  dynamic_entry_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
-}
-
-bool RayCaster::cast(const Ray& ray, accel::lazy::WhenPending when_pending, Hit& hit) {
-  MeshQuery query;
-  query.when_pending = when_pending;
-  query.any = options_.kind == QueryKind::kAny;
-  const Search searched = search(ray, query);
-  if (searched == Search::kSuspended) return false;
-  hit = Hit();
-  if (searched == Search::kInvalid) {
-    hit.t = std::numeric_limits<double>::quiet_NaN();
-    hit.state = HitState::kInvalid;
-    return true;
-  }
-  if (query.found) {
-    set_hit(trees_[query.best_instance], ray, query.best_t, query.best_primitive,
-            options_.surface && !query.any, hit);
-  }
-  hit.work = work_of(query);
-  return true;
-}
-
-std::optional<RayTally> RayCaster::count(const Ray& ray, accel::lazy::WhenPending when_pending) {
-  MeshQuery query;
-  query.when_pending = when_pending;
-  query.primitives = &primitives_;
-  counted_ = 0;
-  const Search searched = search(ray, query);
-  if (searched == Search::kSuspended) return std::nullopt;
-  if (searched == Search::kInvalid)
-    return RayTally{.count = kInvalidCount, .state = HitState::kInvalid};
-  stats_.hits_found += counted_;
-  return RayTally{.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
-                  .work = work_of(query),
-                  .state = query.found ? HitState::kHit : HitState::kMiss};
-}
-
-/// Searches for one hit more than is kept: whether hits are cut off is then exact, and does not
+/// Lists search for one hit more than is kept: whether hits are cut off is then exact, and does not
 /// depend on where the walk stops.
-RayTally RayCaster::list(const Ray& ray, std::vector<Hit>& hits) {
-  MeshQuery query;
-  query.list = &list_;
-  list_.clear();
-  if (search(ray, query) == Search::kInvalid) return {.state = HitState::kInvalid};
-  std::span<const accel::mesh::ListedHit> found = list_.sorted();
-  RayTally tally{.work = work_of(query),
-                 .state = query.found ? HitState::kHit : HitState::kMiss,
-                 .cut_off = found.size() > options_.max_hits};
-  if (tally.cut_off) {
-    found = found.first(options_.max_hits);
-    ++stats_.cut_off;
-  }
-  for (const accel::mesh::ListedHit& hit : found) {
-    set_hit(trees_[hit.instance], ray, hit.t, hit.primitive, options_.surface, hits.emplace_back());
-  }
-  tally.count = static_cast<std::uint32_t>(found.size());
-  stats_.hits_found += found.size();
-  return tally;
+RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
+    : trees_(trees), options_(options), list_(std::size_t{options.max_hits} + 1) {
+  static_.instances = &trees_.static_tree;
+  static_.removed = trees_.removed;
+  dynamic_.instances = &trees_.dynamic_tree;
+  dynamic_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
 }
 
-RayCaster::Search RayCaster::search(const Ray& ray, MeshQuery& query) {
+void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending when_pending) {
   ++stats_.rays;
+  ray_ = &ray;
+  query_ = {};
+  query_.on_deferred = on_deferred(options_.growth);
+  query_.when_pending = when_pending;
+  query_.tmin = ray.tmin;
+  query_.tmax = ray.tmax;
+  query_.any = kind == QueryKind::kAny;
+  if (kind == QueryKind::kCount) query_.primitives = &primitives_;
+  if (kind == QueryKind::kAll) query_.list = &list_;
+  list_.clear();
   entered_.clear();
   frame_ = nullptr;
+  counted_ = 0;
   work_before_ = walked_.steps + walked_.tests;
-  if (!accel::geometry::set_local_ray(ray.origin - trees_.static_tree.center(), ray.direction,
-                                      static_entry_.centered) ||
-      std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
-    ++stats_.invalid;
-    return Search::kInvalid;
-  }
-  query.tmin = ray.tmin;
-  query.tmax = ray.tmax;
-  query.on_deferred = on_deferred_;
-  walk_trees(ray, query);
-  if (query.suspended) {
-    --stats_.rays;  // it is asked again
-    progress_ = query.progress;
-    return Search::kSuspended;
-  }
-  if (query.found) ++stats_.hits;
-  return Search::kDone;
+  // The static tree's center is finite even if the tree is empty.
+  valid_ = accel::geometry::set_local_ray(ray.origin - trees_.static_tree.center(), ray.direction,
+                                          static_.centered) &&
+           !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
-/// The tree that the ray enters first is walked first: its hits bound the walk of the other.
-void RayCaster::walk_trees(const Ray& ray, MeshQuery& query) {
-  for (const Entry* entry : trees_by_entry(ray)) {
-    if (entry != nullptr && !query.suspended && !(query.any && query.found))
-      walk_instances(ray, *entry, query);
-  }
-}
-
-std::array<const RayCaster::Entry*, 2> RayCaster::trees_by_entry(const Ray& ray) {
-  const bool in_static = trees_.static_tree.size() > 0 && enter_tree(ray, static_entry_);
-  bool in_dynamic = false;
+std::span<TreeEntry* const> RayCaster::trees_by_entry() {
+  std::size_t met = 0;
+  if (!valid_) return {};
+  if (trees_.static_tree.size() > 0 && enter_bounds(static_)) by_entry_[met++] = &static_;
   if (trees_.dynamic_tree.size() > 0) {
-    dynamic_entry_.centered.direction = static_entry_.centered.direction;
-    dynamic_entry_.centered.unit = static_entry_.centered.unit;
-    in_dynamic = accel::geometry::set_local_origin(ray.origin - trees_.dynamic_tree.center(),
-                                                   dynamic_entry_.centered) &&
-                 enter_tree(ray, dynamic_entry_);
+    // The two trees differ in their centers alone.
+    dynamic_.centered.direction = static_.centered.direction;
+    dynamic_.centered.unit = static_.centered.unit;
+    if (accel::geometry::set_local_origin(ray_->origin - trees_.dynamic_tree.center(),
+                                          dynamic_.centered) &&
+        enter_bounds(dynamic_))
+      by_entry_[met++] = &dynamic_;
   }
-  const Entry* in_order[] = {in_static ? &static_entry_ : nullptr,
-                             in_dynamic ? &dynamic_entry_ : nullptr};
-  const bool dynamic_first = in_static && in_dynamic &&
-                             dynamic_entry_.ray.t_in * dynamic_entry_.centered.unit <
-                                 static_entry_.ray.t_in * static_entry_.centered.unit;
-  if (dynamic_first) std::swap(in_order[0], in_order[1]);
-  return {in_order[0], in_order[1]};
+  const bool dynamic_first = met == 2 && dynamic_.ray.t_in * dynamic_.centered.unit <
+                                             static_.ray.t_in * static_.centered.unit;
+  if (dynamic_first) std::swap(by_entry_[0], by_entry_[1]);
+  return {by_entry_.data(), met};
 }
 
-bool RayCaster::enter_tree(const Ray& ray, Entry& entry) {
-  return accel::kdtree::enter(entry.centered, entry.instances->tree().tree().bounds(),
-                              ray.tmin / entry.centered.unit, ray.tmax / entry.centered.unit,
-                              entry.ray);
+bool RayCaster::enter_bounds(TreeEntry& tree) const {
+  return accel::kdtree::enter(tree.centered, tree.instances->tree().tree().bounds(),
+                              ray_->tmin / tree.centered.unit, ray_->tmax / tree.centered.unit,
+                              tree.ray);
 }
 
-void RayCaster::walk_instances(const Ray& ray, const Entry& entry, MeshQuery& query) {
-  accel::lazy::LazyTree& tree = entry.instances->tree();
-  Visit visit{*this, ray, entry, query, {}};
-  accel::kdtree::walk(tree.tree(), entry.ray, tree.root(), walked_, visit);
+bool RayCaster::is_seen(const TreeEntry& tree, std::uint32_t id) const {
+  if (tree.removed != nullptr && tree.removed->has(id)) return false;
+  return options_.selection == nullptr || options_.selection->selects(tree.first + id);
 }
 
-std::uint32_t RayCaster::work_of(const MeshQuery& query) const {
-  const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
-  return static_cast<std::uint32_t>(
-             std::min<std::uint64_t>(work, accel::geometry::kWorkDeferred - 1)) |
-         (query.saw_deferred ? accel::geometry::kWorkDeferred : 0);
-}
-
-void RayCaster::enter_instance(const Ray& ray, const instances::Instance& instance,
-                               std::uint32_t index, accel::kdtree::BuildCounters& built,
-                               MeshQuery& query) {
+bool RayCaster::enter_frame(const instances::Instance& instance) {
   // Most instances of a scene share a few frames.
   if (frame_ == nullptr || *frame_ != instance.local_from_world) {
     frame_ = &instance.local_from_world;
-    in_frame_ = accel::geometry::set_local_ray(frame_->point(ray.origin),
-                                               frame_->direction(ray.direction), query.ray);
+    in_frame_ = accel::geometry::set_local_ray(frame_->point(ray_->origin),
+                                               frame_->direction(ray_->direction), query_.ray);
   }
-  if (!in_frame_) return;
+  return in_frame_;
+}
+
+void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   ++stats_.instances_entered;
-  if (query.on_deferred != OnDeferred::kSkip &&
-      !instance.entered->load(std::memory_order_relaxed)) {
+  if (query_.on_deferred != OnDeferred::kSkip && !instance.entered->load(std::memory_order_relaxed))
     instance.entered->store(true, std::memory_order_relaxed);
+  query_.node = instance.node;
+  query_.instance = tree.first + instance.index;
+  query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
+  if (query_.primitives != nullptr) query_.primitives->clear();
+  instance.mesh->tree().query(query_, walked_, tree.built);
+  if (query_.primitives != nullptr) counted_ += query_.primitives->sorted().size();
+}
+
+bool RayCaster::end() {
+  if (!valid_) {
+    ++stats_.invalid;
+  } else if (query_.suspended) {
+    --stats_.rays;  // it begins again
+    return false;
+  } else if (query_.found) {
+    ++stats_.hits;
   }
-  query.node = instance.node;
-  query.instance = index;
-  query.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  if (query.primitives != nullptr) query.primitives->clear();
-  instance.mesh->tree().query(query, walked_, built);
-  if (query.primitives != nullptr) counted_ += query.primitives->sorted().size();
+  return true;
+}
+
+std::uint32_t RayCaster::work() const {
+  const std::uint64_t work = walked_.steps + walked_.tests - work_before_;
+  return static_cast<std::uint32_t>(
+             std::min<std::uint64_t>(work, accel::geometry::kWorkDeferred - 1)) |
+         (query_.saw_deferred ? accel::geometry::kWorkDeferred : 0);
+}
+
+Hit RayCaster::hit() const {
+  Hit hit;
+  if (!valid_) {
+    hit.t = std::numeric_limits<double>::quiet_NaN();
+    hit.state = HitState::kInvalid;
+    return hit;
+  }
+  if (query_.found)
+    hit = hit_of({query_.best_t, query_.best_node, query_.best_primitive, query_.best_instance});
+  hit.work = work();
+  return hit;
+}
+
+RayTally RayCaster::count() {
+  if (!valid_) return {.count = kInvalidCount, .state = HitState::kInvalid};
+  stats_.hits_found += counted_;
+  return {.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
+          .work = work(),
+          .state = query_.found ? HitState::kHit : HitState::kMiss};
+}
+
+RayTally RayCaster::list(std::vector<Hit>& hits) {
+  if (!valid_) return {.state = HitState::kInvalid};
+  std::span<const ListedHit> found = list_.sorted();
+  const bool cut_off = found.size() > options_.max_hits;
+  if (cut_off) {
+    found = found.first(options_.max_hits);
+    ++stats_.cut_off;
+  }
+  for (const ListedHit& listed : found) hits.push_back(hit_of(listed));
+  stats_.hits_found += found.size();
+  return {.count = static_cast<std::uint32_t>(found.size()),
+          .work = work(),
+          .state = query_.found ? HitState::kHit : HitState::kMiss,
+          .cut_off = cut_off};
+}
+
+Hit RayCaster::hit_of(const ListedHit& listed) const {
+  Hit hit;
+  hit.state = HitState::kHit;
+  hit.t = listed.t;
+  hit.node = listed.node;
+  hit.primitive = listed.primitive;
+  if (options_.surface && !query_.any) set_surface(trees_[listed.instance], hit);
+  return hit;
+}
+
+/// The weights and the normal: a pure function of the ray, the triangle, t and the instance.
+void RayCaster::set_surface(const instances::Instance& instance, Hit& hit) const {
+  using accel::geometry::Vec3d, accel::geometry::Vec3f;
+  const accel::geometry::MeshView mesh = instance.mesh->view();
+  const accel::geometry::Face& f = mesh.faces[hit.primitive];
+  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+  const std::optional<accel::geometry::LocalRay> local =
+      accel::geometry::make_local_ray(instance.local_from_world.point(ray_->origin),
+                                      instance.local_from_world.direction(ray_->direction));
+  const accel::geometry::Barycentric weights =
+      accel::geometry::barycentric(*local, hit.t / local->unit, a, b, c);
+  hit.u = static_cast<float>(weights.u);
+  hit.v = static_cast<float>(weights.v);
+  // The inverse transpose keeps the normal on its side of the surface; the winding changes sides
+  // where space is mirrored.
+  const Vec3d normal = instance.local_from_world.transposed(
+      accel::geometry::cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+  const double size = instance.mirrored ? -length(normal) : length(normal);
+  if (size != 0 && std::isfinite(size)) hit.normal = Vec3f(normal * (1 / size));
 }
 
 TraceStats RayCaster::stats() const {
   TraceStats stats = stats_;
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = built_.cells_expanded + built_dynamic_.cells_expanded;
-  stats.touches = built_.touches + built_dynamic_.touches;
-  stats.touches_prepare = built_.touches_prepare + built_dynamic_.touches_prepare;
-  stats.dynamic_touches = built_dynamic_.touches + built_dynamic_.touches_prepare;
-  stats.build_seconds = built_.seconds + built_dynamic_.seconds;
+  stats.cells_expanded = static_.built.cells_expanded + dynamic_.built.cells_expanded;
+  stats.touches = static_.built.touches + dynamic_.built.touches;
+  stats.touches_prepare = static_.built.touches_prepare + dynamic_.built.touches_prepare;
+  stats.dynamic_touches = dynamic_.built.touches + dynamic_.built.touches_prepare;
+  stats.build_seconds = static_.built.seconds + dynamic_.built.seconds;
   return stats;
 }
 

@@ -1,81 +1,169 @@
-// Casts one ray: the static and the dynamic tree, instances near to far, each in its own frame.
+// One ray at a time on its way through a revision: the static and the dynamic tree, their
+// instances, the meshes of those. scenegraph/trace.cpp takes the steps in order.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <optional>
+#include <span>
 #include <vector>
 
+#include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/entered.h"
-#include "scenegraph/query/trace_options.h"
-#include "scenegraph/query/trace_stats.h"
+#include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
 
+/// One of the two trees, and the current ray in its coordinates.
+struct TreeEntry {
+  const instances::Instances* instances = nullptr;
+  const instances::RemovedFilter* removed = nullptr;  ///< Null: none.
+  std::uint32_t first = 0;                            ///< The index of its first instance.
+  accel::geometry::LocalRay centered;
+  accel::kdtree::TreeRay ray;
+  /// What rays built in this tree and in the meshes that they entered through it.
+  accel::kdtree::BuildCounters built;
+};
+
 /// For one block of rays, on one thread that is pinned to an epoch.
+///
+/// For each ray: begin(), then the steps trees_by_entry(), walk_instances(), enter_frame() and
+/// ask_mesh(), then end(), and if that is true one answer.
 class RayCaster {
  public:
   RayCaster(const instances::OpenTrees& trees, const TraceOptions& options);
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
-  /// Sets the nearest hit or, for kAny, whether there is one. With WhenPending::kReturn: false if
-  /// the ray met a large cell that other threads are building; ask again when progress() has
-  /// increased.
-  bool cast(const accel::geometry::Ray& ray, accel::lazy::WhenPending when_pending,
-            accel::geometry::Hit& hit);
-  /// The number of hits; nothing if suspended, as cast().
-  std::optional<RayTally> count(const accel::geometry::Ray& ray,
-                                accel::lazy::WhenPending when_pending);
-  /// Of the cell that suspended the last ray.
-  std::uint64_t progress() const { return progress_; }
-  /// Adds the nearest max_hits hits to `hits`, in order.
-  RayTally list(const accel::geometry::Ray& ray, std::vector<accel::geometry::Hit>& hits);
+  /// Begins a ray, which must outlive its answer.
+  void begin(QueryKind kind, const accel::geometry::Ray& ray,
+             accel::lazy::WhenPending when_pending);
 
+  /// The trees whose bounds the ray meets. The one that it enters first comes first: hits there
+  /// bound the walk of the other. None for an invalid ray.
+  std::span<TreeEntry* const> trees_by_entry();
+
+  /// Walks the tree, and expands cells on the way as TraceOptions::growth allows. Calls
+  /// enter(const Instance&) for the instances that the ray may meet, near to far.
+  template <class Enter>
+  void walk_instances(TreeEntry& tree, const Enter& enter);
+
+  /// Carries the ray into the instance's frame. False: it is out of the hit rule's range there.
+  bool enter_frame(const instances::Instance& instance);
+
+  /// Asks the tree of the instance's mesh for hits, after enter_frame().
+  void ask_mesh(const instances::Instance& instance, TreeEntry& tree);
+
+  /// Nothing can change the answer any more, or the ray is suspended.
+  bool is_done() const { return query_.suspended || (query_.any && query_.found); }
+
+  /// False: the ray is suspended, because it met a large cell that other threads are building. Only
+  /// with WhenPending::kReturn. Begin it again when progress() has increased.
+  bool end();
+  /// Of the cell that suspended the last ray.
+  std::uint64_t progress() const { return query_.progress; }
+
+  /// kClosest, and kAny without the surface: the hit, a miss, or an invalid ray.
+  accel::geometry::Hit hit() const;
+  /// kCount: the number of hits.
+  RayTally count();
+  /// kAll: appends the nearest max_hits hits in order.
+  RayTally list(std::vector<accel::geometry::Hit>& hits);
+
+  /// Of all rays so far.
   TraceStats stats() const;
 
  private:
-  struct Visit;
-  /// One of the two trees, and the ray in its coordinates.
-  struct Entry {
-    const instances::Instances* instances = nullptr;
-    const instances::RemovedFilter* removed = nullptr;  ///< Null: nothing has.
-    std::uint32_t first = 0;                            ///< The index of its first instance.
-    accel::geometry::LocalRay centered;
-    accel::kdtree::TreeRay ray;
-    accel::kdtree::BuildCounters* built = nullptr;
-  };
+  template <class Enter>
+  class InstanceTest;
 
-  enum class Search { kDone, kInvalid, kSuspended };
-
-  Search search(const accel::geometry::Ray& ray, accel::mesh::MeshQuery& query);
-  void walk_trees(const accel::geometry::Ray& ray, accel::mesh::MeshQuery& query);
-  std::array<const Entry*, 2> trees_by_entry(const accel::geometry::Ray& ray);
-  static bool enter_tree(const accel::geometry::Ray& ray, Entry& entry);
-  void walk_instances(const accel::geometry::Ray& ray, const Entry& entry,
-                      accel::mesh::MeshQuery& query);
-  std::uint32_t work_of(const accel::mesh::MeshQuery& query) const;
-  void enter_instance(const accel::geometry::Ray& ray, const instances::Instance& instance,
-                      std::uint32_t index, accel::kdtree::BuildCounters& built,
-                      accel::mesh::MeshQuery& query);
+  bool enter_bounds(TreeEntry& tree) const;
+  bool is_seen(const TreeEntry& tree, std::uint32_t id) const;
+  accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed) const;
+  void set_surface(const instances::Instance& instance, accel::geometry::Hit& hit) const;
+  std::uint32_t work() const;
 
   const instances::OpenTrees trees_;
   TraceOptions options_;
-  accel::mesh::OnDeferred on_deferred_;
+  TreeEntry static_, dynamic_;
+  TraceStats stats_;
+  accel::kdtree::WalkCounters walked_;
+  // Memory that is used again for each ray.
   accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
   accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
   EnteredOnce entered_;
   std::vector<accel::kdtree::Reference> pending_;  // references of a searched list not yet visited
-  const model::Affine* frame_ = nullptr;           // of the instance that the ray entered last
-  bool in_frame_ = false;                          // the query's ray is valid in that frame
-  std::uint64_t counted_ = 0;                      // hits of the ray in earlier instances
+  // The current ray.
+  const accel::geometry::Ray* ray_ = nullptr;
+  bool valid_ = false;
+  accel::mesh::MeshQuery query_;
+  std::array<TreeEntry*, 2> by_entry_{};
+  const model::Affine* frame_ = nullptr;  // of the instance that the ray entered last
+  bool in_frame_ = false;                 // the query's ray is valid in that frame
+  std::uint64_t counted_ = 0;             // hits in the instances so far
   std::uint64_t work_before_ = 0;
-  std::uint64_t progress_ = 0;
-  TraceStats stats_;
-  accel::kdtree::WalkCounters walked_;
-  accel::kdtree::BuildCounters built_, built_dynamic_;
-  Entry static_entry_, dynamic_entry_;
 };
+
+/// What a walk of one of the two trees tests: instances, and the groups that hold them.
+template <class Enter>
+class RayCaster::InstanceTest {
+ public:
+  InstanceTest(RayCaster& caster, const TreeEntry& tree, const Enter& enter)
+      : caster_(caster), tree_(tree), enter_(enter) {}
+
+  double limit() const { return caster_.query_.best_t / tree_.centered.unit + tree_.ray.slack; }
+
+  bool leaf(std::span<const std::uint32_t> ids) {
+    return std::any_of(ids.begin(), ids.end(), [&](std::uint32_t id) { return instance(id); });
+  }
+
+  /// Opens groups whose boxes the ray may meet.
+  bool reference(const accel::kdtree::Reference& ref) {
+    if (!ref.openable()) return instance(ref.id);
+    std::vector<accel::kdtree::Reference>& pending = caster_.pending_;
+    pending.assign(1, ref);
+    while (!pending.empty()) {
+      const accel::kdtree::Reference next = pending.back();
+      pending.pop_back();
+      if (!next.openable()) {
+        if (instance(next.id)) return true;
+      } else if (accel::kdtree::may_meet(tree_.ray, next.bounds(), limit())) {
+        tree_.instances->open(next, pending);
+      }
+    }
+    return false;
+  }
+
+  bool everything() {
+    const std::vector<accel::kdtree::Reference>& refs = tree_.instances->coarsest();
+    return std::any_of(refs.begin(), refs.end(),
+                       [&](const accel::kdtree::Reference& ref) { return reference(ref); });
+  }
+
+ private:
+  /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
+  /// that holds it.
+  bool instance(std::uint32_t id) {
+    const instances::Instance& instance = (*tree_.instances)[id];
+    if ((instance.mask & caster_.ray_->mask) == 0 || recent_.contains_or_add(id)) return false;
+    if (!caster_.is_seen(tree_, id)) return false;
+    if (!accel::kdtree::may_meet(tree_.ray, instance.box, limit())) return false;
+    if (caster_.query_.collects() && !caster_.entered_.add(tree_.first + id)) return false;
+    enter_(instance);
+    return caster_.is_done();
+  }
+
+  RayCaster& caster_;
+  const TreeEntry& tree_;
+  const Enter& enter_;
+  RecentlyEntered recent_;
+};
+
+template <class Enter>
+void RayCaster::walk_instances(TreeEntry& tree, const Enter& enter) {
+  InstanceTest<Enter> test(*this, tree, enter);
+  walk_lazily(tree.instances->tree(), tree.ray, query_, walked_, tree.built, test);
+}
 
 }  // namespace sightline::scenegraph::query

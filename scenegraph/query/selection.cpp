@@ -6,7 +6,6 @@
 #include <utility>
 
 namespace sightline::scenegraph::query {
-namespace {
 
 Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const char* role) {
   if (snapshot.find(id) != nullptr) return {};
@@ -15,8 +14,6 @@ Status check_node(const revision::Snapshot& snapshot, model::NodeId id, const ch
                    std::to_string(snapshot.revision()),
                "NODE_NOT_FOUND"};
 }
-
-}  // namespace
 
 Result<Selection> Selection::make(std::shared_ptr<const revision::Snapshot> snapshot,
                                   model::NodeId root, std::span<const model::NodeId> excluded) {
@@ -39,13 +36,14 @@ Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::
       selected_(snapshot_->trees().size()) {}
 
 bool Selection::decide(std::size_t index) const {
-  bool under_root = root_ == 0;
-  for (model::NodeId id = snapshot_->trees()[index].node; id != 0;
-       id = snapshot_->find(id)->parent) {
-    if (std::binary_search(excluded_.begin(), excluded_.end(), id)) return false;
-    under_root = under_root || id == root_;
-  }
-  return under_root;
+  const hierarchy::Hierarchy& hierarchy = snapshot_->hierarchy();
+  const model::NodeId node = snapshot_->trees()[index].node;
+  const auto is_excluded = [&](model::NodeId id) {
+    return std::binary_search(excluded_.begin(), excluded_.end(), id);
+  };
+  const auto is_root = [&](model::NodeId id) { return id == root_; };
+  return !any_upward(hierarchy, node, is_excluded) &&
+         (root_ == 0 || any_upward(hierarchy, node, is_root));
 }
 
 }  // namespace sightline::scenegraph::query

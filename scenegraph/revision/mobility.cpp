@@ -102,10 +102,9 @@ instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,
   std::vector<model::NodeId> sorted(nodes.begin(), nodes.end());
   std::sort(sorted.begin(), sorted.end());
   const auto is_among = [&](model::NodeId id) {
-    for (; id != 0; id = hierarchy.find(id)->parent) {
-      if (std::binary_search(sorted.begin(), sorted.end(), id)) return true;
-    }
-    return false;
+    return any_upward(hierarchy, id, [&](model::NodeId above) {
+      return std::binary_search(sorted.begin(), sorted.end(), above);
+    });
   };
   instances::NodeSet topmost;
   instances::NodeSet::Edit edit(topmost);

@@ -8,6 +8,7 @@
 
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/selection.h"
+#include "scenegraph/trace.h"
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
 
@@ -84,7 +85,7 @@ Status PrefetchJob::grow() {
                                          .growth = query_.growth,
                                          .selection = selection ? &*selection : nullptr,
                                          .cancelled = &cancelled_};
-  return scenegraph::query::grow_for_rays(*snapshot_, rays_, options, progress_);
+  return scenegraph::grow_for_rays(*snapshot_, rays_, options, progress_);
 }
 
 void PrefetchJob::report(v1::PrefetchResponse& response) {

@@ -24,10 +24,10 @@ scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances accel/result accel/kdtree
-scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision
+scenegraph/trace_options    accel/geometry
+scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
                             accel/result accel/geometry accel/kdtree accel/lazy accel/mesh
-scenegraph/trace_options    scenegraph/query
-scenegraph/trace            scenegraph/* accel/result accel/geometry
+scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtree
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result

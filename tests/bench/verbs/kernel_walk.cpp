@@ -13,6 +13,7 @@
 #include "accel/kdtree/walk.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/verbs/plain_float.h"
+#include "tests/support/all_instances.h"
 
 namespace sightline::bench {
 namespace {
@@ -156,12 +157,12 @@ struct SceneVisit {
   }
 
   DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
-    for (std::uint32_t id = 0; id < instances.list().size(); ++id) enter(id);
+    for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
     return DeferredAction::kDone;
   }
 
   void enter(std::uint32_t id) {
-    const Instance& instance = instances.list()[id];
+    const Instance& instance = instances[id];
     if ((instance.mask & ray.mask) == 0) return;
     if (std::find(recent.begin(), recent.end(), id) != recent.end()) return;
     recent[next_recent++ % recent.size()] = id;
@@ -194,7 +195,7 @@ Answer cast(const Instances& instances, const Ray& ray) {
       accel::geometry::make_local_ray(ray.origin - instances.center(), ray.direction);
   const accel::kdtree::KdTree& tree = instances.tree().tree();
   TreeRay scene_ray;
-  if (!centered || instances.list().empty() ||
+  if (!centered || instances.size() == 0 ||
       !accel::kdtree::enter(*centered, tree.bounds(), ray.tmin / centered->unit,
                             ray.tmax / centered->unit, scene_ray)) {
     return answer;

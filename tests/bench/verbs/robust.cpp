@@ -11,6 +11,7 @@
 #include "tests/bench/verbs/robust_method.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
+#include "tests/support/all_instances.h"
 #include "tests/support/compare_hits.h"
 
 namespace sightline::bench {
@@ -88,7 +89,7 @@ struct Truth {
 // Without any tree.
 std::uint32_t count_by_hand(const scenegraph::instances::Instances& instances, const Ray& ray) {
   std::uint32_t count = 0;
-  for (const scenegraph::instances::Instance& instance : instances.list()) {
+  for (const scenegraph::instances::Instance& instance : tests::all_instances(instances)) {
     const auto local =
         accel::geometry::make_local_ray(instance.local_from_world.point(ray.origin),
                                         instance.local_from_world.direction(ray.direction));

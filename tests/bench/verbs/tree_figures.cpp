@@ -7,6 +7,7 @@
 #include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/bvh_walk.h"
 #include "tests/bench/verbs/end_point_overlap.h"
+#include "tests/support/all_instances.h"
 
 namespace sightline::bench {
 
@@ -147,7 +148,8 @@ void set_metrics(Row& row, const accel::kdtree::TreeMetrics& metrics) {
 void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
                         std::span<const accel::geometry::Hit> hits) {
   const accel::kdtree::EpochPin pin;
-  for (const scenegraph::instances::Instance& instance : snapshot_.trees().static_tree.list()) {
+  for (const scenegraph::instances::Instance& instance :
+       tests::all_instances(snapshot_.trees().static_tree)) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     const auto mark_all = [&](auto&& marker) {

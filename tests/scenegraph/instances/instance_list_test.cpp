@@ -11,6 +11,7 @@
 #include "scenegraph/instances/instance_bounds.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"
+#include "tests/support/all_instances.h"
 
 namespace sightline::scenegraph::instances {
 namespace {
@@ -80,7 +81,7 @@ TEST(Instances, HaveTheTransformsOfTheHierarchy) {
     const auto snapshot = tests::snapshot_of(static_nodes(400, frames, 3));
     model::NodeId before = 0;
     std::size_t count = 0;
-    for (const Instance& instance : snapshot->trees().static_tree.list()) {
+    for (const Instance& instance : tests::all_instances(snapshot->trees().static_tree)) {
       const model::Node& node = *snapshot->find(instance.node);
       const model::Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
@@ -95,7 +96,7 @@ TEST(Instances, HaveTheTransformsOfTheHierarchy) {
       before = instance.node;
       ++count;
     }
-    EXPECT_EQ(count, snapshot->trees().static_tree.list().size());
+    EXPECT_EQ(count, snapshot->trees().static_tree.size());
   }
 }
 
@@ -257,14 +258,14 @@ TEST(Instances, ThatCannotBeReachedAreNotListed) {
   ASSERT_TRUE(trace(snapshot, {&ray, 1}, {&hit, 1}, {}));
   EXPECT_EQ(hit.node, 3u);
   ASSERT_TRUE(build_all(snapshot));
-  for (const Instance& instance : instances.list())
+  for (const Instance& instance : tests::all_instances(instances))
     EXPECT_EQ(instance.mask != 0, instance.node == 3);
 }
 
 TEST(Instances, OfAnEmptyScene) {
   const Scene empty;
   EXPECT_EQ(empty.snapshot()->trees().static_tree.size(), 0u);
-  EXPECT_TRUE(empty.snapshot()->trees().static_tree.list().empty());
+  EXPECT_TRUE(tests::all_instances(empty.snapshot()->trees().static_tree).empty());
   std::vector<model::Update> groups;
   for (int i = 1; i <= 10; ++i) {
     model::PutNode put;

@@ -11,6 +11,7 @@
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/random_hierarchy.h"
+#include "tests/support/all_instances.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 
@@ -44,7 +45,7 @@ TEST_P(HierarchyInFrames, LazyOpeningEqualsFullOpeningAndTheOracle) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto updates = tests::random_hierarchy(400, GetParam(), seed);
     const auto opened = tests::snapshot_of(updates);
-    (void)opened->trees().static_tree.list();
+    (void)tests::all_instances(opened->trees().static_tree);
     const std::vector<Ray> rays = tests::rays_through(*opened, 1000, seed);
     const std::vector<Hit> expected = cast(*opened, rays);
     const tests::BruteForce oracle(opened);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scenegraph/scene.h"
+#include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/scenes.h"
 

@@ -5,6 +5,7 @@
 
 #include "scenegraph/scene.h"
 #include "tests/scenegraph/put_node.h"
+#include "tests/support/all_instances.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::scenegraph::query {
@@ -29,7 +30,7 @@ std::vector<model::NodeId> selected(model::NodeId root,
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
   std::vector<model::NodeId> nodes;
-  const instances::InstanceList list = snapshot->trees().static_tree.list();
+  const auto list = tests::all_instances(snapshot->trees().static_tree);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
     EXPECT_EQ(selection->selects(i), first) << "remembered";

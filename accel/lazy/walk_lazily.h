@@ -1,0 +1,82 @@
+// Walking a ray through a tree that grows: what happens at cells that are not built.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "accel/kdtree/walk.h"
+#include "accel/lazy/lazy_tree.h"
+
+namespace sightline::accel::lazy {
+
+/// What a walk does at a cell that is not built.
+enum class OnDeferred : std::uint8_t {
+  kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
+  kScan,    ///< Do not expand; test the references whose boxes the ray meets.
+  kSkip,    ///< Skip it.
+};
+
+/// The part of a query that concerns cells that are not built.
+struct LazyQuery {
+  OnDeferred on_deferred = OnDeferred::kExpand;
+  WhenPending when_pending = WhenPending::kWait;
+  bool saw_deferred = false;  ///< A cell was skipped, or its list was searched.
+  /// With WhenPending::kReturn: the walk met a large cell that other threads build, and stopped.
+  /// Ask again, with a fresh query, when `progress` has increased.
+  bool suspended = false;
+  std::uint64_t progress = 0;  ///< Of that cell.
+};
+
+/// The visitor of kdtree::walk for a tree that grows.
+template <class Test>
+struct LazyVisit {
+  LazyTree& tree;
+  LazyQuery& query;
+  kdtree::BuildCounters& built;
+  Test& test;
+
+  bool leaf(std::span<const std::uint32_t> references) { return test.leaf(references); }
+  double limit() { return test.limit(); }
+
+  kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
+    if (query.on_deferred == OnDeferred::kExpand) {
+      const ExpandResult expanded = tree.expand(slot, query.when_pending, built);
+      if (expanded == ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
+      if (expanded == ExpandResult::kPending) {
+        query.suspended = true;
+        query.progress = LazyTree::progress(slot);
+        return kdtree::DeferredAction::kStop;
+      }
+    }
+    query.saw_deferred = true;
+    if (query.on_deferred == OnDeferred::kSkip) return kdtree::DeferredAction::kDone;
+    return search(cell) ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
+  }
+
+  bool search(const kdtree::DeferredCell& cell) {
+    if (!cell.has_list) return test.everything();
+    return cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
+      return std::any_of(refs.begin(), refs.end(),
+                         [&](const kdtree::Reference& ref) { return test.reference(ref); });
+    });
+  }
+};
+
+/// Visits the leaves that the ray enters, near to far, and deals with the cells on its way that are
+/// not built. Meshes' trees and the scene's are walked by this.
+///
+/// `test` supplies, each returning true to stop the walk:
+///   bool leaf(span<const uint32_t> references)  a leaf that is not empty
+///   bool reference(const Reference&)               one reference of a searched list
+///   bool everything()                           the whole tree, before its root has a list
+/// and
+///   double limit()                              as for kdtree::walk
+template <class Test>
+void walk_lazily(LazyTree& tree, const kdtree::TreeRay& ray, LazyQuery& query,
+                 kdtree::WalkCounters& walked, kdtree::BuildCounters& built, Test& test) {
+  LazyVisit<Test> visit{tree, query, built, test};
+  kdtree::walk(tree.tree(), ray, tree.root(), walked, visit);
+}
+
+}  // namespace sightline::accel::lazy
