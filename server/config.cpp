@@ -1,13 +1,126 @@
-// The settings of a server.
+// The settings of a server, and the flags of sightlined that set them.
 #include "server/config.h"
 
+#include <arpa/inet.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <fstream>
+#include <map>
+#include <string>
 #include <thread>
 
+#include "server/exec/rpc_status.h"
+
 namespace sightline::server {
+namespace {
+
+const std::map<std::string, scenegraph::Growth> kPolicies{
+    {"first-touch", scenegraph::Growth::kFirstTouch}, {"full", scenegraph::Growth::kFull}};
+
+const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdlog::level::trace},
+                                                                  {"debug", spdlog::level::debug},
+                                                                  {"info", spdlog::level::info},
+                                                                  {"warn", spdlog::level::warn},
+                                                                  {"error", spdlog::level::err}};
+
+std::string check_address(const std::string& text) {
+  const auto address = ListenAddress::parse(text);
+  return address.ok() ? std::string() : address.error().message;
+}
+
+/// CLI11's own checks compare in double and take -1 for a large number.
+std::string check_count(const std::string& text) {
+  std::uint64_t count = 0;
+  const char* end = text.data() + text.size();
+  const auto [parsed_to, error] = std::from_chars(text.data(), end, count);
+  const bool good = error == std::errc{} && parsed_to == end && count > 0;
+  return good ? std::string() : exec::quote(text) + " is not a whole number of at least 1";
+}
+
+/// CLI11's own transformer also takes the enumerators' numbers, and its errors list them.
+template <class Value>
+void add_choice(CLI::App& app, const std::string& flag, const std::map<std::string, Value>& choices,
+                Value& value, const std::string& fallback, const std::string& help) {
+  app.add_option_function<std::string>(
+         flag, [&choices, &value](const std::string& name) { value = choices.at(name); }, help)
+      ->check(CLI::IsMember(choices))
+      ->default_str(fallback);
+}
+
+void add_flags(CLI::App& app, CommandLine& line) {
+  ServerConfig& config = line.config;
+  const CLI::Validator count(check_count, "COUNT");
+  app.add_option("--listen", config.listen, "HOST:PORT to listen on; port 0 picks one")
+      ->check(CLI::Validator(check_address, "HOST:PORT"))
+      ->capture_default_str();
+  app.add_flag("--insecure", config.insecure, "Allow an address that other machines can reach");
+  app.add_option("--port-file", config.port_file, "File to write the bound port to, once ready");
+  app.add_option("--data-dir", config.data_dir,
+                 "Directory of the server's files; created if missing");
+  app.add_option("--threads", config.threads,
+                 "Threads that trace and build; as many again prefetch, where that is asked for")
+      ->check(CLI::Range(1, ServerConfig::kMaxThreads))
+      ->capture_default_str();
+  add_choice(app, "--policy", kPolicies, config.policy, "first-touch",
+             "When trees are built: where rays enter, or fully before the first ray");
+  app.add_option(
+         "--memory-budget", config.memory_budget,
+         "Bytes of mesh data to hold at most; trees grow on top (default: half of the memory)")
+      ->check(count);
+  app.add_option("--max-rays-queued", config.admission.rays,
+                 "Rays in work at most; more are refused")
+      ->check(count)
+      ->capture_default_str();
+  app.add_option("--max-bytes-queued", config.admission.bytes, "Bytes of requests in work at most")
+      ->check(count)
+      ->capture_default_str();
+  app.add_option("--max-prefetches", config.max_prefetches,
+                 "Prefetches in work at most; more are refused")
+      ->check(CLI::Range(0, ServerConfig::kMaxPrefetches))
+      ->capture_default_str();
+  add_choice(app, "--log-level", kLogLevels, line.log_level, "info", "Least level that is logged");
+  app.set_version_flag("--version", "sightlined " SIGHTLINE_VERSION, "Print the version and exit");
+}
+
+}  // namespace
+
+Result<ListenAddress> ListenAddress::parse(std::string_view text) {
+  const Error bad{Code::kInvalidArgument,
+                  fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::quote(text)),
+                  "BAD_ADDRESS"};
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return bad;
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port = text.substr(colon + 1);
+  if (host.starts_with('[') && host.ends_with(']') && host.size() > 2) {
+    host = host.substr(1, host.size() - 2);
+  } else if (host.find_first_of(":[]") != std::string_view::npos) {
+    return bad;
+  }
+  ListenAddress address{std::string(host), 0};
+  const char* end = port.data() + port.size();
+  const auto [parsed_to, error] = std::from_chars(port.data(), end, address.port);
+  if (host.empty() || error != std::errc{} || parsed_to != end) return bad;
+  return address;
+}
+
+std::string ListenAddress::text() const {
+  const bool ipv6 = host.find(':') != std::string::npos;
+  return ipv6 ? fmt::format("[{}]:{}", host, port) : fmt::format("{}:{}", host, port);
+}
+
+bool ListenAddress::is_loopback() const {
+  in_addr v4{};
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
+  return host == "localhost";
+}
 
 int ServerConfig::default_threads() {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxThreads);
@@ -23,6 +136,18 @@ std::uint64_t ServerConfig::default_memory_budget() {
 
 std::string policy_name(scenegraph::Growth policy) {
   return policy == scenegraph::Growth::kFull ? "full" : "first-touch";
+}
+
+std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv) {
+  CommandLine line;
+  CLI::App app("sightlined: answers ray queries against scenes over gRPC", "sightlined");
+  add_flags(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageExit;
+  }
+  return line;
 }
 
 }  // namespace sightline::server

@@ -1,16 +1,35 @@
-// The settings of a server.
+// The settings of a server, and the flags of sightlined that set them.
 #pragma once
+
+#include <spdlog/common.h>
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <variant>
 
+#include "accel/result.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
 
 namespace sightline::server {
 
+/// The HOST:PORT that a server listens on.
+struct ListenAddress {
+  std::string host;        ///< A name or an address; an IPv6 address without its brackets.
+  std::uint16_t port = 0;  ///< 0: any free one.
+
+  /// Takes HOST:PORT and [IPV6]:PORT. Errors: kInvalidArgument.
+  static Result<ListenAddress> parse(std::string_view text);
+  /// The form gRPC takes.
+  std::string text() const;
+  /// Whether only this machine can reach it: 127.0.0.0/8, ::1 or "localhost".
+  bool is_loopback() const;
+};
+
+/// The settings of a server.
 struct ServerConfig {
   std::string listen = "127.0.0.1:50151";  ///< HOST:PORT; port 0 picks one.
   bool insecure = false;                   ///< Allow an address that other machines can reach.
@@ -27,6 +46,7 @@ struct ServerConfig {
 
   static constexpr int kMaxThreads = 1024;
   static constexpr int kMaxPrefetches = 64;
+  static constexpr int kMaxMessageBytes = 4 << 20;  ///< Largest message that a client may send.
   static int default_threads();
   /// Half of the memory that this process may use.
   static std::uint64_t default_memory_budget();
@@ -34,5 +54,17 @@ struct ServerConfig {
 
 /// The name of the policy on the command line.
 std::string policy_name(scenegraph::Growth policy);
+
+/// What the flags of sightlined set.
+struct CommandLine {
+  ServerConfig config;
+  spdlog::level::level_enum log_level = spdlog::level::info;
+};
+
+inline constexpr int kUsageExit = 2;  ///< Exit code after a usage error.
+
+/// Parses the flags. Returns an exit code instead if the program must end: 0 after --help and
+/// --version, kUsageExit after a usage error. The text is then already printed.
+std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv);
 
 }  // namespace sightline::server

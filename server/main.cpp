@@ -12,7 +12,7 @@
 #include <new>
 #include <variant>
 
-#include "server/command_line.h"
+#include "server/config.h"
 #include "server/server.h"
 
 namespace {

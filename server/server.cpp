@@ -9,94 +9,33 @@
 #include <spdlog/spdlog.h>
 
 #include <mutex>
-#include <string>
 #include <utility>
 
 #include "accel/split/scan_kernel.h"
-#include "scenegraph/model/mesh.h"
-#include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
-#include "server/blobs/upload_rpc.h"
+#include "server/config.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
-#include "server/listen_address.h"
+#include "server/exec/executors.h"
+#include "server/info_rpc.h"
 #include "server/queries/cast_rpc.h"
-#include "server/queries/query_codec.h"
-#include "server/scenes/memory_scene_store.h"
 #include "server/scenes/revision_wait.h"
+#include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
 #include "server/state_files.h"
-#include "server/updates/info_rpc.h"
 #include "server/updates/scene_rpc.h"
-#include "server/updates/update_batches.h"
-#include "server/updates/update_codec.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
 
 namespace sightline::server {
 namespace {
 
-constexpr int kMaxMessageBytes = 4 << 20;
 constexpr std::size_t kGrpcMemory =
     std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
 
-v1::GetServerInfoResponse describe(const ServerConfig& config) {
-  v1::GetServerInfoResponse info;
-  info.set_version(SIGHTLINE_VERSION);
-  for (const char* feature : {"closest",
-                              "any",
-                              "count",
-                              "all",
-                              "culling",
-                              "selection",
-                              "stream",
-                              "prefetch",
-                              "updates.stream",
-                              "updates.coalesced",
-                              "updates.request-id",
-                              "watch",
-                              "consistency",
-                              "patch",
-                              "build.lazy",
-                              "build.full",
-                              "build.none",
-                              "build.built-only",
-                              "policy.first-touch",
-                              "policy.full"}) {
-    info.add_features(feature);
-  }
-  info.set_max_message_bytes(kMaxMessageBytes);
-  info.set_max_blob_chunk_bytes(blobs::kMaxBlobChunk);
-  info.set_max_rays_per_request(queries::kMaxRaysPerRequest);
-  info.set_max_rays_queued(config.admission.rays);
-  info.set_max_bytes_queued(config.admission.bytes);
-  info.set_max_triangles_per_mesh(scenegraph::model::kMaxFacesPerMesh);
-  info.set_max_depth(static_cast<std::uint32_t>(scenegraph::model::kMaxDepth));
-  info.set_max_hits_per_ray(queries::kMaxMaxHits);
-  info.set_max_hits_per_reply(queries::kMaxHitsPerReply);
-  info.set_max_exclusions(queries::kMaxExclusions);
-  info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
-  info.set_max_updates_per_batch(updates::kMaxUpdatesPerBatch);
-  info.set_max_batch_bytes(updates::kMaxBatchBytes);
-  info.set_update_window(updates::kUpdateWindow);
-  info.set_max_update_streams(updates::kMaxUpdateStreams);
-  info.set_max_watches(updates::kMaxWatches);
-  info.set_max_waiting_reads(scenes::kMaxWaitingReads);
-  info.set_max_read_wait_ms(static_cast<std::uint32_t>(scenes::kMaxReadWait.count()));
-  info.set_max_exact_revisions(scenes::RecentLimits().revisions);
-  info.set_max_logged_revisions(scenes::LogLimits().revisions);
-  info.set_max_request_ids(scenes::AnswerLimits().answers);
-  info.set_max_producers(scenes::kMaxProducers);
-  info.set_policy(policy_name(config.policy));
-  info.set_threads(static_cast<std::uint32_t>(config.threads));
-  info.set_simd_target(std::string(accel::split::simd_target()));
-  return info;
-}
-
 /// Settings that differ from the library's defaults. They were measured.
 void configure(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
                              0);  // otherwise two servers could share a port
@@ -151,7 +90,7 @@ struct Server::Parts {
   const ServerConfig config;
   exec::Admission admission, all_hits_admission;
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
-  scenes::MemorySceneStore scenes;
+  scenes::SceneStore scenes;
   blobs::BlobStore blobs;
   exec::Compute compute;
   const scenes::Services services{.scenes = scenes,
@@ -178,7 +117,7 @@ struct Server::Parts {
     watches.stop();
   }
 
-  updates::InfoRpc info_rpc{describe(config)};
+  InfoRpc info_rpc{config};
   int port = 0;
   std::unique_ptr<grpc::Server> grpc;
   std::once_flag drained;

@@ -1,9 +1,14 @@
-// BlobService.
+// BlobService: which meshes the server has, and uploads of them.
 #include "server/blobs/blob_rpc.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include "server/blobs/upload_rpc.h"
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 
 namespace sightline::server::blobs {
@@ -35,6 +40,114 @@ Status upload_status(const v1::GetUploadStatusRequest& request, const BlobStore&
   return {};
 }
 
+/// Whether a later call may continue the upload after this error.
+bool leaves_upload_whole(Code code) {
+  return code == Code::kOutOfRange || code == Code::kCancelled;
+}
+
+/// Reads a chunk, checks and copies it in the arena, and only then reads the next. Deletes itself.
+class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
+ public:
+  UploadReactor(BlobStore& blobs, exec::Compute& compute,
+                const std::function<void()>& release_meshes, v1::UploadBlobResponse& reply)
+      : blobs_(blobs), compute_(compute), release_meshes_(release_meshes), reply_(reply) {}
+
+  void start() { StartRead(&chunk_); }
+
+  void OnReadDone(bool ok) override {
+    // A client that ends without `finish` may continue the upload later.
+    if (!ok) return end({});
+    compute_.enqueue([this] {
+      const Status accepted = exec::to_status([this] { return accept(); });
+      if (!accepted || done_) return end(accepted);
+      StartRead(&chunk_);
+    });
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  Status accept() {
+    if (chunk_.data().size() > kMaxBlobChunk) {
+      return Error{
+          Code::kResourceExhausted,
+          fmt::format("a chunk has {} bytes, the limit is {}", chunk_.data().size(), kMaxBlobChunk),
+          "CHUNK_TOO_LARGE"};
+    }
+    if (digest_text_.empty()) {
+      if (Status begun = begin(); !begun || done_) return begun;
+    } else if (!chunk_.digest().empty() && chunk_.digest() != digest_text_) {
+      return Error{Code::kInvalidArgument,
+                   fmt::format("a chunk of {} in the upload of {}", exec::quote(chunk_.digest()),
+                               digest_text_),
+                   "DIGEST_CHANGED"};
+    }
+    if (Status added = upload_->append(chunk_.offset(), std::as_bytes(std::span(chunk_.data())));
+        !added)
+      return added;
+    return chunk_.finish() ? finish() : Status();
+  }
+
+  Status begin() {
+    const auto digest = BlobDigest::parse(chunk_.digest());
+    if (!digest) return digest.error();
+    digest_text_ = chunk_.digest();
+    if (const auto mesh = blobs_.find(*digest)) {
+      report(*mesh, digest->size);
+      return {};
+    }
+    auto upload = blobs_.begin(*digest, chunk_.offset());
+    if (!upload && upload.error().reason == "MEMORY_BUDGET") {
+      release_meshes_();
+      upload = blobs_.begin(*digest, chunk_.offset());
+    }
+    if (!upload) return upload.error();
+    upload_ = std::move(*upload);
+    return {};
+  }
+
+  Status finish() {
+    const auto mesh = blobs_.complete(upload_);
+    if (!mesh) return mesh.error();
+    report(**mesh, upload_->digest().size);
+    spdlog::info("event=mesh_uploaded digest={} triangles={} nonfinite={}", digest_text_,
+                 (*mesh)->triangles(), (*mesh)->nonfinite());
+    return {};
+  }
+
+  void report(const scenegraph::model::Mesh& mesh, std::uint64_t size) {
+    reply_.set_committed_size(size);
+    reply_.set_triangles(mesh.triangles());
+    reply_.set_triangles_nonfinite(mesh.nonfinite());
+    done_ = true;
+  }
+
+  void end(const Status& status) {
+    if (upload_ && !done_) {
+      reply_.set_committed_size(upload_->committed());
+      if (status.ok() || leaves_upload_whole(status.error().code)) {
+        blobs_.set_aside(upload_);
+      } else {
+        blobs_.abandon(upload_);
+      }
+    }
+    reply_.set_digest(digest_text_);
+    const grpc::Status answer = exec::to_grpc(status);
+    exec::log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
+    Finish(answer);
+  }
+
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  BlobStore& blobs_;
+  exec::Compute& compute_;
+  const std::function<void()>& release_meshes_;
+  v1::UploadBlobResponse& reply_;
+  v1::UploadBlobRequest chunk_;
+  std::string digest_text_;
+  std::shared_ptr<Upload> upload_;
+  bool done_ = false;
+};
+
 }  // namespace
 
 grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext* context,
@@ -46,7 +159,9 @@ grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext*
 
 grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(grpc::CallbackServerContext*,
                                                                     v1::UploadBlobResponse* reply) {
-  return start_upload(blobs_, compute_, release_meshes_, *reply);
+  auto* reactor = new UploadReactor(blobs_, compute_, release_meshes_, *reply);
+  reactor->start();
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* BlobRpc::GetUploadStatus(grpc::CallbackServerContext* context,

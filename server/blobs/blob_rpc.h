@@ -1,17 +1,19 @@
-// BlobService.
+// BlobService: which meshes the server has, and uploads of them.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <utility>
 
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server::blobs {
 
 inline constexpr int kMaxDigestsPerRequest = 8192;
+inline constexpr std::size_t kMaxBlobChunk = std::size_t{1} << 20;  ///< Bytes of data in a message.
 
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:

@@ -11,7 +11,7 @@
 
 namespace sightline::server::exec {
 
-/// What a registry says of its calls.
+/// The limit of one kind of call, and the messages of its errors.
 struct CallKind {
   std::size_t limit = 0;
   /// The message of the error at the limit begins with this; {} is the number of open calls.
@@ -20,7 +20,7 @@ struct CallKind {
   std::string when_stopped = "the server is stopping";
 };
 
-/// Threads: any, for every member.
+/// The open calls of one kind. Threads: any, for every member.
 class CallRegistry {
  public:
   explicit CallRegistry(CallKind kind);

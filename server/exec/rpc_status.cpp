@@ -1,7 +1,11 @@
-// Errors of the project as gRPC status.
+// How a call ends: errors as gRPC status, quotes of what the client sent, and a log line.
 #include "server/exec/rpc_status.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 #include <string>
+#include <utility>
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -56,6 +60,10 @@ std::string cut(const std::string& message) {
 
 }  // namespace
 
+Error invalid_argument(std::string message, std::string reason) {
+  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
+}
+
 std::string reason_of(const Error& error) {
   return error.reason.empty() ? grpc_code(error.code).name : error.reason;
 }
@@ -74,6 +82,31 @@ grpc::Status to_grpc(const Error& error) {
 
 grpc::Status to_grpc(const Status& status) {
   return status.ok() ? grpc::Status::OK : to_grpc(status.error());
+}
+
+std::string quote(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text.substr(0, kMaxQuoted)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c >= ' ' && c <= '~' ? c : '?';
+  }
+  out += '"';
+  if (text.size() > kMaxQuoted) out += fmt::format("... ({} bytes)", text.size());
+  return out;
+}
+
+void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
+             std::string_view more) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  const auto us =
+      std::chrono::duration_cast<std::chrono::microseconds>(LogClock::now() - begun).count();
+  const auto code = static_cast<int>(status.error_code());
+  if (status.ok()) {
+    spdlog::debug("event=rpc method={} code={} us={} {}", method, code, us, more);
+  } else {
+    spdlog::debug("event=rpc method={} code={} us={} error={} {}", method, code, us,
+                  quote(status.error_message()), more);
+  }
 }
 
 }  // namespace sightline::server::exec

@@ -1,11 +1,13 @@
-// Exceptions and errors of the project as Status and as gRPC status.
+// How a call ends: errors as gRPC status, quotes of what the client sent, and a log line.
 #pragma once
 
 #include <grpcpp/support/status.h>
 
+#include <chrono>
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 
 #include "accel/result.h"
 
@@ -15,8 +17,11 @@ inline constexpr const char* kErrorDomain = "sightline";
 /// Bytes. Longer messages are cut: a status travels in HTTP/2 trailers, and peers limit their size.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 
-/// The Status that work() returns; kResourceExhausted for std::bad_alloc; kInternal for any other
-/// exception. Tasks and reactors use it because no exception may leave them.
+/// An error with the code kInvalidArgument.
+Error invalid_argument(std::string message, std::string reason);
+
+/// The Status that work() returns, kResourceExhausted for std::bad_alloc, or kInternal for any
+/// other exception. Tasks and reactors use it because no exception may leave them.
 template <class Work>
 Status to_status(Work&& work) {
   try {
@@ -29,7 +34,7 @@ Status to_status(Work&& work) {
   }
 }
 
-/// For programs: the error's reason, or its code's name if it has none.
+/// The error's reason, for programs; the name of its code if it has none.
 std::string reason_of(const Error& error);
 
 /// The status with the error's code and message, and with a google.rpc.Status in its details that
@@ -38,5 +43,20 @@ grpc::Status to_grpc(const Error& error);
 
 /// OK, or the error.
 grpc::Status to_grpc(const Status& status);
+
+inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a quoted text that are shown.
+
+/// Quotes text of a client for a message or a log line: printable ASCII only (anything else is
+/// shown as '?', a quote or backslash is escaped), cut after kMaxQuoted bytes; the full length is
+/// then appended.
+std::string quote(std::string_view text);
+
+/// Starts when a call arrives; log_rpc() writes the time since.
+using LogClock = std::chrono::steady_clock;
+
+/// Logs the end of a call in one line, at level debug: event=rpc method=... code=... us=..., then
+/// `more` ("key=value ..." or nothing).
+void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
+             std::string_view more = {});
 
 }  // namespace sightline::server::exec

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "server/exec/admission.h"
-#include "server/exec/compute.h"
-#include "server/exec/rpc_log.h"
+#include "server/exec/executors.h"
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::exec {

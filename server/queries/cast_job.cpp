@@ -1,8 +1,9 @@
-// Serves batches of rays.
+// Serves batches of rays: decode, admit, trace, encode.
 #include "server/queries/cast_job.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/queries/query_codec.h"
@@ -115,7 +116,7 @@ Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResp
   reply.clear_first_ray();
   reply.clear_more();
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    const Status made = pager_.next(*snapshot_, options, query_.fields, reply);
+    Status made = pager_.next(*snapshot_, options, query_.fields, reply);
     stats_ = pager_.stats();
     return made;
   }
@@ -139,6 +140,51 @@ void CastJob::close() {
   selection_.reset();
   scene_.reset();
   snapshot_.reset();
+}
+
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads) {
+  const std::size_t overshoot = static_cast<std::size_t>(threads) * scenegraph::kHitsPerListBlock;
+  const std::size_t hits = std::min(rays * max_hits, kHitsListed + overshoot);
+  return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
+}
+
+void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
+  rays_ = rays;
+  sent_ = listed_ = sent_hits_ = 0;
+  tallies_.resize(rays.size());
+  hits_.clear();
+  stats_ = {};
+}
+
+Status HitPager::list(const scenegraph::revision::Snapshot& snapshot,
+                      scenegraph::TraceOptions options) {
+  options.hits_at_once = kHitsListed;
+  const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
+                                            std::span(tallies_).subspan(listed_), hits_, options);
+  if (!traced) return traced.error();
+  listed_ += traced->rays;
+  sent_hits_ = 0;
+  stats_ += *traced;
+  return {};
+}
+
+Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
+                      const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
+                      v1::CastRaysResponse& reply) {
+  if (sent_ == listed_) {
+    if (Status done = list(snapshot, options); !done) return done;
+  }
+  const std::size_t first = sent_;
+  std::size_t count = 0;
+  for (; sent_ < listed_ && count + tallies_[sent_].count <= kMaxHitsPerReply; ++sent_)
+    count += tallies_[sent_].count;
+  encode_tallies(std::span(tallies_).subspan(first, sent_ - first),
+                 std::span(hits_).subspan(sent_hits_, count), fields, reply);
+  sent_hits_ += count;
+  reply.set_first_ray(first);
+  reply.set_more(sent_ < rays_.size());
+  if (!reply.more()) hits_ = {};  // frees the memory while the stream is idle
+  return {};
 }
 
 }  // namespace sightline::server::queries

@@ -7,16 +7,14 @@
 #include <span>
 #include <string>
 
+#include "server/exec/rpc_status.h"
+
 namespace sightline::server::queries {
 namespace {
 
 using accel::geometry::Culling;
 using scenegraph::Growth;
 using scenegraph::QueryKind;
-
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
 
 Result<QueryKind> decode_kind(v1::QueryKind kind) {
   switch (kind) {
@@ -30,8 +28,8 @@ Result<QueryKind> decode_kind(v1::QueryKind kind) {
     case v1::QUERY_KIND_ALL:
       return QueryKind::kAll;
     default:
-      return invalid(fmt::format("query kind {} is not known", static_cast<int>(kind)),
-                     "UNKNOWN_KIND");
+      return exec::invalid_argument(
+          fmt::format("query kind {} is not known", static_cast<int>(kind)), "UNKNOWN_KIND");
   }
 }
 
@@ -48,8 +46,8 @@ Result<Growth> decode_growth(v1::BuildMode build, Growth policy) {
     case v1::BUILD_MODE_BUILT_ONLY:
       return Growth::kBuiltOnly;
     default:
-      return invalid(fmt::format("build mode {} is not known", static_cast<int>(build)),
-                     "UNKNOWN_BUILD_MODE");
+      return exec::invalid_argument(
+          fmt::format("build mode {} is not known", static_cast<int>(build)), "UNKNOWN_BUILD_MODE");
   }
 }
 
@@ -63,8 +61,8 @@ Result<Culling> decode_culling(v1::Culling culling) {
     case v1::CULLING_FRONT:
       return Culling::kFront;
     default:
-      return invalid(fmt::format("culling {} is not known", static_cast<int>(culling)),
-                     "UNKNOWN_CULLING");
+      return exec::invalid_argument(
+          fmt::format("culling {} is not known", static_cast<int>(culling)), "UNKNOWN_CULLING");
   }
 }
 
@@ -75,28 +73,28 @@ struct FieldsOfKind {
 };
 
 const FieldsOfKind& fields_of(QueryKind kind) {
-  static const FieldsOfKind closest{
+  static const FieldsOfKind kClosest{
       {},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
       {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind any{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind count{
+  static const FieldsOfKind kAny{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind kCount{
       {v1::HIT_FIELD_COUNT}, {}, {v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind all{
+  static const FieldsOfKind kAll{
       {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
       {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK}};
   switch (kind) {
     case QueryKind::kAny:
-      return any;
+      return kAny;
     case QueryKind::kCount:
-      return count;
+      return kCount;
     case QueryKind::kAll:
-      return all;
+      return kAll;
     case QueryKind::kClosest:
       break;
   }
-  return closest;
+  return kClosest;
 }
 
 bool contains(std::span<const v1::HitField> fields, v1::HitField field) {
@@ -106,17 +104,18 @@ bool contains(std::span<const v1::HitField> fields, v1::HitField field) {
 Status check_field(v1::HitField field, const FieldsOfKind& of_kind, v1::QueryKind kind,
                    std::span<const v1::HitField> before) {
   if (!v1::HitField_IsValid(field) || field == v1::HIT_FIELD_UNSPECIFIED) {
-    return invalid(fmt::format("hit field {} is not known", static_cast<int>(field)),
-                   "UNKNOWN_FIELD");
+    return exec::invalid_argument(fmt::format("hit field {} is not known", static_cast<int>(field)),
+                                  "UNKNOWN_FIELD");
   }
   if (contains(before, field))
-    return invalid(fmt::format("{} is asked for twice", v1::HitField_Name(field)), "FIELD_TWICE");
+    return exec::invalid_argument(fmt::format("{} is asked for twice", v1::HitField_Name(field)),
+                                  "FIELD_TWICE");
   if (!contains(of_kind.always, field) && !contains(of_kind.standard, field) &&
       !contains(of_kind.optional, field)) {
     const std::string name =
         v1::QueryKind_Name(kind == v1::QUERY_KIND_UNSPECIFIED ? v1::QUERY_KIND_CLOSEST : kind);
-    return invalid(fmt::format("{} has no {}", name, v1::HitField_Name(field)),
-                   "FIELD_NOT_OF_KIND");
+    return exec::invalid_argument(fmt::format("{} has no {}", name, v1::HitField_Name(field)),
+                                  "FIELD_NOT_OF_KIND");
   }
   return {};
 }
@@ -142,13 +141,14 @@ Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
 Status decode_max_hits(const v1::CastRaysRequest& request, CastQuery& query) {
   if (request.max_hits() == 0) return {};
   if (query.kind != QueryKind::kAll) {
-    return invalid(
+    return exec::invalid_argument(
         fmt::format("max_hits is {}, but only QUERY_KIND_ALL has it", request.max_hits()),
         "LIMIT_NOT_OF_KIND");
   }
   if (request.max_hits() > kMaxMaxHits) {
-    return invalid(fmt::format("max_hits is {}, the limit is {}", request.max_hits(), kMaxMaxHits),
-                   "MAX_HITS_TOO_LARGE");
+    return exec::invalid_argument(
+        fmt::format("max_hits is {}, the limit is {}", request.max_hits(), kMaxMaxHits),
+        "MAX_HITS_TOO_LARGE");
   }
   query.max_hits = request.max_hits();
   return {};
@@ -156,9 +156,10 @@ Status decode_max_hits(const v1::CastRaysRequest& request, CastQuery& query) {
 
 Status decode_nodes(const v1::CastRaysRequest& request, CastQuery& query) {
   if (request.exclude_size() > kMaxExclusions) {
-    return invalid(fmt::format("{} nodes are excluded, the limit is {}; exclude a parent of them",
-                               request.exclude_size(), kMaxExclusions),
-                   "TOO_MANY_EXCLUSIONS");
+    return exec::invalid_argument(
+        fmt::format("{} nodes are excluded, the limit is {}; exclude a parent of them",
+                    request.exclude_size(), kMaxExclusions),
+        "TOO_MANY_EXCLUSIONS");
   }
   query.root = request.root();
   query.excluded.assign(request.exclude().begin(), request.exclude().end());
@@ -175,9 +176,9 @@ Result<CastQuery> decode_query(const v1::CastRaysRequest& request, Growth policy
   const auto culling = decode_culling(request.culling());
   if (!culling) return culling.error();
   CastQuery query{.kind = *kind, .growth = *growth, .culling = *culling};
-  if (Status good = decode_fields(request, query); !good) return good.error();
-  if (Status good = decode_max_hits(request, query); !good) return good.error();
-  if (Status good = decode_nodes(request, query); !good) return good.error();
+  if (const Status good = decode_fields(request, query); !good) return good.error();
+  if (const Status good = decode_max_hits(request, query); !good) return good.error();
+  if (const Status good = decode_nodes(request, query); !good) return good.error();
   return query;
 }
 

@@ -14,10 +14,11 @@
 namespace sightline::server::queries {
 
 inline constexpr std::uint32_t kDefaultMaxHits = 256;
-/// This many hits fit one message with every field.
+/// One message with every field holds this many hits.
 inline constexpr std::uint32_t kMaxMaxHits = 16384;
 inline constexpr int kMaxExclusions = 4096;
 
+/// A checked query.
 struct CastQuery {
   scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
   scenegraph::Growth growth = scenegraph::Growth::kFirstTouch;
@@ -31,7 +32,7 @@ struct CastQuery {
   bool selects() const { return root != 0 || !excluded.empty(); }
 };
 
-/// `policy` is used for an unspecified build mode.
+/// Checks and decodes the query. `policy` is used for an unspecified build mode.
 /// Errors: kInvalidArgument (an unknown kind, field, build mode or culling; a repeated field; a
 /// field or limit that the kind does not have; kMaxMaxHits or kMaxExclusions exceeded).
 Result<CastQuery> decode_query(const v1::CastRaysRequest& request, scenegraph::Growth policy);

@@ -1,13 +1,15 @@
-// RayQueryService, and its unary call.
+// RayQueryService: casts of one batch, streams of batches, and prefetches.
 #include "server/queries/cast_rpc.h"
+
+#include <fmt/format.h>
 
 #include <memory>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
+#include "server/queries/cast_job.h"
 #include "server/queries/prefetch_rpc.h"
-#include "server/queries/stream_cast_rpc.h"
+#include "server/scenes/revision_wait.h"
 
 namespace sightline::server::queries {
 namespace {
@@ -64,6 +66,89 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   v1::CastRaysResponse& reply_;
 };
 
+/// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
+/// is under way, so the call needs two messages, and a client that does not read its replies is not
+/// served.
+class CastStream final
+    : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
+ public:
+  CastStream(const scenes::Services& services, const grpc::CallbackServerContext& context)
+      : compute_(services.compute),
+        context_(context),
+        streams_(services.cast_streams),
+        job_(services, Replies::kMany),
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)) {}
+
+  void start() {
+    if (const Status entered = streams_.enter(this, {}); !entered) return end(entered);
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return end({});  // the client has closed its side, or is gone
+    if (batches_++ > 0) return cast();
+    const v1::CastRaysRequest& first = request_.request();
+    if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
+      return end(opened);
+    wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
+                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+                  if (!pinned) return end(pinned.error());
+                  job_.pin(std::move(*pinned));
+                  cast();
+                });
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
+    if (reply_.response().more()) return compute_.enqueue([this] { answer(); });
+    StartRead(&request_);
+  }
+
+  void OnCancel() override {
+    job_.cancel();
+    wait_->cancel();
+  }
+
+  void OnDone() override {
+    streams_.leave(this);
+    // On a worker: this may hold the last reference to a revision and free its trees.
+    compute_.enqueue([this] { delete this; });
+  }
+
+ private:
+  void cast() {
+    if (const Status accepted =
+            exec::to_status([this] { return job_.accept(request_.request().rays()); });
+        !accepted)
+      return end(accepted);
+    compute_.enqueue([this] { answer(); });
+  }
+
+  void answer() {
+    const Status done = exec::to_status([this] { return job_.run(*reply_.mutable_response()); });
+    if (!done) return end(done);
+    reply_.set_chunk(request_.chunk());
+    StartWrite(&reply_);
+  }
+
+  void end(const Status& status) {
+    const grpc::Status answer = exec::to_grpc(status);
+    exec::log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
+    Finish(answer);
+  }
+
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  exec::Compute& compute_;
+  const grpc::CallbackServerContext& context_;
+  exec::CallRegistry& streams_;
+  CastJob job_;
+  const std::shared_ptr<scenes::RevisionWait> wait_;
+  std::uint64_t batches_ = 0;
+  v1::StreamCastRaysRequest request_;
+  v1::StreamCastRaysResponse reply_;
+};
+
 }  // namespace
 
 RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services) {
@@ -80,7 +165,9 @@ grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* con
 
 grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>*
 RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
-  return start_cast_stream(services_, *context);
+  auto* stream = new CastStream(services_, *context);
+  stream->start();
+  return stream;
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(

@@ -1,10 +1,11 @@
-// RayQueryService.
+// RayQueryService: casts of one batch, streams of batches, and prefetches.
 #pragma once
 
 #include <cstddef>
 
 #include "server/exec/message_pool.h"
 #include "server/queries/cast_job.h"
+#include "server/scenes/services.h"
 #include "sightline/v1/query.grpc.pb.h"
 
 namespace sightline::server::queries {

@@ -16,7 +16,7 @@ namespace sightline::server::queries {
 
 inline constexpr int kMaxPrefetchRoots = 4096;
 
-/// Used for one call: open(), run() with report() meanwhile, close().
+/// Serves one call: open(), then run() while report() may be called, then close().
 class PrefetchJob {
  public:
   explicit PrefetchJob(const scenes::Services& services) : services_(services) {}

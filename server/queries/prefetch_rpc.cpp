@@ -7,7 +7,6 @@
 #include <chrono>
 #include <mutex>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_job.h"
 

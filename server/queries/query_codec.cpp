@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/exec/rpc_status.h"
+
 namespace sightline::server::queries {
 namespace {
 
@@ -18,10 +20,6 @@ static_assert(std::endian::native == std::endian::little,
 using accel::geometry::Hit;
 using accel::geometry::Ray;
 using scenegraph::RayTally;
-
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
 
 template <class T>
 T load(const std::string& column, std::size_t index) {
@@ -60,7 +58,7 @@ void fill(const v1::Rays& columns, std::span<Ray> rays) {
 Status check_column(std::string_view name, const std::string& column, std::size_t rays,
                     std::size_t bytes_per_ray) {
   if (column.size() == rays * bytes_per_ray) return {};
-  return invalid(
+  return exec::invalid_argument(
       fmt::format(
           "column {} has {} bytes, expected {} ({} rays of {} bytes, by the length of origins)",
           name, column.size(), rays * bytes_per_ray, rays, bytes_per_ray),
@@ -160,7 +158,7 @@ Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
   const std::size_t element = columns.float64() ? sizeof(double) : sizeof(float);
   const std::size_t count = columns.origins().size() / (3 * element);
   if (columns.origins().size() % (3 * element) != 0) {
-    return invalid(
+    return exec::invalid_argument(
         fmt::format("column origins has {} bytes, expected a multiple of {} (3 {} a ray)",
                     columns.origins().size(), 3 * element,
                     columns.float64() ? "float64" : "float32"),

@@ -15,7 +15,7 @@ namespace sightline::server::queries {
 
 /// With every field, the reply to this many rays stays below 1 MiB.
 inline constexpr std::size_t kMaxRaysPerRequest = 16384;
-/// The same limit for the hits that one reply lists.
+/// With every field, a reply that lists this many hits stays below 1 MiB.
 inline constexpr std::size_t kMaxHitsPerReply = 20480;
 
 /// Fills `rays` from little-endian columns and reuses its memory. Values are not checked: the

@@ -1,22 +1,28 @@
-// A log of the last entries, bounded in their number and in their total weight.
+// What a scene keeps of its past: recent revisions, and the updates that made them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
+
+#include "accel/result.h"
+#include "scenegraph/model/update.h"
+#include "scenegraph/revision/snapshot.h"
 
 namespace sightline::server::scenes {
 
 struct HistoryLimits {
   std::size_t entries = 0;
-  std::uint64_t weight = 0;     ///< Sum over all entries.
+  std::uint64_t weight = 0;     ///< Sum of all entries.
   std::size_t min_entries = 0;  ///< The newest ones, kept whatever their weight.
 };
 
-/// Oldest first. A dropped entry is returned, so that its owner can destroy it outside a lock.
-/// Threads: one at a time.
+/// A log of the last entries, oldest first, bounded in number and in total weight. A dropped entry
+/// is returned, so that its owner can destroy it outside a lock. Threads: one at a time.
 template <class Entry>
 class History {
  public:
@@ -49,6 +55,7 @@ class History {
   /// Drops all entries.
   std::vector<Entry> clear() {
     std::vector<Entry> dropped;
+    dropped.reserve(items_.size());
     for (Item& item : items_) dropped.push_back(std::move(item.entry));
     items_.clear();
     weight_ = 0;
@@ -72,6 +79,75 @@ class History {
   HistoryLimits limits_;
   std::deque<Item> items_;
   std::uint64_t weight_ = 0;
+};
+
+struct RecentLimits {
+  std::size_t revisions = 64;
+  /// Bytes that the kept revisions do not share with later ones.
+  std::uint64_t bytes = std::uint64_t{64} << 20;
+};
+
+/// The last revisions, for reads of an exact one. Threads: one that calls retain() and account(),
+/// any for the other members.
+class RecentRevisions {
+ public:
+  using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;
+
+  explicit RecentRevisions(RecentLimits limits = {})
+      : history_({.entries = limits.revisions, .weight = limits.bytes}) {}
+
+  /// Adds the next revision, or replaces the snapshot of the newest one. Call it before the
+  /// following revision is published: a reader that knows that revision then finds this one.
+  /// Returns the replaced snapshot, or null.
+  [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
+
+  /// Call it after the following revision is published. `bytes`: what that revision does not share
+  /// with the newest kept one. Returns the snapshots that are no longer kept; destroying them may
+  /// take long.
+  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes);
+
+  /// Null if the revision is not kept.
+  SnapshotPointer find(std::uint64_t revision) const;
+  /// The oldest revision that is kept; `head` if none is.
+  std::uint64_t oldest_or(std::uint64_t head) const;
+
+  /// Drops all revisions and returns them.
+  [[nodiscard]] std::vector<SnapshotPointer> drop_all();
+
+ private:
+  mutable std::mutex mutex_;          // held for a few pointer copies
+  History<SnapshotPointer> history_;  // consecutive revisions
+};
+
+struct LogLimits {
+  std::size_t revisions = 1024;
+  std::uint64_t bytes = std::uint64_t{64} << 20;  ///< The newest revision is kept, however large.
+};
+
+/// About how many bytes the updates take.
+std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates);
+
+/// The updates that made the last revisions, for watches. Readers share the updates with the log.
+/// Threads: one that calls add(), any for the other members.
+class UpdateLog {
+ public:
+  using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
+
+  explicit UpdateLog(LogLimits limits = {})
+      : history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
+
+  /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
+  void add(std::vector<scenegraph::model::Update> updates);
+
+  /// The last revision; 0 before the first.
+  std::uint64_t last() const;
+  /// Errors: kOutOfRange, naming what is kept.
+  Result<Updates> find(std::uint64_t revision) const;
+
+ private:
+  mutable std::mutex mutex_;  // held for a few pointer copies
+  History<Updates> history_;  // consecutive revisions up to last_
+  std::uint64_t last_ = 0;
 };
 
 }  // namespace sightline::server::scenes

@@ -1,17 +1,16 @@
-// Resource names: projects/{project}/scenes/{scene}.
+// Names of scenes, projects/{project}/scenes/{scene}, and tokens of their revisions.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "accel/result.h"
+#include "sightline/v1/common.pb.h"
 
 namespace sightline::server::scenes {
 
 inline constexpr std::size_t kMaxId = 63;  ///< Bytes of a project or scene id.
-
-/// Whether the text matches [a-z0-9][a-z0-9._-]{0,62}.
-bool is_id(std::string_view text);
 
 /// Errors: kInvalidArgument, naming the part that is wrong and what it should match.
 Status check_scene_name(std::string_view name);
@@ -21,5 +20,22 @@ Status check_project_name(std::string_view name);
 
 /// The project part, "projects/{project}", of a checked scene name.
 std::string_view project_of(std::string_view scene_name);
+
+/// The content of SceneRevision.token: a revision of one scene, until that scene is deleted.
+struct RevisionToken {
+  std::uint64_t incarnation = 0;  ///< Random number of the scene. A scene created again under the
+                                  ///< same name has another one.
+  std::uint64_t revision = 0;
+
+  std::string text() const;
+  /// Errors: kInvalidArgument if text() cannot have made it.
+  static Result<RevisionToken> parse(std::string_view text);
+};
+
+/// A random number for a new scene.
+std::uint64_t new_incarnation();
+
+/// Writes the number and the token.
+void encode_revision(const RevisionToken& token, v1::SceneRevision& out);
 
 }  // namespace sightline::server::scenes

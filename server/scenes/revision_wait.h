@@ -14,7 +14,7 @@
 #include "accel/result.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/common.pb.h"
 
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMaxWaitingReads = 256;
 inline constexpr std::chrono::milliseconds kMaxReadWait{2000};
 
 /// The wait of one call. No thread blocks: the update that publishes the revision resumes the call.
-/// Made by std::make_shared.
+/// Must be made by std::make_shared.
 class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
  public:
   using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;

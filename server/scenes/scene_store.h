@@ -1,8 +1,10 @@
-// Where scenes are kept. Implementations decide whether they outlive the process.
+// Keeps scenes by name, in memory. They are lost when the process ends.
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -11,31 +13,35 @@
 
 namespace sightline::server::scenes {
 
+/// A part of a list of scenes.
 struct ScenePage {
   std::vector<std::shared_ptr<StoredScene>> scenes;  ///< By name.
   std::string next;  ///< The last name of this page if more follow, else empty.
 };
 
-/// Names are checked by the caller (server/scenes/names.h). Threads: any, for every member. A
+/// The caller checks names (server/scenes/names.h). Threads: any, for every member. A
 /// pointer to a scene keeps it alive after its removal.
 class SceneStore {
  public:
-  virtual ~SceneStore() = default;
+  static constexpr std::size_t kMaxScenes = 10'000;
 
   /// Errors: kAlreadyExists, kResourceExhausted (too many scenes).
-  virtual Result<std::shared_ptr<StoredScene>> create(SceneInfo info) = 0;
+  Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
   /// Errors: kNotFound.
-  virtual Result<std::shared_ptr<StoredScene>> get(const std::string& name) const = 0;
+  Result<std::shared_ptr<StoredScene>> get(const std::string& name) const;
   /// Up to `limit` scenes of "projects/{project}" whose names come after `after` (empty: from the
   /// first).
-  virtual ScenePage list(const std::string& project, const std::string& after,
-                         std::size_t limit) const = 0;
+  ScenePage list(const std::string& project, const std::string& after, std::size_t limit) const;
   /// Calls the listeners of the scene. Errors: kNotFound.
-  virtual Status remove(const std::string& name) = 0;
+  Status remove(const std::string& name);
 
   /// Drops all revisions except the newest of every scene, and with them the meshes that only they
   /// use. May take long.
-  virtual void drop_old_revisions() = 0;
+  void drop_old_revisions();
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<StoredScene>> scenes_;
 };
 
 }  // namespace sightline::server::scenes

@@ -4,11 +4,13 @@
 #include <memory>
 #include <string>
 
+#include "accel/result.h"
 #include "scenegraph/trace_options.h"
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
-#include "server/exec/compute.h"
+#include "server/exec/executors.h"
+#include "server/scenes/names.h"
 #include "server/scenes/scene_store.h"
 
 namespace sightline::server::scenes {
@@ -30,7 +32,10 @@ struct Services {
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
 
   /// Errors: kInvalidArgument (not a scene name), kNotFound.
-  Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const;
+  Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const {
+    if (const Status good = check_scene_name(scene); !good) return good.error();
+    return scenes.get(scene);
+  }
 };
 
 }  // namespace sightline::server::scenes

@@ -3,9 +3,27 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "server/scenes/applied_updates.h"
 
 namespace sightline::server::scenes {
+
+std::uint64_t SceneEvents::subscribe(Listener listener) {
+  const std::lock_guard lock(mutex_);
+  listeners_.emplace(next_, std::move(listener));
+  return next_++;
+}
+
+void SceneEvents::unsubscribe(std::uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  listeners_.erase(id);
+}
+
+void SceneEvents::notify() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, listener] : listeners_) listener();
+}
 
 Error unknown_scene(const std::string& name) {
   return {Code::kNotFound, fmt::format("there is no scene {}", name), "SCENE_NOT_FOUND"};
@@ -41,7 +59,7 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
   if (removed()) return removed_error();
   std::vector<RecentRevisions::SnapshotPointer> dropped;
   auto before = scene_.snapshot();
-  if (Status good = check_deformed(*before, updates); !good) return good.error();
+  if (const Status good = check_deformed(*before, updates); !good) return good.error();
   auto unsettled = recent_.retain(before);
   auto applied = scene_.apply(updates, expected_revision);
   if (applied) {

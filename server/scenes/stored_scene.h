@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,28 +14,44 @@
 
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/scene.h"
-#include "server/exec/compute.h"
-#include "server/exec/strand.h"
-#include "server/scenes/producers.h"
-#include "server/scenes/recent_revisions.h"
-#include "server/scenes/request_answers.h"
-#include "server/scenes/revision_token.h"
-#include "server/scenes/scene_events.h"
-#include "server/scenes/update_log.h"
+#include "server/exec/executors.h"
+#include "server/scenes/history.h"
+#include "server/scenes/idempotency.h"
+#include "server/scenes/names.h"
 
 namespace sightline::server::scenes {
 
+/// Listeners of one scene. notify() is called after a new revision, after another call takes over a
+/// producer, and after the removal of the scene. The listener checks the scene to find out which.
+/// Threads: any, for every member.
+class SceneEvents {
+ public:
+  using Listener = std::function<void()>;
+
+  /// `listener` must be short and must call neither subscribe() nor unsubscribe().
+  std::uint64_t subscribe(Listener listener);
+  /// When this returns, the listener is not running and will not be called.
+  void unsubscribe(std::uint64_t id);
+  void notify();
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, Listener> listeners_;
+  std::uint64_t next_ = 1;
+};
+
 enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
 
-/// Recorded as given. No value is converted with it.
+/// What a scene was created with. The axis and the unit are recorded as given; no value is
+/// converted with them.
 struct SceneInfo {
   std::string name;  ///< Resource name.
   UpAxis up_axis = UpAxis::kUnspecified;
   double meters_per_unit = 0;  ///< 0: unknown.
 };
 
-/// Made by std::make_shared. apply(), answers() and producers() may only be used by tasks of
-/// write_queue(). Threads: any, for every other member.
+/// A scene that clients can name. Must be made by std::make_shared. apply(), answers() and
+/// producers() may only be used by tasks of write_queue(). Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
   explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}

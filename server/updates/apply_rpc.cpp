@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/update_codec.h"
 
@@ -25,8 +24,8 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
       [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
 }
 
-/// Decoded on any worker, then applied on the write queue. Of two requests with one id the second
-/// finds the answer of the first there.
+/// Decodes the batch on any worker, then applies it on the write queue. The second of two requests
+/// with one id finds the answer of the first there.
 class ApplyCall final : public grpc::ServerUnaryReactor {
  public:
   ApplyCall(const scenes::Services& services, const v1::ApplyUpdatesRequest& request,

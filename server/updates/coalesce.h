@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scenegraph/model/update.h"
-#include "server/updates/update_batches.h"
+#include "server/updates/producer_messages.h"
 
 namespace sightline::server::updates {
 

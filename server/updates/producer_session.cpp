@@ -35,7 +35,7 @@ Result<std::vector<BatchOutcome>> ProducerSession::apply_some(std::deque<UpdateB
   std::vector<BatchOutcome> outcomes;
   if (latest_wins_ && alone_ == 0 && apply_together(batches, outcomes)) return outcomes;
   if (alone_ > 0) --alone_;
-  if (Status done = apply_first(batches, outcomes); !done) return done.error();
+  if (const Status done = apply_first(batches, outcomes); !done) return done.error();
   return outcomes;
 }
 

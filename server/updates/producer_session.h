@@ -8,10 +8,10 @@
 
 #include "accel/result.h"
 #include "scenegraph/scene.h"
-#include "server/exec/compute.h"
-#include "server/scenes/producers.h"
+#include "server/exec/executors.h"
+#include "server/scenes/idempotency.h"
 #include "server/scenes/stored_scene.h"
-#include "server/updates/update_batches.h"
+#include "server/updates/producer_messages.h"
 
 namespace sightline::server::updates {
 

@@ -7,25 +7,18 @@
 #include <string>
 #include <utility>
 
+#include "server/exec/rpc_status.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::updates {
-namespace {
-
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
-
-}  // namespace
-
 Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene) {
   if (const Status good = scenes::check_scene_name(scene.name()); !good) return good.error();
   scenes::SceneInfo info{scene.name(), scenes::UpAxis::kUnspecified, scene.meters_per_unit()};
   if (!std::isfinite(info.meters_per_unit) || info.meters_per_unit < 0) {
-    return invalid(fmt::format("meters_per_unit is {}, expected a positive "
-                               "number, or 0 for unknown",
-                               info.meters_per_unit),
-                   "BAD_UNIT");
+    return exec::invalid_argument(fmt::format("meters_per_unit is {}, expected a positive "
+                                              "number, or 0 for unknown",
+                                              info.meters_per_unit),
+                                  "BAD_UNIT");
   }
   switch (scene.up_axis()) {
     case v1::UP_AXIS_UNSPECIFIED:
@@ -37,8 +30,9 @@ Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene) {
       info.up_axis = scenes::UpAxis::kZ;
       break;
     default:
-      return invalid(fmt::format("up axis {} is not known", static_cast<int>(scene.up_axis())),
-                     "UNKNOWN_UP_AXIS");
+      return exec::invalid_argument(
+          fmt::format("up axis {} is not known", static_cast<int>(scene.up_axis())),
+          "UNKNOWN_UP_AXIS");
   }
   return info;
 }

@@ -3,7 +3,7 @@
 
 #include "accel/result.h"
 #include "scenegraph/revision/snapshot.h"
-#include "server/scenes/revision_token.h"
+#include "server/scenes/names.h"
 #include "server/scenes/stored_scene.h"
 #include "sightline/v1/scene.pb.h"
 
@@ -13,6 +13,7 @@ namespace sightline::server::updates {
 /// kInvalidArgument.
 Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene);
 
+/// Sets what is recorded of the scene, and its summary.
 void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
                   const scenegraph::revision::SceneSummary& summary, v1::Scene& scene);
 v1::Mobility encode_mobility(scenegraph::model::Mobility mobility);

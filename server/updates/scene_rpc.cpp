@@ -1,14 +1,18 @@
-// SceneService.
+// SceneService: reads and deletes scenes, and starts the calls that change and watch them.
 #include "server/updates/scene_rpc.h"
 
 #include <fmt/format.h>
+#include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
-#include "server/exec/quote.h"
+#include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 #include "server/scenes/names.h"
+#include "server/scenes/revision_wait.h"
 #include "server/updates/apply_rpc.h"
 #include "server/updates/scene_codec.h"
 #include "server/updates/update_stream_rpc.h"
@@ -21,6 +25,74 @@ void encode(scenes::StoredScene& scene, v1::Scene& out) {
   const scenegraph::revision::SceneSummary summary = scene.summary();
   encode_scene(scene.info(), scene.token(summary.revision), summary, out);
 }
+
+/// Waits for the revision, then encodes the nodes on a worker. Deletes itself.
+class NodesCall final : public grpc::ServerUnaryReactor {
+ public:
+  NodesCall(const scenes::Services& services, const v1::BatchGetNodesRequest& request,
+            v1::BatchGetNodesResponse& reply)
+      : services_(services),
+        wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
+                                                     services.waiting_reads)),
+        request_(request),
+        reply_(reply) {}
+
+  void start(const grpc::CallbackServerContext& context) {
+    if (const Status good = exec::to_status([this] { return open(); }); !good) return end(good);
+    wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
+                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+                  if (!pinned) return end(pinned.error());
+                  services_.compute.enqueue([this, snapshot = std::move(*pinned)] {
+                    end(exec::to_status([&] { return answer(*snapshot); }));
+                  });
+                });
+  }
+
+  void OnCancel() override { wait_->cancel(); }
+  void OnDone() override { delete this; }
+
+ private:
+  Status open() {
+    if (request_.ids_size() > kMaxNodesPerRequest) {
+      return Error{Code::kResourceExhausted,
+                   fmt::format("the request has {} ids, the limit is {}", request_.ids_size(),
+                               kMaxNodesPerRequest),
+                   "TOO_MANY_NODES"};
+    }
+    auto scene = services_.find(request_.scene());
+    if (!scene) return scene.error();
+    auto ticket = services_.admission.admit(0, request_.SpaceUsedLong());
+    if (!ticket) return ticket.error();
+    scene_ = std::move(*scene);
+    ticket_ = std::move(*ticket);
+    return {};
+  }
+
+  Status answer(const scenegraph::revision::Snapshot& snapshot) {
+    encode_revision(scene_->token(snapshot.revision()), *reply_.mutable_served());
+    for (const std::uint64_t id : request_.ids()) {
+      v1::Node& node = *reply_.add_nodes();
+      if (const scenegraph::model::Node* found = snapshot.find(id)) encode_node(*found, node);
+    }
+    return {};
+  }
+
+  void end(const Status& status) {
+    const grpc::Status answer = exec::to_grpc(status);
+    ticket_ = {};
+    scene_.reset();
+    exec::log_rpc("BatchGetNodes", answer, begun_);
+    Finish(answer);  // may delete this reactor
+  }
+
+  const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  const scenes::Services& services_;
+  const std::shared_ptr<scenes::RevisionWait> wait_;
+  const v1::BatchGetNodesRequest& request_;
+  v1::BatchGetNodesResponse& reply_;
+  std::shared_ptr<scenes::StoredScene> scene_;
+  exec::Admission::Ticket ticket_;
+};
 
 }  // namespace
 
@@ -112,7 +184,9 @@ grpc::ServerUnaryReactor* SceneRpc::DeleteScene(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* SceneRpc::BatchGetNodes(grpc::CallbackServerContext* context,
                                                   const v1::BatchGetNodesRequest* request,
                                                   v1::BatchGetNodesResponse* reply) {
-  return start_get_nodes(services_, *context, *request, *reply);
+  auto* call = new NodesCall(services_, *request, *reply);
+  call->start(*context);
+  return call;
 }
 
 grpc::ServerUnaryReactor* SceneRpc::ApplyUpdates(grpc::CallbackServerContext*,

@@ -1,14 +1,15 @@
-// SceneService.
+// SceneService: reads and deletes scenes, and starts the calls that change and watch them.
 #pragma once
 
 #include "server/scenes/services.h"
-#include "server/updates/nodes_rpc.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
 namespace sightline::server::updates {
 
 inline constexpr int kDefaultPage = 100;
 inline constexpr int kMaxPage = 1000;
+/// Ids of one BatchGetNodes call. A node's name has up to 1 KiB, so the reply stays below 1 MiB.
+inline constexpr int kMaxNodesPerRequest = 512;
 
 class SceneRpc final : public v1::SceneService::CallbackService {
  public:

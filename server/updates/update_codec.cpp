@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "server/exec/rpc_status.h"
 #include "server/updates/scene_codec.h"
 
 namespace sightline::server::updates {
@@ -21,15 +22,12 @@ constexpr std::size_t kMatrixBytes = sizeof(Affine::m);
 constexpr std::size_t kMaxNodeBytes = 10;  // of a node's number on the wire
 constexpr std::size_t kMissingNamed = 4;   // as many digests as fit an error message
 
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
-
 Result<Affine> decode_transform(const v1::Transform& transform) {
   Affine affine;
   if (static_cast<std::size_t>(transform.matrix_size()) != affine.m.size()) {
-    return invalid(fmt::format("a matrix has {} numbers, expected 12", transform.matrix_size()),
-                   "MATRIX_LENGTH");
+    return exec::invalid_argument(
+        fmt::format("a matrix has {} numbers, expected 12", transform.matrix_size()),
+        "MATRIX_LENGTH");
   }
   std::copy(transform.matrix().begin(), transform.matrix().end(), affine.m.begin());
   return affine;
@@ -45,8 +43,8 @@ Result<Mobility> decode_mobility(v1::Mobility mobility) {
     case v1::MOBILITY_DEFORMING:
       return Mobility::kDeforming;
     default:
-      return invalid(fmt::format("mobility {} is not known", static_cast<int>(mobility)),
-                     "UNKNOWN_MOBILITY");
+      return exec::invalid_argument(
+          fmt::format("mobility {} is not known", static_cast<int>(mobility)), "UNKNOWN_MOBILITY");
   }
 }
 
@@ -69,7 +67,7 @@ class UpdateDecoder {
       case v1::Update::UPDATE_NOT_SET:
         break;
     }
-    return invalid("it says nothing that this server knows", "EMPTY_UPDATE");
+    return exec::invalid_argument("it says nothing that this server knows", "EMPTY_UPDATE");
   }
 
   Status check_missing() const {
@@ -113,10 +111,11 @@ class UpdateDecoder {
   static Result<scenegraph::model::Update> decode_set(const v1::SetTransforms& set) {
     const auto count = static_cast<std::size_t>(set.nodes_size());
     if (set.matrices().size() != count * kMatrixBytes) {
-      return invalid(fmt::format("column matrices has {} bytes, expected {} "
-                                 "({} nodes of {} bytes)",
-                                 set.matrices().size(), count * kMatrixBytes, count, kMatrixBytes),
-                     "COLUMN_LENGTH");
+      return exec::invalid_argument(
+          fmt::format("column matrices has {} bytes, expected {} "
+                      "({} nodes of {} bytes)",
+                      set.matrices().size(), count * kMatrixBytes, count, kMatrixBytes),
+          "COLUMN_LENGTH");
     }
     scenegraph::model::SetTransforms transforms;
     transforms.nodes.assign(set.nodes().begin(), set.nodes().end());
@@ -131,14 +130,15 @@ class UpdateDecoder {
   static Result<scenegraph::model::Update> decode_patch(const v1::PatchVertices& patch) {
     const std::size_t bytes = patch.positions().size();
     if (bytes % sizeof(accel::geometry::Vec3f) != 0) {
-      return invalid(fmt::format("column positions has {} bytes, expected a multiple of {}", bytes,
-                                 sizeof(accel::geometry::Vec3f)),
-                     "COLUMN_LENGTH");
+      return exec::invalid_argument(
+          fmt::format("column positions has {} bytes, expected a multiple of {}", bytes,
+                      sizeof(accel::geometry::Vec3f)),
+          "COLUMN_LENGTH");
     }
     if (patch.nodes_size() > kMaxNodesPerPatch) {
-      return invalid(fmt::format("a patch of {} nodes, the limit is {}", patch.nodes_size(),
-                                 kMaxNodesPerPatch),
-                     "TOO_MANY_NODES");
+      return exec::invalid_argument(fmt::format("a patch of {} nodes, the limit is {}",
+                                                patch.nodes_size(), kMaxNodesPerPatch),
+                                    "TOO_MANY_NODES");
     }
     scenegraph::model::PatchVertices vertices;
     vertices.nodes.assign(patch.nodes().begin(), patch.nodes().end());

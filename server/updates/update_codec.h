@@ -16,11 +16,11 @@ namespace sightline::server::updates {
 inline constexpr int kMaxUpdatesPerBatch = 65536;
 inline constexpr int kMaxNodesPerPatch = 65536;
 
-/// Finds every mesh by its digest. `first` is the index of the first update in its batch. Errors
-/// name the update's index in the batch: kInvalidArgument (an empty update, not 12 numbers to a
-/// matrix, columns that disagree, an unknown mobility, a bad digest, too many nodes to a patch),
-/// kFailedPrecondition (listing the digests that are missing), kResourceExhausted over
-/// kMaxUpdatesPerBatch. Scene::apply checks what depends on the scene.
+/// Decodes updates and finds every mesh by its digest. `first` is the index of the first update in
+/// its batch. Errors name the update's index in the batch: kInvalidArgument (an empty update, a
+/// matrix without 12 numbers, columns of different lengths, an unknown mobility, a bad digest, too
+/// many nodes in a patch), kFailedPrecondition (listing the digests that are missing),
+/// kResourceExhausted over kMaxUpdatesPerBatch. Scene::apply checks what depends on the scene.
 Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, const blobs::BlobStore& blobs,
     std::size_t first = 0);

@@ -10,19 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
+#include "server/updates/producer_messages.h"
 #include "server/updates/producer_session.h"
-#include "server/updates/update_answers.h"
 
 namespace sightline::server::updates {
 namespace {
-
-Error invalid(std::string message, std::string reason) {
-  return {Code::kInvalidArgument, std::move(message), std::move(reason)};
-}
-
-Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELLED"}; }
 
 /// The call as a whole. States only follow each other in this order; some may be left out.
 enum class State : std::uint8_t {
@@ -55,21 +48,15 @@ class UpdateStream final
 
   void OnReadDone(bool ok) override {
     // No other thread reads, so the message is decoded without the lock.
-    Result<Received> received = Received::kNothing;
-    if (ok) {
-      const Status accepted = exec::to_status([&]() -> Status {
-        received = accept();
-        return received ? Status() : received.error();
-      });
-      if (!accepted) received = accepted.error();
-    }
+    Received received = Received::kPart;
+    const Status accepted = ok ? exec::to_status([&] { return accept(received); }) : Status();
     advance([&] {
       reading_ = false;
       if (!ok) return enter(State::kDraining, {});  // the client closed its side or is gone
-      if (!received) return enter(State::kDraining, received.error());
+      if (!accepted) return enter(State::kDraining, accepted);
       if (state_ >= State::kDraining) return;
-      if (*received == Received::kBatch) return add_batch(batches_.batch());
-      if (*received == Received::kRepeat)
+      if (received == Received::kBatch) return add_batch(batches_.batch());
+      if (received == Received::kRepeat)
         answers_.ack(answered_, scene_->token(revision_), coalesced_, {}, 0);
     });
   }
@@ -86,7 +73,9 @@ class UpdateStream final
   }
 
   void OnCancel() override {
-    advance([this] { enter(State::kAborting, cancelled()); });
+    advance([this] {
+      enter(State::kAborting, Error{Code::kCancelled, "the call was cancelled", "CANCELLED"});
+    });
   }
 
   void OnDone() override {
@@ -103,30 +92,23 @@ class UpdateStream final
   }
 
  private:
-  /// What a message completes.
-  enum class Received : std::uint8_t { kNothing, kBatch, kRepeat };
+  using Received = UpdateBatches::Received;
 
-  /// Handles request_. Errors end the call.
-  Result<Received> accept() {
+  /// Handles request_ and sets what it completes. Errors end the call.
+  Status accept(Received& received) {
     if (request_.has_open()) {
       if (scene_ != nullptr)
-        return invalid("only the first message may open a producer", "OPENED_TWICE");
-      if (const Status good = open(request_.open()); !good) return good.error();
-      return Received::kNothing;
+        return exec::invalid_argument("only the first message may open a producer", "OPENED_TWICE");
+      return open(request_.open());
     }
-    if (!request_.has_batch()) return invalid("a message says nothing", "EMPTY_MESSAGE");
-    if (scene_ == nullptr) return invalid("the first message must open a producer", "NOT_OPENED");
-    const auto received = batches_.accept(request_.batch());
-    if (!received) return received.error();
-    switch (*received) {
-      case UpdateBatches::Received::kBatch:
-        return Received::kBatch;
-      case UpdateBatches::Received::kRepeat:
-        return Received::kRepeat;
-      case UpdateBatches::Received::kPart:
-        break;
-    }
-    return Received::kNothing;
+    if (!request_.has_batch())
+      return exec::invalid_argument("a message says nothing", "EMPTY_MESSAGE");
+    if (scene_ == nullptr)
+      return exec::invalid_argument("the first message must open a producer", "NOT_OPENED");
+    const auto completed = batches_.accept(request_.batch());
+    if (!completed) return completed.error();
+    received = *completed;
+    return {};
   }
 
   Status open(const v1::OpenProducer& open) {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/scenes/producers.h"
+#include "server/scenes/idempotency.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 

@@ -4,17 +4,73 @@
 #include <fmt/format.h>
 #include <grpcpp/alarm.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
 
-#include "server/exec/rpc_log.h"
 #include "server/exec/rpc_status.h"
-#include "server/updates/watch_cursor.h"
+#include "server/scenes/stored_scene.h"
+#include "server/updates/update_codec.h"
 
 namespace sightline::server::updates {
 namespace {
+
+/// About the largest size of a message.
+constexpr std::size_t kWatchMessageBytes = std::size_t{960} << 10;
+
+/// Reads a scene's log as messages of limited size, and shares its entries. Threads: one at a time.
+class WatchCursor {
+ public:
+  /// Starts after `revision`. `scene` outlives this.
+  WatchCursor(const scenes::StoredScene& scene, std::uint64_t revision)
+      : scene_(scene), reached_(revision) {}
+
+  /// The last revision whose messages are complete.
+  std::uint64_t reached() const { return reached_; }
+  /// Whether the log has a newer revision.
+  bool behind() const { return reached_ < scene_.log().last(); }
+
+  /// The next message, if behind(). Errors: kOutOfRange, if the log no longer has the revision.
+  Status next(v1::WatchSceneResponse& out) {
+    out.Clear();
+    if (updates_ == nullptr) {
+      auto found = scene_.log().find(reached_ + 1);
+      if (!found) return found.error();
+      updates_ = std::move(*found);
+      update_ = row_ = 0;
+    }
+    encode_revision(scene_.token(reached_ + 1), *out.mutable_revision());
+    std::size_t bytes = 0;
+    while (update_ < updates_->size() && bytes < kWatchMessageBytes) {
+      v1::Update& update = *out.add_updates();
+      row_ = encode_update((*updates_)[update_], row_, kWatchMessageBytes - bytes, update);
+      bytes += update.ByteSizeLong();
+      if (row_ == 0) ++update_;
+    }
+    out.set_more(update_ < updates_->size());
+    if (out.more()) return {};
+    updates_.reset();
+    ++reached_;
+    return {};
+  }
+
+  /// A message with reached() and no updates.
+  void progress(v1::WatchSceneResponse& out) const {
+    out.Clear();
+    encode_revision(scene_.token(reached_), *out.mutable_revision());
+    out.set_progress(true);
+  }
+
+ private:
+  const scenes::StoredScene& scene_;
+  std::uint64_t reached_;
+  scenes::UpdateLog::Updates updates_;  // of the revision after reached_, once it is begun
+  std::size_t update_ = 0;              // the next one to encode
+  std::size_t row_ = 0;                 // the next row of that update
+};
 
 /// Encodes a message on a worker, writes it, and only then encodes the next. The call holds one
 /// message: a client that does not read falls behind in the log and costs no memory.

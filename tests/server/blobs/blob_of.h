@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "server/blobs/blob_digest.h"
+#include "server/blobs/mesh_blob.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {

@@ -1,4 +1,4 @@
-// Errors as gRPC statuses with machine-readable details.
+// Errors as gRPC statuses with machine-readable details, and text of callers in messages and logs.
 #include "server/exec/rpc_status.h"
 
 #include <gtest/gtest.h>
@@ -63,6 +63,19 @@ TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {
 }
 
 TEST(RpcStatus, OkIsOk) { EXPECT_TRUE(to_grpc(Status()).ok()); }
+
+TEST(Quote, ShowsPrintableText) { EXPECT_EQ(quote("a b"), "\"a b\""); }
+
+TEST(Quote, CannotForgeALogLine) {
+  EXPECT_EQ(quote("a\nevent=x"), "\"a?event=x\"");
+  EXPECT_EQ(quote("say \"hi\" \\"), R"("say \"hi\" \\")");
+  EXPECT_EQ(quote(std::string_view("\0\x7f\xff", 3)), "\"???\"");
+}
+
+TEST(Quote, CutsLongText) {
+  EXPECT_EQ(quote(std::string(1000, 'x')),
+            "\"" + std::string(kMaxQuoted, 'x') + "\"... (1000 bytes)");
+}
 
 }  // namespace
 }  // namespace sightline::server::exec

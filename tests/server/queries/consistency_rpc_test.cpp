@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/scenes/recent_revisions.h"
-#include "server/scenes/revision_token.h"
+#include "server/scenes/history.h"
+#include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/updates/update_stream.h"

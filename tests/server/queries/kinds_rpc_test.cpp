@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
-#include "server/queries/hit_pager.h"
 #include "server/queries/query_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"

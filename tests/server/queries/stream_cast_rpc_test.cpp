@@ -1,5 +1,5 @@
 // StreamCastRays through a real server.
-#include "server/queries/stream_cast_rpc.h"
+#include "server/queries/cast_rpc.h"
 
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "server/queries/cast_rpc.h"
 #include "server/queries/query_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"

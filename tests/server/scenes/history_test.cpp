@@ -1,4 +1,4 @@
-// The entries that a history keeps.
+// Which entries a history keeps: revisions, and updates.
 #include "server/scenes/history.h"
 
 #include <gtest/gtest.h>
@@ -46,6 +46,103 @@ TEST(History, ClearReturnsAllAndResetsTheWeight) {
   EXPECT_EQ(history.clear(), (std::vector<int>{1, 2}));
   history.append(3, 100);
   EXPECT_TRUE(history.trim().empty());
+}
+
+std::shared_ptr<const scenegraph::revision::Snapshot> revision(std::uint64_t number) {
+  return std::make_shared<const scenegraph::revision::Snapshot>(number,
+                                                                scenegraph::hierarchy::Hierarchy{});
+}
+
+TEST(RecentRevisions, KeepsALimitedNumber) {
+  RecentRevisions recent({.revisions = 3});
+  EXPECT_EQ(recent.oldest_or(7), 7u);
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(recent.retain(revision(i)), nullptr);
+    const auto dropped = recent.account(10);
+    ASSERT_EQ(dropped.size(), i < 3 ? 0u : 1u);
+    for (const auto& old : dropped) EXPECT_EQ(old->revision(), i - 3);
+  }
+  EXPECT_EQ(recent.find(1), nullptr);
+  for (std::uint64_t i = 2; i < 5; ++i) EXPECT_EQ(recent.find(i)->revision(), i);
+  EXPECT_EQ(recent.find(5), nullptr);
+  EXPECT_EQ(recent.oldest_or(7), 2u);
+}
+
+TEST(RecentRevisions, KeepsALimitedNumberOfBytes) {
+  RecentRevisions recent({.revisions = 100, .bytes = 100});
+  const auto publish = [&](std::uint64_t number, std::uint64_t bytes) {
+    EXPECT_EQ(recent.retain(revision(number)), nullptr);
+    return recent.account(bytes).size();
+  };
+  EXPECT_EQ(publish(0, 60), 0u);
+  EXPECT_EQ(publish(1, 40), 0u);
+  EXPECT_EQ(publish(2, 1), 1u);
+  EXPECT_EQ(publish(3, 60), 1u);
+  EXPECT_EQ(recent.find(2)->revision(), 2u);
+  EXPECT_EQ(publish(4, 1000), 3u) << "a revision that is too large by itself is not kept";
+  EXPECT_EQ(publish(5, 100), 0u);
+  EXPECT_EQ(recent.find(5)->revision(), 5u);
+}
+
+TEST(RecentRevisions, ReplacesTheSameRevision) {
+  RecentRevisions recent;
+  const auto first = revision(0), anew = revision(0);
+  EXPECT_EQ(recent.retain(first), nullptr);
+  EXPECT_EQ(recent.retain(anew), first);
+  EXPECT_EQ(recent.find(0), anew);
+}
+
+TEST(RecentRevisions, DropsAll) {
+  RecentRevisions recent;
+  static_cast<void>(recent.retain(revision(0)));
+  EXPECT_EQ(recent.drop_all().size(), 1u);
+  EXPECT_EQ(recent.find(0), nullptr);
+  EXPECT_TRUE(recent.account(5).empty());
+  EXPECT_EQ(recent.retain(revision(1)), nullptr);
+  EXPECT_EQ(recent.find(1)->revision(), 1u);
+}
+
+using scenegraph::model::PatchVertices;
+using scenegraph::model::Update;
+
+std::vector<Update> patch(std::size_t vertices) {
+  return {PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(vertices)}};
+}
+
+TEST(UpdateLog, KeepsALimitedNumber) {
+  UpdateLog log({.revisions = 3});
+  EXPECT_EQ(log.last(), 0u);
+  EXPECT_FALSE(log.find(0));
+  EXPECT_FALSE(log.find(1));
+  for (std::size_t i = 1; i <= 5; ++i)
+    log.add(std::vector<Update>(i, scenegraph::model::DeleteNode{1}));
+  EXPECT_EQ(log.last(), 5u);
+  for (std::size_t i = 3; i <= 5; ++i) EXPECT_EQ((*log.find(i))->size(), i);
+  for (const std::uint64_t outside : {0u, 2u, 6u}) {
+    const auto found = log.find(outside);
+    ASSERT_FALSE(found) << outside;
+    EXPECT_EQ(found.error().code, Code::kOutOfRange);
+    EXPECT_NE(found.error().message.find("3 to 5"), std::string::npos);
+  }
+}
+
+TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
+  UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
+  for (int i = 0; i < 5; ++i) log.add(patch(1000));
+  EXPECT_FALSE(log.find(2));
+  EXPECT_TRUE(log.find(3));
+  log.add(patch(10'000));
+  EXPECT_FALSE(log.find(5));
+  EXPECT_TRUE(log.find(6));
+}
+
+TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
+  UpdateLog log({.revisions = 1});
+  log.add(patch(7));
+  const auto held = log.find(1);
+  log.add({});
+  EXPECT_FALSE(log.find(1));
+  EXPECT_EQ(std::get<PatchVertices>((*held)->front()).positions.size(), 7u);
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
-// Resource names: which ones are valid, and what errors name.
+// Resource names: what is taken, and what an error names. Tokens there and back.
 #include "server/scenes/names.h"
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 
 namespace sightline::server::scenes {
@@ -42,6 +43,31 @@ TEST(Names, HasAProject) { EXPECT_EQ(project_of("projects/p/scenes/s"), "project
 TEST(Names, AnErrorIsShortForAnyLengthOfTheName) {
   EXPECT_LT(check_scene_name(std::string(100'000, 'x')).error().message.size(), 300u);
 }
+
+TEST(RevisionToken, IsReadBack) {
+  for (const RevisionToken token :
+       {RevisionToken{0, 0}, RevisionToken{0x0123456789abcdef, 42},
+        RevisionToken{~std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()}}) {
+    const auto parsed = RevisionToken::parse(token.text());
+    ASSERT_TRUE(parsed) << token.text();
+    EXPECT_EQ(parsed->incarnation, token.incarnation);
+    EXPECT_EQ(parsed->revision, token.revision);
+  }
+}
+
+TEST(RevisionToken, RefusesAnythingElse) {
+  for (const char* text :
+       {"", "-", "1", "0123456789abcdef", "0123456789abcdef-", "0123456789abcdef-x",
+        "0123456789abcdef-1 ", "0123456789abcdeg-1", "0123456789abcdef-18446744073709551616",
+        "0123456789abcdef--1", "0123456789abcdef_1"}) {
+    const auto parsed = RevisionToken::parse(text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().code, Code::kInvalidArgument);
+    EXPECT_EQ(parsed.error().reason, "BAD_TOKEN");
+  }
+}
+
+TEST(RevisionToken, IncarnationsDiffer) { EXPECT_NE(new_incarnation(), new_incarnation()); }
 
 }  // namespace
 }  // namespace sightline::server::scenes

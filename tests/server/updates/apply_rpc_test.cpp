@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/scenes/request_answers.h"
+#include "server/scenes/idempotency.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"
 

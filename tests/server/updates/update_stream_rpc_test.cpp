@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/updates/update_batches.h"
+#include "server/updates/producer_messages.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/updates/update_stream.h"
 #include "tests/support/scenes.h"

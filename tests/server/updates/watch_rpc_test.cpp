@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/scenes/update_log.h"
+#include "server/scenes/history.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/updates/update_stream.h"
 #include "tests/support/scenes.h"

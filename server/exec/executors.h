@@ -1,4 +1,4 @@
-// Worker threads: the server's oneTBB arenas. RPC threads only enqueue tasks.
+// Worker threads: the server's oneTBB arenas, and strands of tasks that run one after the other.
 #pragma once
 
 #include <oneapi/tbb/global_control.h>
@@ -6,16 +6,19 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <utility>
 
 namespace sightline::server::exec {
 
+/// Worker threads in three arenas: queries, updates, background. RPC threads only enqueue tasks.
 class Compute {
  public:
-  /// Three arenas of `threads` workers (>= 1): queries, updates, background. Arenas have no slot
-  /// for callers, so a thread that enqueues never runs tasks.
+  /// Each arena has `threads` workers (>= 1) and no slot for callers, so a thread that enqueues
+  /// never runs tasks.
   explicit Compute(int threads);
   /// Waits until every task has ended.
   ~Compute();
@@ -27,14 +30,14 @@ class Compute {
     enqueue_in(arena_, std::move(work));
   }
 
-  /// The same on a background worker: for long work that no answer waits for. It occupies no worker
-  /// of enqueue(), but shares the processors with them.
+  /// As enqueue(), on a background worker: for long work that no answer waits for. It occupies no
+  /// worker of enqueue(), but shares the processors with them.
   template <class Work>
   void enqueue_background(Work work) {
     enqueue_in(background_, std::move(work));
   }
 
-  /// The same on a worker for updates: for short work that must not queue behind queries.
+  /// As enqueue(), on a worker for updates: for short work that must not queue behind queries.
   template <class Work>
   void enqueue_update(Work work) {
     enqueue_in(updates_, std::move(work));
@@ -65,6 +68,25 @@ class Compute {
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;
+};
+
+/// Runs tasks one after the other on the workers for updates. No worker waits for another task, as
+/// it would for a lock. After each task the worker takes the next one in the arena, which may be of
+/// another strand. A task may own the strand it runs on.
+class Strand {
+ public:
+  /// Runs task() after all tasks posted before. It must not throw. Threads: any.
+  void post(Compute& compute, std::function<void()> task);
+
+ private:
+  struct State {
+    std::mutex mutex;
+    std::deque<std::function<void()>> tasks;
+    bool running = false;
+  };
+  static void run_next(Compute& compute, std::shared_ptr<State> state);
+
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
 }  // namespace sightline::server::exec

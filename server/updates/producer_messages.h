@@ -1,21 +1,26 @@
-// Assembles the batches of one producer from messages.
+// Messages of a producer's stream: batches that arrive in parts, and the queue of answers.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
 #include "accel/result.h"
+#include "scenegraph/model/node.h"
 #include "scenegraph/model/update.h"
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
+#include "server/scenes/idempotency.h"
+#include "server/scenes/names.h"
 #include "sightline/v1/scene.pb.h"
 
 namespace sightline::server::updates {
 
 inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 20;  ///< On the wire.
 
+/// A numbered batch of a producer.
 struct UpdateBatch {
   std::uint64_t sequence = 0;
   std::vector<scenegraph::model::Update> updates;
@@ -24,7 +29,7 @@ struct UpdateBatch {
   std::vector<exec::Admission::Ticket> tickets;  ///< Its admitted bytes.
 };
 
-/// Threads: one at a time.
+/// Assembles batches from messages. Threads: one at a time.
 class UpdateBatches {
  public:
   UpdateBatches(const blobs::BlobStore& blobs, exec::Admission& admission)
@@ -33,11 +38,13 @@ class UpdateBatches {
   /// The next expected batch is the one after this sequence number.
   void begin(std::uint64_t last_committed) { last_ = last_committed; }
 
+  /// What a message completes: nothing yet, the next batch, or a batch that was received before.
   enum class Received : std::uint8_t { kPart, kBatch, kRepeat };
   /// Adds a message. After kBatch, batch() returns a complete batch. Errors, which end the call:
   /// kInvalidArgument (a gap in the sequence, or an unfinished batch), kResourceExhausted (as
   /// Admission::admit). An error of the batch itself is stored in its `bad`.
   Result<Received> accept(const v1::UpdateBatch& message);
+  /// Returns the complete batch and forgets it.
   UpdateBatch batch();
 
   /// Bytes of the incomplete batch.
@@ -54,6 +61,35 @@ class UpdateBatches {
   bool open_ = false;       // the last message had `more` set
   std::uint64_t open_sequence_ = 0;
   UpdateBatch batch_;
+};
+
+/// The queue of answers to a producer. Consecutive acks are merged while the message stays small.
+/// The queue therefore has at most twice as many answers as batches.
+class UpdateAnswers {
+ public:
+  /// Answers the first message: the last batch committed, and the nodes that recent batches put.
+  void opened(const scenes::Producer& producer, std::uint32_t window,
+              const scenes::RevisionToken& revision);
+  /// Answers an applied batch; `batches` is 0 for a repeated one. `put`: the ids of the nodes that
+  /// it put.
+  void ack(std::uint64_t sequence, const scenes::RevisionToken& revision, std::uint64_t coalesced,
+           const std::vector<scenegraph::model::NodeId>& put, std::size_t batches = 1);
+  void reject(std::uint64_t sequence, const Error& error);
+
+  bool empty() const { return answers_.empty(); }
+  void clear() { answers_.clear(); }
+  /// Removes the oldest answer. Returns how many batches it answers.
+  std::size_t pop(v1::StreamUpdatesResponse& out);
+
+ private:
+  struct Answer {
+    v1::StreamUpdatesResponse message;
+    std::size_t batches = 0;
+    std::size_t ids = 0;
+  };
+  Answer& open_ack(std::size_t ids);
+
+  std::deque<Answer> answers_;
 };
 
 }  // namespace sightline::server::updates

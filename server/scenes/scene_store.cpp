@@ -1,5 +1,5 @@
-// Keeps scenes in memory.
-#include "server/scenes/memory_scene_store.h"
+// Keeps scenes by name, in memory. They are lost when the process ends.
+#include "server/scenes/scene_store.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,8 @@
 #include <vector>
 
 namespace sightline::server::scenes {
-Result<std::shared_ptr<StoredScene>> MemorySceneStore::create(SceneInfo info) {
+
+Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
   const std::lock_guard lock(mutex_);
   if (scenes_.contains(info.name)) {
     return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", info.name),
@@ -25,15 +26,15 @@ Result<std::shared_ptr<StoredScene>> MemorySceneStore::create(SceneInfo info) {
   return scene;
 }
 
-Result<std::shared_ptr<StoredScene>> MemorySceneStore::get(const std::string& name) const {
+Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) return unknown_scene(name);
   return found->second;
 }
 
-ScenePage MemorySceneStore::list(const std::string& project, const std::string& after,
-                                 std::size_t limit) const {
+ScenePage SceneStore::list(const std::string& project, const std::string& after,
+                           std::size_t limit) const {
   const std::string prefix = project + "/";
   const std::lock_guard lock(mutex_);
   ScenePage page;
@@ -48,7 +49,7 @@ ScenePage MemorySceneStore::list(const std::string& project, const std::string& 
   return page;
 }
 
-Status MemorySceneStore::remove(const std::string& name) {
+Status SceneStore::remove(const std::string& name) {
   std::shared_ptr<StoredScene> removed;
   {
     const std::lock_guard lock(mutex_);
@@ -61,7 +62,7 @@ Status MemorySceneStore::remove(const std::string& name) {
   return {};  // `removed` may free large trees, outside the lock
 }
 
-void MemorySceneStore::drop_old_revisions() {
+void SceneStore::drop_old_revisions() {
   std::vector<std::shared_ptr<StoredScene>> scenes;
   {
     const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-// The server's worker threads.
-#include "server/exec/compute.h"
+// The server's arenas, and strands in them.
+#include "server/exec/executors.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace sightline::server::exec {
 namespace {
@@ -84,6 +85,59 @@ TEST(Compute, TasksMayOwnMoveOnlyObjects) {
     });
   }
   EXPECT_TRUE(watch.expired());
+}
+
+TEST(Strand, RunsTasksOneAtATimeInOrder) {
+  Strand queue;
+  std::vector<int> order;  // Without a lock: tasks exclude each other
+  {
+    Compute compute(4);
+    for (int i = 0; i < 1000; ++i) queue.post(compute, [&order, i] { order.push_back(i); });
+  }
+  ASSERT_EQ(order.size(), 1000u);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(order[static_cast<std::size_t>(i)], i);
+}
+
+TEST(Strand, TasksOfManyThreadsExcludeEachOther) {
+  Strand queue;
+  int count = 0;
+  {
+    Compute compute(4);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&] {
+        for (int i = 0; i < 1000; ++i) queue.post(compute, [&] { ++count; });
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  }
+  EXPECT_EQ(count, 4000);
+}
+
+TEST(Strand, ATaskMayHoldTheLastReferenceToItsStrand) {
+  std::atomic<int> done{0};
+  {
+    Compute compute(2);
+    for (int i = 0; i < 200; ++i) {
+      auto queue = std::make_shared<Strand>();
+      queue->post(compute, [&done, queue] { ++done; });
+      queue->post(compute, [&done, queue] { ++done; });
+    }
+  }
+  EXPECT_EQ(done, 400);
+}
+
+TEST(Strand, ATaskMayPostAnother) {
+  Strand queue;
+  int count = 0;
+  {
+    Compute compute(2);
+    queue.post(compute, [&] {
+      ++count;
+      queue.post(compute, [&] { ++count; });
+    });
+  }
+  EXPECT_EQ(count, 2);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The updates that made the last revisions of a scene.
-#include "server/scenes/update_log.h"
+// What a scene keeps of its past: recent revisions, and the updates that made them.
+#include "server/scenes/history.h"
 
 #include <fmt/format.h>
 
@@ -26,9 +26,45 @@ std::uint64_t held_by(const PatchVertices& patch) {
 
 }  // namespace
 
+RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapshot) {
+  const std::lock_guard lock(mutex_);
+  if (!history_.empty() && history_.newest()->revision() == snapshot->revision()) {
+    history_.newest().swap(snapshot);
+    return snapshot;
+  }
+  history_.append(std::move(snapshot));
+  return nullptr;
+}
+
+std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::account(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (history_.empty()) return {};  // drop_all() came in between
+  history_.add_weight(bytes);
+  return history_.trim();
+}
+
+RecentRevisions::SnapshotPointer RecentRevisions::find(std::uint64_t revision) const {
+  const std::lock_guard lock(mutex_);
+  if (history_.empty()) return nullptr;
+  const std::uint64_t oldest = history_.oldest()->revision();
+  if (revision < oldest || revision - oldest >= history_.size()) return nullptr;
+  return history_[revision - oldest];
+}
+
+std::uint64_t RecentRevisions::oldest_or(std::uint64_t head) const {
+  const std::lock_guard lock(mutex_);
+  return history_.empty() ? head : history_.oldest()->revision();
+}
+
+std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::drop_all() {
+  const std::lock_guard lock(mutex_);
+  return history_.clear();
+}
+
 std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
-  std::uint64_t bytes = sizeof(updates) + updates.size() * sizeof(scenegraph::model::Update);
-  for (const scenegraph::model::Update& update : updates)
+  using scenegraph::model::Update;
+  std::uint64_t bytes = sizeof(std::vector<Update>) + updates.size() * sizeof(Update);
+  for (const Update& update : updates)
     bytes += std::visit([](const auto& kind) { return held_by(kind); }, update);
   return bytes;
 }

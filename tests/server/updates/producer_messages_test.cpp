@@ -1,5 +1,5 @@
 // Answers to a producer: in order, and few.
-#include "server/updates/update_answers.h"
+#include "server/updates/producer_messages.h"
 
 #include <gtest/gtest.h>
 

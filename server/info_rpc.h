@@ -1,13 +1,14 @@
-// ServerService.
+// ServerService: what the server is, what it can do, and its limits.
 #pragma once
 
+#include "server/config.h"
 #include "sightline/v1/server.grpc.pb.h"
 
-namespace sightline::server::updates {
+namespace sightline::server {
 
 class InfoRpc final : public v1::ServerService::CallbackService {
  public:
-  explicit InfoRpc(v1::GetServerInfoResponse info) : info_(std::move(info)) {}
+  explicit InfoRpc(const ServerConfig& config);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -17,4 +18,4 @@ class InfoRpc final : public v1::ServerService::CallbackService {
   const v1::GetServerInfoResponse info_;  // constant while the server runs
 };
 
-}  // namespace sightline::server::updates
+}  // namespace sightline::server

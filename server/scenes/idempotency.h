@@ -1,4 +1,4 @@
-// The producers that stream updates into a scene, and the last batch of each.
+// What a scene records of its writers, so that a request that is sent again is applied once.
 #pragma once
 
 #include <atomic>
@@ -7,13 +7,49 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "accel/result.h"
 #include "scenegraph/model/node.h"
+#include "scenegraph/scene.h"
 #include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
+
+inline constexpr std::size_t kMaxRequestId = 64;  ///< Bytes.
+
+struct AnswerLimits {
+  std::size_t answers = 1024;
+  std::size_t nodes = std::size_t{1}
+                      << 20;  ///< Node ids in all answers. The newest answer is always kept.
+};
+
+/// The last answers to requests with a request id: a request that is sent again gets its first
+/// answer. Threads: one at a time.
+class RequestAnswers {
+ public:
+  explicit RequestAnswers(AnswerLimits limits = {})
+      : ids_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
+
+  /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
+  /// Errors: kInvalidArgument if the earlier request had another content.
+  Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
+  /// Adds an answer. find() must not know the id.
+  void retain(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
+
+ private:
+  struct Kept {
+    std::uint64_t content = 0;
+    scenegraph::Applied answer;
+  };
+
+  std::unordered_map<std::string, Kept> answers_;
+  History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
+};
+
+/// Errors: kInvalidArgument beyond kMaxRequestId.
+Status check_request_id(std::string_view id);
 
 inline constexpr std::size_t kMaxProducerName = 64;  ///< Bytes.
 inline constexpr std::size_t kMaxProducers = 4096;   ///< For each scene.
@@ -22,7 +58,9 @@ inline constexpr std::size_t kMaxProducers = 4096;   ///< For each scene.
 inline constexpr std::size_t kPutsKept = 16;
 inline constexpr std::size_t kPutIdsKept = 65536;  ///< Node ids in all of them.
 
-/// Lives as long as its scene. Used on the scene's write queue, except for `call`.
+/// A writer that streams numbered batches, and what is kept of the last ones. A batch that is sent
+/// again is known by its number. Lives as long as its scene. Used on the scene's write queue,
+/// except for `call`.
 struct Producer {
   /// The ids of the nodes that a batch has put.
   struct Put {
@@ -39,7 +77,7 @@ struct Producer {
   std::atomic<const void*> call{nullptr};
 };
 
-/// Used on the scene's write queue.
+/// The producers of one scene, by name. Used on the scene's write queue.
 class Producers {
  public:
   explicit Producers(std::size_t limit = kMaxProducers) : limit_(limit) {}

@@ -1,5 +1,5 @@
 // Scenes in memory.
-#include "server/scenes/memory_scene_store.h"
+#include "server/scenes/scene_store.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ std::vector<std::string> names_of(const ScenePage& page) {
   return names;
 }
 
-TEST(MemorySceneStore, CreatesGetsAndRemoves) {
-  MemorySceneStore store;
+TEST(SceneStore, CreatesGetsAndRemoves) {
+  SceneStore store;
   ASSERT_TRUE(store.create({"projects/p/scenes/s", UpAxis::kZ, 0.5}));
   const auto found = store.get("projects/p/scenes/s");
   ASSERT_TRUE(found);
@@ -27,8 +27,8 @@ TEST(MemorySceneStore, CreatesGetsAndRemoves) {
   EXPECT_EQ(store.remove("projects/p/scenes/s").error().code, Code::kNotFound);
 }
 
-TEST(MemorySceneStore, ListsAProjectInPages) {
-  MemorySceneStore store;
+TEST(SceneStore, ListsAProjectInPages) {
+  SceneStore store;
   for (const char* name :
        {"projects/p/scenes/b", "projects/p/scenes/a", "projects/p/scenes/c",
         "projects/p-1/scenes/x", "projects/p1/scenes/y", "projects/q/scenes/z"}) {
@@ -45,9 +45,9 @@ TEST(MemorySceneStore, ListsAProjectInPages) {
   EXPECT_TRUE(store.list("projects/none", "", 3).scenes.empty());
 }
 
-TEST(MemorySceneStore, IsBounded) {
-  MemorySceneStore store;
-  for (std::size_t i = 0; i < MemorySceneStore::kMaxScenes; ++i) {
+TEST(SceneStore, IsBounded) {
+  SceneStore store;
+  for (std::size_t i = 0; i < SceneStore::kMaxScenes; ++i) {
     ASSERT_TRUE(store.create({"projects/p/scenes/" + std::to_string(i)}));
   }
   EXPECT_EQ(store.create({"projects/p/scenes/one-more"}).error().code, Code::kResourceExhausted);

@@ -1,0 +1,68 @@
+// What a scene records of its writers, so that a request that is sent again is applied once.
+#include "server/scenes/idempotency.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/exec/rpc_status.h"
+
+namespace sightline::server::scenes {
+
+Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
+                                                        std::uint64_t content) const {
+  const auto found = answers_.find(id);
+  if (found == answers_.end()) return nullptr;
+  if (found->second.content == content) return &found->second.answer;
+  return Error{Code::kInvalidArgument,
+               fmt::format("request id {} was used for another request, which made revision {}",
+                           exec::quote(id), found->second.answer.revision),
+               "REQUEST_ID_REUSED"};
+}
+
+void RequestAnswers::retain(const std::string& id, std::uint64_t content,
+                            scenegraph::Applied answer) {
+  ids_.append(id, answer.nodes.size());
+  answers_.emplace(id, Kept{content, std::move(answer)});
+  for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
+}
+
+Status check_request_id(std::string_view id) {
+  if (id.size() <= kMaxRequestId) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("a request id has {} bytes, the limit is {}", id.size(), kMaxRequestId),
+               "REQUEST_ID_TOO_LONG"};
+}
+
+void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes) {
+  put.append({sequence, nodes}, nodes.size());
+  put.trim();
+  last_committed = sequence;
+}
+
+Result<Producer*> Producers::open(const std::string& name) {
+  if (!producers_.contains(name) && producers_.size() >= limit_) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("the scene has had {} producers, the limit is {}; "
+                             "use their names again",
+                             producers_.size(), limit_),
+                 "TOO_MANY_PRODUCERS"};
+  }
+  return &producers_[name];
+}
+
+Status check_producer_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  if (!name.empty() && name.size() <= kMaxProducerName && std::ranges::all_of(name, allowed))
+    return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("producer {} does not match [A-Za-z0-9._-]{{1,{}}}", exec::quote(name),
+                           kMaxProducerName),
+               "BAD_PRODUCER"};
+}
+
+}  // namespace sightline::server::scenes
