@@ -4,7 +4,6 @@
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/sieve.h"
-#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -22,12 +21,12 @@ class ShortList {
     return context_.rule->choose(list, counters_);
   }
 
-  Straddling sift(Sieve& sieve, Division& out) {
+  ChildLists sift(Sieve sieve) {
     sieve.whole = true;
     Sides sides = sift_spans(sieve, {&refs_, 1}, refs_.size(), counters_);
-    out.left = {kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
-    out.right = {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
-    return sides.straddling;
+    return {{kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable},
+            {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable},
+            sides.straddling};
   }
 
   Part open() {
@@ -44,44 +43,56 @@ class ShortList {
   kdtree::BuildCounters& counters_;
 };
 
+std::uint64_t weight_of(const Part& part) {
+  if (!part.openable) return part.list.size();
+  std::uint64_t weight = 0;
+  part.list.any_part([&](std::span<const kdtree::BoxRef> refs) {
+    for (const kdtree::BoxRef& ref : refs) weight += ref.weight;
+    return false;
+  });
+  return weight;
+}
+
+Division finer(const kdtree::DeferredCell& cell, Part part) {
+  const std::uint64_t weight = weight_of(part);
+  Division division;
+  division.cells.push_back({cell.box, cell.path, std::move(part), weight});
+  return division;
+}
+
+Division cut_in_two(const kdtree::DeferredCell& cell, const grow::CellCut& cut, ChildLists parts) {
+  const std::uint64_t left = weight_of(parts.left), right = weight_of(parts.right);
+  const grow::HalvedPath below = cell.openable
+                                     ? cut.paths_by_weight(cell.weight, left, right)
+                                     : cut.paths({parts.left.list.size(), parts.right.list.size()});
+  Division division;
+  division.cuts.push_back({cut.cut(), {true, 0}, {true, 1}});
+  division.cells.push_back({cut.halves().left, below.left, std::move(parts.left), left});
+  division.cells.push_back({cut.halves().right, below.right, std::move(parts.right), right});
+  return division;
+}
+
+/// As eager growth does (grow/grow.cpp), except that openable references are opened where a cut
+/// cannot be judged otherwise, or none is found.
 template <class List>
 Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, List list) {
-  Division division;
-  const auto finer = [&] {
-    division.kind = Division::Kind::kFiner;
-    division.left = list.open();
-    division.right = {};
-    return std::move(division);
-  };
-  if (cell.openable && cell.size <= kOpenBelow) return finer();
+  if (cell.openable && cell.size <= kOpenBelow) return finer(cell, list.open());
   const bool may_cut = cell.path.depth < context.max_depth;
   const std::optional<kdtree::Cut> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
-    Sieve sieve{context.rule,
-                std::nullopt,
-                *cut,
-                halve(cell.box, cut->plane.axis, cut->plane.position),
-                context.rule->scans_children(cell.size),
-                cell.openable};
-    if (context.mesh != nullptr) sieve.clipped = *context.mesh;
-    const Straddling straddling = list.sift(sieve, division);
+    const Sieve sieve{context.rule,
+                      {*context.rule, context.mesh, cell.box, cell.path, cell.size, *cut},
+                      cell.openable};
+    ChildLists parts = list.sift(sieve);
+    const Straddling& straddling = parts.straddling;
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
-      return finer();
-    // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !split::affords(cell.path, straddling.all)) return {};
-    const bool separates =
-        division.left.list.size() < cell.size || division.right.list.size() < cell.size;
-    if (separates) {
-      division.kind = Division::Kind::kCut;
-      division.cut = *cut;
-      division.path = cell.openable ? cell.path
-                                    : split::cap_below_useless_cut(cell.path, cell.size,
-                                                                   division.left.list.size(),
-                                                                   division.right.list.size());
-      return division;
-    }
+      return finer(cell, list.open());
+    // Openable ones count for what they stand for: what is added is known once they are opened.
+    const bool is_made =
+        cell.openable ? straddling.all < cell.size : sieve.cut.is_made(straddling.all);
+    if (is_made) return cut_in_two(cell, sieve.cut, std::move(parts));
   }
-  if (cell.openable) return finer();
+  if (cell.openable) return finer(cell, list.open());
   return {};
 }
 
@@ -96,12 +107,7 @@ Division divide_long(const DivideContext& context, const kdtree::DeferredCell& c
                      kdtree::BuildCounters& counters) {
   if (std::optional<Division> division = divide_sampled(context, cell, replay, counters))
     return std::move(*division);
-  if (!cell.listed) {
-    Division division;
-    division.kind = Division::Kind::kFiner;
-    division.left = list_root(context, replay, counters);
-    return division;
-  }
+  if (!cell.listed) return finer(cell, list_root(context, replay, counters));
   return divide(context, cell, LongList(context, cell, replay, counters));
 }
 

@@ -1,6 +1,7 @@
 // Dividing a long list, made already or not, by cuts that a sample of it suggests.
 #include <algorithm>
 
+#include "accel/grow/reference_budget.h"
 #include "accel/lazy/divide.h"
 #include "accel/lazy/long_list.h"
 
@@ -78,6 +79,14 @@ std::shared_ptr<const CutTree> choose_cuts(const DivideContext& context,
   return stage[0].cuts;
 }
 
+kdtree::CellList gather_part(const Stage& stage, std::size_t part) {
+  std::vector<kdtree::SlicedList::Piece> pieces;
+  for (std::size_t i = 0; i < stage.slices(); ++i) {
+    if (const auto& piece = stage[i].parts[part]; piece->size() > 0) pieces.push_back(piece);
+  }
+  return make_list(std::move(pieces));
+}
+
 }  // namespace
 
 std::optional<Division> divide_sampled(const DivideContext& context,
@@ -97,19 +106,20 @@ std::optional<Division> divide_sampled(const DivideContext& context,
         result->parts = cuts->divide(room.first(n), room.data() + n, of_slice);
         return result;
       });
-  Division division;
-  division.kind = Division::Kind::kCuts;
-  division.cuts = cuts;
+  Division division{{cuts->nodes().begin(), cuts->nodes().end()}, {}};
   bool separates = !cell.listed;
   for (std::size_t p = 0; p < cuts->parts().size(); ++p) {
-    std::vector<kdtree::SlicedList::Piece> pieces;
-    for (std::size_t i = 0; i < stage.slices(); ++i) {
-      if (const auto& piece = stage[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
-    }
-    division.parts.push_back({make_list(std::move(pieces)), {}, false});
-    separates |= division.parts.back().list.size() < cell.size;
+    kdtree::CellList list = gather_part(stage, p);
+    const std::size_t size = list.size();
+    separates |= size < cell.size;
+    const CutTree::Part& part = cuts->parts()[p];
+    division.cells.push_back({part.box, part.path, {std::move(list), {}, false}, size});
   }
   if (!separates) return std::nullopt;
+  std::vector<grow::ChildCell> children;
+  for (NewCell& child : division.cells)
+    children.push_back({child.box, static_cast<double>(child.weight), &child.path});
+  grow::share_budget(cell.path, static_cast<double>(cell.size), children);
   return division;
 }
 

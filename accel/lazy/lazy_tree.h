@@ -59,9 +59,8 @@ class LazyTree {
   Expanded lead(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, Expansion& expansion,
                 kdtree::BuildCounters& counters);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
-  struct Shares;
-  kdtree::Slot make_slot(Division& division, const CutTree::Node& node, const Shares& shares);
-  kdtree::Slot defer(Part part, const geometry::Aabb& box, const kdtree::CellPath& path);
+  kdtree::Slot make_slot(Division& division, const CutTree::Node& node);
+  kdtree::Slot defer(NewCell now);
   kdtree::Slot finish(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters,
                       const std::atomic<bool>* cancelled);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,

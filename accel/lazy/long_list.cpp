@@ -44,7 +44,7 @@ std::optional<kdtree::Cut> LongList::choose() {
   return context_.rule->choose(refs, counters_);
 }
 
-Straddling LongList::sift(const Sieve& sieve, Division& out) {
+ChildLists LongList::sift(const Sieve& sieve) {
   const Stage& stage = replay_.next(
       list_->slices(), [list = list_, sieve](std::size_t slice, kdtree::BuildCounters& counters) {
         Sides sides = sift_spans(sieve, list->slice(slice), list->slice_size(slice), counters);
@@ -57,14 +57,14 @@ Straddling LongList::sift(const Sieve& sieve, Division& out) {
         result->openable = sieve.openable;
         return result;
       });
-  out.left = gather(stage, &SliceResult::left, &SliceResult::left_scan);
-  out.right = gather(stage, &SliceResult::right, &SliceResult::right_scan);
-  Straddling straddling;
+  ChildLists parts{gather(stage, &SliceResult::left, &SliceResult::left_scan),
+                   gather(stage, &SliceResult::right, &SliceResult::right_scan),
+                   {}};
   for (std::size_t i = 0; i < stage.slices(); ++i) {
-    straddling.openable += stage[i].straddling.openable;
-    straddling.all += stage[i].straddling.all;
+    parts.straddling.openable += stage[i].straddling.openable;
+    parts.straddling.all += stage[i].straddling.all;
   }
-  return straddling;
+  return parts;
 }
 
 Part LongList::open() {

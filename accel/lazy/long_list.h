@@ -10,6 +10,12 @@
 
 namespace sightline::accel::lazy {
 
+/// What sifting a list of either kind leaves.
+struct ChildLists {
+  Part left, right;
+  Straddling straddling;
+};
+
 /// One thread's view of it, for one division. All functions throw std::bad_alloc.
 class LongList {
  public:
@@ -22,8 +28,7 @@ class LongList {
         counters_(counters) {}
 
   std::optional<kdtree::Cut> choose();
-  /// Sets the sides of the division.
-  Straddling sift(const Sieve& sieve, Division& out);
+  ChildLists sift(const Sieve& sieve);
   Part open();
 
  private:

@@ -1,8 +1,7 @@
 // Sifting, counting for the children and clipping in one go.
 #include "accel/lazy/sieve.h"
 
-#include "accel/grow/clip_straddlers.h"
-#include "accel/kdtree/sift.h"
+#include <optional>
 
 namespace sightline::accel::lazy {
 
@@ -11,40 +10,33 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::Box
   Sides sides;
   const std::span<kdtree::BoxRef> room = scratch(2 * size);
   const std::span<kdtree::BoxRef> left = room.first(size), right = room.subspan(size);
-  split::FirstScans scans;
-  if (sieve.scans) {
-    scans.left_planes = sieve.rule->first_planes(sieve.halves.left);
-    scans.right_planes = sieve.rule->first_planes(sieve.halves.right);
-  }
+  std::optional<split::FirstScans> scans = sieve.cut.first_scans();
   kdtree::Sifted n;
   for (const std::span<const kdtree::BoxRef> part : spans) {
-    kdtree::BoxRef* const to_left = left.data() + n.left;
-    kdtree::BoxRef* const to_right = right.data() + n.right;
-    const kdtree::Sifted more = sieve.scans
-                                    ? sift_and_scan(part, sieve.cut.plane, to_left, to_right, scans)
-                                    : kdtree::sift(part, sieve.cut, to_left, to_right);
+    const kdtree::Sifted more =
+        sieve.cut.sift(part, left.data() + n.left, right.data() + n.right, scans);
     n.left += more.left;
     n.right += more.right;
   }
   counters.touches += size;
-  const kdtree::Plane& plane = sieve.cut.plane;
   if (sieve.openable) {
+    const kdtree::Plane& plane = sieve.cut.cut().plane;
     const auto axis = static_cast<std::size_t>(plane.axis);
     for (const kdtree::BoxRef& ref : left.first(n.left))
       sides.straddling.openable += ref.openable() && ref.hi[axis] > plane.position ? 1u : 0u;
   }
   sides.straddling.all = n.left + n.right - size;
-  const std::size_t seen = sieve.whole ? size : 0;  // one slice says nothing of all
-  if (sieve.clipped && sieve.rule->clips(sides.straddling.all, seen)) {
-    scans = {};
-    n.left = grow::clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
-    n.right =
-        grow::clip_straddlers(*sieve.clipped, right.first(n.right), plane, sieve.halves.right);
+  const std::size_t seen = sieve.whole ? size : 0;  // one slice does not tell about the list
+  if (sieve.cut.clips(sides.straddling.all, seen)) {
+    n = sieve.cut.clip(left.first(n.left), right.first(n.right));
+    scans.reset();
   }
   sides.left = kdtree::BoxList(left.first(n.left));
   sides.right = kdtree::BoxList(right.first(n.right));
-  sides.left_scan = scans.left;
-  sides.right_scan = scans.right;
+  if (scans) {
+    sides.left_scan = scans->left;
+    sides.right_scan = scans->right;
+  }
   return sides;
 }
 

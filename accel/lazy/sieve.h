@@ -2,25 +2,20 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 
-#include "accel/geometry/triangle_mesh.h"
+#include "accel/grow/cell_cut.h"
 #include "accel/kdtree/reference_list.h"
-#include "accel/split/child_scan.h"
 #include "accel/split/split_search.h"
 
 namespace sightline::accel::lazy {
 
-/// What sifting needs to know of a cell; owns it, so that it may be done late.
+/// A cut to be made, and what keeps it valid: it may be done late.
 struct Sieve {
   split::SplitRule rule;
-  std::optional<geometry::MeshView> clipped;  ///< What straddlers are clipped against, if they are.
-  kdtree::Cut cut;
-  geometry::HalvedCell halves;
-  bool scans;          ///< The children's lists are scanned meanwhile.
+  grow::CellCut cut;
   bool openable;       ///< Straddlers that can be opened are to be counted.
-  bool whole = false;  ///< The list comes in one piece: whether it is a crowd can be told.
+  bool whole = false;  ///< The list is sifted in one piece, not in slices.
 };
 
 /// References on both sides of a plane.

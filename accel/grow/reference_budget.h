@@ -3,21 +3,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel::split {
-
-/// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
-/// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
-/// swell - 1 is a few times sqrt(1 / n) there.
-inline bool is_swollen(const kdtree::CellPath& path, std::size_t references) {
-  constexpr double kLeastSwell = 2, kMost = 256;
-  const double growth = path.swell - 1;
-  return path.swell >= kLeastSwell && growth * growth * static_cast<double>(references) >= kMost;
-}
+namespace sightline::accel::grow {
 
 /// Whether a cut that leaves `straddlers` references on both sides is within the cell's budget.
 inline bool affords(const kdtree::CellPath& path, std::size_t straddlers) {
@@ -42,19 +35,44 @@ inline kdtree::CellPath cap_below_useless_cut(const kdtree::CellPath& path, std:
   return capped;
 }
 
-/// What a cell may still add after its list of `before` references became lists of `after`, all
-/// together.
-inline double left_over(const kdtree::CellPath& path, double before, double after) {
-  return std::max(0.0, path.spare - std::max(0.0, after - before));
-}
-
 /// Measures a child's share of its parent's budget: how often a ray enters the cell, times how many
 /// tests it would make there.
 inline double demand(const geometry::Aabb& cell, double references) {
   return half_area(cell) * references;
 }
 
-/// The paths of both halves, their lists being so long.
+/// One of the cells that a division makes.
+struct ChildCell {
+  geometry::Aabb box;
+  double references;
+  kdtree::CellPath* path;  ///< Its spare and its swell are written here.
+};
+
+/// Shares the budget of a cell of `before` references out to its children, by demand, less what the
+/// division added. No effect on a path without a budget. At least one child.
+inline void share_budget(const kdtree::CellPath& parent, double before,
+                         std::span<const ChildCell> children) {
+  if (std::isinf(parent.spare)) return;
+  double after = 0, demands = 0;
+  for (const ChildCell& child : children) {
+    after += child.references;
+    demands += demand(child.box, child.references);
+  }
+  const double spare = std::max(0.0, parent.spare - std::max(0.0, after - before));
+  const double swell = parent.swell * std::max(1.0, after / before);
+  double rest = spare;
+  for (const ChildCell& child : children.first(children.size() - 1)) {
+    const double share = demands > 0 ? demand(child.box, child.references) / demands
+                                     : 1 / static_cast<double>(children.size());
+    child.path->spare = spare * share;
+    child.path->swell = swell;
+    rest -= child.path->spare;
+  }
+  children.back().path->spare = std::max(0.0, rest);
+  children.back().path->swell = swell;
+}
+
+/// The paths of both children of a cut, whose lists have `left` and `right` references.
 struct HalvedPath {
   kdtree::CellPath left, right;
 };
@@ -62,15 +80,10 @@ inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Cut& cu
                              const geometry::HalvedCell& halves, double before, double left,
                              double right) {
   HalvedPath below{path.below(cut), path.below(cut)};
-  if (std::isinf(path.spare)) return below;
-  const double spare = left_over(path, before, left + right);
-  const double to_left = demand(halves.left, left);
-  const double to_right = demand(halves.right, right);
-  const double share = to_left + to_right > 0 ? to_left / (to_left + to_right) : 0.5;
-  below.left.spare = spare * share;
-  below.right.spare = spare - below.left.spare;
-  below.left.swell = below.right.swell = path.swell * std::max(1.0, (left + right) / before);
+  const std::array<ChildCell, 2> children{
+      {{halves.left, left, &below.left}, {halves.right, right, &below.right}}};
+  share_budget(path, before, children);
   return below;
 }
 
-}  // namespace sightline::accel::split
+}  // namespace sightline::accel::grow

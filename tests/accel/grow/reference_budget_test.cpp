@@ -1,8 +1,9 @@
 // What cuts may add, and who may.
-#include "accel/split/reference_budget.h"
+#include "accel/grow/reference_budget.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -12,7 +13,7 @@
 #include "tests/support/hard_meshes.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel::split {
+namespace sightline::accel::grow {
 namespace {
 
 const geometry::Aabb kCell{{0, 0, 0}, {2, 1, 1}};
@@ -43,12 +44,6 @@ TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
   EXPECT_EQ(cap_below_useless_cut({}, 100, 100, 100), kdtree::CellPath{}) << "no budget";
 }
 
-TEST(ReferenceBudget, ACellIsSwollenByItsSwellAndItsLength) {
-  EXPECT_TRUE(is_swollen({.swell = 3}, 64));
-  EXPECT_FALSE(is_swollen({.swell = 3}, 63));
-  EXPECT_FALSE(is_swollen({.swell = 1.9}, 100000));
-}
-
 TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
   EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 9));
   EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 10));
@@ -63,6 +58,21 @@ TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {
   EXPECT_EQ(fewer.left.spare + fewer.right.spare, 5);
   const HalvedPath flat = halve_path({.spare = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
   EXPECT_EQ(flat.left.spare + flat.right.spare, 5);
+}
+
+TEST(ReferenceBudget, IsSharedByAnyNumberOfChildrenAsByTwo) {
+  const kdtree::CellPath parent{.spare = 1000, .swell = 2};
+  std::array<kdtree::CellPath, 3> paths;
+  const std::vector<ChildCell> children{{{{0, 0, 0}, {1, 1, 1}}, 40, &paths[0]},
+                                        {{{1, 0, 0}, {2, 1, 1}}, 60, &paths[1]},
+                                        {{{0, 1, 0}, {2, 2, 1}}, 50, &paths[2]}};
+  share_budget(parent, 100, children);
+  // 50 were added. Half areas are 3, 3 and 5.
+  const double demands = 3 * 40 + 3 * 60 + 5 * 50;
+  EXPECT_DOUBLE_EQ(paths[0].spare, 950 * 3 * 40 / demands);
+  EXPECT_DOUBLE_EQ(paths[1].spare, 950 * 3 * 60 / demands);
+  EXPECT_DOUBLE_EQ(paths[0].spare + paths[1].spare + paths[2].spare, 950);
+  for (const kdtree::CellPath& path : paths) EXPECT_DOUBLE_EQ(path.swell, 3);
 }
 
 TEST(ReferenceBudget, IsInfiniteUnlessSet) {
@@ -106,4 +116,4 @@ TEST(ReferenceBudget, IsLessForTrianglesThatMeetInAVertexWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace sightline::accel::split
+}  // namespace sightline::accel::grow

@@ -1,0 +1,91 @@
+// Expanding everything, with all threads of the arena.
+#include <new>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/stall_detector.h"
+#include "accel/lazy/timed.h"
+
+namespace sightline::accel::lazy {
+namespace {
+
+/// Full builds cut cells above this weight one by one, with all threads, and give the others each
+/// to one thread.
+constexpr std::uint64_t kWholeBelow = 65536;
+
+/// All slots with something to expand.
+void collect_unbuilt(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot,
+                     std::vector<kdtree::AtomicSlot*>& found) {
+  const kdtree::Slot now = kdtree::load(slot);
+  if (now.is_unbuilt() && !now.cell()->given_up.load(std::memory_order_relaxed))
+    found.push_back(&slot);
+  if (!now.is_binary()) return;
+  kdtree::AtomicSlot* children = tree.children(now);
+  collect_unbuilt(tree, children[0], found);
+  collect_unbuilt(tree, children[1], found);
+}
+
+}  // namespace
+
+void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  const kdtree::EpochPin pin;
+  const Timed timed(counters);
+  // A round completes all that was unbuilt when it began; rays may have claimed some of it.
+  for (;;) {
+    std::vector<kdtree::AtomicSlot*> unbuilt;
+    collect_unbuilt(tree_, tree_.root(), unbuilt);
+    if (unbuilt.empty() || (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
+      return;
+    counters += tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, unbuilt.size()), kdtree::BuildCounters{},
+        [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i)
+            complete(*unbuilt[i], sum, cancelled);
+          return sum;
+        },
+        [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; });
+  }
+}
+
+/// Until the slot is built, and what was cut off in doing so.
+void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                        const std::atomic<bool>* cancelled) {
+  const kdtree::EpochPin pin;
+  Patience patience;
+  for (kdtree::Slot now = kdtree::load(slot); now.is_unbuilt(); now = kdtree::load(slot)) {
+    kdtree::DeferredCell& cell = *now.cell();
+    if (cell.given_up.load(std::memory_order_relaxed)) return;
+    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
+    if (!cell.listed || cell.weight > kWholeBelow) {
+      if (expand_now(slot, AtBusy::kWait, counters) != Expanded::kSearch) continue;
+    } else if (claim(slot, cell)) {
+      return complete_cell(slot, cell, counters, cancelled);
+    }
+    // A ray's thread has just claimed it and is done in no time, or has stopped; then the next
+    // round sees to it.
+    if (!patience.wait(0)) return;
+  }
+  const kdtree::Slot built = kdtree::load(slot);
+  if (!built.is_binary()) return;
+  kdtree::AtomicSlot* children = tree_.children(built);
+  kdtree::BuildCounters right;
+  tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
+                       [&] { complete(children[1], right, cancelled); });
+  counters += right;
+}
+
+void LazyTree::complete_cell(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                             kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  try {
+    publish(slot, cell, finish(cell, counters, cancelled), counters);
+  } catch (const std::bad_alloc&) {
+    give_back(slot, cell);
+  }
+}
+
+}  // namespace sightline::accel::lazy
