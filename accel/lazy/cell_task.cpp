@@ -7,8 +7,6 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "accel/lazy/stall_detector.h"
-
 namespace sightline::accel::lazy {
 
 /// A thread's errand; it may come late, when all is done.
@@ -25,7 +23,7 @@ struct Expansion::Call {
     kdtree::BuildCounters counted;
     try {
       stage->help(counted);
-    } catch (const std::bad_alloc&) {  // whoever needs the slice will meet it, too
+    } catch (const std::bad_alloc&) {  // the thread that needs the slice will throw it, too
     }
     expansion->touches_.fetch_add(counted.touches, std::memory_order_relaxed);
     expansion->touches_prepare_.fetch_add(counted.touches_prepare, std::memory_order_relaxed);
@@ -93,12 +91,7 @@ kdtree::BuildCounters Expansion::take_counters() {
 const Stage& Replay::next(std::size_t slices, Stage::Work work) {
   Stage& stage = expansion_.stage_after(at_, slices, std::move(work));
   at_ = &stage;
-  stage.help(counters_);
-  for (Patience patience; !stage.done();) {
-    if (patience.wait(stage.slices_done())) continue;
-    stage.finish(counters_);
-    break;
-  }
+  stage.complete(counters_);
   return stage;
 }
 

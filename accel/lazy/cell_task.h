@@ -48,8 +48,7 @@ class Replay {
   Replay(Expansion& expansion, kdtree::BuildCounters& counters)
       : expansion_(expansion), counters_(counters) {}
 
-  /// The next stage, done: by us, by others while we wait, or by us after all if those have
-  /// stopped. Throws std::bad_alloc.
+  /// The next stage, all its slices done (Stage::complete). Throws std::bad_alloc.
   const Stage& next(std::size_t slices, Stage::Work work);
 
  private:

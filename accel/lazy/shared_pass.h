@@ -1,4 +1,4 @@
-// One pass over a long list, done in slices by whichever threads are there.
+// One pass over a long list, made in slices by all threads that expand the cell.
 #pragma once
 
 #include <atomic>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accel/kdtree/reference_list.h"
+#include "accel/lazy/shared_slices.h"
 #include "accel/lazy/sieve.h"
 #include "accel/lazy/split_tree.h"
 #include "accel/split/child_scan.h"
@@ -16,7 +17,7 @@
 
 namespace sightline::accel::lazy {
 
-/// What comes of one slice. Each kind of pass fills its part.
+/// The result of one slice. Each kind of pass fills its part.
 struct SliceResult {
   split::PassResult sums;  ///< Scanning.
   std::shared_ptr<const kdtree::BoxList> left,
@@ -29,48 +30,42 @@ struct SliceResult {
   std::vector<std::shared_ptr<const kdtree::BoxList>> parts;  ///< Sifting by these cuts.
 };
 
-/// Slices are pure functions of what the stage was made with, so it does not matter how often one
-/// is done, nor by whom: the first result is kept. No thread ever waits for another in here, and
-/// none that is stopped keeps the others from going on: see finish(). Threads: any.
+/// A pass over one list. Its slices are pure functions of what the stage was made with, so it does
+/// not matter how often one is made, or by which thread. Threads: all members, any.
 class Stage {
  public:
   /// Owns all that it reads. Adds what it did to the counters.
   using Work =
       std::function<std::unique_ptr<SliceResult>(std::size_t slice, kdtree::BuildCounters&)>;
 
-  Stage(std::size_t slices, Work work);
-  ~Stage();
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  Stage(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
-  /// Does slices that nobody has begun until there is none left. Returns how many. Throws
+  /// Makes slices that no thread has begun until none is left. Returns how many. Throws
   /// std::bad_alloc.
-  std::size_t help(kdtree::BuildCounters& counters);
+  std::size_t help(kdtree::BuildCounters& counters) {
+    return results_.help([&](std::size_t slice) { return work_(slice, counters); });
+  }
 
-  /// Does the slices, too, that others have begun: for when those seem to be stopped. Every slice
-  /// is done then, even if done() does not say so yet.
-  void finish(kdtree::BuildCounters& counters);
+  /// Returns when all slices are done: by this thread, by others while it waits, or by this thread
+  /// after all if those seem to be stopped. Throws std::bad_alloc.
+  void complete(kdtree::BuildCounters& counters) {
+    constexpr int kStalls = 1;
+    results_.complete(kStalls, [&](std::size_t slice) { return work_(slice, counters); });
+  }
 
   std::size_t slices() const { return results_.size(); }
-  /// At least so many.
-  std::size_t slices_done() const { return done_.load(std::memory_order_acquire); }
-  bool done() const { return slices_done() == results_.size(); }
+  /// A lower bound.
+  std::size_t slices_done() const { return results_.size_done(); }
 
   /// Of a slice that is done.
-  const SliceResult& operator[](std::size_t slice) const {
-    return *results_[slice].load(std::memory_order_acquire);
-  }
+  const SliceResult& operator[](std::size_t slice) const { return results_[slice]; }
 
   /// The stage behind this one, or null.
   std::atomic<Stage*> next{nullptr};
 
  private:
-  void run(std::size_t slice, kdtree::BuildCounters& counters);
-
   Work work_;
-  std::vector<std::atomic<SliceResult*>> results_;
-  std::atomic<std::size_t> begun_{0};
-  std::atomic<std::size_t> done_{0};
+  SharedSlices<SliceResult> results_;
 };
 
 }  // namespace sightline::accel::lazy

@@ -18,6 +18,7 @@
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
+#include "tests/accel/lazy/gate.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -26,62 +27,6 @@ std::unique_ptr<SliceResult> counted(std::size_t references) {
   auto result = std::make_unique<SliceResult>();
   result->straddling.all = references;
   return result;
-}
-
-TEST(Stage, KeepsTheFirstResultOfASlice) {
-  std::atomic<int> runs{0};
-  Stage stage(3, [&](std::size_t slice, kdtree::BuildCounters& counters) {
-    ++counters.touches;
-    return counted(slice + 10 * static_cast<std::size_t>(runs++));
-  });
-  kdtree::BuildCounters counters;
-  EXPECT_FALSE(stage.done());
-  EXPECT_EQ(stage.help(counters), 3u);
-  EXPECT_TRUE(stage.done());
-  EXPECT_EQ(stage.help(counters), 0u);
-  stage.finish(counters);
-  EXPECT_EQ(runs, 3);
-  EXPECT_EQ(counters.touches, 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(stage[i].straddling.all, i + 10 * i);
-}
-
-/// Holds up whoever comes to the gate first, until it is opened.
-class Gate {
- public:
-  void pass() {
-    bool open = false;
-    if (!taken_.compare_exchange_strong(open, true)) return;
-    open_.wait(false);
-  }
-  bool taken() const { return taken_; }
-  void open() {
-    open_ = true;
-    open_.notify_all();
-  }
-
- private:
-  std::atomic<bool> taken_{false}, open_{false};
-};
-
-TEST(Stage, IsFinishedWithoutAThreadThatHasStopped) {
-  Gate gate;
-  Stage stage(8, [&](std::size_t slice, kdtree::BuildCounters&) {
-    gate.pass();
-    return counted(slice);
-  });
-  std::thread stopped([&] {
-    kdtree::BuildCounters counters;
-    stage.help(counters);
-  });
-  while (!gate.taken()) std::this_thread::yield();
-  kdtree::BuildCounters counters;
-  stage.help(counters);
-  EXPECT_FALSE(stage.done());
-  stage.finish(counters);
-  EXPECT_TRUE(stage.done());
-  gate.open();
-  stopped.join();
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(stage[i].straddling.all, i);
 }
 
 TEST(Expansion, AReplayFindsTheStagesThatAreDone) {
