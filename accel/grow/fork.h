@@ -10,8 +10,8 @@ namespace sightline::accel::grow {
 /// Children with at least this many references each are worth a task.
 inline constexpr std::size_t kForkFrom = 4096;
 
-/// Runs both, `right` as a task that any thread of the arena may take. What either throws is thrown
-/// here once neither runs any more.
+/// Runs both, `right` as a task that any thread of the arena may take. Throws what either throws,
+/// when neither runs any more.
 template <class Left, class Right>
 void fork(Left&& left, Right&& right) {
   tbb::task_group group;

@@ -1,4 +1,4 @@
-// Room for the lists of an eager build: taken in order, given back in reverse, never moved.
+// Memory for the lists of an eager build: taken in order, released in reverse, never moved.
 #pragma once
 
 #include <sys/mman.h>
@@ -13,7 +13,7 @@
 
 namespace sightline::accel::grow {
 
-/// Not shared between threads: every task has its own.
+/// Not shared between threads: every task has one.
 template <class T>
 class ListStack {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -29,8 +29,8 @@ class ListStack {
     used_ = m.used;
   }
 
-  /// Room for n items at the top. Valid until released; only what is then taken stays. Throws
-  /// std::bad_alloc.
+  /// Space for n items at the top, valid until released. Only items that are then taken are kept.
+  /// Throws std::bad_alloc.
   T* top(std::size_t n) {
     while (chunk_ < chunks_.size() && chunks_[chunk_].size - used_ < n) {
       ++chunk_;
@@ -55,14 +55,14 @@ class ListStack {
   struct Free {
     void operator()(T* items) const { std::free(items); }
   };
-  /// Left as the kernel gives it, so that room reserved and not taken costs no memory.
+  /// Not initialised, so that space that is reserved and not taken costs no memory.
   using Items = std::unique_ptr<T, Free>;
   struct Chunk {
     Items items;
     std::size_t size;
   };
 
-  /// Long lists are read and written from end to end, so large pages are worth asking for.
+  /// Asks for large pages for long lists, which are read and written from end to end.
   static Items allocate(std::size_t size) {
     constexpr std::size_t kLargePage = std::size_t{1} << 21;
     const std::size_t bytes = size * sizeof(T);
@@ -71,7 +71,7 @@ class ListStack {
     const std::size_t padded = (bytes + alignment - 1) / alignment * alignment;
     void* items = std::aligned_alloc(alignment, padded);
     if (items == nullptr) throw std::bad_alloc();
-    if (large) ::madvise(items, padded, MADV_HUGEPAGE);  // a wish: refused, it is still memory
+    if (large) ::madvise(items, padded, MADV_HUGEPAGE);  // only a hint
     return Items(static_cast<T*>(items));
   }
 

@@ -1,4 +1,4 @@
-// Growing the subtree of up to split::kSmallList boxes, where a build spends most of its cells: a
+// Grows the subtree of at most split::kSmallList boxes, to which most cells of a build belong. A
 // set of boxes is a byte, and lists are never written.
 #pragma once
 
@@ -14,9 +14,9 @@ namespace sightline::accel::grow {
 bool is_small(std::span<const kdtree::BoxRef> refs);
 
 /// Makes the cuts that choose_bound would make, cell by cell, and counts the same touches; for
-/// builders that cut all lists up to this length by the one rule, and do not clip. What lies below
-/// or above every bound is found once for the handful; a cell then needs no pass over its list:
-/// weights of its sides are counts of common bits. As grow otherwise.
+/// rules that cut all lists up to this length by `rule` and do not clip. The boxes below and above
+/// every bound are found once for the subtree. A cell then needs no pass over its list: the weights
+/// of its sides are counts of common bits. Otherwise as grow().
 kdtree::Slot grow_small(const GrowContext& context, const split::BoundRule& rule,
                         std::span<const kdtree::BoxRef> refs, const geometry::Aabb& cell,
                         const kdtree::CellPath& path, kdtree::BuildCounters& counters);

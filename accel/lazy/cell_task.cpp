@@ -1,4 +1,4 @@
-// The chain of stages, and calling threads to it.
+// Makes the chain of stages and calls threads to it.
 #include "accel/lazy/cell_task.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace sightline::accel::lazy {
 
-/// A thread's errand; it may come late, when all is done.
+/// The task of a called thread; it may run late, when the expansion has ended.
 struct Expansion::Call {
   Expansion* expansion;
   Stage* stage;

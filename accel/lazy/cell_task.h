@@ -1,4 +1,4 @@
-// What the threads share that expand one large cell: a chain of stages.
+// The chain of stages that threads share when they expand one large cell.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace sightline::accel::lazy {
 
-/// How one expands a cell is a sequence of stages, each made from the results of those before. That
-/// sequence is deterministic, so any thread may follow it from the start at any time and finds what
-/// is done already: there is no thread that the others depend on. Threads: any.
+/// A cell is expanded by a sequence of stages, each made from the results of the earlier ones. The
+/// sequence is deterministic, so any thread may follow it from the start at any time and finds the
+/// finished stages: no thread depends on another. Threads: any.
 class Expansion final : public kdtree::SharedWork {
  public:
-  /// `alive` keeps what stages read of the geometry; if null, none but those who call help work
-  /// here.
+  /// `alive` keeps the geometry that stages read; if null, only threads that call help() work here
+  /// and idle threads are not called.
   explicit Expansion(std::shared_ptr<const void> alive) : alive_(std::move(alive)) {}
   ~Expansion() override;
 
-  /// The stage behind `before` (null: the first), made from these if it is not there yet. Idle
-  /// threads of the caller's arena are called to it.
+  /// The stage after `before` (null: the first). It is made from these arguments if it does not
+  /// exist yet; then idle threads of the caller's arena are called to it.
   Stage& stage_after(Stage* before, std::size_t slices, Stage::Work work);
 
-  /// Does what is to be had of the last stage. Returns whether there was anything.
+  /// Makes slices of the last stage that no thread has begun. Returns whether there were any.
   bool help(kdtree::BuildCounters& counters);
 
-  /// Grows as work gets done.
+  /// Grows with every stage and every slice that is done.
   std::uint64_t progress() const;
 
-  /// What called threads have counted since the last time.
+  /// The work that called threads have counted since the last call.
   kdtree::BuildCounters take_counters();
 
  private:
@@ -42,7 +42,7 @@ class Expansion final : public kdtree::SharedWork {
   std::atomic<std::uint64_t> touches_{0}, touches_prepare_{0};
 };
 
-/// One thread's way through an expansion's stages.
+/// Follows the stages of an expansion, for one thread.
 class Replay {
  public:
   Replay(Expansion& expansion, kdtree::BuildCounters& counters)

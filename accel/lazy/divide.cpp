@@ -1,4 +1,4 @@
-// Dividing: the rule, for lists of either kind.
+// Divides a cell, for short lists and for long ones.
 #include "accel/lazy/divide.h"
 
 #include "accel/lazy/long_list.h"
@@ -8,7 +8,7 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// A list in one piece, with the same operations as LongList.
+/// A list in one piece, with the same members as LongList.
 class ShortList {
  public:
   ShortList(const DivideContext& context, const kdtree::DeferredCell& cell,

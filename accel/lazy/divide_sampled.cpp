@@ -1,4 +1,4 @@
-// Dividing a long list, made already or not, by cuts that a sample of it suggests.
+// Divides a long list, made already or not, at planes found in a sample of it.
 #include <algorithm>
 
 #include "accel/grow/reference_budget.h"
@@ -8,7 +8,7 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// A long list as slices and as single references, whoever has it. Owns it.
+/// A long list, in slices and by single references: a cell's list, or the source's. Owns it.
 class LongSource {
  public:
   LongSource(const ReferenceSource& source, const kdtree::DeferredCell& cell,

@@ -14,8 +14,8 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// Full builds cut cells above this weight one by one, with all threads, and give the others each
-/// to one thread.
+/// In full builds all threads share a cell above this weight and divide it; any other cell's
+/// subtree is built by one thread.
 constexpr std::uint64_t kWholeBelow = 65536;
 
 /// All slots with something to expand.
@@ -35,7 +35,7 @@ void collect_unbuilt(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot,
 void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const kdtree::EpochPin pin;
   const Timed timed(counters);
-  // A round completes all that was unbuilt when it began; rays may have claimed some of it.
+  // A round completes the cells that were unbuilt when it began, except those that rays claimed.
   for (;;) {
     std::vector<kdtree::AtomicSlot*> unbuilt;
     collect_unbuilt(tree_, tree_.root(), unbuilt);
@@ -52,7 +52,7 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
   }
 }
 
-/// Until the slot is built, and what was cut off in doing so.
+/// Returns when the slot and the cells that its divisions made are built.
 void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                         const std::atomic<bool>* cancelled) {
   const kdtree::EpochPin pin;
@@ -66,8 +66,8 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
     } else if (claim(slot, cell)) {
       return complete_cell(slot, cell, counters, cancelled);
     }
-    // A ray's thread has just claimed it and is done in no time, or has stopped; then the next
-    // round sees to it.
+    // A ray's thread has just claimed the cell. It finishes soon, or it is stopped, and then the
+    // next round completes the cell.
     if (!patience.wait(0)) return;
   }
   const kdtree::Slot built = kdtree::load(slot);

@@ -99,7 +99,7 @@ void LazyTree::give_back(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
   slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
 }
 
-/// By the one thread that claimed the cell, or that won.
+/// Called by one thread only: the one that claimed the cell.
 void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                        kdtree::BuildCounters& counters) {
   slot.store(built.bits(), std::memory_order_release);
@@ -107,7 +107,7 @@ void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdt
   counters.cells_expanded += built.is_unbuilt() ? 0u : 1u;
 }
 
-/// The cell's own list is never written: latecomers are reading it.
+/// The cell's own list is never written, because other threads may be searching it.
 Expanded LazyTree::expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                 kdtree::BuildCounters& counters) {
   if (!claim(slot, cell))
@@ -139,8 +139,8 @@ Expanded LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
   }
 }
 
-/// Follows the stages to their end. Several threads may, where the first seemed to be stopped; what
-/// the others made is then thrown away.
+/// Runs the stages to their end. Several threads may do so if the first one seemed to be stopped;
+/// then the first result is published and the others are discarded.
 Expanded LazyTree::lead(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, Expansion& expansion,
                         kdtree::BuildCounters& counters) {
   tree_.reserve(closed_);

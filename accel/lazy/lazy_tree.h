@@ -1,5 +1,5 @@
-// A kd-tree that grows where it is looked at. The part of the ray's way between "a cell is not
-// built" and "it is".
+// A kd-tree that grows where rays look: what happens between a ray's first step into a cell that is
+// not built and the moment the cell is built.
 #pragma once
 
 #include <atomic>
@@ -10,26 +10,26 @@
 
 namespace sightline::accel::lazy {
 
-/// What came of asking for a cell.
+/// The answer to a ray that asks for a cell.
 enum class Expanded : std::uint8_t {
-  kAgain,   ///< There is something new in the slot: look again.
-  kBusy,    ///< A large cell, and others are at it: come back when they have got on.
-  kSearch,  ///< Search the cell's list: others are at it, and it is small, or there is no memory.
+  kAgain,   ///< The slot has changed: read it again.
+  kBusy,    ///< Other threads expand a large cell: ask again when they have made progress.
+  kSearch,  ///< Search the cell's list: another thread expands a small cell, or memory is short.
 };
 
-/// What to do where others are at a large cell, once there is nothing left to help with.
+/// What to do when other threads expand a large cell and no work is left to help with.
 enum class AtBusy : std::uint8_t {
   kLeave,  ///< Return kBusy.
-  kWait,   ///< Sleep until they have got on; if they seem to be stopped, do their work.
+  kWait,   ///< Sleep until they have made progress; if they seem to be stopped, do their work.
 };
 
 /// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
-/// A thread that is stopped in here, wherever it is, does not stop any other.
+/// A thread that is stopped inside a member, at any point, does not stop any other.
 class LazyTree {
  public:
-  /// `bounds` holds every reference; `closed` is how many there are when all are opened, an upper
-  /// bound. `mesh`: what the closed ones are faces of, for rules that clip; null if they are
-  /// not. Must outlive the tree.
+  /// `bounds` contains every reference; `closed` is an upper bound on their number when all are
+  /// opened. `mesh`: the mesh whose faces they are, for rules that clip; null for other references.
+  /// It must outlive the tree.
   LazyTree(const geometry::Aabb& bounds, std::size_t closed, split::SplitRule rule,
            ReferenceSource source, const geometry::MeshView* mesh = nullptr);
 
@@ -38,15 +38,15 @@ class LazyTree {
 
   /// Called by a ray that meets an unbuilt slot.
   ///
-  /// First touch: one cell is divided (Division), and what comes of it is deferred. A cell of at
-  /// most kFinishBelow triangles, by weight, is finished whole.
+  /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
+  /// cell of at most kFinishBelow triangles, by weight, is built at once.
   Expanded expand(kdtree::AtomicSlot& slot, AtBusy at_busy, kdtree::BuildCounters& counters);
 
-  /// How far the expansion of a busy slot is; grows while there is progress.
+  /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
-  /// Expands everything until nothing is unbuilt but cells for which there was no room, or until
-  /// `cancelled`. Parallel in the caller's arena.
+  /// Expands all cells until only those without room are unbuilt, or until `cancelled` is set.
+  /// Parallel in the caller's arena.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
  private:
@@ -79,8 +79,8 @@ class LazyTree {
   DivideContext context_;
 };
 
-/// A deferred cell this small is finished whole: splitting it further would cost more than it
-/// defers.
+/// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
+/// would cost more work than it defers.
 inline constexpr std::size_t kFinishBelow = 64;
 
 }  // namespace sightline::accel::lazy

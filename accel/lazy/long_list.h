@@ -1,4 +1,4 @@
-// A list in slices, with the operations of dividing as stages that any thread helps with.
+// A list in slices. The passes of a division over it are stages that any thread can help with.
 #pragma once
 
 #include <memory>
@@ -10,13 +10,13 @@
 
 namespace sightline::accel::lazy {
 
-/// What sifting a list of either kind leaves.
+/// The lists of both children, from a short list or a long one.
 struct ChildLists {
   Part left, right;
   Straddling straddling;
 };
 
-/// One thread's view of it, for one division. All functions throw std::bad_alloc.
+/// A long list as one thread sees it during one division. All members throw std::bad_alloc.
 class LongList {
  public:
   LongList(const DivideContext& context, const kdtree::DeferredCell& cell, Replay& replay,

@@ -14,20 +14,20 @@ namespace sightline::accel::lazy {
 
 /// Threads: all functions, any, several at once; they are pure. They count what they do.
 struct ReferenceSource {
-  /// The coarsest references, which the root is expanded from, have places from 0 on. Not every
-  /// place has to hold one.
+  /// The coarsest references, from which the root is expanded, have indices from 0 on. An index may
+  /// have no reference.
   struct Coarsest {
     std::size_t places = 0;
     bool openable = false;  ///< Some may be.
   };
   /// Called before `list`; always the same.
   std::function<Coarsest(kdtree::BuildCounters&)> coarsest;
-  /// Writes those at places from `begin` to `end`, and returns how many they are.
+  /// Writes the references with indices from `begin` to `end`, and returns their number.
   std::function<std::size_t(std::size_t begin, std::size_t end, kdtree::BoxRef* out,
                             kdtree::BuildCounters&)>
       list;
-  /// Appends what an openable reference stands for, openable ones among it or not. Their boxes lie
-  /// within its own. The same reference always opens into the same ones.
+  /// Appends the references that an openable one stands for; they may be openable too. Their boxes
+  /// lie within its own. A reference always opens into the same ones.
   std::function<void(const kdtree::BoxRef&, std::vector<kdtree::BoxRef>&, kdtree::BuildCounters&)>
       open{};
   /// Keeps alive what the functions read. If null, only threads that hold it by other means call

@@ -1,4 +1,4 @@
-// Sifting a cell's list into its halves, now or later, all of it or a slice.
+// Sifts a cell's list into its halves, whole or slice by slice.
 #pragma once
 
 #include <cstddef>
@@ -33,8 +33,8 @@ struct Sides {
 Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::BoxRef>> spans,
                  std::size_t size, kdtree::BuildCounters& counters);
 
-/// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
-/// at the length they come to. Throws std::bad_alloc.
+/// A buffer of the calling thread for `size` boxes, valid until its next call: lists are made there
+/// and then copied at their true length. Throws std::bad_alloc.
 std::span<kdtree::BoxRef> scratch(std::size_t size);
 
 }  // namespace sightline::accel::lazy

@@ -1,4 +1,5 @@
-// A few cuts at once, chosen from a sample of a long list, and dividing the list by them in one go.
+// A few cuts at once, chosen from a sample of a long list. One pass divides the list by all of
+// them.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,8 @@ namespace sightline::accel::lazy {
 /// Lists of at least this many references are cut by samples, by rules that take them.
 inline constexpr std::size_t kSampleFrom = 8192;
 
-/// Places in a list of that length (at least kSampleFrom): one in every stretch of equal length,
-/// at a place in it that follows no order a list might have. Ascending.
+/// The indices of a sample of a list of `size` references (at least kSampleFrom): one in each block
+/// of equal length, at a mixed offset, so that the sample follows no order of the list. Ascending.
 std::vector<std::size_t> sample_places(std::size_t size);
 
 /// The topmost cuts of a cell.
@@ -37,7 +38,7 @@ class CutTree {
     kdtree::CellPath path;
   };
 
-  /// Cuts where the builder would cut the sample, as long as there is enough of it to tell.
+  /// Cuts the sample by the rule, as long as enough of it is left to be representative.
   CutTree(const split::SplitSearch& rule, std::vector<kdtree::BoxRef> sample,
           const geometry::Aabb& box, const kdtree::CellPath& path, int levels, int max_depth,
           kdtree::BuildCounters& counters);
@@ -49,7 +50,7 @@ class CutTree {
   /// Room that divide() needs behind a list.
   static std::size_t room(std::size_t size) { return size * kMostLevels; }
 
-  /// Divides some of the cell's references, which are used up. A list for every part.
+  /// Divides some of the cell's references and overwrites them. Returns a list for each part.
   std::vector<std::shared_ptr<const kdtree::BoxList>> divide(std::span<kdtree::BoxRef> refs,
                                                              kdtree::BoxRef* room,
                                                              kdtree::BuildCounters& counters) const;

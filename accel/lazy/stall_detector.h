@@ -1,4 +1,4 @@
-// Waiting for other threads without burning their time, and noticing when they have stopped.
+// Waits for other threads without taking their processor time, and detects that they are stopped.
 #pragma once
 
 #include <chrono>
@@ -7,10 +7,10 @@
 
 namespace sightline::accel::lazy {
 
-/// Used anew for every wait. Its clock decides who does a piece of work, never what comes of it.
+/// One object for each wait. Its clock decides which thread does a piece of work, never the result.
 class Patience {
  public:
-  /// Lets others run. False: `progress` has been the same for kStall.
+  /// Lets other threads run. Returns false if `progress` has not changed for kStall.
   bool wait(std::uint64_t progress) {
     const auto now = std::chrono::steady_clock::now();
     if (progress != progress_ || waits_ == 0) {
