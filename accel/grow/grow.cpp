@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "accel/grow/clip_straddlers.h"
+#include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
 #include "accel/grow/small_subtree.h"
-#include "accel/kdtree/sift.h"
-#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::grow {
 namespace {
@@ -33,61 +31,63 @@ class Growth {
     const std::optional<kdtree::Split> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
     if (!cut) return leaf(refs, cell, path);
-    const kdtree::Plane& plane = cut->plane;
 
     // Before the list is divided: without room for the children it stays as it is.
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
     if (!pair) return defer(refs, cell, path, true);
 
-    const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
+    const CellCut sides(rule_, context_.mesh, cell, path, refs.size(), *cut);
     const ReferenceStack::Mark mark = lists.mark();
     kdtree::Reference* right = lists.top(refs.size());
-    std::optional<split::ChildScans> scans;
-    kdtree::PartitionCounts n = divide(refs, *cut, halves, right, scans);
+    std::optional<split::ChildScans> scans = sides.first_scans();
+    kdtree::PartitionCounts n = sides.sift(refs, refs.data(), right, scans);
     counters.touches += refs.size();
-    if (n.left == refs.size() && n.right == refs.size())
-      return leaf(refs, cell, path);  // separates nothing
     const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!split::within_budget(path, straddlers)) {
-      put_back({right, n.right}, plane, refs.subspan(n.left));
+    if (!sides.is_made(straddlers)) {
+      put_back({right, n.right}, cut->plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
-    if (context_.mesh != nullptr && rule_.clips(straddlers, refs.size())) {
-      n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
-      n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
-      scans.reset();  // of lists that are others now
+    if (sides.clips(straddlers, refs.size())) {
+      n = sides.clip(refs.first(n.left), {right, n.right});
+      scans.reset();
     }
     lists.take(n.right);
-    const kdtree::Slot slot = kdtree::Slot::binary(plane, *pair);
-    kdtree::AtomicSlot* children = context_.tree.children(slot);
-    const split::HalvedPath below =
-        split::halve_path(split::cap_below_useless_cut(path, refs.size(), n.left, n.right), *cut,
-                          halves, static_cast<double>(refs.size()), static_cast<double>(n.left),
-                          static_cast<double>(n.right));
-    const auto grow_left = [&] {
-      set(children[0], grow(refs.first(n.left), halves.left, below.left,
-                            scans ? &scans->left : nullptr, lists, counters));
-    };
-    const auto grow_right = [&](ReferenceStack& own, kdtree::BuildCounters& sum) {
-      set(children[1], grow({right, n.right}, halves.right, below.right,
-                            scans ? &scans->right : nullptr, own, sum));
-    };
-    if (std::min(n.left, n.right) >= kForkFrom) {
-      kdtree::BuildCounters right_counters;
-      fork(grow_left, [&] {
-        ReferenceStack own;
-        grow_right(own, right_counters);
-      });
-      counters += right_counters;
-    } else {
-      grow_left();
-      grow_right(lists, counters);
-    }
+    grow_children(sides, {refs.first(n.left), {right, n.right}}, scans,
+                  context_.tree.children(kdtree::Slot::binary(cut->plane, *pair)), lists, counters);
     lists.release(mark);
-    return slot;
+    return kdtree::Slot::binary(cut->plane, *pair);
   }
 
  private:
+  struct Lists {
+    std::span<kdtree::Reference> left, right;
+  };
+
+  void grow_children(const CellCut& sides, const Lists& refs,
+                     const std::optional<split::ChildScans>& scans, kdtree::AtomicSlot* children,
+                     ReferenceStack& lists, kdtree::BuildCounters& counters) {
+    const HalvedPath below = sides.paths({refs.left.size(), refs.right.size()});
+    const auto grow_left = [&] {
+      set(children[0], grow(refs.left, sides.halves().left, below.left,
+                            scans ? &scans->left : nullptr, lists, counters));
+    };
+    const auto grow_right = [&](ReferenceStack& own, kdtree::BuildCounters& sum) {
+      set(children[1], grow(refs.right, sides.halves().right, below.right,
+                            scans ? &scans->right : nullptr, own, sum));
+    };
+    if (std::min(refs.left.size(), refs.right.size()) < kForkFrom) {
+      grow_left();
+      grow_right(lists, counters);
+      return;
+    }
+    kdtree::BuildCounters right_counters;
+    fork(grow_left, [&] {
+      ReferenceStack own;
+      grow_right(own, right_counters);
+    });
+    counters += right_counters;
+  }
+
   /// Not published until the slot of the whole subtree is.
   static void set(kdtree::AtomicSlot& slot, kdtree::Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
@@ -109,18 +109,6 @@ class Growth {
     kdtree::CellRefs list{refs, cell, path};
     list.first = first;
     return rule_.choose(list, counters);
-  }
-
-  /// The left list over `refs`, the right one to `right`; counted meanwhile where that is of use.
-  kdtree::PartitionCounts divide(std::span<kdtree::Reference> refs, const kdtree::Split& cut,
-                                 const geometry::HalvedCell& halves, kdtree::Reference* right,
-                                 std::optional<split::ChildScans>& scans) const {
-    if (rule_.scans_children(refs.size())) {
-      scans.emplace(split::ChildScans{
-          rule_.child_planes(halves.left), rule_.child_planes(halves.right), {}, {}});
-      return sift_and_count(refs, cut.plane, refs.data(), right, *scans);
-    }
-    return kdtree::sift(refs, cut, refs.data(), right);
   }
 
   kdtree::Slot leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,

@@ -7,8 +7,6 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "accel/lazy/stall_detector.h"
-
 namespace sightline::accel::lazy {
 
 /// A task for an idle thread: helps with one pass. It may run late, when all is done.
@@ -93,12 +91,7 @@ kdtree::BuildCounters CellTask::take_counters() {
 const SharedPass& PassSequence::next(std::size_t slices, SharedPass::Work work) {
   SharedPass& pass = task_.pass_after(at_, slices, std::move(work));
   at_ = &pass;
-  pass.help(counters_);
-  for (StallDetector stall_detector; !pass.done();) {
-    if (stall_detector.wait(pass.slices_done())) continue;
-    pass.finish(counters_);
-    break;
-  }
+  pass.complete(counters_);
   return pass;
 }
 

@@ -1,15 +1,14 @@
-// Dividing: the rule, for lists of either kind.
+// Divides a cell, for short lists and for long ones.
 #include "accel/lazy/divide.h"
 
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/partition.h"
-#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::lazy {
 namespace {
 
-/// A list in one piece, with the same operations as LongList.
+/// A list in one piece, with the same members as LongList.
 class ShortList {
  public:
   ShortList(const DivideContext& context, const kdtree::DeferredCell& cell,
@@ -22,12 +21,12 @@ class ShortList {
     return context_.rule->choose(list, counters_);
   }
 
-  Straddling sift(PartitionInput& input, Division& out) {
+  ChildLists sift(PartitionInput input) {
     input.whole = true;
     PartitionResult sides = sift_spans(input, {&refs_, 1}, refs_.size(), counters_);
-    out.left = {kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable};
-    out.right = {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable};
-    return sides.straddling;
+    return {{kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable},
+            {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable},
+            sides.straddling};
   }
 
   ChildList open() {
@@ -45,44 +44,56 @@ class ShortList {
   kdtree::BuildCounters& counters_;
 };
 
+std::uint64_t weight_of(const ChildList& part) {
+  if (!part.openable) return part.list.size();
+  std::uint64_t weight = 0;
+  part.list.any_part([&](std::span<const kdtree::Reference> refs) {
+    for (const kdtree::Reference& ref : refs) weight += ref.weight;
+    return false;
+  });
+  return weight;
+}
+
+Division finer(const kdtree::DeferredCell& cell, ChildList part) {
+  const std::uint64_t weight = weight_of(part);
+  Division division;
+  division.cells.push_back({cell.box, cell.path, std::move(part), weight});
+  return division;
+}
+
+Division cut_in_two(const kdtree::DeferredCell& cell, const grow::CellCut& cut, ChildLists parts) {
+  const std::uint64_t left = weight_of(parts.left), right = weight_of(parts.right);
+  const grow::HalvedPath below = cell.openable
+                                     ? cut.paths_by_weight(cell.weight, left, right)
+                                     : cut.paths({parts.left.list.size(), parts.right.list.size()});
+  Division division;
+  division.cuts.push_back({cut.cut(), {true, 0}, {true, 1}});
+  division.cells.push_back({cut.halves().left, below.left, std::move(parts.left), left});
+  division.cells.push_back({cut.halves().right, below.right, std::move(parts.right), right});
+  return division;
+}
+
+/// As eager growth does (grow/grow.cpp), except that openable references are opened where a cut
+/// cannot be judged otherwise, or none is found.
 template <class List>
 Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, List list) {
-  Division division;
-  const auto finer = [&] {
-    division.kind = Division::Kind::kRefined;
-    division.left = list.open();
-    division.right = {};
-    return std::move(division);
-  };
-  if (cell.openable && cell.size <= kOpenBelow) return finer();
+  if (cell.openable && cell.size <= kOpenBelow) return finer(cell, list.open());
   const bool may_cut = cell.path.depth < context.max_depth;
   const std::optional<kdtree::Split> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
-    PartitionInput input{context.rule,
-                         std::nullopt,
-                         *cut,
-                         halve(cell.box, cut->plane.axis, cut->plane.position),
-                         context.rule->scans_children(cell.size),
-                         cell.openable};
-    if (context.mesh != nullptr) input.clipped = *context.mesh;
-    const Straddling straddling = list.sift(input, division);
+    const PartitionInput input{context.rule,
+                               {*context.rule, context.mesh, cell.box, cell.path, cell.size, *cut},
+                               cell.openable};
+    ChildLists parts = list.sift(input);
+    const Straddling& straddling = parts.straddling;
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
-      return finer();
-    // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !split::within_budget(cell.path, straddling.all)) return {};
-    const bool separates =
-        division.left.list.size() < cell.size || division.right.list.size() < cell.size;
-    if (separates) {
-      division.kind = Division::Kind::kSplit;
-      division.cut = *cut;
-      division.path = cell.openable ? cell.path
-                                    : split::cap_below_useless_cut(cell.path, cell.size,
-                                                                   division.left.list.size(),
-                                                                   division.right.list.size());
-      return division;
-    }
+      return finer(cell, list.open());
+    // Openable ones count for what they stand for: what is added is known once they are opened.
+    const bool is_made =
+        cell.openable ? straddling.all < cell.size : input.cut.is_made(straddling.all);
+    if (is_made) return cut_in_two(cell, input.cut, std::move(parts));
   }
-  if (cell.openable) return finer();
+  if (cell.openable) return finer(cell, list.open());
   return {};
 }
 
@@ -97,12 +108,7 @@ Division divide_long(const DivideContext& context, const kdtree::DeferredCell& c
                      PassSequence passes, kdtree::BuildCounters& counters) {
   if (std::optional<Division> division = divide_sampled(context, cell, passes, counters))
     return std::move(*division);
-  if (!cell.has_list) {
-    Division division;
-    division.kind = Division::Kind::kRefined;
-    division.left = list_root(context, passes, counters);
-    return division;
-  }
+  if (!cell.has_list) return finer(cell, list_root(context, passes, counters));
   return divide(context, cell, LongList(context, cell, passes, counters));
 }
 

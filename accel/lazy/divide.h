@@ -1,8 +1,10 @@
-// What becomes of a cell that is expanded: a leaf, two cells, a few cells at once, or the same cell
+// What a cell becomes when it is expanded: a leaf, two cells, a few cells at once, or the same cell
 // with a finer list.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/kdtree/deferred_cell.h"
@@ -22,30 +24,35 @@ struct DivideContext {
   int max_depth;
 };
 
-/// The list of one of the cells that come of a division.
+/// The list of a cell that a division makes.
 struct ChildList {
   kdtree::CellList list;
   kdtree::ChildScan first;
   bool openable = false;
 };
 
+/// A cell that a division makes, not stored yet.
+struct NewCell {
+  geometry::Aabb box;
+  kdtree::CellPath path;
+  ChildList part;
+  std::uint64_t weight = 0;  ///< Of the references in its list.
+};
+
+/// What takes the place of a cell: a tree of cuts over new cells. Without cuts there is one new
+/// cell, the same one with a finer list, or none: the cell becomes a leaf.
 struct Division {
-  enum class Kind { kLeaf, kSplit, kMultiSplit, kRefined };
-  Kind kind = Kind::kLeaf;
-  kdtree::Split cut;                      ///< kSplit.
-  kdtree::CellPath path;                  ///< kSplit: the cell's, as the cut leaves it.
-  ChildList left, right;                  ///< kSplit; kRefined: `left` is the whole.
-  std::shared_ptr<const SplitTree> cuts;  ///< kMultiSplit.
-  std::vector<ChildList> parts;           ///< kMultiSplit: cuts->leaves().
+  std::vector<SplitTree::Node> cuts;  ///< The first is the topmost.
+  std::vector<NewCell> cells;
 };
 
 /// Divides a cell with a short list. Throws std::bad_alloc.
 Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
 
-/// The same for a long list, or for one that is not made yet (which gives kRefined): in passes,
-/// with whoever else is at it. Every thread that comes here gets an equal division, its lists
-/// shared.
+/// The same for a long list, or for a list that is not made yet (which gives a finer list). Works
+/// in passes that all threads share which expand the cell. Each of them gets an equal division; its
+/// lists are shared.
 Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell,
                      PassSequence passes, kdtree::BuildCounters& counters);
 
@@ -55,12 +62,12 @@ std::optional<Division> divide_sampled(const DivideContext& context,
                                        const kdtree::DeferredCell& cell, PassSequence& passes,
                                        kdtree::BuildCounters& counters);
 
-/// At so few references a cell that holds openable ones opens them before it is cut: what a plane
-/// costs is known better then, and an entry is no longer small beside the cell.
+/// A cell with openable references and at most this many in total opens them before it is cut: the
+/// cost of a plane is known better then, and a reference is no longer small compared with the cell.
 inline constexpr std::size_t kOpenBelow = 2;
 
-/// At so many openable references on both sides of a plane, one in kStraddlersToOpen, they are
-/// opened first: their weight counts twice and every cut looks bad.
+/// If one in kStraddlersToOpen references is openable and straddles the plane, the references are
+/// opened first: their weight counts twice, so every cut looks bad.
 inline constexpr std::size_t kStraddlersToOpen = 4;
 
 }  // namespace sightline::accel::lazy

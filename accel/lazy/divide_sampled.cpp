@@ -1,13 +1,14 @@
-// Dividing a long list, made already or not, by cuts that a sample of it suggests.
+// Divides a long list, made already or not, at planes found in a sample of it.
 #include <algorithm>
 
+#include "accel/grow/reference_budget.h"
 #include "accel/lazy/divide.h"
 #include "accel/lazy/long_list.h"
 
 namespace sightline::accel::lazy {
 namespace {
 
-/// A long list as slices and as single references, whoever has it. Owns it.
+/// A long list, in slices and by single references: a cell's list, or the source's. Owns it.
 class LongSource {
  public:
   LongSource(const ReferenceSource& source, const kdtree::DeferredCell& cell,
@@ -80,6 +81,14 @@ std::shared_ptr<const SplitTree> choose_cuts(const DivideContext& context,
   return pass[0].cuts;
 }
 
+kdtree::CellList gather_part(const SharedPass& pass, std::size_t part) {
+  std::vector<kdtree::SlicedList::Piece> pieces;
+  for (std::size_t i = 0; i < pass.slices(); ++i) {
+    if (const auto& piece = pass[i].parts[part]; piece->size() > 0) pieces.push_back(piece);
+  }
+  return make_list(std::move(pieces));
+}
+
 }  // namespace
 
 std::optional<Division> divide_sampled(const DivideContext& context,
@@ -99,19 +108,20 @@ std::optional<Division> divide_sampled(const DivideContext& context,
         result->parts = cuts->divide(buffer.first(n), buffer.data() + n, of_slice);
         return result;
       });
-  Division division;
-  division.kind = Division::Kind::kMultiSplit;
-  division.cuts = cuts;
+  Division division{{cuts->nodes().begin(), cuts->nodes().end()}, {}};
   bool separates = !cell.has_list;
   for (std::size_t p = 0; p < cuts->leaves().size(); ++p) {
-    std::vector<kdtree::SlicedList::Piece> pieces;
-    for (std::size_t i = 0; i < pass.slices(); ++i) {
-      if (const auto& piece = pass[i].parts[p]; piece->size() > 0) pieces.push_back(piece);
-    }
-    division.parts.push_back({make_list(std::move(pieces)), {}, false});
-    separates |= division.parts.back().list.size() < cell.size;
+    kdtree::CellList list = gather_part(pass, p);
+    const std::size_t size = list.size();
+    separates |= size < cell.size;
+    const SplitTree::Leaf& part = cuts->leaves()[p];
+    division.cells.push_back({part.box, part.path, {std::move(list), {}, false}, size});
   }
   if (!separates) return std::nullopt;
+  std::vector<grow::ChildCell> children;
+  for (NewCell& child : division.cells)
+    children.push_back({child.box, static_cast<double>(child.weight), &child.path});
+  grow::share_budget(cell.path, static_cast<double>(cell.size), children);
   return division;
 }
 

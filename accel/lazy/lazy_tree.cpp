@@ -1,73 +1,24 @@
 // Expanding deferred cells: build off to the side, publish with one store, retire.
 #include "accel/lazy/lazy_tree.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
-#include <thread>
-#include <vector>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
+#include <utility>
 
 #include "accel/grow/grow.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/stall_detector.h"
-#include "accel/split/reference_budget.h"
+#include "accel/lazy/timed.h"
 
 namespace sightline::accel::lazy {
 namespace {
 
-/// Full builds cut cells above this weight one by one, with all threads, and give the others each
-/// to one thread.
-constexpr std::uint64_t kSerialBelow = 65536;
-
-std::uint64_t weight_of(const ChildList& part) {
-  if (!part.openable) return part.list.size();
-  std::uint64_t weight = 0;
-  part.list.any_part([&](std::span<const kdtree::Reference> refs) {
-    for (const kdtree::Reference& ref : refs) weight += ref.weight;
-    return false;
-  });
-  return weight;
-}
-
-/// What the cuts of a tree over so many references may add.
+/// How many references the cuts of a tree over `references` may add.
 double budget(const split::SplitSearch& rule, std::size_t references) {
   if (rule.budget() == 0) return std::numeric_limits<double>::infinity();
   return (rule.budget() - 1) * static_cast<double>(references);
-}
-
-/// Adds the time of its life.
-class Timed {
- public:
-  explicit Timed(kdtree::BuildCounters& counters) : counters_(counters) {}
-  ~Timed() {
-    counters_.seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
-
- private:
-  kdtree::BuildCounters& counters_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// All slots with something to expand.
-void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot,
-                      std::vector<kdtree::AtomicSlot*>& found) {
-  const kdtree::Slot now = kdtree::load(slot);
-  if (now.is_deferred() && !now.cell()->failed.load(std::memory_order_relaxed))
-    found.push_back(&slot);
-  if (!now.is_binary()) return;
-  kdtree::AtomicSlot* children = tree.children(now);
-  collect_deferred(tree, children[0], found);
-  collect_deferred(tree, children[1], found);
 }
 
 bool is_large(const kdtree::DeferredCell& cell) {
@@ -87,28 +38,6 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source, boo
 }
 
 }  // namespace
-
-/// What a division into several parts leaves to them.
-struct LazyTree::Shares {
-  double each = std::numeric_limits<double>::infinity();  ///< For a unit of demand.
-  double duplication = 1;                                 ///< Of the parts.
-
-  Shares(const Division& division, const kdtree::DeferredCell& cell) {
-    if (std::isinf(cell.path.references_left)) return;
-    const auto before = static_cast<double>(cell.size);
-    double after = 0;
-    for (const ChildList& part : division.parts) after += static_cast<double>(part.list.size());
-    duplication = cell.path.duplication * std::max(1.0, after / before);
-    double demands = 0;
-    for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);
-    each = demands > 0 ? split::left_over(cell.path, before, after) / demands : 0;
-  }
-
-  double of(const Division& division, std::size_t part) const {
-    return split::demand(division.cuts->leaves()[part].box,
-                         static_cast<double>(division.parts[part].list.size()));
-  }
-};
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
                    ReferenceSource source, const geometry::MeshView* mesh)
@@ -140,8 +69,8 @@ ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pen
   }
 }
 
-/// One thread is at it. A short list is searched sooner than that is done; a long one, which a full
-/// build finishes whole, only if that takes long.
+/// Another thread has claimed the cell. Searching a short list takes less time than waiting for it.
+/// A long list, claimed by a full build, is only searched if the thread makes no progress.
 ExpandResult LazyTree::wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
                                       WhenPending when_pending) {
   if (!is_large(cell)) return ExpandResult::kScanList;
@@ -170,7 +99,7 @@ void LazyTree::release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cel
   slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
 }
 
-/// By the one thread that claimed the cell, or that won.
+/// Called by one thread only: the one that claimed the cell.
 void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                        kdtree::BuildCounters& counters) {
   slot.store(built.bits(), std::memory_order_release);
@@ -178,7 +107,7 @@ void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdt
   counters.cells_expanded += built.is_deferred() ? 0u : 1u;
 }
 
-/// The cell's own list is never written: latecomers are reading it.
+/// The cell's own list is never written, because other threads may be searching it.
 ExpandResult LazyTree::expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                     kdtree::BuildCounters& counters) {
   if (!claim(slot, cell))
@@ -210,8 +139,8 @@ ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCe
   }
 }
 
-/// Follows the passes to their end. Several threads may, where the first seemed to be stopped; what
-/// the others made is then thrown away.
+/// Runs the passes to their end. Several threads may do so if the first one seemed to be stopped;
+/// then the first result is published and the others are discarded.
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                       CellTask& task, kdtree::BuildCounters& counters) {
   tree_.reserve(primitive_count_);
@@ -228,66 +157,34 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   return ExpandResult::kRetry;
 }
 
-kdtree::Slot LazyTree::defer(ChildList part, const geometry::Aabb& box,
-                             const kdtree::CellPath& path) {
+kdtree::Slot LazyTree::defer(NewCell now) {
   auto cell = std::make_unique<kdtree::DeferredCell>();
-  cell->box = box;
-  cell->path = path;
-  cell->openable = part.openable;
-  cell->size = part.list.size();
-  cell->weight = weight_of(part);
-  cell->first = part.first;
-  cell->list = std::move(part.list);
+  cell->box = now.box;
+  cell->path = now.path;
+  cell->openable = now.part.openable;
+  cell->size = now.part.list.size();
+  cell->weight = now.weight;
+  cell->first = now.part.first;
+  cell->list = std::move(now.part.list);
   return tree_.defer(std::move(cell));
 }
 
 kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& cell) {
-  switch (division.kind) {
-    case Division::Kind::kLeaf: {
-      const kdtree::ReferenceList whole = cell.list.copy();
-      const std::optional<kdtree::Slot> leaf = tree_.make_leaf(whole.all());
-      if (!leaf) throw std::bad_alloc();
-      return *leaf;
-    }
-    case Division::Kind::kRefined:
-      return defer(std::move(division.left), cell.box, cell.path);
-    case Division::Kind::kMultiSplit:
-      return make_slot(division, division.cuts->nodes()[0], Shares(division, cell));
-    case Division::Kind::kSplit:
-      break;
-  }
-  const std::optional<std::uint32_t> pair = tree_.allocate_pair();
-  if (!pair) throw std::bad_alloc();
-  const kdtree::Plane& plane = division.cut.plane;
-  const kdtree::Slot slot = kdtree::Slot::binary(plane, *pair);
-  const geometry::HalvedCell halves = halve(cell.box, plane.axis, plane.position);
-  const auto weight = [](const ChildList& part) { return static_cast<double>(weight_of(part)); };
-  const split::HalvedPath path =
-      split::halve_path(division.path, division.cut, halves, static_cast<double>(cell.weight),
-                        weight(division.left), weight(division.right));
-  kdtree::AtomicSlot* children = tree_.children(slot);
-  children[0].store(defer(std::move(division.left), halves.left, path.left).bits(),
-                    std::memory_order_relaxed);
-  children[1].store(defer(std::move(division.right), halves.right, path.right).bits(),
-                    std::memory_order_relaxed);
-  return slot;
+  if (!division.cuts.empty()) return make_slot(division, division.cuts[0]);
+  if (!division.cells.empty()) return defer(std::move(division.cells[0]));
+  const kdtree::ReferenceList whole = cell.list.copy();
+  const std::optional<kdtree::Slot> leaf = tree_.make_leaf(whole.all());
+  if (!leaf) throw std::bad_alloc();
+  return *leaf;
 }
 
-kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node,
-                                 const Shares& shares) {
+kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node) {
   const std::optional<std::uint32_t> pair = tree_.allocate_pair();
   if (!pair) throw std::bad_alloc();
   const kdtree::Slot slot = kdtree::Slot::binary(node.cut.plane, *pair);
   const auto below = [&](const SplitTree::Child& child) {
-    if (!child.is_leaf) return make_slot(division, division.cuts->nodes()[child.index], shares);
-    const SplitTree::Leaf& cut = division.cuts->leaves()[child.index];
-    ChildList& part = division.parts[child.index];
-    kdtree::CellPath path = cut.path;
-    if (!std::isinf(path.references_left)) {
-      path.references_left = shares.each * shares.of(division, child.index);
-      path.duplication = shares.duplication;
-    }
-    return defer(std::move(part), cut.box, path);
+    return child.is_leaf ? defer(std::move(division.cells[child.index]))
+                         : make_slot(division, division.cuts[child.index]);
   };
   kdtree::AtomicSlot* children = tree_.children(slot);
   children[0].store(below(node.left).bits(), std::memory_order_relaxed);
@@ -301,62 +198,6 @@ kdtree::Slot LazyTree::finish(const kdtree::DeferredCell& cell, kdtree::BuildCou
   if (cell.openable) list = open_all(source_, std::move(list), cell.box, counters);
   const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
   return grow::grow(context, list.all(), cell.box, cell.path, counters);
-}
-
-void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
-  const kdtree::EpochPin pin;
-  const Timed timed(counters);
-  // A round completes all that was deferred when it began; rays may have claimed some of it.
-  for (;;) {
-    std::vector<kdtree::AtomicSlot*> deferred;
-    collect_deferred(tree_, tree_.root(), deferred);
-    if (deferred.empty() || (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
-      return;
-    counters += tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, deferred.size()), kdtree::BuildCounters{},
-        [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i)
-            complete(*deferred[i], sum, cancelled);
-          return sum;
-        },
-        [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; });
-  }
-}
-
-/// Until the slot is built, and what was cut off in doing so.
-void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-                        const std::atomic<bool>* cancelled) {
-  const kdtree::EpochPin pin;
-  StallDetector stall_detector;
-  for (kdtree::Slot now = kdtree::load(slot); now.is_deferred(); now = kdtree::load(slot)) {
-    kdtree::DeferredCell& cell = *now.cell();
-    if (cell.failed.load(std::memory_order_relaxed)) return;
-    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
-    if (!cell.has_list || cell.weight > kSerialBelow) {
-      if (expand_now(slot, WhenPending::kWait, counters) != ExpandResult::kScanList) continue;
-    } else if (claim(slot, cell)) {
-      return complete_cell(slot, cell, counters, cancelled);
-    }
-    // A ray's thread has just claimed it and is done in no time, or has stopped; then the next
-    // round sees to it.
-    if (!stall_detector.wait(0)) return;
-  }
-  const kdtree::Slot built = kdtree::load(slot);
-  if (!built.is_binary()) return;
-  kdtree::AtomicSlot* children = tree_.children(built);
-  kdtree::BuildCounters right;
-  tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
-                       [&] { complete(children[1], right, cancelled); });
-  counters += right;
-}
-
-void LazyTree::complete_cell(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                             kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
-  try {
-    publish(slot, cell, finish(cell, counters, cancelled), counters);
-  } catch (const std::bad_alloc&) {
-    release_claim(slot, cell);
-  }
 }
 
 }  // namespace sightline::accel::lazy

@@ -1,5 +1,5 @@
-// A kd-tree that grows where it is looked at. The part of the ray's way between "a cell is not
-// built" and "it is".
+// A kd-tree that grows where rays look: what happens between a ray's first step into a cell that is
+// not built and the moment the cell is built.
 #pragma once
 
 #include <atomic>
@@ -10,26 +10,26 @@
 
 namespace sightline::accel::lazy {
 
-/// What came of asking for a cell.
+/// The answer to a ray that asks for a cell.
 enum class ExpandResult : std::uint8_t {
-  kRetry,     ///< There is something new in the slot: look again.
-  kPending,   ///< A large cell, and others are at it: come back when they have got on.
-  kScanList,  ///< Search the cell's list: others are at it, and it is small, or there is no memory.
+  kRetry,     ///< The slot has changed: read it again.
+  kPending,   ///< Other threads expand a large cell: ask again when they have made progress.
+  kScanList,  ///< Search the cell's list: another thread expands a small cell, or memory is short.
 };
 
-/// What to do where others are at a large cell, once there is nothing left to help with.
+/// What to do when other threads expand a large cell and no work is left to help with.
 enum class WhenPending : std::uint8_t {
   kReturn,  ///< Return kPending.
-  kWait,    ///< Sleep until they have got on; if they seem to be stopped, do their work.
+  kWait,    ///< Sleep until they have made progress; if they seem to be stopped, do their work.
 };
 
 /// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
-/// A thread that is stopped in here, wherever it is, does not stop any other.
+/// A thread that is stopped inside a member, at any point, does not stop any other.
 class LazyTree {
  public:
-  /// `bounds` holds every reference; `primitive_count` is how many there are when all are opened,
-  /// an upper bound. `mesh`: what the closed ones are faces of, for rules that clip; null if they
-  /// are not. Must outlive the tree.
+  /// `bounds` contains every reference; `primitive_count` is an upper bound on their number when
+  /// all are opened. `mesh`: the mesh whose faces they are, for rules that clip; null for other
+  /// references. It must outlive the tree.
   LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
            ReferenceSource source, const geometry::MeshView* mesh = nullptr);
 
@@ -38,16 +38,16 @@ class LazyTree {
 
   /// Called by a ray that meets a deferred slot.
   ///
-  /// First touch: one cell is divided (Division), and what comes of it is deferred. A cell of at
-  /// most kEagerBelow triangles, by weight, is finished whole.
+  /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
+  /// cell of at most kEagerBelow triangles, by weight, is built at once.
   ExpandResult expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                       kdtree::BuildCounters& counters);
 
-  /// How far the expansion of a busy slot is; grows while there is progress.
+  /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
-  /// Expands everything until nothing is deferred but cells for which there was no room, or until
-  /// `cancelled`. Parallel in the caller's arena.
+  /// Expands all cells until only those without room are deferred, or until `cancelled` is set.
+  /// Parallel in the caller's arena.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
  private:
@@ -62,9 +62,8 @@ class LazyTree {
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
                               kdtree::BuildCounters& counters);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
-  struct Shares;
-  kdtree::Slot make_slot(Division& division, const SplitTree::Node& node, const Shares& shares);
-  kdtree::Slot defer(ChildList part, const geometry::Aabb& box, const kdtree::CellPath& path);
+  kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
+  kdtree::Slot defer(NewCell now);
   kdtree::Slot finish(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters,
                       const std::atomic<bool>* cancelled);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
@@ -83,8 +82,8 @@ class LazyTree {
   DivideContext context_;
 };
 
-/// A deferred cell this small is finished whole: splitting it further would cost more than it
-/// defers.
+/// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
+/// would cost more work than it defers.
 inline constexpr std::size_t kEagerBelow = 64;
 
 }  // namespace sightline::accel::lazy

@@ -45,7 +45,7 @@ std::optional<kdtree::Split> LongList::choose() {
   return context_.rule->choose(refs, counters_);
 }
 
-Straddling LongList::sift(const PartitionInput& input, Division& out) {
+ChildLists LongList::sift(const PartitionInput& input) {
   const SharedPass& pass = passes_.next(
       list_->slices(), [list = list_, input](std::size_t slice, kdtree::BuildCounters& counters) {
         PartitionResult sides =
@@ -59,14 +59,14 @@ Straddling LongList::sift(const PartitionInput& input, Division& out) {
         result->openable = input.openable;
         return result;
       });
-  out.left = gather(pass, &PassSlice::left, &PassSlice::left_scan);
-  out.right = gather(pass, &PassSlice::right, &PassSlice::right_scan);
-  Straddling straddling;
+  ChildLists parts{gather(pass, &PassSlice::left, &PassSlice::left_scan),
+                   gather(pass, &PassSlice::right, &PassSlice::right_scan),
+                   {}};
   for (std::size_t i = 0; i < pass.slices(); ++i) {
-    straddling.openable += pass[i].straddling.openable;
-    straddling.all += pass[i].straddling.all;
+    parts.straddling.openable += pass[i].straddling.openable;
+    parts.straddling.all += pass[i].straddling.all;
   }
-  return straddling;
+  return parts;
 }
 
 ChildList LongList::open() {

@@ -1,4 +1,4 @@
-// A list in slices, with the operations of dividing as passes that any thread helps with.
+// A list in slices. The passes of a division over it are passes that any thread can help with.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,13 @@
 
 namespace sightline::accel::lazy {
 
-/// One thread's view of it, for one division. All functions throw std::bad_alloc.
+/// The lists of both children, from a short list or a long one.
+struct ChildLists {
+  ChildList left, right;
+  Straddling straddling;
+};
+
+/// A long list as one thread sees it during one division. All members throw std::bad_alloc.
 class LongList {
  public:
   LongList(const DivideContext& context, const kdtree::DeferredCell& cell, PassSequence& passes,
@@ -22,8 +28,7 @@ class LongList {
         counters_(counters) {}
 
   std::optional<kdtree::Split> choose();
-  /// Sets the sides of the division.
-  Straddling sift(const PartitionInput& input, Division& out);
+  ChildLists sift(const PartitionInput& input);
   ChildList open();
 
  private:

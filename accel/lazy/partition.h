@@ -1,26 +1,21 @@
-// Sifting a cell's list into its halves, now or later, all of it or a slice.
+// Sifts a cell's list into its halves, whole or slice by slice.
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 
-#include "accel/geometry/triangle_mesh.h"
+#include "accel/grow/cell_cut.h"
 #include "accel/kdtree/reference_list.h"
-#include "accel/split/child_scan.h"
 #include "accel/split/split_search.h"
 
 namespace sightline::accel::lazy {
 
-/// What sifting needs to know of a cell; owns it, so that it may be done late.
+/// A cut to be made, and what keeps it valid: it may be done late.
 struct PartitionInput {
   split::SplitRule rule;
-  std::optional<geometry::MeshView> clipped;  ///< What straddlers are clipped against, if they are.
-  kdtree::Split cut;
-  geometry::HalvedCell halves;
-  bool scans;          ///< The children's lists are scanned meanwhile.
+  grow::CellCut cut;
   bool openable;       ///< Straddlers that can be opened are to be counted.
-  bool whole = false;  ///< The list comes in one piece: whether it is a crowd can be told.
+  bool whole = false;  ///< The list is sifted in one piece, not in slices.
 };
 
 /// References on both sides of a plane.
@@ -39,8 +34,8 @@ PartitionResult sift_spans(const PartitionInput& input,
                            std::span<const std::span<const kdtree::Reference>> spans,
                            std::size_t size, kdtree::BuildCounters& counters);
 
-/// A thread's own room for so many boxes, until it asks again: lists are made there, and allocated
-/// at the length they come to. Throws std::bad_alloc.
+/// A buffer of the calling thread for `size` boxes, valid until its next call: lists are made there
+/// and then copied at their true length. Throws std::bad_alloc.
 std::span<kdtree::Reference> scratch(std::size_t size);
 
 }  // namespace sightline::accel::lazy

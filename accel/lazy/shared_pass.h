@@ -10,6 +10,7 @@
 
 #include "accel/kdtree/reference_list.h"
 #include "accel/lazy/partition.h"
+#include "accel/lazy/shared_slices.h"
 #include "accel/lazy/split_tree.h"
 #include "accel/split/child_scan.h"
 #include "accel/split/scan_pass.h"
@@ -38,40 +39,34 @@ class SharedPass {
   /// Does one slice. Owns all that it reads. Adds its work to the counters.
   using Work = std::function<std::unique_ptr<PassSlice>(std::size_t slice, kdtree::BuildCounters&)>;
 
-  SharedPass(std::size_t slices, Work work);
-  ~SharedPass();
-  SharedPass(const SharedPass&) = delete;
-  SharedPass& operator=(const SharedPass&) = delete;
+  SharedPass(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
   /// Does slices that no thread has begun, until none is left. Returns their number. Throws
   /// std::bad_alloc.
-  std::size_t help(kdtree::BuildCounters& counters);
+  std::size_t help(kdtree::BuildCounters& counters) {
+    return results_.help([&](std::size_t slice) { return work_(slice, counters); });
+  }
 
-  /// Does all slices without a result, also those that other threads have begun: for use when those
-  /// threads seem to be suspended. Afterwards every slice has a result, even if done() is still
-  /// false.
-  void finish(kdtree::BuildCounters& counters);
+  /// Returns when all slices are done: by this thread, by others while it waits, or by this thread
+  /// after all if those seem to be stopped. Throws std::bad_alloc.
+  void complete(kdtree::BuildCounters& counters) {
+    constexpr int kStalls = 1;
+    results_.complete(kStalls, [&](std::size_t slice) { return work_(slice, counters); });
+  }
 
   std::size_t slices() const { return results_.size(); }
-  /// A lower bound: a slice counts shortly after its result is stored.
-  std::size_t slices_done() const { return done_.load(std::memory_order_acquire); }
-  bool done() const { return slices_done() == results_.size(); }
+  /// A lower bound.
+  std::size_t slices_done() const { return results_.size_done(); }
 
-  /// The result of a slice that is done.
-  const PassSlice& operator[](std::size_t slice) const {
-    return *results_[slice].load(std::memory_order_acquire);
-  }
+  /// Of a slice that is done.
+  const PassSlice& operator[](std::size_t slice) const { return results_[slice]; }
 
   /// The next pass, or null.
   std::atomic<SharedPass*> next{nullptr};
 
  private:
-  void run(std::size_t slice, kdtree::BuildCounters& counters);
-
   Work work_;
-  std::vector<std::atomic<PassSlice*>> results_;
-  std::atomic<std::size_t> begun_{0};
-  std::atomic<std::size_t> done_{0};
+  SharedSlices<PassSlice> results_;
 };
 
 }  // namespace sightline::accel::lazy

@@ -23,9 +23,7 @@ struct AxisCost {
         hi(cell.hi[axis]) {}
 
   double children(double x, double left, double right) const {
-    const double sum = (areas.left(x) * left + areas.right(x) * right) * areas.per_whole();
-    const bool one_empty = (left == 0) | (right == 0);  // no branch: rare, and hard to predict
-    return sum * (one_empty ? bonus : 1.0);
+    return areas.children(x, left, right, bonus);
   }
   bool inside(float x) const { return x > lo && x < hi; }
 

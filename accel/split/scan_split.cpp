@@ -4,7 +4,6 @@
 #include "accel/kdtree/reference_list.h"
 #include "accel/split/guided_scan.h"
 #include "accel/split/out_of_range.h"
-#include "accel/split/reference_budget.h"
 
 namespace sightline::accel::split {
 namespace {
@@ -65,6 +64,13 @@ bool ScanSplit::clips(std::size_t straddlers, std::size_t references) const {
   if (clip) return true;
   return clip_dense && references >= kClipFrom && references < kdtree::kLongList &&
          straddlers * kStraddleShare >= references;
+}
+
+bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references) {
+  constexpr double kLeastDuplication = 2, kMost = 256;
+  const double growth = path.duplication - 1;
+  return path.duplication >= kLeastDuplication &&
+         growth * growth * static_cast<double>(references) >= kMost;
 }
 
 std::optional<BoundRule> ScanSplit::bound_rule(std::size_t references) const {

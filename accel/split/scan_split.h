@@ -57,6 +57,11 @@ struct ScanSplit {
   std::optional<BoundRule> bound_rule(std::size_t references) const;
 };
 
+/// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
+/// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
+/// duplication - 1 is a few times sqrt(1 / n) there.
+bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references);
+
 /// The default: fast to build.
 ScanSplit scan_fast();
 

@@ -247,15 +247,16 @@ void open_group(const MobilityView& view, const Group& group, const accel::geome
                 unsigned shift, Opened& opened) {
   const std::vector<model::NodeId>& children = children_of(view, group);
   const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
-  // Opening a few children takes less time than waiting.
-  const bool wait = opened.slices.size() > 1;
-  opened.numbers.complete(wait, [&](std::size_t slice) {
+  // Opening a few children takes less time than waiting; a slice of many may take several times
+  // longer than a stall.
+  const int stalls = opened.slices.size() > 1 ? 5 : 0;
+  opened.numbers.complete(stalls, [&](std::size_t slice) {
     auto taken = std::make_unique<Opened::Numbers>();
     for (const Member& member : members_of(view, slice_of(children, slice)))
       reserve_numbers(member, *taken);
     return taken;
   });
-  opened.slices.complete(wait, [&](std::size_t slice) {
+  opened.slices.complete(stalls, [&](std::size_t slice) {
     Opened::Numbers first{group.first_instance + (own && slice > 0 ? 1u : 0u), group.first_group,
                           group.first_cluster + max_clusters(children.size() + 1)};
     for (std::size_t before = 0; before < slice; ++before) {
@@ -266,7 +267,7 @@ void open_group(const MobilityView& view, const Group& group, const accel::geome
     return SliceBuilder(view, group, center, shift, first)
         .build(members_of(view, slice_of(children, slice)), own && slice == 0);
   });
-  opened.siblings.complete(wait, [&](std::size_t) { return collect_siblings(group, opened); });
+  opened.siblings.complete(stalls, [&](std::size_t) { return collect_siblings(group, opened); });
 }
 
 }  // namespace sightline::scenegraph::instances

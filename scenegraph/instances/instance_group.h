@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "accel/geometry/aabb.h"
+#include "accel/lazy/shared_slices.h"
 #include "scenegraph/instances/mobility_view.h"
-#include "scenegraph/instances/shared_slices.h"
 #include "scenegraph/instances/sibling_clusters.h"
 
 namespace sightline::scenegraph::instances {
@@ -71,9 +71,9 @@ struct Opened {
     bool some_open_at_once = false;  ///< Of the groups.
   };
 
-  SharedSlices<Numbers> numbers;
-  SharedSlices<OpenedSlice> slices;
-  SharedSlices<Siblings> siblings{1};
+  accel::lazy::SharedSlices<Numbers> numbers;
+  accel::lazy::SharedSlices<OpenedSlice> slices;
+  accel::lazy::SharedSlices<Siblings> siblings{1};
   std::atomic<bool> listed{false};  ///< The instances can be found by number.
 };
 

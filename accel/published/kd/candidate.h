@@ -60,9 +60,8 @@ class AxisCuts {
 
   /// The cost (eq. 5 and 7), computed from integers, so that equal splits get equal bits.
   double cost(float x, std::uint32_t left, std::uint32_t right) const {
-    const auto at = static_cast<double>(x);
-    const double children =
-        (areas_.left(at) * left + areas_.right(at) * right) * areas_.per_whole();
+    constexpr double kNoBonus = 1;  // lambda is a factor on the whole cost
+    const double children = areas_.children(static_cast<double>(x), left, right, kNoBonus);
     const double cost = costs_.traverse + costs_.intersect * children;
     return left == 0 || right == 0 ? cost * costs_.lambda : cost;
   }

@@ -18,6 +18,7 @@
 #include "accel/published/any_builder.h"
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
+#include "tests/accel/lazy/gate.h"
 
 namespace sightline::accel::lazy {
 namespace {
@@ -28,63 +29,7 @@ std::unique_ptr<PassSlice> counted(std::size_t references) {
   return result;
 }
 
-TEST(SharedPass, KeepsTheFirstResultOfASlice) {
-  std::atomic<int> runs{0};
-  SharedPass pass(3, [&](std::size_t slice, kdtree::BuildCounters& counters) {
-    ++counters.touches;
-    return counted(slice + 10 * static_cast<std::size_t>(runs++));
-  });
-  kdtree::BuildCounters counters;
-  EXPECT_FALSE(pass.done());
-  EXPECT_EQ(pass.help(counters), 3u);
-  EXPECT_TRUE(pass.done());
-  EXPECT_EQ(pass.help(counters), 0u);
-  pass.finish(counters);
-  EXPECT_EQ(runs, 3);
-  EXPECT_EQ(counters.touches, 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(pass[i].straddling.all, i + 10 * i);
-}
-
-/// Stops the first thread that passes the gate, until the gate is opened.
-class Gate {
- public:
-  void pass() {
-    bool open = false;
-    if (!taken_.compare_exchange_strong(open, true)) return;
-    open_.wait(false);
-  }
-  bool taken() const { return taken_; }
-  void open() {
-    open_ = true;
-    open_.notify_all();
-  }
-
- private:
-  std::atomic<bool> taken_{false}, open_{false};
-};
-
-TEST(SharedPass, FinishesWithoutAStoppedThread) {
-  Gate gate;
-  SharedPass pass(8, [&](std::size_t slice, kdtree::BuildCounters&) {
-    gate.pass();
-    return counted(slice);
-  });
-  std::thread stopped([&] {
-    kdtree::BuildCounters counters;
-    pass.help(counters);
-  });
-  while (!gate.taken()) std::this_thread::yield();
-  kdtree::BuildCounters counters;
-  pass.help(counters);
-  EXPECT_FALSE(pass.done());
-  pass.finish(counters);
-  EXPECT_TRUE(pass.done());
-  gate.open();
-  stopped.join();
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(pass[i].straddling.all, i);
-}
-
-TEST(CellTask, APassSequenceFindsFinishedPasses) {
+TEST(CellTask, APassSequenceFindsThePassesThatAreDone) {
   auto* task = new CellTask(nullptr);
   std::atomic<int> runs{0};
   const auto follow = [&](kdtree::BuildCounters& counters) {

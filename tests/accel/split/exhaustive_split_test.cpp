@@ -84,6 +84,41 @@ TEST_P(BoundScan, FindsTheBestBound) {
   }
 }
 
+/// SplitAreas::children of a cut at a bound.
+double scalar_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
+                   const kdtree::Plane& plane, double bonus) {
+  const auto a = static_cast<std::size_t>(plane.axis);
+  double left = 0, right = 0;
+  for (const kdtree::Reference& ref : refs) {
+    left += ref.lo[a] < plane.position ? ref.weight : 0;
+    right += ref.hi[a] > plane.position ? ref.weight : 0;
+  }
+  const SplitAreas areas(cell, plane.axis);
+  return areas.children(static_cast<double>(plane.position), left, right, bonus);
+}
+
+TEST_P(BoundScan, ItsCutIsTheCheapestByTheScalarFormula) {
+  constexpr double kFloats = 1e-5;  // the kernel's rounding
+  const geometry::Aabb cell{{0.1f, 0.2f, 0.1f}, {0.9f, 0.8f, 0.95f}};
+  for (std::size_t n = 2; n <= 64; n += 3) {
+    const auto refs = tests::random_boxes(n, 0.1, n);
+    kdtree::BuildCounters counters;
+    const BoundRule rule{.cost = {0, 1, 0.85}};
+    const auto cut = choose_bound(refs, cell, rule, counters);
+    if (!cut) continue;
+    const double chosen = scalar_cost(refs, cell, cut->plane, rule.cost.empty_bonus);
+    for (const kdtree::Reference& ref : refs) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        for (const float x : {ref.lo[a], ref.hi[a]}) {
+          if (!(x > cell.lo[a] && x < cell.hi[a])) continue;
+          EXPECT_LE(chosen, (1 + kFloats) * scalar_cost(refs, cell, {axis, x}, 0.85)) << n;
+        }
+      }
+    }
+  }
+}
+
 TEST_P(BoundScan, EqualCostsGoToTheLeastAxisAndPosition) {
   for (std::size_t n = 1; n <= 40; ++n) {
     const auto refs = tests::lattice_boxes(n, 5, n);

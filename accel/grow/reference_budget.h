@@ -3,22 +3,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "accel/kdtree/reference.h"
 
-namespace sightline::accel::split {
-
-/// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
-/// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
-/// duplication - 1 is a few times sqrt(1 / n) there.
-inline bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references) {
-  constexpr double kLeastDuplication = 2, kMost = 256;
-  const double growth = path.duplication - 1;
-  return path.duplication >= kLeastDuplication &&
-         growth * growth * static_cast<double>(references) >= kMost;
-}
+namespace sightline::accel::grow {
 
 /// Whether a cut that leaves `straddlers` references on both sides is within the cell's budget.
 inline bool within_budget(const kdtree::CellPath& path, std::size_t straddlers) {
@@ -44,19 +36,45 @@ inline kdtree::CellPath cap_below_useless_cut(const kdtree::CellPath& path, std:
   return capped;
 }
 
-/// What a cell may still add after its list of `before` references became lists of `after`, all
-/// together.
-inline double left_over(const kdtree::CellPath& path, double before, double after) {
-  return std::max(0.0, path.references_left - std::max(0.0, after - before));
-}
-
 /// Measures a child's share of its parent's budget: how often a ray enters the cell, times how many
 /// tests it would make there.
 inline double demand(const geometry::Aabb& cell, double references) {
   return half_area(cell) * references;
 }
 
-/// The paths of both halves, their lists being so long.
+/// One of the cells that a division makes.
+struct ChildCell {
+  geometry::Aabb box;
+  double references;
+  kdtree::CellPath* path;  ///< Its spare and its duplication are written here.
+};
+
+/// Shares the budget of a cell of `before` references out to its children, by demand, less what the
+/// division added. No effect on a path without a budget. At least one child.
+inline void share_budget(const kdtree::CellPath& parent, double before,
+                         std::span<const ChildCell> children) {
+  if (std::isinf(parent.references_left)) return;
+  double after = 0, demands = 0;
+  for (const ChildCell& child : children) {
+    after += child.references;
+    demands += demand(child.box, child.references);
+  }
+  const double references_left =
+      std::max(0.0, parent.references_left - std::max(0.0, after - before));
+  const double duplication = parent.duplication * std::max(1.0, after / before);
+  double rest = references_left;
+  for (const ChildCell& child : children.first(children.size() - 1)) {
+    const double share = demands > 0 ? demand(child.box, child.references) / demands
+                                     : 1 / static_cast<double>(children.size());
+    child.path->references_left = references_left * share;
+    child.path->duplication = duplication;
+    rest -= child.path->references_left;
+  }
+  children.back().path->references_left = std::max(0.0, rest);
+  children.back().path->duplication = duplication;
+}
+
+/// The paths of both children of a cut, whose lists have `left` and `right` references.
 struct HalvedPath {
   kdtree::CellPath left, right;
 };
@@ -64,16 +82,10 @@ inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Split& 
                              const geometry::HalvedCell& halves, double before, double left,
                              double right) {
   HalvedPath below{path.below(cut), path.below(cut)};
-  if (std::isinf(path.references_left)) return below;
-  const double references_left = left_over(path, before, left + right);
-  const double to_left = demand(halves.left, left);
-  const double to_right = demand(halves.right, right);
-  const double share = to_left + to_right > 0 ? to_left / (to_left + to_right) : 0.5;
-  below.left.references_left = references_left * share;
-  below.right.references_left = references_left - below.left.references_left;
-  below.left.duplication = below.right.duplication =
-      path.duplication * std::max(1.0, (left + right) / before);
+  const std::array<ChildCell, 2> children{
+      {{halves.left, left, &below.left}, {halves.right, right, &below.right}}};
+  share_budget(path, before, children);
   return below;
 }
 
-}  // namespace sightline::accel::split
+}  // namespace sightline::accel::grow

@@ -1,8 +1,9 @@
-// The references that cuts may add, and their distribution over subtrees.
-#include "accel/split/reference_budget.h"
+// What cuts may add, and who may.
+#include "accel/grow/reference_budget.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -12,7 +13,7 @@
 #include "tests/support/hard_meshes.h"
 #include "tests/support/scenes.h"
 
-namespace sightline::accel::split {
+namespace sightline::accel::grow {
 namespace {
 
 const geometry::Aabb kCell{{0, 0, 0}, {2, 1, 1}};
@@ -44,13 +45,7 @@ TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
   EXPECT_EQ(cap_below_useless_cut({}, 100, 100, 100), kdtree::CellPath{}) << "no budget";
 }
 
-TEST(ReferenceBudget, DuplicationAndLengthDecideWhetherACellIsOverDuplicated) {
-  EXPECT_TRUE(is_over_duplicated({.duplication = 3}, 64));
-  EXPECT_FALSE(is_over_duplicated({.duplication = 3}, 63));
-  EXPECT_FALSE(is_over_duplicated({.duplication = 1.9}, 100000));
-}
-
-TEST(ReferenceBudget, ACutMayAddAtMostTheReferencesLeft) {
+TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
   EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 9));
   EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 10));
   EXPECT_TRUE(within_budget({}, 1000000));
@@ -65,6 +60,22 @@ TEST(ReferenceBudget, IsNeverExceededAndNeverGrows) {
   const HalvedPath flat =
       halve_path({.references_left = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
   EXPECT_EQ(flat.left.references_left + flat.right.references_left, 5);
+}
+
+TEST(ReferenceBudget, IsSharedByAnyNumberOfChildrenAsByTwo) {
+  const kdtree::CellPath parent{.references_left = 1000, .duplication = 2};
+  std::array<kdtree::CellPath, 3> paths;
+  const std::vector<ChildCell> children{{{{0, 0, 0}, {1, 1, 1}}, 40, &paths[0]},
+                                        {{{1, 0, 0}, {2, 1, 1}}, 60, &paths[1]},
+                                        {{{0, 1, 0}, {2, 2, 1}}, 50, &paths[2]}};
+  share_budget(parent, 100, children);
+  // 50 were added. Half areas are 3, 3 and 5.
+  const double demands = 3 * 40 + 3 * 60 + 5 * 50;
+  EXPECT_DOUBLE_EQ(paths[0].references_left, 950 * 3 * 40 / demands);
+  EXPECT_DOUBLE_EQ(paths[1].references_left, 950 * 3 * 60 / demands);
+  EXPECT_DOUBLE_EQ(paths[0].references_left + paths[1].references_left + paths[2].references_left,
+                   950);
+  for (const kdtree::CellPath& path : paths) EXPECT_DOUBLE_EQ(path.duplication, 3);
 }
 
 TEST(ReferenceBudget, IsInfiniteUnlessSet) {
@@ -108,4 +119,4 @@ TEST(ReferenceBudget, IsSmallerForFansIfItIsSet) {
 }
 
 }  // namespace
-}  // namespace sightline::accel::split
+}  // namespace sightline::accel::grow
