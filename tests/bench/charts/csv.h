@@ -11,7 +11,7 @@
 
 namespace sightline::bench {
 
-/// Every column there is, in order; docs/charts/speed_accuracy.md says what each holds.
+/// Every column there is, in order; docs/data/README.md says what each holds.
 std::span<const std::string_view> chart_columns();
 
 /// A line of names, then a line a row; what a row does not have stays empty. Error: kInternal, a

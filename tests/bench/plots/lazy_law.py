@@ -1,49 +1,27 @@
 #!/usr/bin/env python3
-"""Draws lazy_law.svg and .png: what lazily grown trees cost in touches, and the law fitted to it.
+"""Draws lazy_law.csv: the touches of trees that rays grow, and the law fitted to them.
 
-    docs/charts/lazy_law.py [--bench PATH/TO/sightline-bench] [--threads N]
-
-Reads lazy_law.csv beside this file; --bench measures that anew first (counters, the same on every machine).
-Needs Debian's python3-matplotlib.
+    tests/bench/plots/lazy_law.py FOLDER
 """
-import argparse
 import csv
-import json
 import math
 import pathlib
-import subprocess
+import sys
 
-import matplotlib
+from style import plt, save
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
-
-HERE = pathlib.Path(__file__).resolve().parent
 NAME = "lazy_law"
-COLUMNS = ["what", "hierarchy", "n", "m", "share", "windows", "touches", "touches_prepare", "fitted", "a", "b", "r_squared",
-           "max_residual"]
+NUMBERS = "n", "m", "share", "windows", "touches", "a", "b", "r_squared", "max_residual"
 TITLES = {"soup": "every triangle a reference of its own", "runs": "runs of triangles, opened where rays look"}
 COLOURS = ["#56b4e9", "#0072b2", "#009e73", "#e69f00", "#d55e00"]
 
 
-def measure(options):
-    """Runs the bench and keeps its rows as CSV."""
-    command = [options.bench, "law", "--threads", str(options.threads), "--json"]
-    lines = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    with open(HERE / f"{NAME}.csv", "w", newline="") as file:
-        out = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
-        out.writeheader()
-        for row in map(json.loads, lines):
-            if row["what"] not in ("point", "fit"):
-                continue
-            out.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()})
-
-
-def read():
-    with open(HERE / f"{NAME}.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+def read(folder):
+    """The points, and the fit of each hierarchy."""
+    with open(folder / f"{NAME}.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["what"] in ("point", "fit")]
     for row in rows:
-        for key in COLUMNS[2:]:
+        for key in NUMBERS:
             row[key] = float(row[key]) if row[key] else None
     return [r for r in rows if r["what"] == "point"], {r["hierarchy"]: r for r in rows if r["what"] == "fit"}
 
@@ -69,30 +47,23 @@ def draw_hierarchy(axes, points, fit, sizes):
     axes.set_axisbelow(True)
 
 
-def draw(points, fits):
-    plt.rcParams.update({"svg.hashsalt": NAME, "font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
+def draw(points, fits, folder):
     figure, panels = plt.subplots(1, len(fits), figsize=(5.2 * len(fits), 4.8), sharey=True, squeeze=False)
     every = sorted({p["n"] for p in points})
     sizes = every[::max(1, len(every) // len(COLOURS) + (len(every) % len(COLOURS) > 0))]
     for axes, (hierarchy, fit) in zip(panels[0], fits.items()):
         draw_hierarchy(axes, [p for p in points if p["hierarchy"] == hierarchy], fit, sizes)
     panels[0][0].set_ylabel("touches: bounds read by passes of building")
-    figure.suptitle("What a tree costs that rays grow: in proportion to the scene once, and then to what is seen",
+    figure.suptitle("The cost of a tree that rays grow: one term for the size of the scene, one for what the rays see",
                     x=0.01, ha="left", fontsize=12)
     windows = max(round(p["windows"]) for p in points)
     handles = [plt.Line2D([], [], color="#555555", marker="o", mfc="white", mew=1.4, ls="", label=f"counted, median of {windows} windows"),
                plt.Line2D([], [], color="#555555", lw=1.4, label="the law, one fit for all sizes")]
     figure.tight_layout(rect=(0, 0.06, 1, 1))
     figure.legend(handles=handles, loc="lower center", ncol=2, frameon=False, fontsize=9)
-    figure.savefig(HERE / f"{NAME}.svg", metadata={"Date": None})
-    figure.savefig(HERE / f"{NAME}.png", dpi=110)
+    save(figure, folder, NAME)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bench", help="measure anew with this sightline-bench")
-    parser.add_argument("--threads", type=int, default=1, help="windows grown at the same time")
-    options = parser.parse_args()
-    if options.bench:
-        measure(options)
-    draw(*read())
+    target = pathlib.Path(sys.argv[1])
+    draw(*read(target), target)

@@ -1,6 +1,18 @@
-"""Two charts of rays: time to image against their number, and rays that are missed against speed."""
-from speed_accuracy_style import (BLACK, BLUE, BVH, GREEN, GREY, LIGHT, ORANGE, PURPLE, RED, SKY, WINE, Labels, caption,
-                                  log_ticks, look, plt, save)
+#!/usr/bin/env python3
+"""Draws images.csv: the time from arrays to hits, building included, against the number of rays.
+
+    tests/bench/plots/images.py FOLDER
+"""
+import math
+import pathlib
+import sys
+
+from style import BLACK, BLUE, GREEN, LIGHT, ORANGE, PURPLE, RED, SKY, WINE, caption, log_ticks, plt, save
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "data"))
+from csv_files import read_csv, read_provenance
+
+NAME = "images"
 
 # Ways to build: name in the chart, short name in the bands, colour, dashes.
 WAYS = {("scan-fast", "first-touch"): ("lazy scan-fast", "lazy", BLUE, "-"),
@@ -19,10 +31,16 @@ def peer(way):
     return way[0].startswith("embree")
 
 
-def image_times(data):
+def mean(values):
+    """The geometric mean."""
+    values = list(values)
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def image_times(rows):
     """By kind of picture, scene, way: {rays: seconds}."""
     times = {}
-    for row in data.of("image"):
+    for row in rows:
         ways = times.setdefault(row["rays"], {}).setdefault(row["scene"], {})
         ways.setdefault((row["builder"], row["policy"]), {})[int(row["count"])] = row["seconds_to_hits"]
     return times
@@ -44,7 +62,7 @@ def spread(wanted, least):
     return result
 
 
-def draw_times(axes, by_scene, mean, told_from):
+def draw_times(axes, by_scene, told_from):
     ways = [w for w in WAYS if all(w in s for s in by_scene.values())]
     counts = sorted(next(iter(next(iter(by_scene.values())).values())))
     curves = {w: [1e3 * mean(s[w][n] for s in by_scene.values()) for n in counts] for w in ways}
@@ -83,7 +101,7 @@ def count_text(n):
 
 
 def draw_bands(axes, by_scene, ways, title):
-    """A row a scene, a cell a number of rays: who is done first."""
+    """One line a scene, one cell a number of rays: the fastest way."""
     scenes = list(by_scene)
     counts = sorted(next(iter(by_scene[scenes[0]].values())))
     for i, scene in enumerate(scenes):
@@ -103,25 +121,23 @@ def draw_bands(axes, by_scene, ways, title):
     axes.set_title(title, fontsize=9, loc="left")
 
 
-def images(data, folder, mean):
-    times = image_times(data)
-    if not times:
-        return []
-    measured = max(int(r["count"]) for r in data.of("image") if r["basis"] == "measured")
-    told = [int(r["count"]) for r in data.of("image") if r["basis"] == "told"]
+def draw(rows, run, folder):
+    times = image_times(rows)
+    measured = max(int(r["count"]) for r in rows if r["basis"] == "measured")
+    told = [int(r["count"]) for r in rows if r["basis"] == "extrapolated"]
     told_from = (measured * min(told)) ** 0.5 if told else None
     kinds = [k for k in PICTURES if k in times]
     scenes = len(times[kinds[0]])
-    tables = ["first to be done, of ours"]
+    tables = ["the fastest of ours"]
     if any(peer(way) for by_way in times[kinds[0]].values() for way in by_way):
-        tables.append("first to be done, Embree included")
+        tables.append("the fastest, Embree included")
     band = 0.45 + 0.26 * scenes
     figure, grid = plt.subplots(1 + len(tables), len(kinds), squeeze=False,
                                 figsize=(6.7 * len(kinds), 6.3 + len(tables) * (band + 0.4)),
                                 gridspec_kw={"height_ratios": [5.4] + [band] * len(tables)})
     named = []
     for (top, *below), kind in zip(grid.T, kinds):
-        ways, first = draw_times(top, times[kind], mean, told_from)
+        ways, first = draw_times(top, times[kind], told_from)
         named.append((top, first))
         of = f" (geometric mean of {scenes} scenes)" if scenes > 1 else ""
         top.set_title(PICTURES[kind] + of, fontsize=10, loc="left")
@@ -134,90 +150,11 @@ def images(data, folder, mean):
     figure.canvas.draw()
     for axes, first in named:
         name_curves(axes, first)
-    shaded = f"; shaded: told from {count_text(measured)} rays and what one more costs" if told else ""
-    caption(figure, data, f"{count_text(measured)} rays once{shaded}")
-    return save(figure, folder, "speed_accuracy_image")
+    shaded = f"; shaded: extrapolated from {count_text(measured)} rays and what one more costs" if told else ""
+    caption(figure, run, f"{count_text(measured)} rays in one round{shaded}")
+    return save(figure, folder, NAME)
 
 
-METHODS = {"exact": ("exact", BLUE, "o"), "plain-float": ("plain float", ORANGE, "v"),
-           "embree": ("Embree", RED, "^"), "embree-robust": ("Embree ROBUST", GREEN, "D")}
-FAMILIES = {"icosphere-0": "sphere at the origin", "icosphere-1e3": "1,000 radii away",
-            "icosphere-1e5": "100,000 radii away", "icosphere-1e7": "10,000,000 radii away",
-            "mesh-in-box": "a mesh in a box"}
-NONE = 1e-3  # where a share of zero is drawn, in percent
-AIMED = "vertices", "edges"
-
-
-def missed_shares(data):
-    """By family: (method, builder) -> Mrays/s, share missed, share counted too many, in percent."""
-    sums = {}
-    for row in data.of("missed"):
-        if row["policy"] != "full" or row["rays"] not in AIMED:
-            continue
-        s = sums.setdefault(row["scene"], {}).setdefault((row["method"], row["builder"]), [0, 0, 0, 0.0])
-        s[0] += row["count"]
-        s[1] += row["missed"]
-        s[2] += row["extra"]
-        s[3] += row["count"] / row["mrays_per_s"]
-    share = lambda rays, lost, extra, time: (rays / time, 100 * lost / rays, 100 * extra / rays)
-    return {family: {key: share(*s) for key, s in of.items()} for family, of in sums.items()}
-
-
-def draw_family(axes, family, of):
-    labels = Labels(axes)
-    for (method, builder), (speed, lost, extra) in of.items():
-        text, colour, marker = METHODS[method]
-        if method == "exact" and look(builder)[1] == BVH:
-            text, marker = f"{text}, BVH", BVH
-        low, high = max(lost, NONE), max(extra, NONE)
-        if extra > 0:
-            axes.plot([speed, speed], [low, high], color=colour, lw=1, alpha=0.6, zorder=2)
-            axes.plot(speed, high, marker, ms=7, mfc="white", mec=colour, mew=1.5, zorder=3)
-            labels.avoid(speed, high)
-            labels.avoid_line((speed, low), (speed, high))
-        axes.plot(speed, low, marker, ms=7.5, mfc=colour, mec="white", mew=0.6, zorder=4)
-        labels.avoid(speed, low)
-        if not any(text == wanted[2] for wanted in labels.wanted):  # of several builders: the first
-            labels.add(speed, low, text, colour, 8.5, "bold" if method == "exact" else "normal")
-    axes.set_title(FAMILIES.get(family, family), fontsize=10, loc="left")
-    axes.axhline(NONE * 2.6, color="#999999", lw=0.8, ls=(0, (2, 2)), zorder=1)
-    axes.grid(color=LIGHT, lw=0.8, zorder=0)
-    axes.set_axisbelow(True)
-    axes.set_xlabel("Mrays/s")
-    return labels
-
-
-def missed(data, folder, mean):
-    shares = missed_shares(data)
-    if not shares:
-        return []
-    figure, panels = plt.subplots(1, len(shares), figsize=(3.1 * len(shares) + 1, 5.2), sharey=True, squeeze=False)
-    speeds = [s for of in shares.values() for s, _, _ in of.values()]
-    low, high = min(speeds) / 4, max(speeds) * 6
-    waiting = []
-    for axes, (family, of) in zip(panels[0], shares.items()):
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_xlim(low, high)
-        axes.set_ylim(NONE / 5, 200)
-        log_ticks(axes.xaxis, low, high, (1,))
-        waiting.append(draw_family(axes, family, of))
-    panels[0][0].set_yticks([NONE, 0.01, 0.1, 1, 10, 100], ["none", "0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
-    panels[0][0].set_yticks([], minor=True)
-    panels[0][0].set_ylabel("share of rays answered wrong")
-    figure.suptitle("Rays at vertices and edges of closed meshes: what is lost for speed", x=0.01, ha="left", fontsize=13)
-    handles = [plt.Line2D([], [], color=GREY, marker="o", ls="", ms=8, label="filled: lost a crossing"),
-               plt.Line2D([], [], color=GREY, marker="o", mfc="white", mew=1.5, ls="-", lw=1, ms=7,
-                          label="hollow: counted one too many")]
-    figure.tight_layout(rect=(0, 0.08, 1, 0.99))
-    figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.005, 0.035), ncol=2, frameon=False, fontsize=9)
-    figure.canvas.draw()
-    for labels in waiting:
-        labels.place()
-    rays = int(max(row["count"] for row in data.of("missed")))
-    kinds = ", ".join(dict.fromkeys(row["builder"] for row in data.of("missed") if row["method"] == "exact"))
-    caption(figure, data, f"{rays:,} rays of each kind, fewer in float in the farthest · exact over {kinds}")
-    return save(figure, folder, "speed_accuracy_missed")
-
-
-FIGURES = [images, missed]
+if __name__ == "__main__":
+    target = pathlib.Path(sys.argv[1])
+    print(draw(read_csv(target / f"{NAME}.csv"), read_provenance(target)[f"{NAME}.csv"], target))

@@ -1,45 +1,24 @@
 #!/usr/bin/env python3
-"""Draws scan_approximation.svg and .png: the cost that sixteen samples suggest beside the true one, at a wall.
+"""Draws scan_approximation.csv: the cost that sixteen samples suggest, beside the true cost, at a wall.
 
-    docs/charts/scan_approximation.py [--bench PATH/TO/sightline-bench]
-
-Reads scan_approximation.csv beside this file; --bench measures that anew first. Needs Debian's python3-matplotlib.
+    tests/bench/plots/scan_approximation.py FOLDER
 """
-import argparse
 import csv
-import json
 import pathlib
-import subprocess
+import sys
 
-import matplotlib
+from style import plt, save
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
-
-HERE = pathlib.Path(__file__).resolve().parent
 NAME = "scan_approximation"
-SCENE = "gen:wall?triangles=10000&share=0.5&at=0.62"
 WALL = 0.62
 COLUMNS = ["what", "position", "left", "right", "cost"]
 TRUE, SUGGESTED, UNIFORM, ADAPTIVE = "#444444", "#0072b2", "#0072b2", "#d55e00"
 
 
-def measure(bench):
-    """Runs the bench and keeps its rows as CSV."""
-    # The bonus for empty sides would make both curves jump at the cell's faces and nowhere else.
-    command = [bench, "curve", "--scene", SCENE, "--points", "300", "--set", "empty_bonus=1", "--json"]
-    lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
-    with open(HERE / f"{NAME}.csv", "w", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(COLUMNS)
-        for row in map(json.loads, lines):
-            out.writerow([row["what"]] + [f"{row[c]:.8g}" for c in COLUMNS[1:]])
-
-
-def read():
+def read(folder):
     """Rows by what they are: lists of (position, left, right, cost)."""
     rows = {}
-    with open(HERE / f"{NAME}.csv", newline="") as file:
+    with open(folder / f"{NAME}.csv", newline="") as file:
         for row in csv.DictReader(file):
             rows.setdefault(row["what"], []).append([float(row[c]) for c in COLUMNS[1:]])
     return rows
@@ -74,8 +53,7 @@ def draw_cost(axes, rows, legend):
         axes.legend(loc="lower left", frameon=False, fontsize=9)
 
 
-def draw(rows):
-    plt.rcParams.update({"svg.hashsalt": NAME, "font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
+def draw(rows, folder):
     figure, (counts, cost) = plt.subplots(2, 1, figsize=(8, 7.4), sharex=True, gridspec_kw={"height_ratios": [1, 1.5]})
     draw_counts(counts, rows)
     draw_cost(cost, rows, legend=True)
@@ -93,14 +71,9 @@ def draw(rows):
     cost.indicate_inset_zoom(near, edgecolor="#999999")
     figure.align_ylabels()
     figure.tight_layout()
-    figure.savefig(HERE / f"{NAME}.svg", metadata={"Date": None})
-    figure.savefig(HERE / f"{NAME}.png", dpi=110)
+    save(figure, folder, NAME)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bench", help="measure anew with this sightline-bench")
-    options = parser.parse_args()
-    if options.bench:
-        measure(options.bench)
-    draw(read())
+    target = pathlib.Path(sys.argv[1])
+    draw(read(target), target)
