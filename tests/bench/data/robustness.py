@@ -24,7 +24,7 @@ def stability(bench, options):
 def exactness(bench, options):
     rows = []
     for scene in "bunny", "sponza", "conference":
-        for row in bench.rows("exactness", "--scene", f"{{{scene}}}", "--count", 100_000, "--repeat", options.repeat,
+        for row in bench.rows("exactness", "--scene", f"{{{scene}}}", "--count", 100_000, "--repeat", 2 * options.repeat + 1,
                               "--threads", 1):
             if row["unexplained"]:
                 raise Failed(f"{scene}: {row['unexplained']} answers that nothing explains")

@@ -106,9 +106,10 @@ def slivers(folder):
 
 
 def papers(folder):
-    return table(["source", "scene", "builder", "quantity", "published", "here"],
-                 [[row["source"], row["scene"], f"`{row['builder']}`", row["quantity"].replace("_", " "), row["published"], row["here"]]
-                  for row in read_csv(folder / "papers.csv")])
+    figures = lambda rows, key: "; ".join(f"{row['quantity'].replace('_', ' ')} {show(row[key])}" for row in rows)
+    return table(["source", "scene", "builder", "published", "here"],
+                 [[source, scene, f"`{builder}`", figures(rows, "published"), figures(rows, "here")]
+                  for (source, scene, builder), rows in groups(read_csv(folder / "papers.csv"), "source", "scene", "builder").items()])
 
 
 def images(folder):
@@ -222,9 +223,13 @@ def kernel(folder):
     return table(["pass", "planes x axes", "M boxes/s from L2", "from memory"], lines)
 
 
+ASIDE = "again_", "dynamic_touches", "small_", "static_trace_ms"  # columns that the page leaves to the CSV file
+
+
 def motion(folder):
-    return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]]
-                                                  for row in read_csv(folder / "motion.csv") if not row["quantity"].endswith(("_q1", "_q3"))])
+    rows = [row for row in read_csv(folder / "motion.csv") if not row["quantity"].startswith(ASIDE)]
+    return table(["show", "quantity", "figure"], [[row["show"], row["quantity"].replace("_", " "), row["figure"]] for row in rows
+                                                  if not row["quantity"].endswith(("_q1", "_q3"))])
 
 
 def filled(text, folder):
