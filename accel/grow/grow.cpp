@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "accel/grow/clip_straddlers.h"
-#include "accel/grow/common_vertex.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
 #include "accel/grow/small_subtree.h"
@@ -31,7 +29,6 @@ class Growth {
         context_.cancelled->load(std::memory_order_relaxed)) {
       return defer(refs, cell, path, false);
     }
-    if (!split::is_worth_cutting(path, refs.size())) return leaf(refs, cell, path);
     if (small_ && is_small(refs)) return grow_small(context_, *small_, refs, cell, path, counters);
     const std::optional<kdtree::Cut> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
@@ -51,11 +48,11 @@ class Growth {
     if (n.left == refs.size() && n.right == refs.size())
       return leaf(refs, cell, path);  // separates nothing
     const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!split::affords(path, refs.size(), straddlers)) {
+    if (!split::affords(path, straddlers)) {
       put_back({right, n.right}, plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
-    if (context_.mesh != nullptr && rule_.clips(path, straddlers, refs.size())) {
+    if (context_.mesh != nullptr && rule_.clips(straddlers, refs.size())) {
       n.left = clip_straddlers(*context_.mesh, refs.first(n.left), plane, halves.left);
       n.right = clip_straddlers(*context_.mesh, {right, n.right}, plane, halves.right);
       scans.reset();  // of lists that are others now
@@ -63,12 +60,10 @@ class Growth {
     lists.take(n.right);
     const kdtree::Slot slot = kdtree::Slot::binary(plane, *pair);
     kdtree::AtomicSlot* children = context_.tree.children(slot);
-    const kdtree::CellPath spent = meets(refs.first(n.left), {right, n.right}, refs.size(), path)
-                                       ? with_less(path, refs.size())
-                                       : path;
     const split::HalvedPath below =
-        split::halve_path(spent, *cut, halves, static_cast<double>(refs.size()),
-                          static_cast<double>(n.left), static_cast<double>(n.right));
+        split::halve_path(split::cap_below_useless_cut(path, refs.size(), n.left, n.right), *cut,
+                          halves, static_cast<double>(refs.size()), static_cast<double>(n.left),
+                          static_cast<double>(n.right));
     const auto grow_left = [&] {
       set(children[0], grow(refs.first(n.left), halves.left, below.left,
                             scans ? &scans->left : nullptr, lists, counters));
@@ -96,15 +91,6 @@ class Growth {
   /// Not published until the slot of the whole subtree is.
   static void set(kdtree::AtomicSlot& slot, kdtree::Slot value) {
     slot.store(value.bits(), std::memory_order_relaxed);
-  }
-
-  /// Whether what a cut left of `before` references meets in a vertex. Without a budget that is
-  /// nobody's concern.
-  bool meets(std::span<const kdtree::BoxRef> left, std::span<const kdtree::BoxRef> right,
-             std::size_t before, const kdtree::CellPath& path) const {
-    return context_.mesh != nullptr && !std::isinf(path.spare) &&
-           keeps_all(before, left.size(), right.size()) &&
-           meet_in_a_vertex(*context_.mesh, left.size() >= right.size() ? left : right);
   }
 
   /// Undoes a division: what went to the right alone goes behind the left list.

@@ -81,8 +81,9 @@ struct CellPath {
   int cuts_at_a_loss = 0;  ///< How many of the cuts above it were (Cut::at_a_loss).
   /// How many references the cuts of this cell and below may add (reference_budget.h).
   double spare = std::numeric_limits<double>::infinity();
-  /// Of how many references one of the root's has become on this path: the product of what its cuts
-  /// left on both sides over what they found. Kept only where spare is not infinite.
+  /// How many references of this cell one reference of the root has become: the product, over the
+  /// cuts above, of the references after the cut over those before it. Kept only where spare is
+  /// finite.
   double swell = 1;
 
   CellPath below(const Cut& cut) const {

@@ -52,6 +52,9 @@ class BoxList {
   std::size_t size_ = 0;
 };
 
+/// Lists of at least this many references are long: cells keep them in slices (SlicedList).
+inline constexpr std::size_t kLongList = 8192;
+
 /// A long list, immutable, in slices of about kBoxesPerSlice references. A slice is a few spans.
 class SlicedList {
  public:

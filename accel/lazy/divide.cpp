@@ -1,9 +1,6 @@
 // Dividing: the rule, for lists of either kind.
 #include "accel/lazy/divide.h"
 
-#include <cmath>
-
-#include "accel/grow/common_vertex.h"
 #include "accel/lazy/long_list.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/sieve.h"
@@ -36,7 +33,7 @@ class ShortList {
   Part open() {
     kdtree::BoxList list;
     const bool openable = open_once(context_.source, {&refs_, 1}, cell_.box, list, counters_);
-    if (list.size() < kLongList) return {kdtree::CellList(std::move(list)), {}, openable};
+    if (list.size() < kdtree::kLongList) return {kdtree::CellList(std::move(list)), {}, openable};
     return {make_list({std::make_shared<const kdtree::BoxList>(std::move(list))}), {}, openable};
   }
 
@@ -46,17 +43,6 @@ class ShortList {
   const std::span<const kdtree::BoxRef> refs_;
   kdtree::BuildCounters& counters_;
 };
-
-/// Of short lists: a long one is cut to short ones first.
-bool meet_in_a_vertex(const DivideContext& context, const kdtree::DeferredCell& cell,
-                      const Division& division) {
-  const kdtree::CellList &left = division.left.list, &right = division.right.list;
-  if (context.mesh == nullptr || std::isinf(cell.path.spare) || cell.size >= kLongList)
-    return false;
-  if (!grow::keeps_all(cell.size, left.size(), right.size())) return false;
-  return grow::meet_in_a_vertex(*context.mesh,
-                                left.size() >= right.size() ? left.whole() : right.whole());
-}
 
 template <class List>
 Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, List list) {
@@ -68,14 +54,12 @@ Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, 
     return std::move(division);
   };
   if (cell.openable && cell.size <= kOpenBelow) return finer();
-  const bool may_cut = cell.path.depth < context.max_depth &&
-                       (cell.openable || split::is_worth_cutting(cell.path, cell.size));
+  const bool may_cut = cell.path.depth < context.max_depth;
   const std::optional<kdtree::Cut> cut = may_cut ? list.choose() : std::nullopt;
   if (cut) {
     Sieve sieve{context.rule,
                 std::nullopt,
                 *cut,
-                cell.path,
                 halve(cell.box, cut->plane.axis, cut->plane.position),
                 context.rule->scans_children(cell.size),
                 cell.openable};
@@ -84,15 +68,16 @@ Division divide(const DivideContext& context, const kdtree::DeferredCell& cell, 
     if (straddling.openable > 0 && straddling.openable * kStraddlersToOpen >= cell.size)
       return finer();
     // Openable ones count for what they stand for: once they are opened, it is known what is added.
-    if (!cell.openable && !split::affords(cell.path, cell.size, straddling.all)) return {};
+    if (!cell.openable && !split::affords(cell.path, straddling.all)) return {};
     const bool separates =
         division.left.list.size() < cell.size || division.right.list.size() < cell.size;
     if (separates) {
       division.kind = Division::Kind::kCut;
       division.cut = *cut;
-      division.path = meet_in_a_vertex(context, cell, division)
-                          ? grow::with_less(cell.path, cell.size)
-                          : cell.path;
+      division.path = cell.openable ? cell.path
+                                    : split::cap_below_useless_cut(cell.path, cell.size,
+                                                                   division.left.list.size(),
+                                                                   division.right.list.size());
       return division;
     }
   }

@@ -54,9 +54,6 @@ std::optional<Division> divide_sampled(const DivideContext& context,
                                        const kdtree::DeferredCell& cell, Replay& replay,
                                        kdtree::BuildCounters& counters);
 
-/// Lists of at least this many references are long.
-inline constexpr std::size_t kLongList = 8192;
-
 /// At so few references a cell that holds openable ones opens them before it is cut: what a plane
 /// costs is known better then, and an entry is no longer small beside the cell.
 inline constexpr std::size_t kOpenBelow = 2;

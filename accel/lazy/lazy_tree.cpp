@@ -91,15 +91,13 @@ Expansion& expansion_of(kdtree::DeferredCell& cell, const ReferenceSource& sourc
 /// What a division into several parts leaves to them.
 struct LazyTree::Shares {
   double each = std::numeric_limits<double>::infinity();  ///< For a unit of demand.
-  bool parted_little = false;
-  double swell = 1;  ///< Of the parts.
+  double swell = 1;                                       ///< Of the parts.
 
   Shares(const Division& division, const kdtree::DeferredCell& cell) {
     if (std::isinf(cell.path.spare)) return;
     const auto before = static_cast<double>(cell.size);
     double after = 0;
     for (const Part& part : division.parts) after += static_cast<double>(part.list.size());
-    parted_little = split::parts_little(cell.path, before, after);
     swell = cell.path.swell * std::max(1.0, after / before);
     double demands = 0;
     for (std::size_t p = 0; p < division.parts.size(); ++p) demands += of(division, p);
@@ -108,7 +106,7 @@ struct LazyTree::Shares {
 
   double of(const Division& division, std::size_t part) const {
     return split::demand(division.cuts->parts()[part].box,
-                         static_cast<double>(division.parts[part].list.size()), parted_little);
+                         static_cast<double>(division.parts[part].list.size()));
   }
 };
 

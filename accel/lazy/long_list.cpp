@@ -116,7 +116,7 @@ Part list_root(const DivideContext& context, Replay& replay, kdtree::BuildCounte
 
 kdtree::CellList make_list(std::vector<kdtree::SlicedList::Piece> pieces) {
   auto list = std::make_shared<const kdtree::SlicedList>(std::move(pieces));
-  if (list->size() < kLongList) return kdtree::CellList(join(list->all(), list->size()));
+  if (list->size() < kdtree::kLongList) return kdtree::CellList(join(list->all(), list->size()));
   return kdtree::CellList(std::move(list));
 }
 

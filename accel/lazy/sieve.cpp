@@ -35,7 +35,7 @@ Sides sift_spans(const Sieve& sieve, std::span<const std::span<const kdtree::Box
   }
   sides.straddling.all = n.left + n.right - size;
   const std::size_t seen = sieve.whole ? size : 0;  // one slice says nothing of all
-  if (sieve.clipped && sieve.rule->clips(sieve.path, sides.straddling.all, seen)) {
+  if (sieve.clipped && sieve.rule->clips(sides.straddling.all, seen)) {
     scans = {};
     n.left = grow::clip_straddlers(*sieve.clipped, left.first(n.left), plane, sieve.halves.left);
     n.right =

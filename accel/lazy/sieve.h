@@ -17,7 +17,6 @@ struct Sieve {
   split::SplitRule rule;
   std::optional<geometry::MeshView> clipped;  ///< What straddlers are clipped against, if they are.
   kdtree::Cut cut;
-  kdtree::CellPath path;
   geometry::HalvedCell halves;
   bool scans;          ///< The children's lists are scanned meanwhile.
   bool openable;       ///< Straddlers that can be opened are to be counted.

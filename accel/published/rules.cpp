@@ -27,9 +27,7 @@ class HuntSearch final : public Search<kd::HuntScan> {
  public:
   using Search::Search;
 
-  bool clips(const kdtree::CellPath&, std::size_t, std::size_t) const override {
-    return builder().clip;
-  }
+  bool clips(std::size_t, std::size_t) const override { return builder().clip; }
   bool runs_passes() const override { return true; }
   bool scans_children(std::size_t references) const override {
     return builder().scans_children(references);
@@ -56,9 +54,7 @@ class ExactSearchRule final : public Search<kd::ExactBuilder> {
  public:
   using Search::Search;
 
-  bool clips(const kdtree::CellPath&, std::size_t, std::size_t) const override {
-    return builder().clips();
-  }
+  bool clips(std::size_t, std::size_t) const override { return builder().clips(); }
   bool takes_runs() const override { return false; }
   std::optional<kdtree::Slot> grow_subtree(const grow::GrowContext& context,
                                            std::span<const kdtree::BoxRef> refs,

@@ -10,41 +10,36 @@
 
 namespace sightline::accel::split {
 
-/// By how much more than of a surface cuts have multiplied a cell's references. Of n triangles of a
-/// surface about sqrt(n) lie across the border of what holds them, so that there a path's swell is
-/// 1 and a few sqrt(1 / n), and this is a few at most.
-inline double excess(const kdtree::CellPath& path, double references) {
-  return (path.swell - 1) * (path.swell - 1) * references;
-}
-
-/// Whether a cell's triangles are long, by its excess. Costs little if it is wrong.
+/// Whether a cell holds long triangles: cuts above it have multiplied its references far more than
+/// those of a surface. Of n triangles of a surface about sqrt(n) cross the border of a cell, so
+/// swell - 1 is a few times sqrt(1 / n) there.
 inline bool is_swollen(const kdtree::CellPath& path, std::size_t references) {
   constexpr double kLeastSwell = 2, kMost = 256;
-  return path.swell >= kLeastSwell && excess(path, static_cast<double>(references)) >= kMost;
+  const double growth = path.swell - 1;
+  return path.swell >= kLeastSwell && growth * growth * static_cast<double>(references) >= kMost;
 }
 
-/// Whether they are long for sure: worth what is spent on few cells of other meshes.
-inline bool is_long(const kdtree::CellPath& path, double references) {
-  constexpr double kMost = 1024;
-  return excess(path, references) >= kMost;
+/// Whether a cut that leaves `straddlers` references on both sides is within the cell's budget.
+inline bool affords(const kdtree::CellPath& path, std::size_t straddlers) {
+  return static_cast<double>(straddlers) <= path.spare;
 }
 
-/// Whether a cell is worth a search for a cut. A swollen one is not, if it is small or can afford
-/// next to none: to look would cost more than any ray gains.
-inline bool is_worth_cutting(const kdtree::CellPath& path, std::size_t references) {
-  constexpr std::size_t kSmall = 8;
-  constexpr double kLeastSpare = 0.125;  // a reference
-  if (!is_swollen(path, references)) return true;
-  return references > kSmall && path.spare >= kLeastSpare * static_cast<double>(references);
-}
-
-/// Whether a cut that leaves so many of a cell's references on both sides may be made. Of long
-/// triangles, once they have become many, the last cut of a path may take twice what is left: as
-/// many others find less than they need, and leave it.
-inline bool affords(const kdtree::CellPath& path, std::size_t references, std::size_t straddlers) {
-  constexpr double kMany = 4;
-  const bool twice = path.swell >= kMany && is_long(path, static_cast<double>(references));
-  return static_cast<double>(straddlers) <= (twice ? 2 : 1) * path.spare;
+/// The path of a cell of `before` references, with a smaller budget where its cut, which leaves
+/// `left` and `right` references, is useless: one side keeps the whole of a long list, and the
+/// other side a large share of it. Triangles that meet in a vertex are cut like this, and the cuts
+/// below are as useless, so they may add at most kMore references for each one of the list.
+/// No effect on a path without a budget.
+inline kdtree::CellPath cap_below_useless_cut(const kdtree::CellPath& path, std::size_t before,
+                                              std::size_t left, std::size_t right) {
+  constexpr std::size_t kLong = 64;
+  constexpr double kShare = 0.4, kMore = 3;
+  const auto [fewer, more] = std::minmax(left, right);
+  const auto references = static_cast<double>(before);
+  const bool useless =
+      before > kLong && more >= before && static_cast<double>(fewer) >= kShare * references;
+  kdtree::CellPath capped = path;
+  if (useless && !std::isinf(path.spare)) capped.spare = std::min(path.spare, kMore * references);
+  return capped;
 }
 
 /// What a cell may still add after its list of `before` references became lists of `after`, all
@@ -53,18 +48,10 @@ inline double left_over(const kdtree::CellPath& path, double before, double afte
   return std::max(0.0, path.spare - std::max(0.0, after - before));
 }
 
-/// Whether a cut of a list of `before` long triangles, or several, that left `after` of them all
-/// together, parted them little.
-inline bool parts_little(const kdtree::CellPath& path, double before, double after) {
-  constexpr double kList = 32, kLittle = 1.05;
-  return before > kList && after >= kLittle * before && is_long(path, before);
-}
-
-/// How often a cell's references will be looked at: what its share is measured by. Where cuts part
-/// little, a long list needs more than its length says: short ones are soon done, and leave what
-/// they have.
-inline double demand(const geometry::Aabb& cell, double references, bool parted_little) {
-  return half_area(cell) * references * (parted_little ? std::sqrt(references) : 1);
+/// Measures a child's share of its parent's budget: how often a ray enters the cell, times how many
+/// tests it would make there.
+inline double demand(const geometry::Aabb& cell, double references) {
+  return half_area(cell) * references;
 }
 
 /// The paths of both halves, their lists being so long.
@@ -77,9 +64,8 @@ inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Cut& cu
   HalvedPath below{path.below(cut), path.below(cut)};
   if (std::isinf(path.spare)) return below;
   const double spare = left_over(path, before, left + right);
-  const bool little = parts_little(path, before, left + right);
-  const double to_left = demand(halves.left, left, little);
-  const double to_right = demand(halves.right, right, little);
+  const double to_left = demand(halves.left, left);
+  const double to_right = demand(halves.right, right);
   const double share = to_left + to_right > 0 ? to_left / (to_left + to_right) : 0.5;
   below.left.spare = spare * share;
   below.right.spare = spare - below.left.spare;

@@ -1,6 +1,7 @@
 // The product's rule: bounds for short lists, a guided scan for the others.
 #include "accel/split/scan_split.h"
 
+#include "accel/kdtree/reference_list.h"
 #include "accel/split/guided_scan.h"
 #include "accel/split/out_of_range.h"
 #include "accel/split/reference_budget.h"
@@ -8,9 +9,9 @@
 namespace sightline::accel::split {
 namespace {
 
-/// Straddlers are clipped in a list of at least kCrowdFrom references, below kCrowdBelow, if one in
-/// kCrowd straddles; where triangles are long, one in kLongCrowd.
-constexpr std::size_t kCrowdFrom = 32, kCrowdBelow = 8192, kCrowd = 4, kLongCrowd = 5;
+/// With `clip_crowds` straddlers are clipped in a list of at least kCrowdFrom references if one in
+/// kCrowd straddles. Long lists are sifted in slices, and a slice does not tell.
+constexpr std::size_t kCrowdFrom = 32, kCrowd = 4;
 
 /// Lists up to this length are always cut at their bounds: that is cheaper than a scan.
 constexpr std::size_t kExactAnyway = 12;
@@ -23,9 +24,8 @@ class ScanSearch final : public SplitSearch {
                                     kdtree::BuildCounters& counters) const override {
     return rule_.choose(cell, counters);
   }
-  bool clips(const kdtree::CellPath& path, std::size_t straddlers,
-             std::size_t references) const override {
-    return rule_.clips(path, straddlers, references);
+  bool clips(std::size_t straddlers, std::size_t references) const override {
+    return rule_.clips(straddlers, references);
   }
   bool runs_passes() const override { return true; }
   bool takes_samples() const override { return !rule_.clip; }
@@ -61,12 +61,10 @@ std::optional<std::string> ScanSplit::check() const {
   return out_of_range("retry_above", retry_above, 1e-6, std::numeric_limits<double>::infinity());
 }
 
-bool ScanSplit::clips(const kdtree::CellPath& path, std::size_t straddlers,
-                      std::size_t references) const {
+bool ScanSplit::clips(std::size_t straddlers, std::size_t references) const {
   if (clip) return true;
-  if (!clip_crowds || references < kCrowdFrom || references >= kCrowdBelow) return false;
-  const bool is_of_long = is_long(path, static_cast<double>(references));
-  return straddlers * (is_of_long ? kLongCrowd : kCrowd) >= references;
+  return clip_crowds && references >= kCrowdFrom && references < kdtree::kLongList &&
+         straddlers * kCrowd >= references;
 }
 
 std::optional<BoundRule> ScanSplit::bound_rule(std::size_t references) const {

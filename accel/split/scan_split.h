@@ -50,7 +50,7 @@ struct ScanSplit {
                                     kdtree::BuildCounters& counters) const;
 
   /// See SplitSearch::clips.
-  bool clips(const kdtree::CellPath& path, std::size_t straddlers, std::size_t references) const;
+  bool clips(std::size_t straddlers, std::size_t references) const;
 
   /// How lists of this length are cut, if every bound is a candidate.
   std::optional<BoundRule> bound_rule(std::size_t references) const;

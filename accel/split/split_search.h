@@ -33,10 +33,7 @@ class SplitSearch {
 
   /// Whether the straddlers of a cut are clipped that leaves `straddlers` of a cell's `references`
   /// on both sides. `references` is 0 where only a slice of the list is known.
-  virtual bool clips(const kdtree::CellPath& /*path*/, std::size_t /*straddlers*/,
-                     std::size_t /*references*/) const {
-    return false;
-  }
+  virtual bool clips(std::size_t /*straddlers*/, std::size_t /*references*/) const { return false; }
 
   /// Whether `choose` can work through passes alone (CellRefs::run). Otherwise it needs the whole
   /// list.

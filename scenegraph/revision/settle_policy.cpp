@@ -9,9 +9,6 @@
 namespace sightline::scenegraph::revision {
 namespace {
 
-/// An estimate, not measured.
-constexpr std::uint64_t kListingOverSkipping = 64;
-
 /// Instances at or below these nodes.
 std::uint64_t instances_under(const hierarchy::Hierarchy& hierarchy,
                               const instances::NodeSet& topmost) {
@@ -34,9 +31,10 @@ bool SettlePolicy::add(const Snapshot& snapshot, std::vector<model::NodeId> chan
   return spent_ > 0 && spent_ >= hierarchy.summary(0).instances;
 }
 
-/// Cost of nodes in the wrong tree. A static node in the dynamic tree is listed again at each
-/// revision. A removed node in the static tree costs a flag test where a ray meets it, so it counts
-/// 1 / kListingOverSkipping.
+/// How many nodes are in the wrong tree: static ones in the dynamic tree, which are listed again at
+/// each revision, and removed ones in the static tree, which cost a flag test where a ray meets
+/// them. Both count alike: other weights were measured and change nothing but this, that removed
+/// nodes must count (docs/decisions/0024).
 std::uint64_t SettlePolicy::misplaced_cost(const Snapshot& snapshot) const {
   const hierarchy::Hierarchy& hierarchy = snapshot.hierarchy();
   const std::uint64_t dynamic = instances_under(
@@ -45,7 +43,7 @@ std::uint64_t SettlePolicy::misplaced_cost(const Snapshot& snapshot) const {
       instances_under(hierarchy, topmost_of(hierarchy, changed_since(0)));
   const instances::RemovedFilter* removed = snapshot.shared_trees().removed.get();
   return (dynamic - std::min(dynamic, recently_changed)) +
-         (removed == nullptr ? 0 : removed->nodes().size() / kListingOverSkipping);
+         (removed == nullptr ? 0 : removed->nodes().size());
 }
 
 std::vector<model::NodeId> SettlePolicy::changed_since(std::uint64_t revision) const {

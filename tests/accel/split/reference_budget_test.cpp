@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -29,30 +28,31 @@ TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   EXPECT_DOUBLE_EQ(below.left.swell, 1.2);
 }
 
-TEST(ReferenceBudget, GivesMoreToLongListsWhereACutPartsLongTrianglesLittle) {
-  const kdtree::CellPath swollen{.spare = 100, .swell = 6};
-  const HalvedPath below = halve_path(swollen, kCut, halve(kCell, 0, 0.5f), 50, 20, 40);
-  const double left = 2.0 * 20 * std::sqrt(20.0), right = 4.0 * 40 * std::sqrt(40.0);
-  EXPECT_DOUBLE_EQ(below.left.spare, 90 * left / (left + right));
-  const HalvedPath parted = halve_path(swollen, kCut, halve(kCell, 0, 0.5f), 50, 20, 30);
-  EXPECT_DOUBLE_EQ(parted.left.spare, 100 * (2.0 * 20) / (2.0 * 20 + 4.0 * 30));
-  EXPECT_DOUBLE_EQ(parted.left.swell, 6);
+TEST(ReferenceBudget, IsSmallBelowACutThatSeparatesNothing) {
+  const kdtree::CellPath path{.spare = 5000};
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 40).spare, 300);
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 40, 100).spare, 300);
+  EXPECT_EQ(cap_below_useless_cut({.spare = 200}, 100, 100, 100).spare, 200);
 }
 
-TEST(ReferenceBudget, LetsTheLastCutOfLongTrianglesTakeTwiceWhatIsLeft) {
-  EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 64, 18));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 64, 19));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 63, 10));
-  EXPECT_TRUE(affords({.spare = 9, .swell = 3}, 1000, 9));
-  EXPECT_FALSE(affords({.spare = 9, .swell = 3}, 1000, 10));
+TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
+  const kdtree::CellPath path{.spare = 5000};
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 99, 40), path);
+  EXPECT_EQ(cap_below_useless_cut(path, 100, 100, 39), path);
+  EXPECT_EQ(cap_below_useless_cut(path, 64, 64, 64), path);
+  EXPECT_EQ(cap_below_useless_cut({}, 100, 100, 100), kdtree::CellPath{}) << "no budget";
 }
 
-TEST(ReferenceBudget, SmallOrPoorCellsAreNotCutWhereTheyAreSwollen) {
-  const kdtree::CellPath compact{.spare = 0, .swell = 1.5}, swollen{.spare = 5, .swell = 9};
-  EXPECT_TRUE(is_worth_cutting(compact, 8));
-  EXPECT_FALSE(is_worth_cutting(swollen, 8));
-  EXPECT_TRUE(is_worth_cutting(swollen, 40));
-  EXPECT_FALSE(is_worth_cutting(swollen, 41));
+TEST(ReferenceBudget, ACellIsSwollenByItsSwellAndItsLength) {
+  EXPECT_TRUE(is_swollen({.swell = 3}, 64));
+  EXPECT_FALSE(is_swollen({.swell = 3}, 63));
+  EXPECT_FALSE(is_swollen({.swell = 1.9}, 100000));
+}
+
+TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
+  EXPECT_TRUE(affords({.spare = 9, .swell = 5}, 9));
+  EXPECT_FALSE(affords({.spare = 9, .swell = 5}, 10));
+  EXPECT_TRUE(affords({}, 1000000));
 }
 
 TEST(ReferenceBudget, IsNeverOverdrawnNorEverGrows) {

@@ -153,7 +153,7 @@ def stability(folder):
         failures = [f"{row['family']}: {part}" for row in rows for part in broken(row.get("failures", ""))]
         works = [row["relative_work"] for row in rows if row.get("relative_work")]
         lines.append([f"`{name}`", len(rows), sum(row["wrong"] for row in rows), len(rows) - len(design) - len(failures),
-                      ", ".join(design) or "none", ", ".join(failures) or "none", mean(works), max(works)])
+                      ", ".join(design) or "none", ", ".join(failures) or "none", mean(works), max(works, default=None)])
     return table(["builder", "families", "wrong answers", "all bounds kept", "broken by design of the method", "failures",
                   "work over the sweep, mean", "worst"], lines)
 

@@ -150,7 +150,7 @@ TEST(Movers, ChangesOfNameAloneMoveNothing) {
 
 TEST(Settle, BringsBackWhatRests) {
   Scene scene;
-  add_row(scene, 200);
+  add_row(scene, 300);
   cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
   ASSERT_TRUE(scene.apply({model::SetTransforms{{7, 8, 9}, {at(75), at(85), at(95)}}}));
   bool due = false;
@@ -173,6 +173,25 @@ TEST(Settle, BringsBackWhatRests) {
   ASSERT_TRUE(scene.apply({model::SetTransforms{{8}, {at(1)}}}));
   EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 2u);
   expect_as_oracle(scene.snapshot(), 10);
+}
+
+TEST(Settle, ANewStaticTreeIsDueOnceHalfOfTheSceneIsDeleted) {
+  Scene scene;
+  add_row(scene, 20);
+  cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
+  std::vector<model::Update> deleted;
+  for (model::NodeRef id = 1; id <= 10; ++id) deleted.emplace_back(model::DeleteNode{id});
+  ASSERT_TRUE(scene.apply(deleted));
+  EXPECT_NE(scene.snapshot()->shared_trees().removed, nullptr);
+  bool due = false;
+  for (std::uint64_t round = 0; round < SettlePolicy::kRevisions && !due; ++round) {
+    const auto applied = scene.apply({model::SetTransforms{{11}, {at(200)}}});
+    ASSERT_TRUE(applied);
+    due = applied->rebuild_static;
+  }
+  EXPECT_TRUE(due);
+  scene.rebuild_static();
+  EXPECT_EQ(scene.snapshot()->shared_trees().removed, nullptr);
 }
 
 TEST(Settle, FindsTheNewTreeBuiltWhereTheOldWas) {
