@@ -13,10 +13,10 @@ namespace sightline::bench {
 
 /// A row of study = image for every kind of picture (overview, closeup), way of building and number
 /// of rays: 1, 10, ... over the scene as it is. The clock starts with vertex and index arrays in
-/// memory and nothing computed of them. Ways take turns within each of `common.repeat` rounds; the
-/// largest picture that is traced is so in the first round alone, and what is beyond it is told
-/// from that and from what one more ray cost (basis = told; else measured). Runs in the calling
-/// thread's oneTBB arena.
+/// memory and nothing computed of them. Ways take turns within each of `common.repeat` rounds. The
+/// largest picture is traced in the first round alone; larger ones are extrapolated from it and
+/// from the cost of one more ray (basis = extrapolated, else measured). Runs in the oneTBB arena of
+/// the calling thread.
 /// Errors: kDataLoss: answers that differ from brute force or between ways.
 Result<std::vector<Row>> chart_images(const ChartScene& scene, const CommonOptions& common,
                                       const ChartPlan& plan);
