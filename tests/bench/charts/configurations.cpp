@@ -19,36 +19,38 @@ struct Line {
   std::string_view with{};    // Another parameter, set for all values of the line
 };
 
-constexpr std::string_view kSamples = "2 4 8 16";
+constexpr std::string_view kSamples = "2 8 16";
 constexpr std::string_view kGuidedSamples = "2 4 8";
-constexpr std::string_view kBins = "8 16 32 64 128 256";
-constexpr std::string_view kBudgets = "1.25 1.5 2 4";
+constexpr std::string_view kBins = "8 32 128";
+constexpr std::string_view kBudgets = "1.5 4";
 
 constexpr Line kLines[] = {
     {"spatial-median"},
     {"object-median"},
     {"sah-sweep", "clip", "on off", "on"},
     {"min-max-bins", "bins", kBins, "32"},
-    {"min-max-bins", "bins", kBins, "", "subsample=off"},
-    {"scan-one-axis", "samples", kSamples, "8"},
-    {"scan-hybrid", "samples", kSamples, "8"},
+    {"min-max-bins", "subsample", "off"},
+    {"scan-one-axis"},
+    {"scan-hybrid"},
     {"scan-all-axes", "samples", kSamples, "8"},
     {"scan-fast", "samples", kGuidedSamples, "8"},
     {"scan-best", "samples", kGuidedSamples, "8"},
-    {"scan-one-axis", "snap", "on"},
+    {"scan-best", "budget", "0"},
     {"scan-all-axes", "snap", "on"},
     {"scan-all-axes", "clip", "on"},
-    {"scan-all-axes", "clip", "on", "", "snap=on"},
     {"scan-fast", "clip", "on"},
+    {"scan-fast", "clip_crowds", "off"},
+    {"scan-fast", "refine_all_axes", "off"},
     {"scan-best", "clip", "off"},
     {"bvh-sweep"},
+    {"bvh-sweep", "split_small", "on"},
     {"bvh-binned", "bins", kBins, "32"},
     {"bvh-esc"},
     {"bvh-esc", "budget", kBudgets},
     {"bvh-evh"},
     {"bvh-evh", "budget", kBudgets},
-    {"sbvh", "alpha", "1 1e-2 1e-3 1e-4 1e-5 1e-6 0", "1e-5"},
-    {"sbvh", "unsplit", "off"},
+    {"sbvh", "alpha", "1 1e-2 1e-5", "1e-5"},
+    {"sbvh", "split_small", "on"},
     {"embree-low"},
     {"embree-medium"},
     {"embree-high"},

@@ -9,10 +9,10 @@
 namespace sightline::bench {
 namespace {
 
-constexpr std::array<std::string_view, 48> kColumns{
+constexpr std::array<std::string_view, 43> kColumns{
     // What was measured.
     "study", "scene", "triangles", "builder", "configuration", "line", "value", "usual", "policy",
-    "method", "rays", "count", "rounds", "basis",
+    "rays", "count", "rounds", "basis",
     // study = build
     "build_ms", "build_ms_min", "mtris_per_s", "sah_cost", "nodes", "references", "max_depth",
     "overlap", "bytes", "touches",
@@ -21,8 +21,6 @@ constexpr std::array<std::string_view, 48> kColumns{
     "trace_over_sweep", "mrays_per_s", "hit_hash", "unexplained",
     // study = image
     "seconds_to_hits", "seconds_to_hits_min",
-    // study = missed
-    "missed", "extra", "checked", "mismatched",
     // The same values in every row.
     "threads", "repeat", "seed", "rotate", "machine", "compiler", "commit", "date"};
 

@@ -11,7 +11,7 @@
 
 namespace sightline::bench {
 
-/// All columns, in order; docs/charts/speed_accuracy.md describes each.
+/// All columns, in order; docs/data/README.md describes each.
 std::span<const std::string_view> chart_columns();
 
 /// A line of names, then one line a row; a missing value stays empty. Error: kInternal: a row has a

@@ -185,7 +185,7 @@ void add_rows(const ChartScene& scene, std::string_view kind, const Way& way, co
   for (; count <= plan.largest_extrapolated; count *= 10) {
     Row row = image_row(scene, kind, way, count);
     row["rounds"] = way.seconds.back().size();
-    row["basis"] = "told";
+    row["basis"] = "extrapolated";
     row["seconds_to_hits"] =
         median(way.seconds.back()) + static_cast<double>(count - traced) * way.one_more_ray;
     rows.push_back(std::move(row));

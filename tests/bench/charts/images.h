@@ -15,8 +15,8 @@ namespace sightline::bench {
 /// number of rays (1, 10, ...). The clock starts with vertex and index arrays in memory and nothing
 /// computed from them. Ways take turns within each of `common.repeat` rounds. The largest traced
 /// picture is traced in the first round only; larger ones are extrapolated from it and from the
-/// cost of one more ray (basis = told; otherwise measured). Runs in the calling thread's oneTBB
-/// arena.
+/// cost of one more ray (basis = extrapolated; otherwise measured). Runs in the calling thread's
+/// oneTBB arena.
 /// Errors: kDataLoss: answers that differ from brute force or between ways.
 Result<std::vector<Row>> chart_images(const ChartScene& scene, const CommonOptions& common,
                                       const ChartPlan& plan);

@@ -26,7 +26,7 @@ void say_why_none(const fs::path& csv, const std::string& why) {
 }  // namespace
 
 Result<std::vector<fs::path>> draw_chart_plots(const fs::path& csv) {
-  const fs::path script = fs::path(source_folder()) / "docs/charts/speed_accuracy.py";
+  const fs::path script = fs::path(source_folder()) / "tests/bench/plots/speed_accuracy.py";
   std::error_code ignored;
   if (!fs::exists(script, ignored)) {
     say_why_none(csv, fmt::format("{} is not there", script.string()));

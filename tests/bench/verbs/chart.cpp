@@ -9,7 +9,6 @@
 #include "tests/bench/charts/builders.h"
 #include "tests/bench/charts/csv.h"
 #include "tests/bench/charts/images.h"
-#include "tests/bench/charts/missed.h"
 #include "tests/bench/charts/plots.h"
 #include "tests/bench/verbs/provenance.h"
 #include "tests/bench/verbs/verbs.h"
@@ -77,8 +76,6 @@ class Study {
         return named(done.error(), scene.name);
       }
     }
-    print_progress("missed rays");
-    if (auto done = add(chart_missed(common_, plan_)); !done.ok()) return done.error();
     add_provenance();
     return std::move(rows_);
   }

@@ -52,7 +52,7 @@ Result<std::vector<Row>> run_curve(const CommonOptions& common, const CurveOptio
 /// each family, kind of rays, method, builder and policy.
 Result<std::vector<Row>> run_robust(const CommonOptions& common, const RobustOptions& options);
 
-/// The study of speed against accuracy: builders and their parameters, time to image, missed rays,
+/// The study of speed against accuracy: builders and their parameters, and time to image,
 /// over several scenes. Writes a CSV and plots of it; one row for each file written. More errors:
 /// kNotFound: a scene; kFailedPrecondition: files that cannot be written.
 Result<std::vector<Row>> run_chart(const CommonOptions& common, const ChartOptions& options);
