@@ -7,6 +7,7 @@
 #include <memory>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "tests/accel/lazy/gate.h"
 
@@ -27,6 +28,25 @@ TEST(SharedSlices, KeepTheFirstResultOfASlice) {
   slices.complete(1, make);
   EXPECT_EQ(runs, 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(slices[i], i + 10 * i);
+}
+
+TEST(SharedSlices, SixteenThreadsThatHelpMakeEverySliceOnce) {
+  constexpr std::size_t kSlices = 10'000;
+  SharedSlices<std::size_t> slices(kSlices);
+  std::atomic<std::size_t> runs{0}, helped{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 16; ++i) {
+    threads.emplace_back([&] {
+      helped += slices.help([&](std::size_t slice) {
+        ++runs;
+        return std::make_unique<const std::size_t>(slice);
+      });
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_TRUE(slices.done());
+  EXPECT_EQ(runs, kSlices);
+  EXPECT_EQ(helped, kSlices);
 }
 
 TEST(SharedSlices, ASliceThatThrewIsMadeByTheNextThreadThatNeedsIt) {
