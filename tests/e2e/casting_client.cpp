@@ -23,7 +23,7 @@ template <class T>
 std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
   const std::string column = column_of(reply, field);
   std::vector<T> out(column.size() / sizeof(T));
-  std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
+  if (!out.empty()) std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
   return out;
 }
 

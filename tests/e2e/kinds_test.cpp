@@ -24,16 +24,8 @@ using accel::geometry::Ray;
 
 constexpr std::uint32_t kMaxHits = 1000;
 
-struct Case {
-  const char* name;
-  const char* file;
-  std::size_t rays;  // Traced with every kind
-};
-
-std::ostream& operator<<(std::ostream& out, const Case& scene) { return out << scene.name; }
-
-// One million rays in all.
-constexpr Case kCases[] = {
+// One million rays in all, each traced with every kind.
+constexpr SceneFile kKindsScenes[] = {
     {"bunny", "bunny.ply", 125'000},
     {"sponza", "sponza.glb", 125'000},
     {"sibenik", "sibenik.ply", 125'000},
@@ -158,7 +150,7 @@ Hit make_hit(const client::AllHits& rows, std::size_t k) {
   return hit;
 }
 
-class KindsTest : public ServedScene, public testing::WithParamInterface<Case> {
+class KindsTest : public ServedScene, public testing::WithParamInterface<SceneFile> {
  protected:
   /// Gives every node the mask of its number.
   void set_masks(std::size_t nodes) {
@@ -271,7 +263,7 @@ TEST_P(KindsTest, AgreeWithEachOtherAndWithBruteForce) {
   RecordProperty("hits", std::to_string(hits));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, KindsTest, testing::ValuesIn(kCases),
+INSTANTIATE_TEST_SUITE_P(Scenes, KindsTest, testing::ValuesIn(kKindsScenes),
                          [](const auto& scene) { return std::string(scene.param.name); });
 
 }  // namespace

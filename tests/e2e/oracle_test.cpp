@@ -18,15 +18,8 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::Ray;
 
-struct Case {
-  const char* name;
-  const char* file;
-  std::size_t rays;  // Half overview, half random
-};
-
-std::ostream& operator<<(std::ostream& out, const Case& scene) { return out << scene.name; }
-
-constexpr Case kCases[] = {
+// Half overview rays, half random ones.
+constexpr SceneFile kOracleScenes[] = {
     {"bunny", "bunny.ply", 20'000},
     {"sponza", "sponza.glb", 20'000},
     {"sibenik", "sibenik.ply", 20'000},
@@ -78,7 +71,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-class OracleTest : public ServedScene, public testing::WithParamInterface<Case> {
+class OracleTest : public ServedScene, public testing::WithParamInterface<SceneFile> {
  protected:
   client::CastReport cast(const std::vector<Ray>& rays, client::BuildMode build, Columns& columns) {
     std::vector<double> origins, directions, tmin, tmax;
@@ -129,7 +122,7 @@ TEST_P(OracleTest, HitsThroughTheServerEqualBruteForceLazyAndFull) {
   EXPECT_TRUE(same_bytes(lazy.hit, full.hit));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, OracleTest, testing::ValuesIn(kCases),
+INSTANTIATE_TEST_SUITE_P(Scenes, OracleTest, testing::ValuesIn(kOracleScenes),
                          [](const auto& scene) { return std::string(scene.param.name); });
 
 }  // namespace

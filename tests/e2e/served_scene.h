@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,17 @@
 #include "tests/support/brute_force.h"
 
 namespace sightline::tests {
+
+/// A scene to serve, and how many rays to cast at it.
+struct SceneFile {
+  const char* name;
+  const char* file;
+  std::size_t rays;
+};
+
+inline std::ostream& operator<<(std::ostream& out, const SceneFile& scene) {
+  return out << scene.name;
+}
 
 /// Scenes are in the directory SIGHTLINE_SCENES; without it the tests are skipped.
 class ServedScene : public testing::Test {

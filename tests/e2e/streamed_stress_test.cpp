@@ -17,7 +17,7 @@
 namespace sightline::tests {
 namespace {
 
-constexpr int kClients = 3;
+constexpr int kProducers = 3;
 
 // Draws batches ahead of the server's answers, with the expected result of each.
 class Producer {
@@ -141,7 +141,7 @@ TEST_F(StreamedStress, EveryBatchIsAppliedOnceThroughBrokenCalls) {
   ASSERT_NO_FATAL_FAILURE(begin(api_, stress));
   std::atomic<bool> over{false};
   std::vector<std::jthread> clients;
-  for (int i = 0; i < kClients; ++i) {
+  for (int i = 0; i < kProducers; ++i) {
     clients.emplace_back([&, i] {
       CastingClient client(stress, server_->port(), static_cast<std::uint64_t>(i));
       while (!over && !HasFailure()) client.cast();

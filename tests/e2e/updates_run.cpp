@@ -29,7 +29,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const std::string kScene = "projects/default/scenes/updates";
+const std::string kUpdatedScene = "projects/default/scenes/updates";
 constexpr std::size_t kNodesPerBatch = 3000;  // Below the message limit of one mebibyte
 
 double ms_since(Clock::time_point then) {
@@ -81,12 +81,12 @@ std::vector<MeshChoice> meshes_for(Api& api) {
 }
 
 Status fill(Api& api, const LargeScene& scene, const std::vector<MeshChoice>& meshes) {
-  if (const grpc::Status created = api.create(kScene); !created.ok()) return failed(created);
+  if (const grpc::Status created = api.create(kUpdatedScene); !created.ok()) return failed(created);
   for (std::size_t first = 0; first < scene.all_nodes(); first += kNodesPerBatch) {
     grpc::ClientContext context;
     v1::ApplyUpdatesRequest request;
     v1::ApplyUpdatesResponse reply;
-    request.set_scene(kScene);
+    request.set_scene(kUpdatedScene);
     add_updates(request, scene.batch(first, kNodesPerBatch, meshes));
     const grpc::Status applied = api.scenes->ApplyUpdates(&context, request, &reply);
     if (!applied.ok()) return failed(applied);
@@ -115,7 +115,7 @@ class Caster {
   double warm_up() {
     v1::CastRaysResponse reply;
     const auto begun = Clock::now();
-    failure_ = api_.cast(cast_request(kScene, some_rays(options_, random_)), &reply);
+    failure_ = api_.cast(cast_request(kUpdatedScene, some_rays(options_, random_)), &reply);
     return ms_since(begun);
   }
 
@@ -131,7 +131,7 @@ class Caster {
         due = Clock::now();
       }
       v1::CastRaysResponse reply;
-      const v1::CastRaysRequest request = cast_request(kScene, some_rays(options_, random_));
+      const v1::CastRaysRequest request = cast_request(kUpdatedScene, some_rays(options_, random_));
       const auto begun = options_.casts > 0 ? due : Clock::now();
       failure_ = api_.cast(request, &reply);
       latencies.add(ms_since(begun), std::chrono::duration<double>(begun - start).count());
@@ -262,8 +262,8 @@ Result<bench::Row> run_updates(const UpdatesOptions& options) {
   const std::vector<MeshChoice> meshes = meshes_for(api);
   if (Status filled = fill(api, options.scene, meshes); !filled.ok()) return filled.error();
 
-  const auto sender = options.by == "stream" ? UpdateSender::stream(connect(port), kScene)
-                                             : UpdateSender::unary(connect(port), kScene);
+  const auto sender = options.by == "stream" ? UpdateSender::stream(connect(port), kUpdatedScene)
+                                             : UpdateSender::unary(connect(port), kUpdatedScene);
   std::atomic<bool> over{false};
   std::vector<std::unique_ptr<Caster>> casters;
   std::vector<std::jthread> threads;

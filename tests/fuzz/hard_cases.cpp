@@ -12,7 +12,7 @@ using accel::geometry::Vec3f;
 
 namespace {
 
-double largest(const Vec3d& v) {
+double largest_coordinate(const Vec3d& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
@@ -50,7 +50,7 @@ HardCase HardCases::next() {
     if (chance(0.12)) graze(hard);
     aim(hard);
   }
-  if (largest(hard.direction) == 0) hard.direction = {0, 0, size_};
+  if (largest_coordinate(hard.direction) == 0) hard.direction = {0, 0, size_};
   rescale_direction(hard);
   return hard;
 }
@@ -103,7 +103,7 @@ Vec3d HardCases::choose_direction() {
       d = random_.direction();
       d[axis] = std::ldexp(d[axis], -integer(10, 260));
   }
-  if (largest(d) == 0) d[axis] = 1;
+  if (largest_coordinate(d) == 0) d[axis] = 1;
   return d;
 }
 
@@ -212,7 +212,7 @@ Vec3d HardCases::beside(Vec3d point) {
 
 /// How many direction lengths before the target the ray begins; after it for negative numbers.
 double HardCases::stand_off(const Vec3d& direction) {
-  const double unit = std::ldexp(size_, -std::ilogb(largest(direction)));
+  const double unit = std::ldexp(size_, -std::ilogb(largest_coordinate(direction)));
   const double kind = random_.uniform();
   if (kind < 0.1) return 0;
   if (kind < 0.5) return sign() * std::ldexp(unit, integer(-8, 8));
@@ -237,11 +237,11 @@ void HardCases::graze(HardCase& hard) {
   const Vec3d u = (b - a) * (1 / size_), v = (c - a) * (1 / size_);
   const Vec3d d = u * random_.uniform(-1, 1) + v * random_.uniform(-1, 1) +
                   cross(u, v) * std::ldexp(sign(), -integer(4, 60));
-  if (largest(d) > 0) hard.direction = d;
+  if (largest_coordinate(d) > 0) hard.direction = d;
 }
 
 void HardCases::rescale_direction(HardCase& hard) {
-  const int exponent = std::ilogb(largest(hard.direction));
+  const int exponent = std::ilogb(largest_coordinate(hard.direction));
   // Sizes of any magnitude, but large enough for the products above to be normal.
   const int wanted = chance(0.7) ? std::clamp(exponent, -300, 300) : integer(-300, 300);
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,6 @@
 // Making hierarchies.
 #include "tests/scenegraph/random_hierarchy.h"
+#include "tests/scenegraph/put_node.h"
 
 #include <gtest/gtest.h>
 
@@ -55,10 +56,6 @@ Affine random_frame(Random& random, Frames frames, double reach) {
   return a;
 }
 
-std::shared_ptr<const Mesh> to_mesh(const TestMesh& mesh) {
-  return *Mesh::make(mesh.vertices, mesh.faces);
-}
-
 std::shared_ptr<const Mesh> some_mesh(std::uint64_t index) {
   const auto not_finite = [] {
     TestMesh mesh = single_triangle();
@@ -66,9 +63,9 @@ std::shared_ptr<const Mesh> some_mesh(std::uint64_t index) {
     return mesh;
   };
   static const std::shared_ptr<const Mesh> kMeshes[] = {
-      to_mesh(icosphere(1)), to_mesh(single_triangle()),
-      to_mesh(cube()),       to_mesh(random_soup(60, 0.3, 3)),
-      to_mesh(TestMesh{}),   to_mesh(not_finite())};
+      mesh_of(icosphere(1)), mesh_of(single_triangle()),
+      mesh_of(cube()),       mesh_of(random_soup(60, 0.3, 3)),
+      mesh_of(TestMesh{}),   mesh_of(not_finite())};
   return kMeshes[index % std::size(kMeshes)];
 }
 
@@ -139,7 +136,7 @@ std::vector<accel::geometry::Ray> rays_through(const Snapshot& snapshot, std::si
 }
 
 std::shared_ptr<const Snapshot> tiled_plane(std::size_t leaves, std::size_t fan) {
-  const auto square = to_mesh(planar_sheet(1));
+  const auto square = mesh_of(planar_sheet(1));
   std::vector<Update> updates;
   const auto put = [&](NodeRef parent, double x, double y, bool mesh) {
     PutNode node;

@@ -22,8 +22,6 @@ enum class Frames {
 /// With a translation by up to `reach` (kFar: this many millions too).
 scenegraph::model::Affine random_frame(Random& random, Frames frames, double reach = 4);
 
-std::shared_ptr<const scenegraph::model::Mesh> to_mesh(const TestMesh& mesh);
-
 /// One of a few small meshes, by index; one has no triangles, and one has only non-finite ones.
 std::shared_ptr<const scenegraph::model::Mesh> some_mesh(std::uint64_t index);
 

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "scenegraph/scene.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 #include "tests/support/random.h"
@@ -23,10 +24,6 @@ using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
 using accel::geometry::Vec3d;
-
-std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
-  return *model::Mesh::make(m.vertices, m.faces);
-}
 
 model::PutNode put_mesh(model::NodeRef node, std::shared_ptr<const model::Mesh> mesh,
                         const model::Affine& where, model::NodeRef parent = 0) {
@@ -53,7 +50,8 @@ model::Affine random_affine(tests::Random& random, double reach) {
 /// Two meshes, many instances: rotated, sheared, mirrored, overlapping, some under a moved parent.
 std::shared_ptr<const revision::Snapshot> random_scene(int instances, double reach = 4) {
   tests::Random random(21);
-  const auto sphere = to_mesh(tests::icosphere(3)), soup = to_mesh(tests::random_soup(500, 0.2, 5));
+  const auto sphere = tests::mesh_of(tests::icosphere(3)),
+             soup = tests::mesh_of(tests::random_soup(500, 0.2, 5));
   Scene scene;
   std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
   for (int i = 0; i < instances; ++i) {
@@ -159,7 +157,8 @@ TEST(Trace, RepeatedRaysExpandNothing) {
 }
 
 TEST(Trace, OnlyEnteredInstancesGrow) {
-  const auto sphere = to_mesh(tests::icosphere(3)), other = to_mesh(tests::icosphere(4));
+  const auto sphere = tests::mesh_of(tests::icosphere(3)),
+             other = tests::mesh_of(tests::icosphere(4));
   Scene scene;
   ASSERT_TRUE(
       scene.apply({put_mesh(-1, sphere, model::Affine{}),
@@ -218,7 +217,7 @@ TEST(Trace, MarksBadRaysAndAnswersTheOthers) {
 
 TEST(Trace, LimitsAreClosedAndMasksHide) {
   Scene scene;
-  model::PutNode wall = put_mesh(-1, to_mesh(tests::cube()), model::Affine{});
+  model::PutNode wall = put_mesh(-1, tests::mesh_of(tests::cube()), model::Affine{});
   wall.mask = 2;
   ASSERT_TRUE(scene.apply({wall}));
   const auto snapshot = scene.snapshot();
@@ -246,7 +245,7 @@ TEST(Trace, LimitsAreClosedAndMasksHide) {
 }
 
 TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
-  const auto mesh = to_mesh(tests::duplicates(5));
+  const auto mesh = tests::mesh_of(tests::duplicates(5));
   Scene scene;
   ASSERT_TRUE(scene.apply({put_mesh(-1, mesh, model::Affine{}), put_mesh(-2, mesh, model::Affine{}),
                            put_mesh(-3, mesh, model::Affine{})}));
@@ -257,7 +256,7 @@ TEST(Trace, TiesGoToTheSmallestNodeThenFace) {
 }
 
 TEST(Trace, MillimetresTenThousandKilometresOut) {
-  const auto sphere = to_mesh(tests::icosphere(3));
+  const auto sphere = tests::mesh_of(tests::icosphere(3));
   const model::Affine far{{1e-3, 0, 0, 1e7, 0, 1e-3, 0, -1e7, 0, 0, 1e-3, 1e7}};
   Scene scene, home;
   ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, far)}));
@@ -318,7 +317,7 @@ TEST(Trace, EightThreadsMeetInAColdScene) {
 }
 
 TEST(Trace, AnswersStayWholeWhileTheSceneChanges) {
-  const auto sphere = to_mesh(tests::icosphere(3));
+  const auto sphere = tests::mesh_of(tests::icosphere(3));
   Scene scene;
   ASSERT_TRUE(scene.apply({put_mesh(-1, sphere, model::Affine{})}));
   std::atomic<bool> stop{false};

@@ -19,8 +19,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 /// One message in each direction, as bytes, on a stream that stays open until `context` is
 /// cancelled.
 class RawCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {

@@ -25,8 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScene = "projects/p/scenes/s";
-
 struct ChildServer : ChildProcess {
   explicit ChildServer(const std::vector<std::string>& flags) : ChildProcess(SIGHTLINED, flags) {}
   /// The port that it serves, as soon as it serves; 0 if it has ended before.

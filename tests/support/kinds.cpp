@@ -16,7 +16,7 @@ using accel::geometry::Hit;
 using accel::geometry::HitState;
 using scenegraph::RayTally;
 
-constexpr std::size_t kExamples = 5;
+constexpr std::size_t kMaxExamples = 5;
 
 auto key(const Hit& hit) { return std::tuple(hit.t, hit.node, hit.primitive); }
 
@@ -158,7 +158,7 @@ KindComparison compare_kinds(std::span<const accel::geometry::Ray> rays, const K
       const Agreement agreement = agreements[i][kind];
       result.edges += agreement == Agreement::kEdge;
       result.mismatches += agreement == Agreement::kMismatch;
-      if (agreement != Agreement::kMismatch || result.examples.size() >= kExamples) continue;
+      if (agreement != Agreement::kMismatch || result.examples.size() >= kMaxExamples) continue;
       static constexpr std::array kNames{"closest", "any", "count", "all"};
       const accel::geometry::Ray& r = rays[i];
       result.examples.push_back(fmt::format(

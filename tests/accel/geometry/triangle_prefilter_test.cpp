@@ -3,9 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,6 +10,7 @@
 #include <vector>
 
 #include "accel/geometry/intersect.h"
+#include "tests/accel/simd_targets.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::geometry {
@@ -49,11 +47,7 @@ std::vector<std::uint32_t> all_faces(const Soup& soup) {
   return faces;
 }
 
-class CertainMisses : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using CertainMisses = tests::OnSimdTarget;
 
 /// The misses that are not rejected, of all misses. Cycles through all batch sizes.
 double share_left(const Soup& soup, const std::vector<LocalRay>& rays) {
@@ -123,9 +117,8 @@ TEST_P(CertainMisses, RejectsNoHitAtTheEndsOfTheRange) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Targets, CertainMisses,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& instance) { return hwy::TargetName(instance.param); });
+INSTANTIATE_TEST_SUITE_P(Targets, CertainMisses, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::geometry

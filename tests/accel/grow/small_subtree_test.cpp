@@ -2,22 +2,18 @@
 #include "accel/grow/small_subtree.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <string>
 #include <vector>
 
 #include "accel/split/scan_split.h"
 #include "tests/accel/boxes.h"
+#include "tests/accel/simd_targets.h"
 
 namespace sightline::accel::grow {
 namespace {
 
-class SmallGrowth : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using SmallGrowth = tests::OnSimdTarget;
 
 /// Walks the tree and computes every cut again with the split rule.
 class Recut {
@@ -124,17 +120,8 @@ TEST(IsSmall, NeedsFewBoxesOfWeightOne) {
   EXPECT_FALSE(is_small(std::vector{tests::box_ref({0, 0, 0}, {1, 1, 1}, 0, 2)}));
 }
 
-std::vector<std::int64_t> targets_here() {
-  std::vector<std::int64_t> all;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
-    all.push_back(left & -left);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryTarget, SmallGrowth, ::testing::ValuesIn(targets_here()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(EveryTarget, SmallGrowth, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::grow

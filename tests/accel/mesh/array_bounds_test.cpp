@@ -3,24 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "tests/accel/simd_targets.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::mesh {
 namespace {
 
-class ArrayBoundsOnTarget : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using ArrayBoundsOnTarget = tests::OnSimdTarget;
 
 TEST_P(ArrayBoundsOnTarget, FindsTheGreatestIndexAtEveryPosition) {
   tests::Random random(1);
@@ -63,11 +57,8 @@ TEST_P(ArrayBoundsOnTarget, BoundsAreTight) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, ArrayBoundsOnTarget,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Every, ArrayBoundsOnTarget, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 TEST(ArrayBounds, OfEveryNthFace) {
   const std::vector<geometry::Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {9, 9, 9}};

@@ -3,13 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
-#include <hwy/targets.h>
-
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "tests/accel/simd_targets.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::mesh {
@@ -47,11 +45,7 @@ std::vector<geometry::Vec3f> odd_vertices(std::size_t count, bool finite) {
   return vertices;
 }
 
-class EveryTarget : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using EveryTarget = tests::OnSimdTarget;
 
 TEST_P(EveryTarget, ReferencesAndSumsEqualOneByOne) {
   tests::Random random(3);
@@ -121,11 +115,8 @@ TEST(FaceSum, OfNoFacesIsEmpty) {
   EXPECT_TRUE(nothing.box.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(FaceBoxes, EveryTarget,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(FaceBoxes, EveryTarget, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::mesh

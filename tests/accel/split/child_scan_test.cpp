@@ -2,22 +2,18 @@
 #include "accel/split/child_scan.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
 #include "tests/accel/boxes.h"
+#include "tests/accel/simd_targets.h"
 
 namespace sightline::accel::split {
 namespace {
 
-class FirstScanning : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using FirstScanning = tests::OnSimdTarget;
 
 bool same(const kdtree::Reference& a, const kdtree::Reference& b) {
   return a.lo == b.lo && a.hi == b.hi && a.id == b.id && a.weight == b.weight;
@@ -140,17 +136,8 @@ TEST(ChildScan, CoversAListOfItsSizeThatIsNotEmpty) {
   EXPECT_FALSE(scan.covers(4));
 }
 
-std::vector<std::int64_t> targets_here() {
-  std::vector<std::int64_t> all;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
-    all.push_back(left & -left);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryTarget, FirstScanning, ::testing::ValuesIn(targets_here()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(EveryTarget, FirstScanning, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::split

@@ -2,21 +2,17 @@
 #include "accel/split/exhaustive_split.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <string>
 #include <vector>
 
 #include "tests/accel/boxes.h"
+#include "tests/accel/simd_targets.h"
 
 namespace sightline::accel::split {
 namespace {
 
-class BoundScan : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using BoundScan = tests::OnSimdTarget;
 
 /// By the definition: every bound inside the cell, in order of axes; equal costs go to the least
 /// position.
@@ -146,17 +142,8 @@ TEST_P(BoundScan, TriesTheOtherAxesIfTheLongestIsPoor) {
   EXPECT_EQ(cut->plane, (kdtree::Plane{1, 1}));
 }
 
-std::vector<std::int64_t> targets_here() {
-  std::vector<std::int64_t> all;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
-    all.push_back(left & -left);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryTarget, BoundScan, ::testing::ValuesIn(targets_here()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(EveryTarget, BoundScan, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::split

@@ -2,10 +2,10 @@
 #include "accel/split/scan_kernel.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <vector>
 
+#include "tests/accel/simd_targets.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::split {
@@ -62,11 +62,7 @@ PlaneNeighbours neighbours(const std::vector<kdtree::Reference>& refs, std::size
   return near;
 }
 
-class ScanKernel : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using ScanKernel = tests::OnSimdTarget;
 
 TEST_P(ScanKernel, CountsWeights) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 36u, 1000u}) {
@@ -113,17 +109,8 @@ TEST_P(ScanKernel, AccumulatesPieces) {
   EXPECT_EQ(whole_near, pieces_near);
 }
 
-std::vector<std::int64_t> targets_here() {
-  std::vector<std::int64_t> all;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1)
-    all.push_back(left & -left);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryTarget, ScanKernel, ::testing::ValuesIn(targets_here()),
-                         [](const auto& target) {
-                           return std::string(hwy::TargetName(target.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(EveryTarget, ScanKernel, tests::every_simd_target(),
+                         tests::simd_target_name);
 
 }  // namespace
 }  // namespace sightline::accel::split

@@ -14,11 +14,11 @@
 namespace sightline::tests {
 namespace {
 
-constexpr std::uint32_t kTriangles = 400;
+constexpr std::uint32_t kMeshSize = 400;
 constexpr std::size_t kRays = 25 * kHardRayKinds;
 // Rays checked with the oracle, which is slow.
 constexpr std::size_t kSample = 8 * kHardRayKinds;
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kMeshSeed = 7;
 
 accel::geometry::Hit as_hit(const NearestHit& nearest) {
   accel::geometry::Hit hit;
@@ -38,8 +38,8 @@ class HardMeshHits : public ::testing::TestWithParam<std::string_view> {
 };
 
 TEST_P(HardMeshHits, WithoutATreeEqualTheOracles) {
-  const TestMesh mesh = make(kTriangles, kSeed);
-  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kSeed);
+  const TestMesh mesh = make(kMeshSize, kMeshSeed);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kSample, kMeshSeed);
   ASSERT_EQ(rays.size(), kSample);
   std::vector<accel::geometry::Hit> hits;
   for (const NearestHit& hit : nearest_without_tree(mesh, rays)) hits.push_back(as_hit(hit));
@@ -49,8 +49,8 @@ TEST_P(HardMeshHits, WithoutATreeEqualTheOracles) {
 }
 
 TEST_P(HardMeshHits, FullAndGrowingTreesAgree) {
-  const TestMesh mesh = make(kTriangles, kSeed);
-  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kSeed);
+  const TestMesh mesh = make(kMeshSize, kMeshSeed);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, kRays, kMeshSeed);
   const std::vector<NearestHit> expected = nearest_without_tree(mesh, rays);
   for (const std::string_view builder : accel::published::builder_names()) {
     AskedTree full(mesh, builder), growing(mesh, builder);

@@ -19,11 +19,11 @@ namespace {
 using tests::DownwardRays;
 using tests::kScene;
 
-constexpr std::uint32_t kCopies = 7;
+constexpr std::uint32_t kSheets = 7;
 
 class Prefetch : public tests::LiveClient {
  protected:
-  Prefetch() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(kCopies), {})); }
+  Prefetch() { EXPECT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(kSheets), {})); }
 
   std::uint64_t triangles_built() { return client_.scene_stats(kScene)->triangles_built; }
   std::uint64_t cells_of_cast(const DownwardRays& rays) {
@@ -49,7 +49,7 @@ TEST_F(Prefetch, BuildsEverythingAndReportsIt) {
   EXPECT_EQ(last->triangles_done, 4U);
   EXPECT_EQ(last->cells_expanded, built->cells_expanded);
   EXPECT_EQ(triangles_built(), 4U);
-  EXPECT_EQ(cells_of_cast(DownwardRays(100, kCopies)), 0U);
+  EXPECT_EQ(cells_of_cast(DownwardRays(100, kSheets)), 0U);
 }
 
 TEST_F(Prefetch, RootsAndExclusionsOmitTrees) {
@@ -65,7 +65,7 @@ TEST_F(Prefetch, RootsAndExclusionsOmitTrees) {
 
 TEST_F(Prefetch, RaysOfManyMessagesAreCounted) {
   const std::size_t n = 2 * kRaysPerMessage + 17;
-  const DownwardRays rays(n, kCopies);
+  const DownwardRays rays(n, kSheets);
   std::vector<std::uint64_t> reported;
   const auto grown = client_.prefetch_rays(
       kScene, rays.columns(), {},
@@ -79,7 +79,7 @@ TEST_F(Prefetch, RaysOfManyMessagesAreCounted) {
 }
 
 TEST_F(Prefetch, FloatsBuildTheSameCellsAsDoubles) {
-  const DownwardRays rays(50, kCopies);
+  const DownwardRays rays(50, kSheets);
   const std::vector<float> origins(rays.origins.begin(), rays.origins.end());
   const std::vector<float> directions(rays.directions.begin(), rays.directions.end());
   const RayColumns<const float> floats{origins, directions};
@@ -104,7 +104,7 @@ TEST_F(Prefetch, ASourceThatFailsEndsIt) {
 }
 
 TEST_F(Prefetch, ColumnsOfDifferentLengthsAreNotSent) {
-  DownwardRays rays(3, kCopies);
+  DownwardRays rays(3, kSheets);
   rays.directions.pop_back();
   EXPECT_EQ(client_.prefetch_rays(kScene, rays.columns()).error().code, Code::kInvalidArgument);
 }
@@ -115,7 +115,7 @@ TEST_F(Prefetch, AStopCancelsIt) {
   const auto built = client_.prefetch(kScene, {.stop = stop.get_token()});
   ASSERT_FALSE(built);
   EXPECT_EQ(built.error().code, Code::kCancelled);
-  const DownwardRays rays(5, kCopies);
+  const DownwardRays rays(5, kSheets);
   EXPECT_EQ(client_.prefetch_rays(kScene, rays.columns(), {.stop = stop.get_token()}).error().code,
             Code::kCancelled);
   EXPECT_TRUE(client_.prefetch(kScene));

@@ -75,8 +75,6 @@ struct ChildProgram : tests::ChildProcess {
       : ChildProcess(SIGHTLINE, arguments) {}
 };
 
-constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
-
 TEST(Interrupt, RequestsOneStop) {
   for (int round = 0; round < 3; ++round) {
     const Interrupt interrupt;

@@ -11,7 +11,7 @@
 namespace sightline::tests {
 namespace {
 
-aiVector3D take_vector(Bytes& bytes) {
+aiVector3D take_ai_vector(Bytes& bytes) {
   const float x = take_float(bytes), y = take_float(bytes), z = take_float(bytes);
   return {x, y, z};
 }
@@ -93,7 +93,7 @@ class SceneMaker {
 
   aiVector3D* make_vectors(unsigned n) {
     auto* const all = new aiVector3D[n];
-    for (unsigned i = 0; i < n; ++i) all[i] = take_vector(bytes_);
+    for (unsigned i = 0; i < n; ++i) all[i] = take_ai_vector(bytes_);
     return all;
   }
 
@@ -172,7 +172,7 @@ class SceneMaker {
     const auto key_vectors = [&](unsigned& n, aiVectorKey*& keys) {
       n = count(4);
       keys = n == 0 ? nullptr : new aiVectorKey[n];
-      for (unsigned i = 0; i < n; ++i) keys[i] = {take_time(i), take_vector(bytes_)};
+      for (unsigned i = 0; i < n; ++i) keys[i] = {take_time(i), take_ai_vector(bytes_)};
     };
     key_vectors(channel->mNumPositionKeys, channel->mPositionKeys);
     key_vectors(channel->mNumScalingKeys, channel->mScalingKeys);

@@ -18,7 +18,7 @@ using tests::put_node;
 
 /// Node 1 has children 2 (a cube) and 3 (a group with node 4, the same cube); 5 is a separate
 /// staircase, 6 a mesh without triangles.
-std::shared_ptr<const revision::Snapshot> family() {
+std::shared_ptr<const revision::Snapshot> cubes_and_staircase() {
   const auto cube = mesh_of(tests::cube());
   Scene scene;
   EXPECT_TRUE(
@@ -31,7 +31,7 @@ std::shared_ptr<const revision::Snapshot> family() {
 using Ids = std::vector<model::NodeId>;
 
 Ids ids_under(const Ids& roots, const Ids& excluded) {
-  const auto snapshot = family();
+  const auto snapshot = cubes_and_staircase();
   const auto nodes = mesh_nodes_under(*snapshot, roots, excluded);
   EXPECT_TRUE(nodes);
   Ids ids;
@@ -52,7 +52,7 @@ TEST(Build, SelectsEachNodeOnce) {
 }
 
 TEST(Build, NamesAnUnknownNode) {
-  const auto snapshot = family();
+  const auto snapshot = cubes_and_staircase();
   const auto root = mesh_nodes_under(*snapshot, Ids{1, 77}, {});
   ASSERT_FALSE(root);
   EXPECT_EQ(root.error().code, Code::kNotFound);
@@ -62,7 +62,7 @@ TEST(Build, NamesAnUnknownNode) {
 }
 
 TEST(Build, BuildsOnlyTheSelection) {
-  const auto snapshot = family();
+  const auto snapshot = cubes_and_staircase();
   BuildProgress progress;
   const auto nodes = mesh_nodes_under(*snapshot, Ids{1}, {});
   EXPECT_EQ(meshes_of(*nodes).size(), 1u);
@@ -97,7 +97,7 @@ TEST(Build, CountsMeshesAndCells) {
 }
 
 TEST(Build, ACancelledBuildStops) {
-  const auto snapshot = family();
+  const auto snapshot = cubes_and_staircase();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
   BuildProgress progress;
   const std::atomic<bool> cancelled{true};
@@ -114,7 +114,7 @@ TEST(Build, ACancelledBuildStops) {
 TEST(Build, GrowsForRaysTheCellsThatACastWouldGrow) {
   const std::vector<accel::geometry::Ray> rays = tests::rays_at(tests::cube(), 10'000, 1);
   for (const QueryKind kind : {QueryKind::kClosest, QueryKind::kAny, QueryKind::kCount}) {
-    const auto snapshot = family();
+    const auto snapshot = cubes_and_staircase();
     BuildProgress progress;
     ASSERT_TRUE(grow_for_rays(*snapshot, rays, {.kind = kind}, progress));
     EXPECT_EQ(progress.rays_done, rays.size());

@@ -7,6 +7,7 @@
 
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
 #include "tests/support/millimetres.h"
@@ -26,10 +27,6 @@ using accel::geometry::Vec3d;
 constexpr double kTenthOfAMillimetre = 1e-4;
 constexpr double kNudge = 1e-7;
 constexpr std::size_t kRays = 4000;
-
-std::shared_ptr<const model::Mesh> to_mesh(const tests::TestMesh& m) {
-  return *model::Mesh::make(m.vertices, m.faces);
-}
 
 model::PutNode put(model::NodeRef node, model::NodeRef parent,
                    std::shared_ptr<const model::Mesh> mesh, const model::Affine& where) {
@@ -80,7 +77,7 @@ std::vector<Ray> moved(std::vector<Ray> rays, const Vec3d& by) {
 }
 
 TEST(Millimetres, AreEqualToTheLastBitForExactRays) {
-  const auto plate = to_mesh(tests::ridged_plate());
+  const auto plate = tests::mesh_of(tests::ridged_plate());
   const Vec3d far{1e7, -1e7, 1e7};
   const auto here = scene_of({put(-1, 0, plate, model::Affine{})});
   const auto there = scene_of({put(-1, 0, plate, translation(far))});
@@ -95,7 +92,7 @@ TEST(Millimetres, AreEqualToTheLastBitForExactRays) {
 }
 
 TEST(Millimetres, AreHitTenThousandKilometersAwayAsAtTheOrigin) {
-  const auto plate = to_mesh(tests::ridged_plate());
+  const auto plate = tests::mesh_of(tests::ridged_plate());
   const Vec3d far{1e7 + 1.0 / 3, -1e7 - 0.7, 1e7 + 0.1};
   // As a root, and rotated under a parent that moves it far away.
   const model::Affine turned = turning(0.6, 0.8);
@@ -121,7 +118,7 @@ TEST(Millimetres, AreHitTenThousandKilometersAwayAsAtTheOrigin) {
 }
 
 TEST(Transforms, TIsInUnitsOfTheRaysDirectionForAnyScale) {
-  const auto cube = to_mesh(tests::cube());
+  const auto cube = tests::mesh_of(tests::cube());
   for (const model::Affine& scale :
        {scaling(1, 1, 1), scaling(1024, 0x1p-10, 1), scaling(3, 7, 0.1), scaling(1e5, 1e-5, 1)}) {
     const auto snapshot = scene_of({put(-1, 0, cube, scale)});
@@ -138,7 +135,7 @@ TEST(Transforms, TIsInUnitsOfTheRaysDirectionForAnyScale) {
 }
 
 TEST(Transforms, NormalsArePerpendicularToScaledSurfaces) {
-  const auto sphere = to_mesh(tests::icosphere(3));
+  const auto sphere = tests::mesh_of(tests::icosphere(3));
   tests::Random random(3);
   for (const model::Affine& shape :
        {scaling(1, 20, 0.05), scaling(-1, 20, 0.05), scaling(-3, -2, -0.5),
@@ -162,7 +159,7 @@ TEST(Transforms, NormalsArePerpendicularToScaledSurfaces) {
 }
 
 TEST(Transforms, NearlySingularTransformsAgreeWithTheOracleUpToTheLimit) {
-  const auto sphere = to_mesh(tests::icosphere(3));
+  const auto sphere = tests::mesh_of(tests::icosphere(3));
   for (const double thin : {1e-3, 1e-6, 1e-9}) {
     const model::Affine flat = compose(turning(0.6, 0.8), scaling(1, 1, thin));
     const auto snapshot = scene_of({put(-1, 0, sphere, flat)});

@@ -11,6 +11,7 @@
 #include "scenegraph/query/selection.h"
 #include "scenegraph/scene.h"
 #include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
 #include "tests/support/kinds.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -27,9 +28,8 @@ using tests::ask_all_kinds;
 using tests::contradiction;
 using tests::KindAnswers;
 
-std::shared_ptr<const model::Mesh> to_mesh(
-    const tests::TestMesh& m,
-    const accel::published::AnyBuilder& builder = accel::published::default_builder()) {
+std::shared_ptr<const model::Mesh> mesh_with(const accel::published::AnyBuilder& builder,
+                                             const tests::TestMesh& m) {
   return *model::Mesh::make(m.vertices, m.faces, builder);
 }
 
@@ -67,8 +67,8 @@ model::Affine random_affine(tests::Random& random, double reach) {
 std::shared_ptr<const revision::Snapshot> random_scene(
     int nodes, const accel::published::AnyBuilder& builder) {
   tests::Random random(31);
-  const auto sphere = to_mesh(tests::icosphere(2), builder);
-  const auto soup = to_mesh(straddled(300, 5), builder);
+  const auto sphere = mesh_with(builder, tests::icosphere(2));
+  const auto soup = mesh_with(builder, straddled(300, 5));
   Scene scene;
   std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
   for (int id = 2; id <= nodes; ++id) {
@@ -263,7 +263,7 @@ TEST(Kinds, AListMayPauseBetweenBlocks) {
 }
 
 TEST(Kinds, CoincidentTrianglesAreSeparateHits) {
-  const auto mesh = to_mesh(tests::duplicates(300));
+  const auto mesh = tests::mesh_of(tests::duplicates(300));
   Scene scene;
   ASSERT_TRUE(scene.apply({put_mesh(-1, mesh), put_mesh(-2, mesh)}));
   const Ray ray{{0.2, 0.2, 1}, {0, 0, -1}};
@@ -288,7 +288,7 @@ tests::TestMesh shuffled_walls(std::uint32_t count) {
 }
 
 TEST(Kinds, OneRayMayHaveThousandsOfHits) {
-  const auto mesh = to_mesh(shuffled_walls(5000));
+  const auto mesh = tests::mesh_of(shuffled_walls(5000));
   const Ray ray{{-0.5, 0.3, 0.6}, {1, 0, 0}};
   for (const Growth growth : {Growth::kNone, Growth::kFirstTouch, Growth::kFull}) {
     for (const std::uint32_t max_hits : {10u, 100u, 1000u, 4999u, 5000u, 5001u}) {
@@ -312,7 +312,7 @@ TEST(Kinds, CullingUsesTheWindingInSceneCoordinates) {
   const model::Affine mirror{{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
   for (const model::Affine& where : {model::Affine{}, mirror}) {
     Scene scene;
-    ASSERT_TRUE(scene.apply({put_mesh(-1, to_mesh(tests::cube()), where)}));
+    ASSERT_TRUE(scene.apply({put_mesh(-1, tests::mesh_of(tests::cube()), where)}));
     const Ray ray{{0.25, 0.125, 5}, {0, 0, -2}};
     const auto ask = [&](Culling culling) {
       TraceOptions options;
@@ -347,7 +347,7 @@ TEST(Kinds, EveryHitIsAFrontOrABack) {
 
 TEST(Kinds, AnOddCountMeansInside) {
   Scene scene;
-  ASSERT_TRUE(scene.apply({put_mesh(-1, to_mesh(tests::icosphere(4)))}));
+  ASSERT_TRUE(scene.apply({put_mesh(-1, tests::mesh_of(tests::icosphere(4)))}));
   tests::Random random(12);
   std::vector<Ray> rays;
   for (int i = 0; i < 4000; ++i) {

@@ -11,26 +11,14 @@
 #include <vector>
 
 #include "server/queries/query_codec.h"
+#include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"
-#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
 namespace {
-
-const std::string kScene = "projects/p/scenes/s";
-
-std::vector<accel::geometry::Ray> random_rays(std::size_t count) {
-  Random random(3);
-  std::vector<accel::geometry::Ray> rays(count);
-  for (accel::geometry::Ray& ray : rays) {
-    ray.origin = {random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2)};
-    ray.direction = random.direction();
-  }
-  return rays;
-}
 
 void ask_for_all(v1::CastRaysRequest& request) {
   for (const auto field :
@@ -61,7 +49,7 @@ TEST_F(CastRpcTest, HitsEqualTheOracles) {
   const TestMesh soup = random_soup(2000, 0.1, 11);
   api_.make_scene(kScene, soup);
   const BruteForce oracle({PlacedMesh{soup.view()}});
-  const auto rays = random_rays(5000);
+  const auto rays = random_rays(5000, 3);
   for (const auto build : {v1::BUILD_MODE_NONE, v1::BUILD_MODE_LAZY, v1::BUILD_MODE_FULL}) {
     v1::CastRaysRequest request = cast_request(kScene, rays);
     request.set_build(build);
@@ -78,7 +66,7 @@ TEST_F(CastRpcTest, HitsEqualTheOracles) {
 
 TEST_F(CastRpcTest, AnyAgreesWithClosest) {
   api_.make_scene(kScene, random_soup(2000, 0.1, 11));
-  v1::CastRaysRequest request = cast_request(kScene, random_rays(5000));
+  v1::CastRaysRequest request = cast_request(kScene, random_rays(5000, 3));
   request.add_fields(v1::HIT_FIELD_HIT);
   const std::string closest = column_of(cast(request), v1::HIT_FIELD_HIT);
   request.set_kind(v1::QUERY_KIND_ANY);
@@ -189,7 +177,7 @@ TEST_F(CastRpcTest, GrowsOnlyAsTheBuildModeAllows) {
 
 TEST_F(CastRpcTest, ManyClientsGetTheSameHitsOfAColdScene) {
   api_.make_scene(kScene, random_soup(5000, 0.1, 5));
-  const v1::CastRaysRequest request = cast_request(kScene, random_rays(4000));
+  const v1::CastRaysRequest request = cast_request(kScene, random_rays(4000, 3));
   std::vector<v1::CastRaysResponse> replies(8);
   std::vector<std::thread> clients;
   for (auto& reply : replies) {

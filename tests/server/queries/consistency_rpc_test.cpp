@@ -18,8 +18,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 class ConsistencyRpcTest : public LiveServer {
  protected:
   void SetUp() override { api_.make_scene(kScene, planar_sheet(1)); }

@@ -10,26 +10,14 @@
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/query_codec.h"
+#include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/kinds.h"
-#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
 namespace {
-
-const std::string kScene = "projects/p/scenes/s";
-
-std::vector<accel::geometry::Ray> random_rays(std::size_t count) {
-  Random random(4);
-  std::vector<accel::geometry::Ray> rays(count);
-  for (accel::geometry::Ray& ray : rays) {
-    ray.origin = {random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2)};
-    ray.direction = random.direction();
-  }
-  return rays;
-}
 
 template <class T>
 std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
@@ -143,7 +131,7 @@ TEST_F(KindsRpcTest, AgreeWithEachOtherAndTheOracle) {
   const TestMesh soup = random_soup(2000, 0.1, 11);
   api_.make_scene(kScene, soup);
   const BruteForce oracle({PlacedMesh{soup.view()}});
-  const auto rays = random_rays(3000);
+  const auto rays = random_rays(3000, 4);
   for (const auto culling : {v1::CULLING_UNSPECIFIED, v1::CULLING_BACK, v1::CULLING_FRONT}) {
     v1::CastRaysRequest request = cast_request(kScene, rays);
     request.set_culling(culling);

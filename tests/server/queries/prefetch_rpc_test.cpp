@@ -20,7 +20,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
 constexpr std::uint32_t kLarge = 512;  // planar_sheet of half a million triangles
 
 v1::PrefetchRequest prefetch_of(const std::string& scene) {

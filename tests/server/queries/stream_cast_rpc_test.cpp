@@ -17,8 +17,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 v1::StreamCastRaysRequest chunk(std::uint64_t number, const std::string& scene, std::size_t rays) {
   v1::StreamCastRaysRequest request;
   request.set_chunk(number);

@@ -12,6 +12,9 @@
 
 namespace sightline::tests {
 
+/// The name of the scene that tests create.
+inline const std::string kScene = "projects/p/scenes/s";
+
 inline server::ServerConfig test_config() {
   server::ServerConfig config;
   config.listen = "127.0.0.1:0";

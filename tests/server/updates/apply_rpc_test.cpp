@@ -16,8 +16,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 class ApplyRpcTest : public LiveServer {
  protected:
   void SetUp() override { ASSERT_TRUE(api_.create(kScene).ok()); }

@@ -15,8 +15,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 class SceneRpcTest : public LiveServer {
  protected:
   grpc::Status create(const v1::Scene& scene, v1::Scene* created = nullptr) {

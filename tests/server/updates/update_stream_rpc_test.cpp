@@ -17,8 +17,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 class UpdateStreamRpcTest : public LiveServer {
  protected:
   void SetUp() override { ASSERT_TRUE(api_.create(kScene).ok()); }

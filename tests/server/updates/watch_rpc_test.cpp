@@ -18,8 +18,6 @@
 namespace sightline::tests {
 namespace {
 
-const std::string kScene = "projects/p/scenes/s";
-
 class Watcher {
  public:
   Watcher(Api& api, const std::string& scene, std::optional<std::uint64_t> start = {}) {

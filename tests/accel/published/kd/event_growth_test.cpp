@@ -21,6 +21,7 @@
 #include "accel/split/split_search.h"
 #include "tests/accel/boxes.h"
 #include "tests/accel/check_tree.h"
+#include "tests/accel/published/kd/cuts.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::accel::published::kd {
@@ -28,8 +29,6 @@ namespace {
 
 using tests::bounds_of;
 using tests::TestMesh;
-
-constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
 /// The references of a leaf, or of a deferred cell that failed for lack of capacity, as a set.
 std::vector<std::uint32_t> held(const kdtree::KdTree& tree, kdtree::Slot slot) {
@@ -146,7 +145,7 @@ TEST_P(EveryScene, ThreeSearchesBuildTheSameTree) {
        {std::tuple(true, 0.8, 0u), {true, 1.0, 0u}, {false, 0.8, 0u}, {true, 0.8, 1u}}) {
     ExactBuilder builder{.costs = {.lambda = lambda}, .bad_refines = bad_refines, .clip = clip};
     std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-    for (const ExactSearch search : kSearches) {
+    for (const ExactSearch search : tests::kExactSearches) {
       builder.search = search;
       trees.push_back(make_tree(mesh, view, builder));
       kdtree::BuildCounters counters;
@@ -199,7 +198,7 @@ TEST(ExactTrees, ThreadsBuildTheSameTree) {
 TEST(ExactTrees, SweepHonoursWeightsWithoutAMesh) {
   const std::vector<kdtree::Reference> refs = tests::lattice_boxes(200, 50, 8);
   std::vector<std::unique_ptr<lazy::LazyTree>> trees;
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     trees.push_back(std::make_unique<lazy::LazyTree>(bounds_of(refs), refs.size(),
                                                      rule_of(ExactBuilder{.search = search}),
                                                      lazy::source_of(refs)));

@@ -9,14 +9,13 @@
 
 #include "accel/kdtree/sift.h"
 #include "tests/accel/boxes.h"
+#include "tests/accel/published/kd/cuts.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
 using tests::box_ref;
-
-constexpr ExactSearch kSearches[] = {ExactSearch::kNaive, ExactSearch::kSort, ExactSearch::kSweep};
 
 double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                  const kdtree::Split& cut, const ExactCosts& costs) {
@@ -64,7 +63,7 @@ double weight_of(const std::vector<kdtree::Reference>& refs) {
 
 void check_optimum(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell) {
   std::vector<std::optional<kdtree::Split>> cuts;
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     const ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;
     cuts.push_back(builder.choose({refs, cell, {}}, counters));
@@ -96,7 +95,7 @@ TEST(ExactBuilder, HeavyReferencesPullThePlane) {
   const std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}),
                                             box_ref({1, 0, 0}, {2, 1, 1}),
                                             box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     kdtree::BuildCounters counters;
     const auto cut = ExactBuilder{.search = search}.choose({refs, bounds_of(refs), {}}, counters);
     ASSERT_TRUE(cut);
@@ -105,7 +104,7 @@ TEST(ExactBuilder, HeavyReferencesPullThePlane) {
 }
 
 TEST(ExactBuilder, MakesALeafIfNothingSeparates) {
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     const ExactBuilder builder{.search = search, .bad_refines = 9};
     kdtree::BuildCounters counters;
     EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, {}}, counters));
@@ -129,7 +128,7 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
     refs.push_back(box_ref({x, 0, 0}, {x + 1, 20, 0}));             // A strip of floor
     refs.push_back(box_ref({0, x / 20, 0}, {20, x / 20 + 10, 5}));  // A slanted wall
   }
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     const ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;
     const auto cut = builder.choose({refs, bounds_of(refs), {}}, counters);
@@ -151,7 +150,7 @@ TEST(ExactBuilder, SeparatesTheFloorFromTheWalls) {
 TEST(ExactBuilder, CutsAWallInTheMiddleTwice) {
   std::vector<kdtree::Reference> refs(10, box_ref({0, 0, 4}, {9, 9, 4}));
   geometry::Aabb cell{{0, 0, 0}, {9, 9, 9}};
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     kdtree::BuildCounters counters;
     const ExactBuilder builder{.search = search};
     const auto first = builder.choose({refs, cell, {}}, counters);
@@ -170,7 +169,7 @@ TEST(ExactBuilder, MakesAtMostTheAllowedUnprofitableCuts) {
   // Two boxes that overlap almost completely: no cut pays.
   const std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}),
                                             box_ref({0.1f, 0, 0}, {1, 1, 1})};
-  for (const ExactSearch search : kSearches) {
+  for (const ExactSearch search : tests::kExactSearches) {
     ExactBuilder builder{.search = search};
     kdtree::BuildCounters counters;
     EXPECT_FALSE(builder.choose({refs, bounds_of(refs), {}}, counters));

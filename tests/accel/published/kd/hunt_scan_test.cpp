@@ -9,49 +9,17 @@
 #include <vector>
 
 #include "accel/published/any_builder.h"
+#include "tests/accel/boxes.h"
+#include "tests/accel/published/kd/cuts.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
-kdtree::Reference ref(const geometry::Vec3f& lo, const geometry::Vec3f& hi, std::uint32_t id = 0,
-                      std::uint32_t weight = 1) {
-  const geometry::Aabb box = geometry::widen_flat({lo, hi});
-  return {box.lo, id, box.hi, weight};
-}
-
-std::vector<kdtree::Reference> random_boxes(std::size_t n, double size, std::uint64_t seed) {
-  tests::Random random(seed);
-  std::vector<kdtree::Reference> refs;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto x = [&] { return static_cast<float>(random.uniform()); };
-    const geometry::Vec3f lo{x(), x(), x()};
-    const auto e = [&] { return static_cast<float>(random.uniform() * size); };
-    refs.push_back(ref(lo, lo + geometry::Vec3f{e(), e(), e()}, static_cast<std::uint32_t>(i)));
-  }
-  return refs;
-}
-
-geometry::Aabb bounds(const std::vector<kdtree::Reference>& refs) {
-  geometry::Aabb b;
-  for (const kdtree::Reference& r : refs) b.grow(r.bounds());
-  return b;
-}
-
-/// The cost of a plane by its definition.
-double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
-                 const kdtree::Plane& plane, const split::SahConstants& constants) {
-  double left = 0, right = 0;
-  for (const kdtree::Reference& r : refs) {
-    left += r.lo[static_cast<std::size_t>(plane.axis)] < plane.position ? r.weight : 0;
-    right += r.hi[static_cast<std::size_t>(plane.axis)] > plane.position ? r.weight : 0;
-  }
-  const geometry::HalvedCell halves = halve(cell, plane.axis, plane.position);
-  double children =
-      (half_area(halves.left) * left + half_area(halves.right) * right) / half_area(cell);
-  if (left == 0 || right == 0) children *= constants.empty_bonus;
-  return constants.traverse + constants.intersect * children;
-}
+using tests::bounds_of;
+using tests::box_ref;
+using tests::counted_cost;
+using tests::random_boxes;
 
 double best_possible(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                      const split::SahConstants& constants) {
@@ -61,7 +29,7 @@ double best_possible(const std::vector<kdtree::Reference>& refs, const geometry:
     for (const kdtree::Reference& r : refs) {
       for (const float x : {r.lo[a], r.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
-          best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
+          best = std::min(best, counted_cost(refs, cell, {axis, x}, constants));
       }
     }
   }
@@ -72,13 +40,13 @@ TEST(HuntScan, FindsTheOptimumWhenExact) {
   const HuntScan builder;
   for (std::size_t n = 1; n <= builder.exact_below; ++n) {
     const std::vector<kdtree::Reference> refs = random_boxes(n, 0.1, n);
-    const geometry::Aabb cell = bounds(refs);
+    const geometry::Aabb cell = bounds_of(refs);
     kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
     const double best = best_possible(refs, cell, builder.cost);
     if (best < static_cast<double>(n)) {
       ASSERT_TRUE(plane) << n;
-      EXPECT_NEAR(true_cost(refs, cell, plane->plane, builder.cost), best,
+      EXPECT_NEAR(counted_cost(refs, cell, plane->plane, builder.cost), best,
                   1e-6 * best)  // Costs are computed in float
           << n;
     } else {
@@ -92,11 +60,11 @@ TEST(HuntScan, SampledChoiceIsNearTheOptimumOnSmoothInput) {
     HuntScan builder;
     builder.axes = axes;
     const std::vector<kdtree::Reference> refs = random_boxes(1000, 0.02, 5);
-    const geometry::Aabb cell = bounds(refs);
+    const geometry::Aabb cell = bounds_of(refs);
     kdtree::BuildCounters counters;
     const auto plane = builder.choose({refs, cell, 0}, counters);
     ASSERT_TRUE(plane);
-    EXPECT_LT(true_cost(refs, cell, plane->plane, builder.cost),
+    EXPECT_LT(counted_cost(refs, cell, plane->plane, builder.cost),
               1.03 * best_possible(refs, cell, builder.cost));
     EXPECT_EQ(counters.touches,
               2 * refs.size());  // The uniform and the adaptive pass, all axes fused
@@ -108,9 +76,9 @@ TEST(HuntScan, AdaptiveSamplesConcentrateOnAStep) {
   std::vector<kdtree::Reference> refs = random_boxes(200, 0.01, 6);
   for (int i = 0; i < 2000; ++i) {
     const auto y = static_cast<float>(i % 50) / 50, z = static_cast<float>(i / 50) / 40;
-    refs.push_back(ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
+    refs.push_back(box_ref({0.637f, y, z}, {0.637f, y + 0.02f, z + 0.025f}));
   }
-  geometry::Aabb cell = bounds(refs);
+  geometry::Aabb cell = bounds_of(refs);
   cell.hi.x = 1.5f;  // The longest axis
   HuntScan builder;
   builder.axes = ScanAxes::kOne;
@@ -133,14 +101,14 @@ TEST(HuntScan, OneAxisCutsTheLongest) {
     r.hi.z *= 10;
   }
   kdtree::BuildCounters counters;
-  EXPECT_EQ(builder.choose({refs, bounds(refs), 0}, counters)->plane.axis, 2);
+  EXPECT_EQ(builder.choose({refs, bounds_of(refs), 0}, counters)->plane.axis, 2);
 }
 
 TEST(HuntScan, HeavyReferencesPullThePlane) {
   // Two light boxes left, one heavy box right: the cut separates the heavy one.
-  std::vector<kdtree::Reference> refs{ref({0, 0, 0}, {1, 1, 1}), ref({1, 0, 0}, {2, 1, 1}),
-                                      ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
-  const geometry::Aabb cell = bounds(refs);
+  std::vector<kdtree::Reference> refs{box_ref({0, 0, 0}, {1, 1, 1}), box_ref({1, 0, 0}, {2, 1, 1}),
+                                      box_ref({8, 0, 0}, {9, 1, 1}, 2, 1000)};
+  const geometry::Aabb cell = bounds_of(refs);
   kdtree::BuildCounters counters;
   const auto plane = HuntScan{}.choose({refs, cell, 0}, counters);
   ASSERT_TRUE(plane);
@@ -152,14 +120,14 @@ TEST(HuntScan, MakesALeafIfNothingSeparates) {
   kdtree::BuildCounters counters;
   EXPECT_FALSE(builder.choose({{}, {{0, 0, 0}, {1, 1, 1}}, 0}, counters));
   for (const std::size_t n : {1u, 20u, 500u}) {
-    const std::vector<kdtree::Reference> same(n, ref({0, 0, 0}, {1, 1, 1}));
-    EXPECT_FALSE(builder.choose({same, bounds(same), 0}, counters)) << n;
+    const std::vector<kdtree::Reference> same(n, box_ref({0, 0, 0}, {1, 1, 1}));
+    EXPECT_FALSE(builder.choose({same, bounds_of(same), 0}, counters)) << n;
   }
 }
 
 TEST(HuntScan, ParallelScansChooseTheSamePlane) {
   const std::vector<kdtree::Reference> refs = random_boxes(200000, 0.001, 9);
-  const geometry::Aabb cell = bounds(refs);
+  const geometry::Aabb cell = bounds_of(refs);
   std::vector<kdtree::Split> cuts;
   for (const int threads : {1, 2, 4}) {
     tbb::task_arena arena(threads);

@@ -6,24 +6,14 @@
 #include <tbb/task_arena.h>
 
 #include "tests/accel/boxes.h"
+#include "tests/accel/published/kd/cuts.h"
 
 namespace sightline::accel::published::kd {
 namespace {
 
 using tests::bounds_of;
 using tests::box_ref;
-
-double true_cost(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
-                 const kdtree::Plane& plane, const split::SahConstants& constants) {
-  const auto a = static_cast<std::size_t>(plane.axis);
-  double left = 0, right = 0;
-  for (const kdtree::Reference& ref : refs) {
-    left += ref.lo[a] < plane.position ? ref.weight : 0;
-    right += ref.hi[a] > plane.position ? ref.weight : 0;
-  }
-  return split_cost(constants, split::SplitAreas(cell, plane.axis),
-                    static_cast<double>(plane.position), left, right);
-}
+using tests::counted_cost;
 
 double best_bound(const std::vector<kdtree::Reference>& refs, const geometry::Aabb& cell,
                   const split::SahConstants& constants) {
@@ -33,7 +23,7 @@ double best_bound(const std::vector<kdtree::Reference>& refs, const geometry::Aa
     for (const kdtree::Reference& ref : refs) {
       for (const float x : {ref.lo[a], ref.hi[a]}) {
         if (x > cell.lo[a] && x < cell.hi[a])
-          best = std::min(best, true_cost(refs, cell, {axis, x}, constants));
+          best = std::min(best, counted_cost(refs, cell, {axis, x}, constants));
       }
     }
   }
@@ -56,7 +46,7 @@ TEST(MinMaxBuilder, IsExactForAsManyBoxesAsBins) {
     const double best = best_bound(refs, cell, builder.cost);
     if (best < builder.cost.intersect * static_cast<double>(n)) {
       ASSERT_TRUE(cut) << n;
-      EXPECT_NEAR(true_cost(refs, cell, cut->plane, builder.cost), best, 1e-6 * best) << n;
+      EXPECT_NEAR(counted_cost(refs, cell, cut->plane, builder.cost), best, 1e-6 * best) << n;
     } else {
       EXPECT_FALSE(cut) << n;
     }
@@ -71,7 +61,7 @@ TEST(MinMaxBuilder, BinsApproximateTheOptimum) {
       const geometry::Aabb cell = bounds_of(refs);
       const auto cut = choose(builder, refs, cell);
       ASSERT_TRUE(cut);
-      EXPECT_LT(true_cost(refs, cell, cut->plane, builder.cost),
+      EXPECT_LT(counted_cost(refs, cell, cut->plane, builder.cost),
                 1.05 * best_bound(refs, cell, builder.cost));
     }
   }
@@ -100,8 +90,8 @@ TEST(MinMaxBuilder, SamplesSeeEverySecondReference) {
   const MinMaxBuilder sampled{.threads = 1}, all{.subsample = false, .threads = 1};
   const auto cut = choose(sampled, refs, cell);
   ASSERT_TRUE(cut);
-  EXPECT_LT(true_cost(refs, cell, cut->plane, all.cost),
-            1.1 * true_cost(refs, cell, choose(all, refs, cell)->plane, all.cost));
+  EXPECT_LT(counted_cost(refs, cell, cut->plane, all.cost),
+            1.1 * counted_cost(refs, cell, choose(all, refs, cell)->plane, all.cost));
 }
 
 TEST(MinMaxBuilder, DecomposesAtTheMedian) {
