@@ -95,12 +95,12 @@ class Triangles {
   /// The memory behind the last vertex may not be readable.
   static HWY_INLINE bool reads_last(const MeshView& mesh, const std::uint32_t* faces) {
     const std::size_t last = mesh.vertices.size() - 1;
-    bool reads = false;
+    unsigned reads = 0;
     for (std::size_t i = 0; i < kLanes; ++i) {
       const Face& face = mesh.faces.data()[faces[i]];
-      reads |= (face[0] == last) | (face[1] == last) | (face[2] == last);
+      reads |= unsigned{face[0] == last} | unsigned{face[1] == last} | unsigned{face[2] == last};
     }
-    return reads;
+    return reads != 0;
   }
 
   /// Raises n to the largest coordinate.
@@ -179,7 +179,7 @@ namespace sightline::accel::geometry {
 HWY_EXPORT(candidate_mask);
 
 ShearedRay sheared(const LocalRay& ray) {
-  constexpr double kMost = std::numeric_limits<float>::max();
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<float>::max());
   const Vec3d& d = ray.direction;
   ShearedRay out;
   out.z = 0;

@@ -118,7 +118,7 @@ void try_to_free(Domain& d) {
 EpochPin::EpochPin() {
   ThisThread& t = this_thread();
   if (t.depth++ > 0) return;
-  Domain& d = domain();
+  const Domain& d = domain();
   // The epoch is read again after the pin is published. A thread that frees without seeing this pin
   // has advanced the epoch first; then the second read makes its unlinking visible here.
   std::uint64_t epoch = d.epoch.load(std::memory_order_seq_cst);

@@ -119,6 +119,7 @@ std::optional<Division> divide_sampled(const DivideContext& context,
   }
   if (!separates) return std::nullopt;
   std::vector<grow::ChildCell> children;
+  children.reserve(division.cells.size());
   for (NewCell& child : division.cells)
     children.push_back({child.box, static_cast<double>(child.weight), &child.path});
   grow::share_budget(cell.path, static_cast<double>(cell.size), children);

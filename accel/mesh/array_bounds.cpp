@@ -50,7 +50,8 @@ bool bounds(const float* values, std::size_t count, geometry::Aabb& box) {
     hi2 = hn::Max(hi2, c);
     zero = hn::Add(zero, hn::Add(hn::Sub(a, a), hn::Add(hn::Sub(b, b), hn::Sub(c, c))));
   }
-  HWY_ALIGN float lo[3 * HWY_MAX_BYTES / sizeof(float)], hi[3 * HWY_MAX_BYTES / sizeof(float)];
+  constexpr std::size_t kMostFloats = std::size_t{3} * HWY_MAX_BYTES / sizeof(float);
+  HWY_ALIGN float lo[kMostFloats], hi[kMostFloats];
   hn::Store(lo0, d, lo);
   hn::StoreU(lo1, d, lo + lanes);
   hn::StoreU(lo2, d, lo + 2 * lanes);

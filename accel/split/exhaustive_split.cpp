@@ -34,6 +34,11 @@ struct Candidates {
 /// As floats, a reference is two groups of four: x, y, z of a bound, and one other value.
 static_assert(sizeof(kdtree::Reference) == 8 * sizeof(float));
 
+HWY_INLINE std::size_t axis_of(int first_axis, int i) {
+  const int axis = first_axis + i;
+  return static_cast<std::size_t>(axis);
+}
+
 template <int kAxes>
 HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int first_axis,
                        Candidates* out) {
@@ -41,7 +46,7 @@ HWY_INLINE void append(const float* groups, const geometry::Aabb& cell, int firs
   hn::Vec<Floats> bounds[4];
   hn::LoadInterleaved4(df, groups, bounds[0], bounds[1], bounds[2], bounds[3]);
   for (int i = 0; i < kAxes; ++i) {
-    const auto axis = static_cast<std::size_t>(first_axis + i);
+    const std::size_t axis = axis_of(first_axis, i);
     const auto x = bounds[axis];
     const auto inside =
         hn::And(hn::Gt(x, hn::Set(df, cell.lo[axis])), hn::Lt(x, hn::Set(df, cell.hi[axis])));
@@ -103,7 +108,7 @@ BoundSplit best_on(std::span<const kdtree::Reference> refs, const geometry::Aabb
     for (const kdtree::Reference& ref : refs) {
       const auto weight = hn::Set(du, ref.weight);
       for (int a = 0; a < kAxes; ++a) {
-        const auto axis = static_cast<std::size_t>(first_axis + a);
+        const std::size_t axis = axis_of(first_axis, a);
         const auto in_left = hn::RebindMask(du, hn::Lt(hn::Set(df, ref.lo[axis]), x[a]));
         const auto in_right = hn::RebindMask(du, hn::Gt(hn::Set(df, ref.hi[axis]), x[a]));
         left[a] = hn::IfThenElse(in_left, hn::Add(left[a], weight), left[a]);
@@ -111,7 +116,7 @@ BoundSplit best_on(std::span<const kdtree::Reference> refs, const geometry::Aabb
       }
     }
     for (int a = 0; a < kAxes; ++a) {
-      const BoundCosts costs(cell, static_cast<std::size_t>(first_axis + a), per_whole, bonus);
+      const BoundCosts costs(cell, axis_of(first_axis, a), per_whole, bonus);
       const auto cost = costs.children(df, x[a], hn::ConvertTo(df, hn::BitCast(di, left[a])),
                                        hn::ConvertTo(df, hn::BitCast(di, right[a])));
       const auto better =

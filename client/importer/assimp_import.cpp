@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "client/importer/animation_from_assimp.h"
@@ -87,7 +87,8 @@ Status check_readable(const std::filesystem::path& file) {
     return import_error(fmt::format("{}: is a directory", file.string()));
   }
   if (!std::ifstream(file, std::ios::binary)) {
-    return import_error(fmt::format("{}: {}", file.string(), std::strerror(errno)));
+    return import_error(
+        fmt::format("{}: {}", file.string(), std::generic_category().message(errno)));
   }
   return {};
 }

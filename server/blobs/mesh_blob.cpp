@@ -62,6 +62,7 @@ T load(const std::byte* at) {
 template <class Row>
 void store(std::vector<Row>& rows, std::uint64_t offset, std::span<const std::byte> bytes) {
   static_assert(sizeof(Row) == kRow && std::is_trivially_copyable_v<Row>);
+  if (bytes.empty()) return;
   rows.resize((offset + bytes.size() + kRow - 1) / kRow);
   std::memcpy(reinterpret_cast<std::byte*>(rows.data()) + offset, bytes.data(), bytes.size());
 }

@@ -144,7 +144,7 @@ class UpdateDecoder {
     vertices.nodes.assign(patch.nodes().begin(), patch.nodes().end());
     vertices.first = patch.first();
     vertices.positions.resize(bytes / sizeof(accel::geometry::Vec3f));
-    std::memcpy(vertices.positions.data(), patch.positions().data(), bytes);
+    if (bytes > 0) std::memcpy(vertices.positions.data(), patch.positions().data(), bytes);
     return scenegraph::model::Update(std::move(vertices));
   }
 

@@ -112,8 +112,7 @@ class Growing {
     CenterBins bins(span.centers, used);
     count(bins, refs);
     const BinSplit best = bins.best();
-    if (leaf_.keeps(refs.size(), half_area(box), best.found ? best.sum : kInfiniteSum))
-      return std::nullopt;
+    if (leaf_.keeps(refs.size(), half_area(box), best.sum)) return std::nullopt;
     if (!best.found) return halved(refs, 0);
     return divided(refs, bins, best);
   }
@@ -141,8 +140,6 @@ class Growing {
     parts.left = i;
     return parts;
   }
-
-  static constexpr double kInfiniteSum = std::numeric_limits<double>::infinity();
 
   const BvhLeafRule& leaf_;
   std::uint32_t bins_;

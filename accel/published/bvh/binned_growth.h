@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "accel/kdtree/reference.h"
@@ -28,7 +29,8 @@ struct ListSpan {
 struct BinSplit {
   std::size_t axis = 0;
   std::uint32_t last_left = 0;
-  double sum = 0;  ///< Sum over both children of half area times references.
+  /// Sum over both children of half area times references; infinite if none is found.
+  double sum = std::numeric_limits<double>::infinity();
   bool found = false;
 };
 

@@ -20,6 +20,7 @@ Result<HitFile> HitFile::open(const std::string& path, std::vector<HitColumn> co
 std::string HitFile::header(std::uint64_t rows) const {
   if (is_npy_) {
     std::vector<NpyField> fields;
+    fields.reserve(columns_.size());
     for (const HitColumn column : columns_)
       fields.push_back({info_of(column).name, info_of(column).type});
     return make_npy_header(fields, rows);

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "client/cli/terminal.h"
@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kReadBytes = std::size_t{1} << 18;
 
 Error input_error(const std::string& name) {
-  return local_error(fmt::format("{}: {}", name, std::strerror(errno)));
+  return local_error(fmt::format("{}: {}", name, std::generic_category().message(errno)));
 }
 
 }  // namespace

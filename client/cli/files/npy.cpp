@@ -140,7 +140,7 @@ Result<NpyHeader> parse_npy_header(std::span<const std::byte> file) {
   if (!text.starts_with(kNpyMagic))
     return local_error("not a .npy file: its first bytes are not \\x93NUMPY");
   if (text.size() < 10) return local_error(".npy header is cut off");
-  const int version = text[6];
+  const int version = static_cast<unsigned char>(text[6]);
   if (version < 1 || version > 3)
     return local_error(fmt::format(".npy version {} is not known (1 to 3 are)", version));
   const std::size_t length_bytes = version == 1 ? 2 : 4;

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "client/cli/terminal.h"
@@ -19,8 +19,8 @@ namespace {
 constexpr mode_t kMode = 0666;  // the umask is subtracted
 
 Error output_error(const std::string& path) {
-  return local_error(
-      fmt::format("{}: {}", path == "-" ? "standard output" : path, std::strerror(errno)));
+  return local_error(fmt::format("{}: {}", path == "-" ? "standard output" : path,
+                                 std::generic_category().message(errno)));
 }
 
 }  // namespace
