@@ -23,7 +23,7 @@ inline server::ServerConfig test_config() {
   return config;
 }
 
-/// A separate connection, not shared with other channels of this process.
+/// A separate connection, not shared with other channels of this process. It is open.
 std::shared_ptr<grpc::Channel> connect(int port);
 
 class LiveServer : public testing::Test {

@@ -74,7 +74,8 @@ TEST_F(ApplyRpcTest, ConcurrentRepeatsAreAppliedOnce) {
       Api api(connect(server_->port()));
       for (int i = 0; i < kRequests; ++i) {
         v1::ApplyUpdatesResponse reply;
-        EXPECT_TRUE(apply(api, std::to_string(i), {put_node(-1)}, &reply).ok());
+        const grpc::Status status = apply(api, std::to_string(i), {put_node(-1)}, &reply);
+        EXPECT_TRUE(status.ok()) << status.error_message();
         EXPECT_EQ(reply.nodes_size(), 1);
         if (!reply.replayed()) ++fresh;
       }
