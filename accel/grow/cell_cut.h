@@ -33,8 +33,8 @@ class CellCut {
   const kdtree::Split& cut() const { return cut_; }
   const geometry::HalvedCell& halves() const { return halves_; }
 
-  /// Where the first pass over each child's list will count. Nothing if the rule does not have it
-  /// made while lists are sifted.
+  /// The planes at which sift() counts for the first pass over each child's list. Nothing if the
+  /// rule does not count while lists are sifted.
   std::optional<split::ChildScans> first_scans() const;
 
   /// Writes the references of the left child to `left`, of the right child to `right`, with room
@@ -45,13 +45,13 @@ class CellCut {
                                std::optional<split::ChildScans>& scans) const;
 
   /// Whether the cut is made, if it leaves `straddlers` references of the whole list on both sides:
-  /// it separates something, and the cell's budget affords it. Otherwise the cell is a leaf.
+  /// it separates something and is within the cell's budget. Otherwise the cell is a leaf.
   bool is_made(std::size_t straddlers) const {
     return straddlers < references_ && within_budget(path_, straddlers);
   }
 
-  /// Whether the straddlers are clipped. `seen`: how many references of the list are known, all of
-  /// them or none.
+  /// Whether the straddlers are clipped. `seen`: the length of the list, or 0 if only a slice of it
+  /// is known.
   bool clips(std::size_t straddlers, std::size_t seen) const {
     return mesh_ && rule_->clips(straddlers, seen);
   }

@@ -46,7 +46,7 @@ inline double demand(const geometry::Aabb& cell, double references) {
 struct ChildCell {
   geometry::Aabb box;
   double references;
-  kdtree::CellPath* path;  ///< Its spare and its duplication are written here.
+  kdtree::CellPath* path;  ///< Its budget and its duplication are written here.
 };
 
 /// Shares the budget of a cell of `before` references out to its children, by demand, less what the

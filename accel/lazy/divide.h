@@ -50,8 +50,8 @@ struct Division {
 Division divide_short(const DivideContext& context, const kdtree::DeferredCell& cell,
                       kdtree::BuildCounters& counters);
 
-/// The same for a long list, or for a list that is not made yet (which gives a finer list). Works
-/// in passes that all threads share which expand the cell. Each of them gets an equal division; its
+/// The same for a long list, or for a list that is not made yet (which gives a finer list). The
+/// passes are shared by all threads that expand the cell. Each thread gets an equal division; its
 /// lists are shared.
 Division divide_long(const DivideContext& context, const kdtree::DeferredCell& cell,
                      PassSequence passes, kdtree::BuildCounters& counters);

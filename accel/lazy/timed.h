@@ -7,7 +7,7 @@
 
 namespace sightline::accel::lazy {
 
-/// Adds the time of its life.
+/// Adds the time between its construction and its destruction to the counters.
 class Timed {
  public:
   explicit Timed(kdtree::BuildCounters& counters) : counters_(counters) {}

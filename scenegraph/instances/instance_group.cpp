@@ -247,9 +247,10 @@ void open_group(const MobilityView& view, const Group& group, const accel::geome
                 unsigned shift, Opened& opened) {
   const std::vector<model::NodeId>& children = children_of(view, group);
   const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
-  // Opening a few children takes less time than waiting; a slice of many may take several times
-  // longer than a stall.
-  const int stalls = opened.slices.size() > 1 ? 5 : 0;
+  // Opening a few children takes less time than waiting. A slice of many children may take longer
+  // than one stall.
+  constexpr int kStalls = 5;
+  const int stalls = opened.slices.size() > 1 ? kStalls : 0;
   opened.numbers.complete(stalls, [&](std::size_t slice) {
     auto taken = std::make_unique<Opened::Numbers>();
     for (const Member& member : members_of(view, slice_of(children, slice)))
