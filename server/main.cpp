@@ -1,19 +1,18 @@
 // sightlined: the server program.
-#include <grpc/support/log.h>
 #include <malloc.h>
-#include <oneapi/tbb/global_control.h>
 #include <pthread.h>
 #include <signal.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cstdio>
 #include <exception>
-#include <new>
 #include <variant>
 
 #include "server/config.h"
+#include "server/logging.h"
 #include "server/server.h"
+#include "server/watchdog.h"
 
 namespace {
 
@@ -31,20 +30,6 @@ void keep_memory_at_hand() {
   // NOLINTEND(concurrency-mt-unsafe)
 }
 
-void log_grpc(gpr_log_func_args* args) {
-  const auto level = args->severity == GPR_LOG_SEVERITY_ERROR  ? spdlog::level::warn
-                     : args->severity == GPR_LOG_SEVERITY_INFO ? spdlog::level::debug
-                                                               : spdlog::level::trace;
-  spdlog::log(level, "event=grpc {}", args->message);
-}
-
-void start_logging(spdlog::level::level_enum level) {
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("sightlined"));
-  spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");
-  spdlog::set_level(level);
-  gpr_set_log_function(log_grpc);
-}
-
 /// Blocks the ending signals in this thread and in all threads that it starts.
 sigset_t block_signals() {
   sigset_t ending;
@@ -56,8 +41,11 @@ sigset_t block_signals() {
   return ending;
 }
 
+/// How long the process may live after the drain: cancelled calls and tasks end meanwhile.
+constexpr std::chrono::milliseconds kEndAfterDrain{700};
+
 /// Runs the server until a signal arrives. Returns the program's exit code.
-int serve(const ServerConfig& config, const sigset_t& ending) {
+int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
   const auto server = Server::start(config);
   if (!server) {
     std::fprintf(stderr, "sightlined: %s\n", server.error().message.c_str());
@@ -66,6 +54,7 @@ int serve(const ServerConfig& config, const sigset_t& ending) {
   int caught = 0;
   sigwait(&ending, &caught);
   spdlog::info("event=signal signal={}", caught);
+  watchdog.arm(config.drain + kEndAfterDrain);
   (*server)->drain();
   return 0;
 }
@@ -77,14 +66,12 @@ int main(int argc, char** argv) try {
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);
   keep_memory_at_hand();
-  start_logging(line.log_level);
   const sigset_t ending = block_signals();
+  start_logging(line.log_level);
 
-  tbb::task_scheduler_handle workers{tbb::attach{}};
-  const int code = serve(line.config, ending);
-  // Joins the workers, so that every thread has freed its memory before the process ends.
-  static_cast<void>(tbb::finalize(workers, std::nothrow));
-  return code;
+  // oneTBB's idle workers are not joined: tbb::finalize never returns on some machines of one core.
+  static auto& watchdog = *new Watchdog;
+  return serve(line.config, ending, watchdog);
 } catch (const std::exception& thrown) {
   std::fprintf(stderr, "sightlined: %s\n", thrown.what());
   return 1;

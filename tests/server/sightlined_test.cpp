@@ -1,6 +1,7 @@
 // The server program: its exit codes, its files, and its memory under abuse.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 
@@ -14,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/logging.h"
 #include "server/queries/query_codec.h"
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
@@ -60,6 +62,69 @@ TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
     EXPECT_EQ(child.wait(), 0) << child.output();
     EXPECT_NE(child.output().find("not kept across restarts"), std::string::npos);
   }
+}
+
+/// Lets this process and its children run on one core.
+class OneCore {
+ public:
+  OneCore() {
+    EXPECT_EQ(sched_getaffinity(0, sizeof before_, &before_), 0);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    for (std::size_t core = 0; CPU_COUNT(&one) == 0; ++core) {
+      if (CPU_ISSET(core, &before_)) CPU_SET(core, &one);
+    }
+    EXPECT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  }
+  ~OneCore() { EXPECT_EQ(sched_setaffinity(0, sizeof before_, &before_), 0); }
+
+ private:
+  cpu_set_t before_;
+};
+
+TEST_F(Sightlined, EndsOnOneCore) {
+  const OneCore one;
+  for (int i = 0; i < 10; ++i) {
+    ChildServer child({"--listen", "127.0.0.1:0"});
+    const int port = child.port();
+    ASSERT_GT(port, 0) << child.output();
+    {
+      Api api(connect(port));
+      api.make_scene(kScene, cube());
+      v1::CastRaysResponse reply;
+      ASSERT_TRUE(api.cast(cast_request(kScene, rays_downward(100)), &reply).ok());
+    }
+    child.signal(SIGTERM);
+    EXPECT_EQ(child.wait(), 0);
+    EXPECT_EQ(child.output().find("watchdog"), std::string::npos) << child.output();
+  }
+}
+
+/// More lines than a pipe and the queue of the log hold.
+void fill_log(Api& api) {
+  for (std::size_t i = 0; i < 2 * server::kLogQueue; ++i)
+    EXPECT_EQ(api.create("no name").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(Sightlined, ServesWhileItsLogIsNotRead) {
+  ChildServer child({"--listen", "127.0.0.1:0", "--log-level", "debug"});
+  Api api(connect(child.port()));
+  child.stop_reading();
+  fill_log(api);
+  api.make_scene(kScene, cube());
+  child.read_on();
+  EXPECT_TRUE(child.writes("event=log_dropped lines="));
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
+}
+
+TEST_F(Sightlined, EndsWhileItsLogIsNotRead) {
+  ChildServer child({"--listen", "127.0.0.1:0", "--log-level", "debug"});
+  Api api(connect(child.port()));
+  child.stop_reading();
+  fill_log(api);
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
 }
 
 TEST_F(Sightlined, ReportsWhyItDoesNotStart) {

@@ -55,6 +55,7 @@ ChildProcess::~ChildProcess() {
     signal(SIGKILL);
     wait();
   }
+  read_on();
   collector_.join();
   close(written_);
   close(silence_);
@@ -63,6 +64,10 @@ ChildProcess::~ChildProcess() {
 void ChildProcess::collect() {
   char buffer[4096];
   for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return reading_; });
+    }
     const ssize_t got = read(written_, buffer, sizeof(buffer));
     const std::lock_guard lock(mutex_);
     if (got > 0) output_.append(buffer, static_cast<std::size_t>(got));
@@ -92,6 +97,17 @@ std::string ChildProcess::rest_of_line(const std::string& text) {
   return output_.substr(begin, end - begin);
 }
 
+void ChildProcess::stop_reading() {
+  const std::lock_guard lock(mutex_);
+  reading_ = false;
+}
+
+void ChildProcess::read_on() {
+  const std::lock_guard lock(mutex_);
+  reading_ = true;
+  changed_.notify_all();
+}
+
 bool ChildProcess::catches(int signal) {
   for (;;) {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
@@ -111,6 +127,7 @@ int ChildProcess::wait() {
   int status = 0;
   waitpid(pid_, &status, 0);
   waited_ = true;
+  read_on();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return closed_; });
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

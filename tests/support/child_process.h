@@ -28,6 +28,9 @@ class ChildProcess {
   /// Waits for this text and the end of its line, and returns the text between; empty if the
   /// program ended without writing it.
   std::string rest_of_line(const std::string& text);
+  /// Reads no more of its output, but for a few KiB, until read_on() or its end.
+  void stop_reading();
+  void read_on();
   /// Waits until the program handles the signal itself; false if it ended before.
   bool catches(int signal);
   void signal(int number);
@@ -46,7 +49,7 @@ class ChildProcess {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::string output_;
-  bool closed_ = false;
+  bool closed_ = false, reading_ = true;
   std::thread collector_;
 };
 
