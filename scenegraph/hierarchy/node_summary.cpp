@@ -81,6 +81,7 @@ std::int32_t log2_norm_bound(const model::Affine& a) { return log_ceiling(spectr
 
 NodeSummary own_summary(const model::Node& node) {
   NodeSummary own;
+  own.height = 1;
   if (node.mesh == nullptr) return own;
   own.mesh_nodes = 1;
   own.triangles = node.mesh->triangles();
@@ -97,6 +98,8 @@ NodeSummary own_summary(const model::Node& node) {
 NodeSummary summary_in_parent(const model::Node& node, const NodeSummary& child) {
   NodeSummary part = child;
   part.extreme_counts = {};
+  part.height_count = 0;
+  part.height += 1;
   if (is_group(node, child)) {
     part.groups += 1;
     part.clusters += max_clusters(node.children.size() + 1);
@@ -127,6 +130,12 @@ void add(NodeSummary& sum, const NodeSummary& part) { try_replace(sum, NodeSumma
 
 bool try_replace(NodeSummary& sum, const NodeSummary& before, const NodeSummary& after) {
   replace_counts(sum, before, after);
+  const auto height_of = [](const NodeSummary& part) {
+    return part.height > 0 ? &part.height : nullptr;
+  };
+  if (!replace_extreme(sum.height, sum.height_count, height_of(before), height_of(after),
+                       std::greater<>()))
+    return false;
   const bool was = before.instances > 0, is = after.instances > 0;
   std::size_t extreme = 0;
   const auto swap = [&](auto& of_sum, const auto& old, const auto& fresh, const auto& beyond) {

@@ -29,6 +29,10 @@ struct NodeSummary {
   /// most parts do.
   std::array<std::uint32_t, 12> extreme_counts{};
 
+  /// Nodes on the longest path down, this one included; 0: no node. Of the whole scene: one more.
+  std::uint32_t height = 0;
+  std::uint32_t height_count = 0;  ///< For a sum: the number of parts that reach it.
+
   std::uint64_t mesh_nodes = 0;  ///< Nodes that carry a mesh, empty ones too.
   std::uint64_t triangles = 0;   ///< Over these.
   std::uint64_t instances = 0;

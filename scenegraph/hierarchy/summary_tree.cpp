@@ -11,7 +11,7 @@ NodeSummary value(const Steps& steps, std::uint64_t key) {
   return step == nullptr ? NodeSummary{} : **step;
 }
 
-bool is_nothing(const NodeSummary& sum) { return sum.mesh_nodes == 0 && sum.groups == 0; }
+bool is_nothing(const NodeSummary& sum) { return sum.height == 0; }
 
 /// The step over `changed`, which are all its own; `known` is what it was.
 NodeSummary step(const NodeSummary* known, std::uint64_t key,

@@ -46,7 +46,7 @@ NodeSummary Hierarchy::summary(const model::Node& node) const {
 
 SummaryUpdate::SummaryUpdate(const Hierarchy& before, Hierarchy& after)
     : before_(before), after_(after) {
-  for (int depth = 0; depth <= model::kMaxDepth; ++depth) changes_.emplace_back(&memory_);
+  for (int depth = 0; depth <= kMaxDepthHere; ++depth) changes_.emplace_back(&memory_);
 }
 
 void SummaryUpdate::edited(model::NodeId id) {

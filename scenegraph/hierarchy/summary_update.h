@@ -53,6 +53,10 @@ const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId
 /// What the child adds to the group's summary; empty if it is not one of its children.
 NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
 
+/// The depth that SummaryUpdate bears. A subtree of kMaxDepth may hang as deep as that, until its
+/// height is known.
+inline constexpr int kMaxDepthHere = 2 * model::kMaxDepth;
+
 /// For one revision. Cost: each group above an edited node once, by its edited children. If those
 /// alone reached an extreme, by all its children, unless a SummaryTree holds their sum.
 class SummaryUpdate {
@@ -85,8 +89,9 @@ class SummaryUpdate {
   model::PersistentMap<std::shared_ptr<const SummaryTree>>::Edit summary_trees_{
       after_.summary_trees};
   std::pmr::monotonic_buffer_resource memory_;
-  std::vector<Changes> changes_;  // by depth: the scene's is 0, a root's is 1
-  model::NodeId last_ = 0;        // whose depth was asked for last
+  // By depth: the scene's is 0, a root's is 1. See kMaxDepthHere.
+  std::vector<Changes> changes_;
+  model::NodeId last_ = 0;  // whose depth was asked for last
   std::size_t last_depth_ = 0;
 };
 

@@ -17,6 +17,27 @@ Status check_matrix(const model::Affine& matrix, const std::string& whose) {
                    " is not finite, singular, or has a condition number above 1e12");
 }
 
+Error too_deep(const std::string& what, int depth) {
+  return error(Code::kInvalidArgument, "TOO_DEEP",
+               what + " would be at least " + std::to_string(depth) + " nodes deep, the limit is " +
+                   std::to_string(model::kMaxDepth));
+}
+
+/// Drops the first `counts[id]` of each id from the list.
+template <class Counts>
+void drop_first(std::vector<model::NodeId>& ids, Counts counts) {
+  std::size_t kept = 0;
+  for (const model::NodeId id : ids) {
+    const auto left = counts.find(id);
+    if (left != counts.end() && left->second > 0) {
+      --left->second;
+    } else {
+      ids[kept++] = id;
+    }
+  }
+  ids.resize(kept);
+}
+
 }  // namespace
 
 Status Draft::apply(const model::Update& update) {
@@ -171,55 +192,47 @@ std::vector<model::NodeId>& Draft::siblings(model::NodeId parent) {
   return *roots_;
 }
 
-void Draft::join(model::NodeId id, model::NodeId parent) {
-  // It may have left the same parent before, and still be in its list.
-  if (const auto left = left_.find(parent); left != left_.end() && left->second.erase(id) > 0)
-    std::erase(siblings(parent), id);
-  siblings(parent).push_back(id);
-}
+void Draft::join(model::NodeId id, model::NodeId parent) { siblings(parent).push_back(id); }
 
-void Draft::leave(model::NodeId id, model::NodeId parent) { left_[parent].insert(id); }
+void Draft::leave(model::NodeId id, model::NodeId parent) { ++left_[parent][id]; }
 
 /// Without those that have left.
 std::vector<model::NodeId> Draft::children_now(const model::Node& node) const {
   std::vector<model::NodeId> children = node.children;
   if (const auto left = left_.find(node.id); left != left_.end())
-    std::erase_if(children, [&](model::NodeId id) { return left->second.contains(id); });
+    drop_first(children, left->second);
   return children;
 }
 
 /// Lists may be long: each is scanned once for all that have left.
 void Draft::drop_left() {
-  for (const auto& [parent, left] : left_) {
-    if (!left.empty())
-      std::erase_if(siblings(parent), [&](model::NodeId id) { return left.contains(id); });
-  }
+  for (const auto& [parent, left] : left_) drop_first(siblings(parent), left);
   left_.clear();
 }
 
-/// The node may be a child of this parent: no cycle, and no node below deeper than kMaxDepth.
+/// The node may be a child of this parent: no cycle, and not deeper than kMaxDepth. What hangs
+/// below it is checked by finish().
 Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
-  int depth = 0;
+  int depth = 1;
   for (model::NodeId p = parent; p != 0; p = find(p)->parent) {
     if (p == node) {
       return error(Code::kInvalidArgument, "NODE_CYCLE",
                    described(*find(node)) + " cannot be put under " + described(*find(parent)) +
                        ", which is below it: that would be a cycle");
     }
-    ++depth;
+    if (++depth > model::kMaxDepth) return too_deep(described(*find(node)), depth);
   }
-  const int deepest = depth + height(node);
-  if (deepest <= model::kMaxDepth) return {};
-  return error(Code::kInvalidArgument, "TOO_DEEP",
-               "the hierarchy would be " + std::to_string(deepest) + " nodes deep, the limit is " +
-                   std::to_string(model::kMaxDepth));
+  return {};
 }
 
-int Draft::height(model::NodeId node) const {
-  int below = 0;
-  for (const model::NodeId child : children_now(*find(node)))
-    below = std::max(below, height(child));
-  return below + 1;
+/// Of the nodes that have another parent than before. Thus no node is deeper than kMaxDepthHere.
+Status Draft::check_depths() const {
+  for (const auto& [id, node] : edited_) {
+    const model::Node* old = base_.find(id);
+    if (node == nullptr || (old != nullptr && old->parent == node->parent)) continue;
+    if (Status s = check_parent(id, node->parent); !s) return s;
+  }
+  return {};
 }
 
 model::Affine Draft::world_from_local(const model::Node& node) const {
@@ -230,6 +243,7 @@ model::Affine Draft::world_from_local(const model::Node& node) const {
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
   drop_left();
+  if (Status shallow = check_depths(); !shallow) return shallow;
   change_ = classify_changes(base_, edited_);
   hierarchy_.dynamic_roots = change_.dynamic_roots;
   {
@@ -240,6 +254,8 @@ Status Draft::finish() {
   hierarchy::SummaryUpdate update(base_.hierarchy(), hierarchy_);
   for (const auto& [id, node] : edited_) update.edited(id);
   update.finish();
+  const auto deepest = static_cast<int>(hierarchy_.summary(0).height) - 1;
+  if (deepest > model::kMaxDepth) return too_deep("the hierarchy", deepest);
   return check_transforms();
 }
 

@@ -53,7 +53,7 @@ class Draft {
   void drop_left();
   Status deform();
   Status check_parent(model::NodeId node, model::NodeId parent) const;
-  int height(model::NodeId node) const;
+  Status check_depths() const;
   model::Affine world_from_local(const model::Node& node) const;
   instances::SceneTrees trees() const;
   Status check_transforms() const;
@@ -67,8 +67,10 @@ class Draft {
   model::NodeId next_id_;
   std::pmr::unordered_map<model::NodeRef, model::NodeId> aliases_{&memory_};
   EditedNodes edited_{&memory_};
-  /// By parent: children that are to be dropped from its list by finish().
-  std::pmr::unordered_map<model::NodeId, std::unordered_set<model::NodeId>> left_{&memory_};
+  /// By parent: how often each child has left it. finish() drops as many from the front of the
+  /// parent's list, where a child that came back is once more at the end.
+  using Leavings = std::pmr::unordered_map<model::NodeId, std::size_t>;
+  std::pmr::unordered_map<model::NodeId, Leavings> left_{&memory_};
   MobilityChange change_;
   std::pmr::unordered_set<model::NodeId> moved_{&memory_};
   Deformations deformations_;
