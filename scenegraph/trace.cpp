@@ -66,7 +66,7 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              std::span<const Ray> rays, const TraceOptions& options,
                              const Keep& keep) {
   const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, [&](std::size_t i, WhenPending when_pending) {
+    answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
       const bool done = cast_ray(caster, kind, rays[i], when_pending);
       if (done) keep(i, caster);
       return done;
@@ -113,7 +113,8 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
     if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return;
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
-    for (std::size_t i = first; i < std::min(first + rays_per_block, rays.size()); ++i) {
+    const std::size_t end = std::min(first + rays_per_block, rays.size());
+    for (std::size_t i = first; i < end && !is_cancelled(options.cancelled); ++i) {
       cast_ray(caster, QueryKind::kAll, rays[i], WhenPending::kWait);
       tallies[i] = caster.list(of_blocks[block]);
     }

@@ -48,7 +48,7 @@ struct TraceOptions {
   std::uint32_t max_hits = 256;
   /// For list_hits(): no block begins after this many hits are listed.
   std::size_t hits_at_once = std::numeric_limits<std::size_t>::max();
-  /// Checked before every block. Once true, no further block begins.
+  /// Checked before every ray. Once true, no further ray is cast.
   const std::atomic<bool>* cancelled = nullptr;
   /// For Growth::kFull: receives the progress of the build. Must outlive the batch.
   query::BuildProgress* progress = nullptr;
@@ -58,7 +58,7 @@ inline bool is_cancelled(const std::atomic<bool>* cancelled) {
   return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
 }
 
-/// Rays of one block. A block is one task, and the unit of cancelling.
+/// Rays of one block. A block is one task.
 inline constexpr std::size_t kRaysPerBlock = 512;
 /// Most rays of one block that lists hits.
 inline constexpr std::size_t kRaysPerListBlock = 64;

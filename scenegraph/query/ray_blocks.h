@@ -42,16 +42,17 @@ Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
 /// Answers the rays of a block: answer(ray, WhenPending) returns false if the ray is suspended
 /// because other threads build a cell that it needs. Suspended rays are postponed until all others
 /// are answered. Then they wait, without spinning, for those threads, and in the end build the cell
-/// themselves.
+/// themselves. Ends before the next ray once `cancelled` is true.
 template <class Answer>
-void answer_block(const RayCaster& caster, const RayBlock& block, const Answer& answer) {
+void answer_block(const RayCaster& caster, const RayBlock& block,
+                  const std::atomic<bool>* cancelled, const Answer& answer) {
   std::deque<std::size_t> postponed;
-  for (std::size_t ray = block.first; ray < block.end; ++ray) {
+  for (std::size_t ray = block.first; ray < block.end && !is_cancelled(cancelled); ++ray) {
     if (!answer(ray, accel::lazy::WhenPending::kReturn)) postponed.push_back(ray);
   }
   accel::lazy::WhenPending when_pending = accel::lazy::WhenPending::kReturn;
   accel::lazy::StallDetector stall_detector;
-  for (std::size_t in_vain = 0; !postponed.empty();) {
+  for (std::size_t in_vain = 0; !postponed.empty() && !is_cancelled(cancelled);) {
     const std::size_t ray = postponed.front();
     postponed.pop_front();
     if (answer(ray, when_pending)) {

@@ -5,11 +5,13 @@
 
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <thread>
 
+#include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/scene.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/brute_force.h"
@@ -276,6 +278,23 @@ TEST(Trace, MillimetresTenThousandKilometresOut) {
     ASSERT_EQ(there.state, HitState::kHit);
     ASSERT_NEAR(there.t, here.t, 1e-7);
   }
+}
+
+TEST(Trace, StopsBetweenTheRaysOfABlock) {
+  Scene scene;
+  const auto snapshot = scene.snapshot();
+  const instances::OpenTrees trees = snapshot->trees();
+  const accel::kdtree::EpochPin pin;
+  const TraceOptions options;
+  const query::RayCaster caster(trees, options);
+  std::atomic<bool> cancelled{false};
+  std::size_t answered = 0;
+  query::answer_block(caster, {0, kRaysPerBlock}, &cancelled,
+                      [&](std::size_t, accel::lazy::WhenPending) {
+                        cancelled = ++answered == 3;
+                        return true;
+                      });
+  EXPECT_EQ(answered, 3u);
 }
 
 TEST(Trace, StopsWhenCancelled) {
