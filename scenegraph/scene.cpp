@@ -40,7 +40,8 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 }
 
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
-                             std::optional<std::uint64_t> expected_revision) {
+                             std::optional<std::uint64_t> expected_revision,
+                             const std::function<void(const Applied&)>& before_publish) {
   std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
@@ -61,10 +62,12 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
   if (const Status status = draft.finish(); !status) return status.error();
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
-  next_id_ = draft.next_id();
+  const model::NodeId next_id = draft.next_id();
   std::vector<model::NodeId> changed = draft.changed();
   std::shared_ptr<const revision::Snapshot> next = std::move(draft).publish(applied.revision);
   applied.rebuild_static = settle_policy_.add(*next, std::move(changed));
+  if (before_publish) before_publish(applied);
+  next_id_ = next_id;
   publish(std::move(next));
   return applied;
 }

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,11 +37,14 @@ class Scene {
 
   /// Applies the whole batch, or leaves the scene as it was. Threads: any; one writer at a time.
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
+  /// `before_publish`: called with the result when nothing can fail any more but itself. If it
+  /// throws, the scene is as it was.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
   /// counts that disagree), kFailedPrecondition (delete of a node with children).
   Result<Applied> apply(const std::vector<model::Update>& updates,
-                        std::optional<std::uint64_t> expected_revision = std::nullopt);
+                        std::optional<std::uint64_t> expected_revision = std::nullopt,
+                        const std::function<void(const Applied&)>& before_publish = {});
 
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the

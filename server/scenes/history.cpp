@@ -36,7 +36,8 @@ RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapsho
   return nullptr;
 }
 
-std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::account(std::uint64_t bytes) {
+std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::account(
+    std::uint64_t bytes) noexcept {
   const std::lock_guard lock(mutex_);
   if (history_.empty()) return {};  // drop_all() came in between
   history_.add_weight(bytes);
@@ -69,12 +70,19 @@ std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
   return bytes;
 }
 
-void UpdateLog::add(std::vector<scenegraph::model::Update> updates) {
+UpdateLog::Entry UpdateLog::prepare(std::vector<scenegraph::model::Update> updates) {
   const std::uint64_t bytes = bytes_of(updates);
-  auto entry = std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates));
+  Entry entry{std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates)),
+              bytes};
+  const std::lock_guard lock(mutex_);
+  history_.reserve_more();
+  return entry;
+}
+
+void UpdateLog::add(Entry entry) noexcept {
   std::vector<Updates> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
-  history_.append(std::move(entry), bytes);
+  history_.append(std::move(entry.updates), entry.bytes);
   ++last_;
   dropped = history_.trim();
 }

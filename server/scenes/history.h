@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -28,7 +28,12 @@ class History {
  public:
   explicit History(HistoryLimits limits) : limits_(limits) {}
 
-  /// Adds an entry; drops nothing.
+  /// Reserves memory for `entries` more. Throws std::bad_alloc.
+  void reserve_more(std::size_t entries = 1) {
+    if (items_.capacity() - items_.size() < entries) items_.reserve(2 * items_.size() + entries);
+  }
+
+  /// Adds an entry; drops nothing. Does not throw after reserve_more().
   void append(Entry entry, std::uint64_t weight = 0) {
     items_.push_back({std::move(entry), weight});
     weight_ += weight;
@@ -40,15 +45,20 @@ class History {
     weight_ += weight;
   }
 
-  /// Drops the oldest entries until the limits hold.
-  std::vector<Entry> trim() {
+  /// Drops the oldest entries until the limits hold. Without memory for what it returns, it
+  /// destroys them itself.
+  std::vector<Entry> trim() noexcept {
+    std::size_t count = 0;
+    for (std::size_t left = items_.size();
+         left > limits_.min_entries && (left > limits_.entries || weight_ > limits_.weight); --left)
+      weight_ -= items_[count++].weight;
     std::vector<Entry> dropped;
-    while (items_.size() > limits_.min_entries &&
-           (items_.size() > limits_.entries || weight_ > limits_.weight)) {
-      weight_ -= items_.front().weight;
-      dropped.push_back(std::move(items_.front().entry));
-      items_.pop_front();
+    try {
+      dropped.reserve(count);
+      for (std::size_t i = 0; i < count; ++i) dropped.push_back(std::move(items_[i].entry));
+    } catch (const std::bad_alloc&) {
     }
+    items_.erase(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count));
     return dropped;
   }
 
@@ -77,7 +87,7 @@ class History {
   };
 
   HistoryLimits limits_;
-  std::deque<Item> items_;
+  std::vector<Item> items_;
   std::uint64_t weight_ = 0;
 };
 
@@ -104,7 +114,7 @@ class RecentRevisions {
   /// Call it after the following revision is published. `bytes`: what that revision does not share
   /// with the newest kept one. Returns the snapshots that are no longer kept; destroying them may
   /// take long.
-  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes);
+  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes) noexcept;
 
   /// Null if the revision is not kept.
   SnapshotPointer find(std::uint64_t revision) const;
@@ -128,7 +138,7 @@ struct LogLimits {
 std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates);
 
 /// The updates that made the last revisions, for watches. Readers share the updates with the log.
-/// Threads: one that calls add(), any for the other members.
+/// Threads: one that calls prepare() and add(), any for the other members.
 class UpdateLog {
  public:
   using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
@@ -136,8 +146,16 @@ class UpdateLog {
   explicit UpdateLog(LogLimits limits = {})
       : history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
 
+  struct Entry {
+    Updates updates;
+    std::uint64_t bytes = 0;
+  };
+  /// Makes an entry, and reserves memory to add it. Throws std::bad_alloc, and then nothing has
+  /// changed.
+  Entry prepare(std::vector<scenegraph::model::Update> updates);
   /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
-  void add(std::vector<scenegraph::model::Update> updates);
+  /// `entry`: of the last call of prepare().
+  void add(Entry entry) noexcept;
 
   /// The last revision; 0 before the first.
   std::uint64_t last() const;

@@ -21,10 +21,19 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
                "REQUEST_ID_REUSED"};
 }
 
-void RequestAnswers::retain(const std::string& id, std::uint64_t content,
-                            scenegraph::Applied answer) {
-  ids_.append(id, answer.nodes.size());
-  answers_.emplace(id, Kept{content, std::move(answer)});
+RequestAnswers::Entry RequestAnswers::prepare(const std::string& id, std::uint64_t content,
+                                              const scenegraph::Applied& answer) {
+  Answers one;
+  one.emplace(id, Kept{content, answer});
+  Entry entry{id, one.extract(one.begin())};
+  answers_.reserve(answers_.size() + 1);
+  ids_.reserve_more();
+  return entry;
+}
+
+void RequestAnswers::retain(Entry entry) noexcept {
+  ids_.append(std::move(entry.id), entry.answer.mapped().answer.nodes.size());
+  answers_.insert(std::move(entry.answer));
   for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
 }
 
@@ -35,10 +44,11 @@ Status check_request_id(std::string_view id) {
                "REQUEST_ID_TOO_LONG"};
 }
 
-void Producer::commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes) {
-  put.append({sequence, nodes}, nodes.size());
+void Producer::commit(Put batch) {
+  last_committed = batch.sequence;
+  const std::size_t nodes = batch.nodes.size();
+  put.append(std::move(batch), nodes);
   put.trim();
-  last_committed = sequence;
 }
 
 Result<Producer*> Producers::open(const std::string& name) {

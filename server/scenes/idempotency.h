@@ -35,16 +35,23 @@ class RequestAnswers {
   /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
   /// Errors: kInvalidArgument if the earlier request had another content.
   Result<const scenegraph::Applied*> find(const std::string& id, std::uint64_t content) const;
-  /// Adds an answer. find() must not know the id.
-  void retain(const std::string& id, std::uint64_t content, scenegraph::Applied answer);
-
- private:
   struct Kept {
     std::uint64_t content = 0;
     scenegraph::Applied answer;
   };
+  using Answers = std::unordered_map<std::string, Kept>;
+  struct Entry {
+    std::string id;
+    Answers::node_type answer;
+  };
+  /// Makes an entry, and reserves memory to add it. find() must not know the id. Throws
+  /// std::bad_alloc, and then nothing has changed.
+  Entry prepare(const std::string& id, std::uint64_t content, const scenegraph::Applied& answer);
+  /// Adds the entry of the last call of prepare().
+  void retain(Entry entry) noexcept;
 
-  std::unordered_map<std::string, Kept> answers_;
+ private:
+  Answers answers_;
   History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
 };
 
@@ -68,8 +75,9 @@ struct Producer {
     std::vector<scenegraph::model::NodeId> nodes;  ///< Empty for a batch that put none.
   };
 
-  /// Records the next batch, which was applied or rejected.
-  void commit(std::uint64_t sequence, const std::vector<scenegraph::model::NodeId>& nodes);
+  /// Records the next batch, which was applied or rejected. Does not throw after
+  /// put.reserve_more().
+  void commit(Put batch);
 
   std::uint64_t last_committed = 0;                                 ///< Sequence number.
   History<Put> put{{.entries = kPutsKept, .weight = kPutIdsKept}};  ///< One entry for each batch.

@@ -2,7 +2,10 @@
 #include "server/scenes/stored_scene.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "server/scenes/applied_updates.h"
@@ -20,9 +23,15 @@ void SceneEvents::unsubscribe(std::uint64_t id) {
   listeners_.erase(id);
 }
 
-void SceneEvents::notify() {
+void SceneEvents::notify() noexcept {
   const std::lock_guard lock(mutex_);
-  for (const auto& [id, listener] : listeners_) listener();
+  for (const auto& [id, listener] : listeners_) {
+    try {
+      listener();
+    } catch (const std::exception& thrown) {
+      spdlog::error("event=listener_failed error={}", thrown.what());
+    }
+  }
 }
 
 Error unknown_scene(const std::string& name) {
@@ -53,35 +62,47 @@ scenegraph::revision::SceneSummary StoredScene::summary() {
   return summary;
 }
 
-Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
-                                               std::optional<std::uint64_t> expected_revision,
-                                               exec::Compute& compute) {
+Result<scenegraph::Applied> StoredScene::apply(
+    std::vector<scenegraph::model::Update> updates, std::optional<std::uint64_t> expected_revision,
+    exec::Compute& compute, const std::function<void(const scenegraph::Applied&)>& record) {
   if (removed()) return removed_error();
-  std::vector<RecentRevisions::SnapshotPointer> dropped;
   auto before = scene_.snapshot();
   if (const Status good = check_deformed(*before, updates); !good) return good.error();
   auto unsettled = recent_.retain(before);
-  auto applied = scene_.apply(updates, expected_revision);
-  if (applied) {
-    resolve(updates, applied->nodes);
-    std::uint64_t replaced = bytes_replaced(*before, updates);
+  std::uint64_t replaced = 0;
+  UpdateLog::Entry entry;
+  std::vector<RecentRevisions::SnapshotPointer> dropped;
+  const auto prepare = [&](const scenegraph::Applied& next) {
+    resolve(updates, next.nodes);
+    replaced = bytes_replaced(*before, updates);
     if (unsettled != nullptr &&
         unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
       replaced += bytes_of(*unsettled->shared_trees().static_tree);
+    entry = log_.prepare(std::move(updates));
+    if (record) record(next);
+  };
+  // Nothing below throws: what is published is in the log.
+  auto applied = scene_.apply(updates, expected_revision, prepare);
+  if (applied) {
     dropped = recent_.account(replaced);
-    log_.add(std::move(updates));
+    log_.add(std::move(entry));
     events_.notify();
   }
-  dropped.push_back(std::move(unsettled));
-  dropped.push_back(std::move(before));
-  // Freeing old revisions and settling may take long, and no reply waits for them.
-  compute.enqueue_background([self = shared_from_this(),
-                              settle = applied && applied->rebuild_static,
-                              dropped = std::move(dropped)]() mutable {
-    dropped.clear();
-    if (settle) self->scene_.rebuild_static();
-  });
+  settle_later({std::move(dropped), std::move(unsettled), std::move(before)},
+               applied && applied->rebuild_static, compute);
   return applied;
+}
+
+/// Freeing old revisions and settling may take long, and no reply waits for them.
+void StoredScene::settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept {
+  try {
+    compute.enqueue_background(
+        [self = shared_from_this(), settle, dropped = std::move(dropped)]() mutable {
+          dropped = {};
+          if (settle) self->scene_.rebuild_static();
+        });
+  } catch (const std::bad_alloc&) {  // frees them here; settles after a later update
+  }
 }
 
 void StoredScene::remove() {

@@ -28,11 +28,12 @@ class SceneEvents {
  public:
   using Listener = std::function<void()>;
 
-  /// `listener` must be short and must call neither subscribe() nor unsubscribe().
+  /// `listener` must be short and must call neither subscribe() nor unsubscribe(). What it throws
+  /// is logged.
   std::uint64_t subscribe(Listener listener);
   /// When this returns, the listener is not running and will not be called.
   void unsubscribe(std::uint64_t id);
-  void notify();
+  void notify() noexcept;
 
  private:
   std::mutex mutex_;
@@ -72,9 +73,12 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// Applies a batch. When it returns, the new revision is in the log and listeners have been
   /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
   /// check_deformed; kNotFound after remove().
-  Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
-                                    std::optional<std::uint64_t> expected_revision,
-                                    exec::Compute& compute);
+  /// `record`: called with the result before it is published, so that the caller can record it.
+  /// If it throws, or memory runs out, nothing has changed.
+  Result<scenegraph::Applied> apply(
+      std::vector<scenegraph::model::Update> updates,
+      std::optional<std::uint64_t> expected_revision, exec::Compute& compute,
+      const std::function<void(const scenegraph::Applied&)>& record = {});
   RequestAnswers& answers() { return answers_; }
   Producers& producers() { return producers_; }
 
@@ -91,6 +95,13 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void drop_old_revisions();
 
  private:
+  /// What an update has replaced.
+  struct Dropped {
+    std::vector<RecentRevisions::SnapshotPointer> revisions;
+    RecentRevisions::SnapshotPointer unsettled, before;
+  };
+  void settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept;
+
   const SceneInfo info_;
   const std::uint64_t incarnation_ = new_incarnation();
   scenegraph::Scene scene_;

@@ -75,11 +75,15 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     }
     if (!*updates_) return updates_->error();
     const std::size_t count = (*updates_)->size();
-    auto applied = scene_->apply(std::move(**updates_), expected(), services_.compute);
+    scenes::RequestAnswers::Entry entry;
+    const auto record = [&](const scenegraph::Applied& next) {
+      answer(next);
+      if (!id.empty()) entry = scene_->answers().prepare(id, content_, next);
+    };
+    auto applied = scene_->apply(std::move(**updates_), expected(), services_.compute, record);
     if (!applied) return applied.error();
-    answer(*applied);
+    if (!id.empty()) scene_->answers().retain(std::move(entry));
     log(applied->revision, count);
-    if (!id.empty()) scene_->answers().retain(id, content_, std::move(*applied));
     return {};
   }
 

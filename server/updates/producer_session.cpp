@@ -45,34 +45,59 @@ bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches,
                                      std::vector<BatchOutcome>& outcomes) {
   const std::size_t count = count_to_coalesce(batches);
   if (count < 2) return false;
-  auto applied = scene_.apply(coalesce(batches, count), std::nullopt, compute_);
-  if (!applied) {
+  Puts puts;
+  const auto record = [&](const scenegraph::Applied& next) {
+    puts = prepare(batches, count, next, outcomes);
+  };
+  if (!scene_.apply(coalesce(batches, count), std::nullopt, compute_, record)) {
     alone_ = count;
     return false;
   }
   coalesced_ += count - 1;
-  for (std::size_t i = 0; i < count; ++i) commit(batches, *applied, outcomes);
+  commit(batches, std::move(puts));
   return true;
 }
 
 Status ProducerSession::apply_first(std::deque<UpdateBatch>& batches,
                                     std::vector<BatchOutcome>& outcomes) {
   UpdateBatch& batch = batches.front();
-  Result<scenegraph::Applied> applied =
-      batch.bad ? Result<scenegraph::Applied>(*batch.bad)
-                : scene_.apply(std::move(batch.updates), std::nullopt, compute_);
-  if (!applied && is_our_fault(applied.error())) return applied.error();
-  commit(batches, std::move(applied), outcomes);
+  Puts puts;
+  const auto record = [&](const Result<scenegraph::Applied>& result) {
+    puts = prepare(batches, 1, result, outcomes);
+  };
+  if (batch.bad) {
+    record(*batch.bad);
+  } else {
+    const auto applied = scene_.apply(std::move(batch.updates), std::nullopt, compute_, record);
+    if (!applied && is_our_fault(applied.error())) return applied.error();
+    if (!applied) record(applied.error());
+  }
+  commit(batches, std::move(puts));
   return {};
 }
 
-void ProducerSession::commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
-                             std::vector<BatchOutcome>& outcomes) {
-  const UpdateBatch& batch = batches.front();
-  producer_.commit(batch.sequence,
-                   applied ? applied->nodes : std::vector<scenegraph::model::NodeId>());
-  outcomes.push_back({batch.sequence, batch.bytes, std::move(applied)});
-  batches.pop_front();
+/// Makes the outcomes of the first batches, and what commit() needs.
+ProducerSession::Puts ProducerSession::prepare(const std::deque<UpdateBatch>& batches,
+                                               std::size_t count,
+                                               const Result<scenegraph::Applied>& result,
+                                               std::vector<BatchOutcome>& outcomes) {
+  Puts puts;
+  for (std::size_t i = 0; i < count; ++i) {
+    const UpdateBatch& batch = batches[i];
+    puts.push_back(
+        {batch.sequence, result ? result->nodes : std::vector<scenegraph::model::NodeId>()});
+    outcomes.push_back({batch.sequence, batch.bytes, result});
+  }
+  producer_.put.reserve_more(count);
+  return puts;
+}
+
+/// Records the first batches and removes them.
+void ProducerSession::commit(std::deque<UpdateBatch>& batches, Puts puts) noexcept {
+  for (scenes::Producer::Put& put : puts) {
+    producer_.commit(std::move(put));
+    batches.pop_front();
+  }
 }
 
 }  // namespace sightline::server::updates

@@ -51,8 +51,10 @@ class ProducerSession {
  private:
   bool apply_together(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
   Status apply_first(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
-  void commit(std::deque<UpdateBatch>& batches, Result<scenegraph::Applied> applied,
-              std::vector<BatchOutcome>& outcomes);
+  using Puts = std::vector<scenes::Producer::Put>;
+  Puts prepare(const std::deque<UpdateBatch>& batches, std::size_t count,
+               const Result<scenegraph::Applied>& result, std::vector<BatchOutcome>& outcomes);
+  void commit(std::deque<UpdateBatch>& batches, Puts puts) noexcept;
 
   scenes::StoredScene& scene_;
   scenes::Producer& producer_;

@@ -89,6 +89,9 @@ def named(namespace):
     return re.sub(r"(^|::)(\(unnamed\)|HWY_NAMESPACE)(::.*)?$", "", namespace)
 
 
+# What the language wants there: main, and replacements of operator new and delete.
+GLOBAL = ("main", "new", "delete")
+
 # Result and Error belong to all folders of the server side.
 SHARED = {"accel/result.h": "sightline"}
 
@@ -113,7 +116,7 @@ def check_file(root, file, found):
         if namespace == "":
             for statement in inside:
                 qualified = "::" in statement.name or statement.kind == "declares"
-                if statement.kind != "opens" and not qualified and statement.name != "main":
+                if statement.kind != "opens" and not qualified and statement.name not in GLOBAL:
                     yield f"{file}:{statement.line}: {statement.name} is defined outside any namespace"
         elif namespace.startswith("sightline"):
             folder = pathlib.Path(root, *namespace.split("::")[1:])

@@ -121,6 +121,65 @@ TEST(Scene, RefusesCyclesUnknownNodesAndDepth) {
   EXPECT_TRUE(scene.apply(chain));
 }
 
+/// A chain of `count` nodes, -first, -first - 1, ..., below `top`.
+std::vector<model::Update> chain_below(model::NodeRef top, int first, int count) {
+  std::vector<model::Update> chain;
+  for (int i = 0; i < count; ++i)
+    chain.push_back(put(-first - i, i == 0 ? top : -first - i + 1, "n"));
+  return chain;
+}
+
+TEST(Scene, TakesTheDepthOfTheWholeHierarchy) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply(chain_below(0, 1, 40)));  // 1 to 40
+  ASSERT_TRUE(scene.apply(chain_below(0, 1, 25)));  // 41 to 65
+  expect_refused(scene, {put(41, 40, "n")}, Code::kInvalidArgument, "TOO_DEEP");
+  EXPECT_TRUE(scene.apply({put(41, 39, "n")}));
+  EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, model::kMaxDepth + 1u);
+  expect_refused(scene, {put(-1, 65, "n")}, Code::kInvalidArgument, "TOO_DEEP");
+  // Only the end of a batch counts.
+  EXPECT_TRUE(scene.apply({put(41, 40, "n"), put(41, 0, "n")}));
+  EXPECT_EQ(scene.snapshot()->hierarchy().summary(0).height, 41u);
+}
+
+TEST(Scene, AChildThatCameBackIsTheLast) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a"), put(-2, -1, "b"), put(-3, -1, "c"), put(-4, 0, "d")}));
+  ASSERT_TRUE(scene.apply({put(2, 4, "b"), put(2, 1, "b"), put(2, 4, "b"), put(2, 1, "b")}));
+  EXPECT_EQ(scene.snapshot()->find(1)->children, (std::vector<model::NodeId>{3, 2}));
+  EXPECT_TRUE(scene.snapshot()->find(4)->children.empty());
+  ASSERT_TRUE(scene.apply({put(3, 4, "c"), put(3, 1, "c"), put(3, 4, "c")}));
+  EXPECT_EQ(scene.snapshot()->find(1)->children, (std::vector<model::NodeId>{2}));
+  EXPECT_EQ(scene.snapshot()->find(4)->children, (std::vector<model::NodeId>{3}));
+}
+
+/// What hangs below a node is not visited at each move: else these are 6,000,000,000 visits.
+TEST(Scene, MovesALargeSubtreeManyTimesInABatch) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "here"), put(-2, 0, "there"), put(-3, -1, "large")}));
+  std::vector<model::Update> children, moves;
+  for (int i = 1; i <= 100'000; ++i) children.push_back(put(-i, 3, "n"));
+  ASSERT_TRUE(scene.apply(children));
+  for (int i = 0; i < 60'000; ++i) moves.push_back(put(3, i % 2 == 0 ? 2 : 1, "large"));
+  ASSERT_TRUE(scene.apply(moves));
+  EXPECT_EQ(scene.snapshot()->find(3)->parent, 1u);
+}
+
+/// Nor are its siblings.
+TEST(Scene, MovesManySiblingsToAndFroInABatch) {
+  Scene scene;
+  std::vector<model::Update> nodes{put(-1, 0, "many"), put(-2, 0, "other")}, moves;
+  for (int i = 3; i <= 50'000; ++i) nodes.push_back(put(-i, -1, "n"));
+  ASSERT_TRUE(scene.apply(nodes));
+  for (model::NodeRef id = 3; id <= 50'000; ++id) {
+    moves.push_back(put(id, 2, "n"));
+    moves.push_back(put(id, 1, "n"));
+  }
+  ASSERT_TRUE(scene.apply(moves));
+  EXPECT_EQ(scene.snapshot()->find(1)->children.size(), 49'998u);
+  EXPECT_EQ(scene.snapshot()->find(1)->children.front(), 3u);
+}
+
 TEST(Scene, RefusesSingularTransforms) {
   Scene scene;
   model::PutNode flat = put(-1, 0, "flat");

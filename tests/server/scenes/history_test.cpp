@@ -115,7 +115,7 @@ TEST(UpdateLog, KeepsALimitedNumber) {
   EXPECT_FALSE(log.find(0));
   EXPECT_FALSE(log.find(1));
   for (std::size_t i = 1; i <= 5; ++i)
-    log.add(std::vector<Update>(i, scenegraph::model::DeleteNode{1}));
+    log.add(log.prepare(std::vector<Update>(i, scenegraph::model::DeleteNode{1})));
   EXPECT_EQ(log.last(), 5u);
   for (std::size_t i = 3; i <= 5; ++i) EXPECT_EQ((*log.find(i))->size(), i);
   for (const std::uint64_t outside : {0u, 2u, 6u}) {
@@ -128,19 +128,19 @@ TEST(UpdateLog, KeepsALimitedNumber) {
 
 TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
   UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
-  for (int i = 0; i < 5; ++i) log.add(patch(1000));
+  for (int i = 0; i < 5; ++i) log.add(log.prepare(patch(1000)));
   EXPECT_FALSE(log.find(2));
   EXPECT_TRUE(log.find(3));
-  log.add(patch(10'000));
+  log.add(log.prepare(patch(10'000)));
   EXPECT_FALSE(log.find(5));
   EXPECT_TRUE(log.find(6));
 }
 
 TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
   UpdateLog log({.revisions = 1});
-  log.add(patch(7));
+  log.add(log.prepare(patch(7)));
   const auto held = log.find(1);
-  log.add({});
+  log.add(log.prepare({}));
   EXPECT_FALSE(log.find(1));
   EXPECT_EQ(std::get<PatchVertices>((*held)->front()).positions.size(), 7u);
 }

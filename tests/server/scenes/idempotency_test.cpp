@@ -13,7 +13,7 @@ TEST(RequestAnswers, KeepsTheLast) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     const std::string id = "r" + std::to_string(i);
     ASSERT_EQ(*answers.find(id, i), nullptr);
-    answers.retain(id, i, {.revision = i, .nodes = {10 * i}});
+    answers.retain(answers.prepare(id, i, {.revision = i, .nodes = {10 * i}}));
   }
   EXPECT_EQ(*answers.find("r2", 2), nullptr);
   for (std::uint64_t i = 3; i <= 5; ++i) {
@@ -28,18 +28,20 @@ TEST(RequestAnswers, KeepsTheLast) {
 TEST(RequestAnswers, KeepsFewerOfManyNodes) {
   RequestAnswers answers({.answers = 10, .nodes = 100});
   for (std::uint64_t i = 1; i <= 4; ++i)
-    answers.retain(std::to_string(i), i,
-                   {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)});
+    answers.retain(
+        answers.prepare(std::to_string(i), i,
+                        {.revision = i, .nodes = std::vector<scenegraph::model::NodeId>(40)}));
   EXPECT_EQ(*answers.find("2", 2), nullptr);
   EXPECT_NE(*answers.find("3", 3), nullptr);
-  answers.retain("5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)});
+  answers.retain(answers.prepare(
+      "5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)}));
   EXPECT_EQ(*answers.find("4", 4), nullptr);
   EXPECT_NE(*answers.find("5", 5), nullptr);
 }
 
 TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
   RequestAnswers answers;
-  answers.retain("a", 1, {.revision = 7, .nodes = {}});
+  answers.retain(answers.prepare("a", 1, {.revision = 7, .nodes = {}}));
   const auto other = answers.find("a", 2);
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, Code::kInvalidArgument);
@@ -50,7 +52,7 @@ TEST(Producers, AreFoundAgainAndBounded) {
   Producers producers(2);
   const auto a = producers.open("a");
   ASSERT_TRUE(a);
-  (*a)->commit(5, {});
+  (*a)->commit({.sequence = 5, .nodes = {}});
   ASSERT_TRUE(producers.open("b"));
   const auto c = producers.open("c");
   ASSERT_FALSE(c);
@@ -61,12 +63,12 @@ TEST(Producers, AreFoundAgainAndBounded) {
 TEST(Producers, KeepTheIdsOfTheLastBatches) {
   Producer producer;
   for (std::uint64_t i = 1; i <= 40; ++i)
-    producer.commit(i, i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}
-                                  : std::vector<scenegraph::model::NodeId>{});
+    producer.commit({i, i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}
+                                   : std::vector<scenegraph::model::NodeId>{}});
   ASSERT_EQ(producer.put.size(), kPutsKept);
   EXPECT_EQ(producer.put.oldest().sequence, 25u);
   EXPECT_EQ(producer.put.newest().nodes.front(), 40u);
-  producer.commit(41, std::vector<scenegraph::model::NodeId>(kPutIdsKept));
+  producer.commit({41, std::vector<scenegraph::model::NodeId>(kPutIdsKept)});
   EXPECT_EQ(producer.put.size(), 1u);
 }
 

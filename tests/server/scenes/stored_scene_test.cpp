@@ -57,6 +57,19 @@ TEST_F(StoredSceneTest, KeepsRevisionsWithinALimitOfBytes) {
   EXPECT_TRUE(scene_->at(31));
 }
 
+TEST_F(StoredSceneTest, AnUpdateThatCannotBeRecordedIsNotApplied) {
+  ASSERT_TRUE(apply({tests::put_node(-1, 0, nullptr)}));
+  EXPECT_THROW(scene_->apply({tests::put_node(-1, 1, nullptr)}, std::nullopt, compute_,
+                             [](const scenegraph::Applied&) { throw std::bad_alloc(); }),
+               std::bad_alloc);
+  EXPECT_EQ(scene_->snapshot()->revision(), 1u);
+  EXPECT_EQ(scene_->log().last(), 1u);
+  const auto applied = apply({tests::put_node(-1, 1, nullptr)});
+  ASSERT_TRUE(applied);
+  EXPECT_EQ(applied->revision, 2u);
+  EXPECT_EQ(applied->nodes, (std::vector<scenegraph::model::NodeId>{2})) << "no id was lost";
+}
+
 TEST_F(StoredSceneTest, RefusesUpdatesAfterItsRemoval) {
   scene_->remove();
   const auto refused = apply({});

@@ -1,0 +1,68 @@
+// Every allocation fails once while a batch is applied: it is applied and in the log, or neither.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "server/scenes/stored_scene.h"
+#include "tests/scenegraph/put_node.h"
+
+namespace {
+
+/// Allocations of this thread until one fails; below 0: none does.
+thread_local int allocations_left = -1;
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+  if (allocations_left >= 0 && allocations_left-- == 0) throw std::bad_alloc();
+  if (void* memory = std::malloc(bytes)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace sightline::server::scenes {
+namespace {
+
+TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
+  exec::Compute compute(1);
+  const auto scene = std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+  ASSERT_TRUE(
+      scene->apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()))}, std::nullopt, compute));
+  std::uint64_t revision = 1, failures = 0;
+  bool failed = true;
+  for (int allocations = 0; failed; ++allocations) {
+    // More revisions and updates than are kept, so that old ones are dropped, too.
+    for (int i = 0; i < 70; ++i) {
+      std::vector<scenegraph::model::Update> updates{
+          tests::put_node(-1, 1, nullptr), tests::put_node(-2, -1, nullptr),
+          scenegraph::model::SetTransforms{{1}, {scenegraph::model::Affine{}}}};
+      std::uint64_t recorded = 0;
+      failed = false;
+      allocations_left = allocations;
+      try {
+        const auto applied =
+            scene->apply(std::move(updates), std::nullopt, compute,
+                         [&](const scenegraph::Applied& next) { recorded = next.revision; });
+        allocations_left = -1;
+        ASSERT_TRUE(applied);
+        EXPECT_EQ(applied->revision, ++revision);
+        EXPECT_EQ(recorded, revision);
+      } catch (const std::bad_alloc&) {
+        allocations_left = -1;
+        failed = true;
+        ++failures;
+      }
+      ASSERT_EQ(scene->snapshot()->revision(), revision) << allocations;
+      ASSERT_EQ(scene->log().last(), revision) << allocations;
+      ASSERT_TRUE(scene->log().find(revision)) << allocations;
+      if (failed) break;
+    }
+  }
+  EXPECT_GT(failures, 20u);
+  EXPECT_GT(revision, 70u);
+}
+
+}  // namespace
+}  // namespace sightline::server::scenes
