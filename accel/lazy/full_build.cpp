@@ -18,12 +18,20 @@ namespace {
 /// subtree is built by one thread.
 constexpr std::uint64_t kSerialBelow = 65536;
 
-/// All slots with something to expand.
-void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot,
-                      std::vector<kdtree::AtomicSlot*>& found) {
+struct Deferred {
+  std::vector<kdtree::AtomicSlot*> slots;  ///< All with something to expand.
+  bool some_failed = false;                ///< There are others, for which there was no memory.
+};
+
+void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Deferred& found) {
   const kdtree::Slot now = kdtree::load(slot);
-  if (now.is_deferred() && !now.cell()->failed.load(std::memory_order_relaxed))
-    found.push_back(&slot);
+  if (now.is_deferred()) {
+    if (now.cell()->failed.load(std::memory_order_relaxed)) {
+      found.some_failed = true;
+    } else {
+      found.slots.push_back(&slot);
+    }
+  }
   if (!now.is_binary()) return;
   kdtree::AtomicSlot* children = tree.children(now);
   collect_deferred(tree, children[0], found);
@@ -33,19 +41,23 @@ void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot,
 }  // namespace
 
 void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
+  if (is_complete()) return;
   const kdtree::EpochPin pin;
   const Timed timed(counters);
   // A round completes the cells that were deferred when it began, except those that rays claimed.
   for (;;) {
-    std::vector<kdtree::AtomicSlot*> deferred;
+    Deferred deferred;
     collect_deferred(tree_, tree_.root(), deferred);
-    if (deferred.empty() || (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
+    if (deferred.slots.empty() && !deferred.some_failed)
+      complete_.store(true, std::memory_order_release);
+    if (deferred.slots.empty() ||
+        (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
       return;
     counters += tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, deferred.size()), kdtree::BuildCounters{},
+        tbb::blocked_range<std::size_t>(0, deferred.slots.size()), kdtree::BuildCounters{},
         [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
           for (std::size_t i = range.begin(); i != range.end(); ++i)
-            complete(*deferred[i], sum, cancelled);
+            complete(*deferred.slots[i], sum, cancelled);
           return sum;
         },
         [](kdtree::BuildCounters a, const kdtree::BuildCounters& b) { return a += b; });

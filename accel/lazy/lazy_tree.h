@@ -50,6 +50,10 @@ class LazyTree {
   /// Parallel in the caller's arena.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
+  /// Whether expand_all() has found nothing left to expand, not even cells without room. Then it
+  /// returns at once.
+  bool is_complete() const { return complete_.load(std::memory_order_acquire); }
+
  private:
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters);
@@ -80,6 +84,7 @@ class LazyTree {
   ReferenceSource source_;
   std::size_t primitive_count_;
   DivideContext context_;
+  std::atomic<bool> complete_{false};
 };
 
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell

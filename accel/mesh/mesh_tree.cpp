@@ -49,6 +49,11 @@ void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>*
   if (!whole.is_built() && (cancelled == nullptr || !cancelled->load())) whole.build(built);
 }
 
+bool MeshTree::is_complete() const {
+  if (const auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) return lazy->is_complete();
+  return std::get<std::unique_ptr<WholeTree>>(tree_)->is_built();
+}
+
 const kdtree::KdTree* MeshTree::kd() const {
   const auto* lazy = std::get_if<lazy::LazyTree>(&tree_);
   return lazy != nullptr ? &lazy->tree() : nullptr;

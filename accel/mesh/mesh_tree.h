@@ -75,6 +75,8 @@ class MeshTree {
   /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
   /// cancelled.
   void expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled = nullptr);
+  /// Whether expand_all() has nothing left to do.
+  bool is_complete() const;
 
   bool untouched() const;
   std::uint64_t bytes() const;

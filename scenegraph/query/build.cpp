@@ -77,13 +77,22 @@ BuildCounters build_tree(const instances::Instances& tree, const std::atomic<boo
   return built;
 }
 
+/// Not without memory for some cells.
+bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
+  return trees.static_tree.tree().is_complete() && trees.dynamic_tree.tree().is_complete() &&
+         std::all_of(meshes.begin(), meshes.end(),
+                     [](const model::Mesh* mesh) { return mesh->tree().is_complete(); });
+}
+
 }  // namespace
 
 Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atomic<bool>* cancelled,
                              BuildProgress* progress) {
+  if (progress == nullptr && snapshot.is_complete()) return TraceStats{};
   BuildProgress unreported;
   BuildProgress& reported = progress == nullptr ? unreported : *progress;
-  BuildCounters built = build_meshes(snapshot.meshes(), cancelled, reported);
+  const std::vector<const model::Mesh*> meshes = snapshot.meshes();
+  BuildCounters built = build_meshes(meshes, cancelled, reported);
   const instances::OpenTrees trees = snapshot.trees();
   built += build_tree(trees.static_tree, cancelled, reported);
   const BuildCounters dynamic = build_tree(trees.dynamic_tree, cancelled, reported);
@@ -92,6 +101,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
   });
+  if (is_complete(meshes, trees)) snapshot.set_complete();
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
   stats.touches = built.touches;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -39,6 +40,10 @@ class Snapshot {
   /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
   std::vector<const model::Mesh*> meshes() const;
 
+  /// Whether all trees are complete; set by query::build_all(), which need not look again.
+  bool is_complete() const { return complete_.load(std::memory_order_acquire); }
+  void set_complete() const { complete_.store(true, std::memory_order_release); }
+
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
   /// scenes. Computed at the first call.
   const WorldBounds& bounds() const;
@@ -49,6 +54,7 @@ class Snapshot {
   instances::SceneTrees trees_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
+  mutable std::atomic<bool> complete_{false};
 };
 
 /// What `scene show` and `stats` report.

@@ -96,6 +96,25 @@ TEST(Build, CountsMeshesAndCells) {
   EXPECT_EQ(all.share(), 1);
 }
 
+/// A cast with a full build looks at no tree if an earlier one has made them all.
+TEST(Build, RemembersThatAllTreesAreComplete) {
+  const auto snapshot = cubes_and_staircase();
+  EXPECT_FALSE(snapshot->is_complete());
+  BuildProgress part;
+  ASSERT_TRUE(build_mesh_trees(*mesh_nodes_under(*snapshot, {}, {}), part, nullptr));
+  EXPECT_FALSE(snapshot->is_complete()) << "the scene's own trees are left";
+  for (const model::Mesh* mesh : snapshot->meshes())
+    EXPECT_EQ(mesh->tree().is_complete(), mesh->triangles() > 0)
+        << "an empty mesh was not selected";
+  ASSERT_TRUE(build_all(*snapshot));
+  EXPECT_TRUE(snapshot->is_complete());
+  BuildProgress again;
+  const auto stats = build_all(*snapshot, nullptr, &again);
+  ASSERT_TRUE(stats);
+  EXPECT_EQ(stats->touches, 0u);
+  EXPECT_EQ(again.meshes_done, again.meshes_total) << "reported also of trees that were complete";
+}
+
 TEST(Build, ACancelledBuildStops) {
   const auto snapshot = cubes_and_staircase();
   const auto nodes = mesh_nodes_under(*snapshot, {}, {});
