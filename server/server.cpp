@@ -68,6 +68,8 @@ struct Server::Parts {
         admission(c.admission),
         all_hits_admission(
             {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
+        small_admission(
+            {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}),
         waiting_reads({.limit = scenes::kMaxWaitingReads,
                        .when_full = "{} reads that wait for a revision are open on the server",
                        .full_reason = "TOO_MANY_WAITING"}),
@@ -88,7 +90,7 @@ struct Server::Parts {
         compute(c.threads) {}
 
   const ServerConfig config;
-  exec::Admission admission, all_hits_admission;
+  exec::Admission admission, all_hits_admission, small_admission;
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
   scenes::SceneStore scenes;
   blobs::BlobStore blobs;
@@ -98,6 +100,7 @@ struct Server::Parts {
                                   .compute = compute,
                                   .admission = admission,
                                   .all_hits_admission = all_hits_admission,
+                                  .small_admission = small_admission,
                                   .waiting_reads = waiting_reads,
                                   .cast_streams = cast_streams,
                                   .prefetches = prefetches,

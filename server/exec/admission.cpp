@@ -15,7 +15,7 @@ Error over(std::string_view what, std::uint64_t asked, std::uint64_t in_flight,
       fmt::format(
           "the server has {} {} in flight and {} more would exceed its limit of {}; retry later",
           in_flight, what, asked, limit),
-      "QUEUE_FULL"};
+      kQueueFull};
 }
 
 }  // namespace

@@ -17,6 +17,12 @@ struct AdmissionLimits {
 /// Batches that ask for all hits get 1 / kAllHitsShare of the limits.
 inline constexpr std::uint64_t kAllHitsShare = 2;
 
+/// Small casts have 1 / kSmallShare of the limits beside them.
+inline constexpr std::uint64_t kSmallShare = 16;
+
+/// The reason of admit()'s error: a client should retry.
+inline constexpr const char* kQueueFull = "QUEUE_FULL";
+
 class Admission {
  public:
   /// The admitted rays and bytes of one request; the destructor releases them. Must not outlive the

@@ -8,9 +8,11 @@ namespace sightline::server::exec {
 Compute::Compute(int threads)
     : threads_(threads),
       parallelism_(oneapi::tbb::global_control::max_allowed_parallelism,
-                   3 * static_cast<std::size_t>(threads) + 1),
+                   5 * static_cast<std::size_t>(threads) + 1),
       arena_(threads, 0),
+      small_(threads, 0),
       updates_(threads, 0),
+      management_(threads, 0),
       background_(threads, 0) {}
 
 Compute::~Compute() {

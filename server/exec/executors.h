@@ -14,7 +14,9 @@
 
 namespace sightline::server::exec {
 
-/// Worker threads in three arenas: queries, updates, background. RPC threads only enqueue tasks.
+/// Worker threads in five arenas: queries, small queries, updates, management, background. An arena
+/// that is busy delays no other: the system divides the processors among them. RPC threads only
+/// enqueue tasks.
 class Compute {
  public:
   /// Each arena has `threads` workers (>= 1) and no slot for callers, so a thread that enqueues
@@ -28,6 +30,18 @@ class Compute {
   template <class Work>
   void enqueue(Work work) {
     enqueue_in(arena_, std::move(work));
+  }
+
+  /// As enqueue(), on a worker for queries of few rays, which must not queue behind large ones.
+  template <class Work>
+  void enqueue_small(Work work) {
+    enqueue_in(small_, std::move(work));
+  }
+
+  /// As enqueue(), on a worker for management: short work, such as reading a scene's properties.
+  template <class Work>
+  void enqueue_management(Work work) {
+    enqueue_in(management_, std::move(work));
   }
 
   /// As enqueue(), on a background worker: for long work that no answer waits for. It occupies no
@@ -48,14 +62,21 @@ class Compute {
  private:
   template <class Work>
   void enqueue_in(oneapi::tbb::task_arena& arena, Work work) {
+    auto task = std::make_unique<Work>(std::move(work));
     begin();
-    arena.enqueue([this, task = new Work(std::move(work))] {
-      std::unique_ptr<Work> owned(task);
-      (*owned)();
-      owned.reset();  // end() may let ~Compute() return, and the task may refer to objects
-                      // destroyed after it
+    try {
+      arena.enqueue([this, task = task.get()] {
+        std::unique_ptr<Work> owned(task);
+        (*owned)();
+        owned.reset();  // end() may let ~Compute() return, and the task may refer to objects
+                        // destroyed after it
+        end();
+      });
+    } catch (...) {
       end();
-    });
+      throw;
+    }
+    static_cast<void>(task.release());
   }
 
   void begin();
@@ -64,7 +85,7 @@ class Compute {
   const int threads_;
   // oneTBB counts the main thread too, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_, updates_, background_;
+  oneapi::tbb::task_arena arena_, small_, updates_, management_, background_;
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t pending_ = 0;

@@ -9,9 +9,12 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "server/exec/admission.h"
 
 namespace sightline::server::exec {
 namespace {
+
+constexpr int kRetryDelayNanos = 100'000'000;
 
 struct GrpcCode {
   grpc::StatusCode code;
@@ -77,6 +80,11 @@ grpc::Status to_grpc(const Error& error) {
   status.set_code(code);
   status.set_message(cut(error.message));
   status.add_details()->PackFrom(info);
+  if (info.reason() == kQueueFull) {
+    google::rpc::RetryInfo retry;
+    retry.mutable_retry_delay()->set_nanos(kRetryDelayNanos);
+    status.add_details()->PackFrom(retry);
+  }
   return {code, status.message(), status.SerializeAsString()};
 }
 

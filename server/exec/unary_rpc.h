@@ -26,8 +26,8 @@ grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
     reactor->Finish(to_grpc(admitted.error()));
     return reactor;
   }
-  compute.enqueue([=, begun = LogClock::now(), ticket = std::move(*admitted),
-                   work = std::move(work)]() mutable {
+  compute.enqueue_management([=, begun = LogClock::now(), ticket = std::move(*admitted),
+                              work = std::move(work)]() mutable {
     const grpc::Status status = to_grpc(to_status(work));
     ticket = {};
     log_rpc(method, status, begun);

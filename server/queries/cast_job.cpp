@@ -61,6 +61,10 @@ Status CastJob::accept(const v1::Rays& rays) {
     all_hits_ticket_ = std::move(*all_hits);
   }
   auto ticket = services_.admission.admit(rays_.size(), bytes);
+  if (!ticket && rays_.size() <= kSmallCast) {
+    if (auto reserve = services_.small_admission.admit(rays_.size(), bytes))
+      ticket = std::move(reserve);
+  }
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
   accepted_ = Clock::now();

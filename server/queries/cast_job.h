@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "accel/geometry/ray.h"
@@ -56,6 +57,9 @@ class HitPager {
   scenegraph::TraceStats stats_;
 };
 
+/// Casts of up to this number of rays have their own workers and a reserve of admission.
+inline constexpr std::size_t kSmallCast = 256;
+
 /// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
@@ -77,12 +81,22 @@ class CastJob {
   /// kInvalidArgument if one reply cannot hold all hits.
   Status accept(const v1::Rays& rays);
 
+  /// After accept(): runs work() on a worker for casts of this size.
+  template <class Work>
+  void enqueue(Work work) {
+    if (rays_.size() <= kSmallCast) {
+      services_.compute.enqueue_small(std::move(work));
+    } else {
+      services_.compute.enqueue(std::move(work));
+    }
+  }
+
   /// Traces the accepted batch in the calling thread's arena and releases its admission. If the
   /// reply says that there is more, the batch stays admitted and run() must be called again for the
   /// next reply. Errors: kCancelled; kNotFound, naming a node of the query that does not exist.
   Status run(v1::CastRaysResponse& reply);
 
-  /// Makes run() end within a block of rays. Threads: any, at any time.
+  /// Makes run() end within a ray for each thread. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
   /// Releases the revision. The last release frees its trees, which may take long.

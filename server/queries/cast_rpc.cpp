@@ -18,8 +18,7 @@ namespace {
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
   CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
-      : compute_(services.compute),
-        job_(services, Replies::kOne),
+      : job_(services, Replies::kOne),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
         reply_(reply) {}
@@ -46,7 +45,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
     if (const Status accepted = exec::to_status([&] { return job_.accept(request.rays()); });
         !accepted)
       return end(accepted);
-    compute_.enqueue([this] {
+    job_.enqueue([this] {
       const Status done = exec::to_status([this] { return job_.run(reply_); });
       job_.close();
       end(done);
@@ -60,7 +59,6 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
-  exec::Compute& compute_;
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   v1::CastRaysResponse& reply_;
@@ -101,7 +99,7 @@ class CastStream final
 
   void OnWriteDone(bool ok) override {
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
-    if (reply_.response().more()) return compute_.enqueue([this] { answer(); });
+    if (reply_.response().more()) return job_.enqueue([this] { answer(); });
     StartRead(&request_);
   }
 
@@ -122,7 +120,7 @@ class CastStream final
             exec::to_status([this] { return job_.accept(request_.request().rays()); });
         !accepted)
       return end(accepted);
-    compute_.enqueue([this] { answer(); });
+    job_.enqueue([this] { answer(); });
   }
 
   void answer() {

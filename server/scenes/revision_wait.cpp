@@ -79,7 +79,8 @@ void RevisionWait::cancel() {
 /// finish() takes both.
 void RevisionWait::end(std::optional<Error> error) {
   if (!waiting_.exchange(false)) return;
-  compute_.enqueue([self = shared_from_this(), error = std::move(error)] { self->finish(error); });
+  compute_.enqueue_management(
+      [self = shared_from_this(), error = std::move(error)] { self->finish(error); });
 }
 
 void RevisionWait::finish(const std::optional<Error>& error) {

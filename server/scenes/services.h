@@ -24,6 +24,8 @@ struct Services {
   /// A second, smaller bound for batches that ask for all hits. Such a batch counts until the
   /// client has read its replies. Slow clients therefore cannot use up all of `admission`.
   exec::Admission& all_hits_admission;
+  /// For small casts when `admission` is full.
+  exec::Admission& small_admission;
   exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
   exec::CallRegistry& cast_streams;
   exec::CallRegistry& prefetches;

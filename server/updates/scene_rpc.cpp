@@ -42,7 +42,7 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
                 [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
-                  services_.compute.enqueue([this, snapshot = std::move(*pinned)] {
+                  services_.compute.enqueue_management([this, snapshot = std::move(*pinned)] {
                     end(exec::to_status([&] { return answer(*snapshot); }));
                   });
                 });

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <memory>
 #include <thread>
@@ -51,27 +52,26 @@ bool has_run(std::future<void> done) {
   return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-TEST(Compute, BackgroundWorkDoesNotBlockOtherTasks) {
-  Compute compute(1);
-  const Blockers blockers;
-  for (int i = 0; i < 3; ++i) compute.enqueue_background(blockers.task());
-  std::promise<void> run;
-  std::future<void> done = run.get_future();
-  compute.enqueue([run = std::move(run)]() mutable { run.set_value(); });
-  EXPECT_TRUE(has_run(std::move(done)));
-}
+/// Ways to enqueue a task, one for each arena.
+using Enqueue = void (*)(Compute&, std::function<void()>);
+constexpr Enqueue kArenas[] = {
+    [](Compute& c, std::function<void()> task) { c.enqueue(std::move(task)); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_small(std::move(task)); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_update(std::move(task)); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_management(std::move(task)); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_background(std::move(task)); }};
 
-TEST(Compute, UpdatesDoNotWaitForOtherTasks) {
-  Compute compute(1);
-  const Blockers blockers;
-  for (int i = 0; i < 3; ++i) {
-    compute.enqueue(blockers.task());
-    compute.enqueue_background(blockers.task());
+TEST(Compute, NoArenaDelaysAnother) {
+  for (const Enqueue free : kArenas) {
+    Compute compute(1);
+    const Blockers blockers;
+    for (const Enqueue busy : kArenas) {
+      for (int i = 0; i < 3 && busy != free; ++i) busy(compute, blockers.task());
+    }
+    const auto run = std::make_shared<std::promise<void>>();
+    free(compute, [run] { run->set_value(); });
+    EXPECT_TRUE(has_run(run->get_future()));
   }
-  std::promise<void> run;
-  std::future<void> done = run.get_future();
-  compute.enqueue_update([run = std::move(run)]() mutable { run.set_value(); });
-  EXPECT_TRUE(has_run(std::move(done)));
 }
 
 TEST(Compute, TasksMayOwnMoveOnlyObjects) {

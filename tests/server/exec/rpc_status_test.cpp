@@ -5,6 +5,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "server/exec/admission.h"
 
 namespace sightline::server::exec {
 namespace {
@@ -51,6 +52,20 @@ TEST(RpcStatus, MapsEveryCodeToTheGrpcCodeOfTheSameName) {
 
 TEST(RpcStatus, WithoutAReasonTheCodeIsTheReason) {
   EXPECT_EQ(info_of(to_grpc(Error{Code::kDataLoss, "m", ""})).reason(), "DATA_LOSS");
+}
+
+TEST(RpcStatus, SaysWhenToRetryAFullQueue) {
+  const auto details = [](const char* reason) {
+    const grpc::Status status = to_grpc(Error{Code::kResourceExhausted, "full", reason});
+    google::rpc::Status decoded;
+    EXPECT_TRUE(decoded.ParseFromString(status.error_details()));
+    return decoded.details();
+  };
+  ASSERT_EQ(details(kQueueFull).size(), 2);
+  google::rpc::RetryInfo retry;
+  ASSERT_TRUE(details(kQueueFull)[1].UnpackTo(&retry));
+  EXPECT_GT(retry.retry_delay().nanos(), 0);
+  EXPECT_EQ(details("TOO_MANY_NODES").size(), 1) << "a retry would not help";
 }
 
 TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {
