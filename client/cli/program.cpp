@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kFooter = R"(Flags of the program may stand before the verb or after it.
 
 Exit codes: 0 ok, 1 failed, 2 usage, 3 scene or node not known to the server, 4 conflict, 5 unavailable or out of time,
-6 not allowed, 7 over a limit, 130 interrupted.
+6 not allowed, 7 over a limit, 130 interrupted, 143 terminated.
 
 Examples:
   sightline scene import engine 2CylinderEngine.glb

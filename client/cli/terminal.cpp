@@ -18,12 +18,13 @@ namespace sightline::client::cli {
 namespace {
 
 sem_t woken;
-std::atomic<bool> caught{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "it is written by a signal handler");
+constexpr std::array<int, 2> kSignals{SIGINT, SIGTERM};
+std::atomic<int> caught{0};
+static_assert(std::atomic<int>::is_always_lock_free, "it is written by a signal handler");
 
-void handle(int) {
+void handle(int signal) {
   const int kept = errno;
-  caught.store(true, std::memory_order_relaxed);
+  caught.store(signal, std::memory_order_relaxed);
   sem_post(&woken);
   errno = kept;
 }
@@ -50,6 +51,24 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
+std::string printable(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // U+0080 to U+009F are control characters of two bytes.
+    const bool leads_control =
+        byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (byte < ' ' || byte == 0x7F) {
+      out += fmt::format("\\x{:02x}", byte);
+    } else if (leads_control) {
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[++i]));
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
 ExitCode exit_code(Code code) {
   switch (code) {
     case Code::kNotFound:
@@ -75,30 +94,35 @@ ExitCode fail(const Error& error) {
   const char* what = error.code == Code::kUnavailable        ? "server not available: "
                      : error.code == Code::kDeadlineExceeded ? "out of time: "
                                                              : "";
-  fmt::print(stderr, "sightline: {}{}\n", what, error.message.empty() ? "failed" : error.message);
+  fmt::print(stderr, "sightline: {}{}\n", what,
+             error.message.empty() ? "failed" : printable(error.message));
   return exit_code(error.code);
+}
+
+ExitCode interrupted_code() {
+  return caught.load(std::memory_order_relaxed) == SIGTERM ? kTerminated : kInterrupted;
 }
 
 ExitCode say_interrupted() {
   fmt::print(stderr, "sightline: interrupted\n");
-  return kInterrupted;
+  return interrupted_code();
 }
 
 Error local_error(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
 
 Interrupt::Interrupt() {
   sem_init(&woken, 0, 0);
-  caught.store(false, std::memory_order_relaxed);
+  caught.store(0, std::memory_order_relaxed);
   waiter_ = std::thread([this] { wait(); });
   struct sigaction action {};
   action.sa_handler = handle;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &before_);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before_[i]);
 }
 
 Interrupt::~Interrupt() {
-  sigaction(SIGINT, &before_, nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
   sem_post(&woken);
   waiter_.join();
   sem_destroy(&woken);
@@ -107,7 +131,7 @@ Interrupt::~Interrupt() {
 void Interrupt::wait() {
   while (sem_wait(&woken) != 0) {
   }
-  if (caught.load(std::memory_order_relaxed)) stop_.request_stop();
+  if (caught.load(std::memory_order_relaxed) != 0) stop_.request_stop();
 }
 
 ProgressBar::ProgressBar(std::string label, Elsewhere elsewhere)

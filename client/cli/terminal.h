@@ -3,6 +3,7 @@
 
 #include <signal.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <stop_token>
@@ -24,21 +25,28 @@ enum ExitCode : int {
   kAuth = 6,
   kResourceLimit = 7,
   kInterrupted = 130,  ///< by Ctrl-C
+  kTerminated = 143,   ///< by SIGTERM
 };
 
 ExitCode exit_code(Code code);
 
+/// Text of a file or of a server, without effect on a terminal: control characters become \xNN.
+std::string printable(std::string_view text);
+
 /// Prints the error on stderr, and returns its exit code.
 ExitCode fail(const Error& error);
 
-/// Prints that the command was interrupted, and returns kInterrupted.
+/// Of a command that an Interrupt has ended: kInterrupted or kTerminated.
+ExitCode interrupted_code();
+
+/// Prints that the command was interrupted, and returns interrupted_code().
 ExitCode say_interrupted();
 
 /// An error about a file of this machine, as kInvalidArgument.
 Error local_error(std::string message);
 
-/// While an object exists, the first SIGINT requests a stop instead of ending the process. A second
-/// SIGINT ends the process. Only one object may exist at a time.
+/// While an object exists, the first SIGINT or SIGTERM requests a stop instead of ending the
+/// process; the same signal once more ends it. Only one object may exist at a time.
 class Interrupt {
  public:
   Interrupt();
@@ -53,7 +61,7 @@ class Interrupt {
   void wait();
 
   std::stop_source stop_;
-  struct sigaction before_ {};
+  std::array<struct sigaction, 2> before_{};
   std::thread waiter_;
 };
 

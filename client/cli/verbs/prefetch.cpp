@@ -129,7 +129,7 @@ ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   if (session.json) print_json(json_of(arguments.scene, outcome));
   if (!outcome.complete) {
     print_table(stderr, arguments.scene, outcome);
-    return kInterrupted;
+    return interrupted_code();
   }
   if (!session.json) print_table(stdout, arguments.scene, outcome);
   return kOk;

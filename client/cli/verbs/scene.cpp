@@ -124,7 +124,7 @@ ExitCode show_nodes(const Session& session, const std::string& name) {
   for (const NodeInfo& node : *nodes) {
     const char* const mesh = node.mesh_digest.empty() ? "-" : node.patched ? "patched" : "yes";
     fmt::print("{:>9} {:>9}  {:<10} {:<8} {}\n", node.id, node.parent,
-               files::name_of(node.mobility), mesh, node.name);
+               files::name_of(node.mobility), mesh, printable(node.name));
   }
   return kOk;
 }

@@ -147,7 +147,7 @@ ExitCode report(const Session& session, const StreamArguments& arguments,
   if (session.json) print_json(json_of(arguments, motion, target, report, complete));
   if (!complete) {
     print_table(stderr, arguments, report);
-    return kInterrupted;
+    return interrupted_code();
   }
   if (!session.json) print_table(stdout, arguments, report);
   return report.first_reject ? fail(*report.first_reject) : kOk;

@@ -11,6 +11,7 @@
 #include "client/client.h"
 #include "client/scene_upload.h"
 #include "tests/client/support/live_client.h"
+#include "tests/client/support/relay.h"
 
 namespace sightline::client::calls {
 namespace {
@@ -333,6 +334,18 @@ TEST_F(Cast, ASinkThatFailsEndsTheCast) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().message, "disk full");
   EXPECT_EQ(calls, 6);
+}
+
+TEST_F(Cast, AServerThatFreezesEndsTheCast) {
+  tests::Relay relay(server_->port());
+  const Client client = *Client::connect(relay.endpoint());
+  const HitSink sink = [&](std::uint64_t, std::size_t, const HitView&) {
+    relay.hold(true);
+    return Status();
+  };
+  const auto report = client.cast_stream(kScene, endless(), {}, {.t = true}, sink);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, Code::kUnavailable);
 }
 
 TEST_F(Cast, ASourceThatFailsEndsTheCast) {

@@ -75,6 +75,18 @@ struct ChildProgram : tests::ChildProcess {
       : ChildProcess(SIGHTLINE, arguments) {}
 };
 
+TEST(Terminal, ControlCharactersAreEscaped) {
+  EXPECT_EQ(printable("a\x1b[2Jb\n\x7f"), "a\\x1b[2Jb\\x0a\\x7f");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31m"),
+            "\\x9b31m")
+      << "CSI as one character";
+  EXPECT_EQ(printable("K\xC3\xBC"
+                      "che \xC2\xA7"),
+            "K\xC3\xBC"
+            "che \xC2\xA7");
+}
+
 TEST(Interrupt, RequestsOneStop) {
   for (int round = 0; round < 3; ++round) {
     const Interrupt interrupt;
@@ -105,13 +117,15 @@ TEST(Interrupt, ASecondInterruptEndsTheProcess) {
       testing::KilledBySignal(SIGINT), "");
 }
 
-TEST(Interrupt, RestoresTheSignalHandler) {
-  struct sigaction before {
-  }, after{};
-  sigaction(SIGINT, nullptr, &before);
-  { const Interrupt interrupt; }
-  sigaction(SIGINT, nullptr, &after);
-  EXPECT_EQ(before.sa_handler, after.sa_handler);
+TEST(Interrupt, RestoresTheSignalHandlers) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction before {
+    }, after{};
+    sigaction(signal, nullptr, &before);
+    { const Interrupt interrupt; }
+    sigaction(signal, nullptr, &after);
+    EXPECT_EQ(before.sa_handler, after.sa_handler);
+  }
 }
 
 TEST(InterruptedProgram, EndsWithASilentServer) {
@@ -127,11 +141,13 @@ TEST(InterruptedProgram, EndsWithASilentServer) {
       {"cast", "s", "--in", "-", "--out", out}};
   for (std::vector<std::string> arguments : verbs) {
     arguments.insert(arguments.end(), {"--endpoint", port.endpoint()});
-    ChildProgram program(arguments);
-    ASSERT_TRUE(program.catches(SIGINT)) << program.output();
-    program.signal(SIGINT);
-    EXPECT_EQ(program.wait(), 130) << arguments[0];
-    EXPECT_EQ(program.output(), "sightline: interrupted\n");
+    for (const auto& [signal, code] : {std::pair(SIGINT, 130), std::pair(SIGTERM, 143)}) {
+      ChildProgram program(arguments);
+      ASSERT_TRUE(program.catches(signal)) << program.output();
+      program.signal(signal);
+      EXPECT_EQ(program.wait(), code) << arguments[0];
+      EXPECT_EQ(program.output(), "sightline: interrupted\n");
+    }
   }
   EXPECT_EQ(dir.names(), "rays.csv") << "no partial file is left";
 }
