@@ -1,7 +1,6 @@
 // The settings of a server, and the flags of sightlined that set them.
 #include "server/config.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 #include <thread>
 
 #include "server/exec/rpc_status.h"
+#include "server/net/listen_address.h"
 
 namespace sightline::server {
 namespace {
@@ -29,7 +29,7 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
                                                                   {"error", spdlog::level::err}};
 
 std::string check_address(const std::string& text) {
-  const auto address = ListenAddress::parse(text);
+  const auto address = net::ListenAddress::parse(text);
   return address.ok() ? std::string() : address.error().message;
 }
 
@@ -88,39 +88,6 @@ void add_flags(CLI::App& app, CommandLine& line) {
 }
 
 }  // namespace
-
-Result<ListenAddress> ListenAddress::parse(std::string_view text) {
-  const Error bad{Code::kInvalidArgument,
-                  fmt::format("{} is not HOST:PORT with a port from 0 to 65535", exec::quote(text)),
-                  "BAD_ADDRESS"};
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos) return bad;
-  std::string_view host = text.substr(0, colon);
-  const std::string_view port = text.substr(colon + 1);
-  if (host.starts_with('[') && host.ends_with(']') && host.size() > 2) {
-    host = host.substr(1, host.size() - 2);
-  } else if (host.find_first_of(":[]") != std::string_view::npos) {
-    return bad;
-  }
-  ListenAddress address{std::string(host), 0};
-  const char* end = port.data() + port.size();
-  const auto [parsed_to, error] = std::from_chars(port.data(), end, address.port);
-  if (host.empty() || error != std::errc{} || parsed_to != end) return bad;
-  return address;
-}
-
-std::string ListenAddress::text() const {
-  const bool ipv6 = host.find(':') != std::string::npos;
-  return ipv6 ? fmt::format("[{}]:{}", host, port) : fmt::format("{}:{}", host, port);
-}
-
-bool ListenAddress::is_loopback() const {
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
-  in6_addr v6{};
-  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
-  return host == "localhost";
-}
 
 int ServerConfig::default_threads() {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxThreads);

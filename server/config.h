@@ -16,19 +16,6 @@
 
 namespace sightline::server {
 
-/// The HOST:PORT that a server listens on.
-struct ListenAddress {
-  std::string host;        ///< A name or an address; an IPv6 address without its brackets.
-  std::uint16_t port = 0;  ///< 0: any free one.
-
-  /// Takes HOST:PORT and [IPV6]:PORT. Errors: kInvalidArgument.
-  static Result<ListenAddress> parse(std::string_view text);
-  /// The form gRPC takes.
-  std::string text() const;
-  /// Whether only this machine can reach it: 127.0.0.0/8, ::1 or "localhost".
-  bool is_loopback() const;
-};
-
 /// The settings of a server.
 struct ServerConfig {
   std::string listen = "127.0.0.1:50151";  ///< HOST:PORT; port 0 picks one.

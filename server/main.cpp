@@ -1,5 +1,6 @@
 // sightlined: the server program.
 #include <malloc.h>
+#include <openssl/crypto.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
@@ -70,6 +71,8 @@ int main(int argc, char** argv) try {
   start_logging(line.log_level);
 
   // oneTBB's idle workers are not joined: tbb::finalize never returns on some machines of one core.
+  // What OpenSSL holds for these threads must therefore stay.
+  OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
   static auto& watchdog = *new Watchdog;
   return serve(line.config, ending, watchdog);
 } catch (const std::exception& thrown) {

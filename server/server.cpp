@@ -8,7 +8,11 @@
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <mutex>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include "accel/split/scan_kernel.h"
@@ -17,7 +21,10 @@
 #include "server/config.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
+#include "server/exec/open_rpcs.h"
 #include "server/info_rpc.h"
+#include "server/net/acceptor.h"
+#include "server/net/listening_sockets.h"
 #include "server/queries/cast_rpc.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
@@ -33,12 +40,14 @@ namespace {
 constexpr std::size_t kGrpcMemory =
     std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
 
+/// Between the end of the last call and the end of the connections, which clients may use to close
+/// them themselves.
+constexpr std::chrono::milliseconds kGoodbye{100};
+
 /// Settings that differ from the library's defaults. They were measured.
 void configure(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
-                             0);  // otherwise two servers could share a port
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
@@ -47,8 +56,8 @@ void configure(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
 }
 
-Result<ListenAddress> check_listen(const ServerConfig& config) {
-  auto address = ListenAddress::parse(config.listen);
+Result<net::ListenAddress> check_listen(const ServerConfig& config) {
+  auto address = net::ListenAddress::parse(config.listen);
   if (!address || address->is_loopback() || config.insecure) return address;
   return Error{Code::kInvalidArgument,
                fmt::format("{} can be reached from other machines, and this "
@@ -91,6 +100,7 @@ struct Server::Parts {
 
   const ServerConfig config;
   exec::Admission admission, all_hits_admission, small_admission;
+  exec::OpenRpcs open_rpcs;
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
   scenes::SceneStore scenes;
   blobs::BlobStore blobs;
@@ -121,10 +131,54 @@ struct Server::Parts {
   }
 
   InfoRpc info_rpc{config};
-  int port = 0;
+  std::uint16_t port = 0;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
+  std::unique_ptr<net::Acceptor> acceptor;
   std::once_flag drained;
+
+  void serve(grpc::ServerBuilder& builder);
+  void accept(net::ListeningSockets listening);
+  void close_idle(std::stop_token stop);
 };
+
+void Server::Parts::serve(grpc::ServerBuilder& builder) {
+  configure(builder);
+  for (grpc::Service* service :
+       std::initializer_list<grpc::Service*>{&query_rpc, &scene_rpc, &blob_rpc, &info_rpc})
+    builder.RegisterService(service);
+  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  auto experimental = builder.experimental();
+  experimental.SetInterceptorCreators(exec::count_calls(open_rpcs));
+  connections =
+      experimental.AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
+  grpc = builder.BuildAndStart();
+}
+
+void Server::Parts::accept(net::ListeningSockets listening) {
+  port = listening.port;
+  acceptor = std::make_unique<net::Acceptor>(
+      std::move(listening.sockets), net::connection_limit(),
+      net::Acceptor::Events{
+          .accepted =
+              [this](int listener, net::Descriptor connection) {
+                grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+                parameters.listener_fd = listener;
+                parameters.fd = connection.release();
+                connections->HandleNewConnection(&parameters);
+              },
+          .failed = [this] { grpc->GetHealthCheckService()->SetServingStatus(false); }});
+}
+
+/// Closes the connections when no call is open any more: gRPC would wait for clients that do not
+/// look at them.
+void Server::Parts::close_idle(std::stop_token stop) {
+  open_rpcs.wait_for_none(config.drain);
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any().wait_for(lock, std::move(stop), kGoodbye, [] { return false; });
+  acceptor->shut_down();
+}
 
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   const auto address = check_listen(config);
@@ -137,19 +191,12 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
   auto parts = std::make_unique<Parts>(config);
+  auto listening = net::listen_on(*address);
+  if (!listening) return listening.error();
   grpc::ServerBuilder builder;
-  configure(builder);
-  builder.AddListeningPort(address->text(), grpc::InsecureServerCredentials(), &parts->port);
-  builder.RegisterService(&parts->query_rpc);
-  builder.RegisterService(&parts->scene_rpc);
-  builder.RegisterService(&parts->blob_rpc);
-  builder.RegisterService(&parts->info_rpc);
-  parts->grpc = builder.BuildAndStart();
-  if (parts->grpc == nullptr || parts->port == 0) {
-    return Error{Code::kUnavailable,
-                 fmt::format("cannot listen on {}: is the port in use?", config.listen),
-                 "PORT_UNAVAILABLE"};
-  }
+  parts->serve(builder);
+  if (parts->grpc == nullptr) return Error{Code::kInternal, "gRPC does not start", "NOT_STARTED"};
+  parts->accept(std::move(*listening));
   std::unique_ptr<Server> server(new Server(std::move(parts)));
   if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
@@ -173,6 +220,8 @@ void Server::drain() {
     spdlog::info("event=draining deadline_ms={}", parts_->config.drain.count());
     parts_->grpc->GetHealthCheckService()->SetServingStatus(false);
     parts_->stop_waiting();
+    parts_->acceptor->stop();
+    const std::jthread idle([this](std::stop_token stop) { parts_->close_idle(std::move(stop)); });
     parts_->grpc->Shutdown(std::chrono::system_clock::now() + parts_->config.drain);
     spdlog::info("event=stopped");
   });

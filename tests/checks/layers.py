@@ -31,6 +31,7 @@ scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtre
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
+server/net                  server/exec accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances

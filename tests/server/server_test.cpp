@@ -14,6 +14,7 @@
 
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
+#include "tests/server/support/tcp.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -126,7 +127,6 @@ TEST_F(ServerTest, ServesHealthAndReflection) {
   }
   std::thread drain([&] { server_->drain(); });
   EXPECT_EQ(health->next(), not_serving);
-  health.reset();  // Otherwise draining would wait for it
   drain.join();
 }
 
@@ -155,6 +155,18 @@ TEST_F(ServerTest, DrainsOnceAndRefusesCallsAfterwards) {
   server_->drain();
   server_->drain();
   EXPECT_EQ(cast_one().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST(Server, DrainingDoesNotWaitForAClientThatDoesNotLook) {
+  server::ServerConfig config = test_config();
+  config.drain = std::chrono::hours(1);
+  const auto server = server::Server::start(config);
+  ASSERT_TRUE(server);
+  const auto client = connect_tcp((*server)->port());
+  const std::string no_settings("\0\0\0\4\0\0\0\0\0", 9);
+  send_bytes(client, "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + no_settings);
+  ASSERT_FALSE(receive_bytes(client).empty());  // the server's settings
+  (*server)->drain();
 }
 
 TEST(Server, CancelsRemainingCallsWhenDrainingEnds) {

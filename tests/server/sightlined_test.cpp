@@ -19,6 +19,7 @@
 #include "server/queries/query_codec.h"
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
+#include "tests/server/support/tcp.h"
 #include "tests/support/child_process.h"
 #include "tests/support/scenes.h"
 
@@ -123,6 +124,19 @@ TEST_F(Sightlined, EndsWhileItsLogIsNotRead) {
   Api api(connect(child.port()));
   child.stop_reading();
   fill_log(api);
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
+}
+
+TEST_F(Sightlined, AcceptsAgainAfterMoreConnectionsThanFileDescriptors) {
+  ChildProcess child("/usr/bin/prlimit", {"--nofile=64", SIGHTLINED, "--listen", "127.0.0.1:0"});
+  const int port = std::atoi(child.rest_of_line(" port=").c_str());
+  ASSERT_GT(port, 0) << child.output();
+  for (int round = 0; round < 3; ++round) {
+    std::vector<server::net::Descriptor> many;
+    for (int i = 0; i < 100; ++i) many.push_back(connect_tcp(port));
+  }
+  Api(connect(port)).make_scene(kScene, cube());
   child.signal(SIGTERM);
   EXPECT_EQ(child.wait(), 0);
 }

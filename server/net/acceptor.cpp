@@ -1,0 +1,181 @@
+// Accepts connections, whatever the process runs out of.
+#include "server/net/acceptor.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <spdlog/spdlog.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace sightline::server::net {
+namespace {
+
+/// File descriptors that are not connections.
+constexpr std::size_t kOwnFiles = 40;
+constexpr std::size_t kFilesPerConnection = 2;
+constexpr std::size_t kMaxConnections = 10'000;
+
+/// After a refusal for which no descriptor was left either.
+constexpr std::chrono::milliseconds kPause{10};
+
+Descriptor must(int made, const char* what) {
+  if (made < 0) throw std::system_error(errno, std::generic_category(), what);
+  return Descriptor(made);
+}
+
+Descriptor spare() { return Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+
+/// The peer's address without its port.
+std::string address_of(int connection) {
+  sockaddr_storage peer{};
+  socklen_t size = sizeof peer;
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (getpeername(connection, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return {};
+  const void* address = &reinterpret_cast<const sockaddr_in&>(peer).sin_addr;
+  if (peer.ss_family == AF_INET6) address = &reinterpret_cast<const sockaddr_in6&>(peer).sin6_addr;
+  if (inet_ntop(peer.ss_family, address, text.data(), text.size()) == nullptr) return {};
+  return text.data();
+}
+
+int accept_one(int listener) {
+  return accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+}
+
+}  // namespace
+
+std::size_t connection_limit() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return 1;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+  getrlimit(RLIMIT_NOFILE, &files);
+  const auto open = static_cast<std::size_t>(files.rlim_cur);
+  if (open <= kOwnFiles) return 1;
+  return std::clamp((open - kOwnFiles) / kFilesPerConnection, std::size_t{1}, kMaxConnections);
+}
+
+Acceptor::Acceptor(std::vector<Descriptor> listeners, std::size_t limit, Events events)
+    : listeners_(std::move(listeners)),
+      events_(std::move(events)),
+      connections_(limit),
+      epoll_(must(epoll_create1(EPOLL_CLOEXEC), "epoll_create1")),
+      wake_(must(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd")),
+      reserve_(spare()) {
+  watch(wake_.number(), EPOLLIN);
+  for (const Descriptor& listener : listeners_) watch(listener.number(), EPOLLIN);
+  thread_ = std::thread([this] {
+    try {
+      run();
+    } catch (const std::exception& thrown) {
+      spdlog::error("event=acceptor_failed reason=\"{}\"", thrown.what());
+      events_.failed();
+    }
+  });
+}
+
+Acceptor::~Acceptor() { stop(); }
+
+void Acceptor::stop() {
+  if (!thread_.joinable()) return;
+  eventfd_write(wake_.number(), 1);
+  thread_.join();
+  listeners_.clear();
+}
+
+void Acceptor::watch(int descriptor, unsigned events) {
+  epoll_event event{.events = events, .data = {.fd = descriptor}};
+  if (epoll_ctl(epoll_.number(), EPOLL_CTL_ADD, descriptor, &event) != 0)
+    throw std::system_error(errno, std::generic_category(), "epoll_ctl");
+}
+
+void Acceptor::run() {
+  std::array<epoll_event, 64> ready{};
+  for (;;) {
+    const int count = epoll_wait(epoll_.number(), ready.data(), ready.size(), -1);
+    if (count < 0 && errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), "epoll_wait");
+    const auto events = std::span(ready).first(static_cast<std::size_t>(std::max(count, 0)));
+    // First those that are gone: a new connection may get the number of one of them.
+    for (const epoll_event& event : events) {
+      if (event.data.fd == wake_.number()) return;
+      if (!is_listener(event.data.fd)) drop(event.data.fd);
+    }
+    for (const epoll_event& event : events) {
+      if (is_listener(event.data.fd)) accept_from(event.data.fd);
+    }
+  }
+}
+
+bool Acceptor::is_listener(int descriptor) const {
+  return std::any_of(listeners_.begin(), listeners_.end(),
+                     [&](const Descriptor& one) { return one.number() == descriptor; });
+}
+
+/// To close the descriptor is not enough: epoll watches the socket, which gRPC may still hold.
+void Acceptor::drop(int connection) {
+  epoll_ctl(epoll_.number(), EPOLL_CTL_DEL, connection, nullptr);
+  connections_.remove(connection);
+}
+
+void Acceptor::accept_from(int listener) {
+  Descriptor connection(accept_one(listener));
+  if (connection) return take(listener, std::move(connection));
+  switch (errno) {
+    case EMFILE:
+    case ENFILE:
+    case ENOBUFS:
+    case ENOMEM:
+      return refuse_from(listener);
+    case EBADF:
+    case EINVAL:
+    case ENOTSOCK:
+      throw std::system_error(errno, std::generic_category(), "accept4");
+    default:
+      return;  // the connection ended before it was accepted
+  }
+}
+
+void Acceptor::refuse_from(int listener) {
+  reserve_ = Descriptor();
+  const bool refused = static_cast<bool>(Descriptor(accept_one(listener)));
+  reserve_ = spare();
+  if (!refused) std::this_thread::sleep_for(kPause);
+}
+
+void Acceptor::take(int listener, Descriptor connection) try {
+  const std::string address = address_of(connection.number());
+  if (connections_.full()) {
+    const auto loser = connections_.gives_way_to(address);
+    spdlog::debug("event=connection_refused peer={} open={} gives_way={}", address,
+                  connections_.size(), loser.has_value());
+    if (!loser) return;
+    shutdown(*loser, SHUT_RDWR);
+    drop(*loser);
+  }
+  const int on = 1;
+  setsockopt(connection.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  Descriptor second(fcntl(connection.number(), F_DUPFD_CLOEXEC, 0));
+  if (!second) return;
+  watch(second.number(), 0);
+  connections_.add(address, std::move(second));
+  events_.accepted(listener, std::move(connection));
+} catch (const std::exception& thrown) {
+  spdlog::warn("event=connection_refused reason=\"{}\"", thrown.what());
+}
+
+}  // namespace sightline::server::net
