@@ -12,7 +12,6 @@
 #include <atomic>
 #include <string>
 
-#include "accel/kdtree/epoch.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
 
@@ -36,13 +35,14 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t 
                                  : TraceStats{};
   if (!built) return built;
   const instances::OpenTrees trees = snapshot.trees();
-  Result<TraceStats> traced =
-      query::run_blocks(rays, rays_per_block, options.cancelled, [&](const RayBlock& block) {
-        const accel::kdtree::EpochPin pin;
-        RayCaster caster(trees, options);
-        answer(caster, block);
-        return caster.stats();
-      });
+  const auto answer_all = [&] {
+    return query::run_blocks(rays, rays_per_block, options.cancelled, [&](const RayBlock& block) {
+      RayCaster caster(trees, options);
+      answer(caster, block);
+      return caster.stats();
+    });
+  };
+  Result<TraceStats> traced = query::or_out_of_memory(answer_all);
   if (traced) *traced += *built;
   return traced;
 }

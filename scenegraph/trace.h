@@ -17,8 +17,9 @@ using query::build_all;
 
 /// Answers every ray of the batch at this one revision: hits[i] is the answer to rays[i].
 /// kAny reports only `state` (and `work`). Runs in the calling thread's oneTBB arena, in parallel.
-/// Errors: kCancelled (hits are then incomplete), kInvalidArgument (sizes disagree, or the kind is
-/// not kClosest or kAny). A bad ray is marked HitState::kInvalid and never fails the batch.
+/// Errors: kCancelled and kResourceExhausted (no memory to build what the rays need; hits are then
+/// incomplete), kInvalidArgument (sizes disagree, or the kind is not kClosest or kAny). A bad ray
+/// is marked HitState::kInvalid and never fails the batch.
 Result<TraceStats> trace(const revision::Snapshot& snapshot,
                          std::span<const accel::geometry::Ray> rays,
                          std::span<accel::geometry::Hit> hits, const TraceOptions& options);
@@ -39,7 +40,8 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot,
                              const TraceOptions& options);
 
 /// Grows what a cast of these rays would grow, and keeps no hit. `options` are those of the cast,
-/// of any kind. Parallel in the caller's arena. Errors: kCancelled.
+/// of any kind. Parallel in the caller's arena. Errors: kCancelled,
+/// kResourceExhausted.
 Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const accel::geometry::Ray> rays,
                      const TraceOptions& options, query::BuildProgress& progress);
 

@@ -25,15 +25,14 @@ kdtree::PartitionCounts CellCut::clip(std::span<kdtree::Reference> left,
 }
 
 HalvedPath CellCut::paths(const kdtree::PartitionCounts& after) const {
+  const SideCounts counts{static_cast<double>(after.left), static_cast<double>(after.right)};
   return halve_path(cap_below_useless_cut(path_, references_, after.left, after.right), cut_,
-                    halves_, static_cast<double>(references_), static_cast<double>(after.left),
-                    static_cast<double>(after.right));
+                    halves_, static_cast<double>(references_), counts, counts);
 }
 
-HalvedPath CellCut::paths_by_weight(std::uint64_t before, std::uint64_t left,
-                                    std::uint64_t right) const {
-  return halve_path(path_, cut_, halves_, static_cast<double>(before), static_cast<double>(left),
-                    static_cast<double>(right));
+HalvedPath CellCut::paths_by_weight(std::uint64_t before, const SideCounts& after,
+                                    const SideCounts& listed) const {
+  return halve_path(path_, cut_, halves_, static_cast<double>(before), after, listed);
 }
 
 }  // namespace sightline::accel::grow

@@ -47,11 +47,11 @@ class CellCut {
   /// Whether the cut is made, if it leaves `straddlers` references of the whole list on both sides:
   /// it separates something and is within the cell's budget. Otherwise the cell is a leaf.
   bool is_made(std::size_t straddlers) const {
-    return straddlers < references_ && within_budget(path_, straddlers);
+    return straddlers < references_ &&
+           within_budget(path_, static_cast<double>(references_), static_cast<double>(straddlers));
   }
 
-  /// Whether the straddlers are clipped. `seen`: the length of the list, or 0 if only a slice of it
-  /// is known.
+  /// Whether the straddlers are clipped. `seen`: the length of the list or of a slice of it.
   bool clips(std::size_t straddlers, std::size_t seen) const {
     return mesh_ && rule_->clips(straddlers, seen);
   }
@@ -63,7 +63,8 @@ class CellCut {
   /// What the children inherit, if their lists are this long after clipping.
   HalvedPath paths(const kdtree::PartitionCounts& after) const;
   /// The same for openable references, by weight: it is not known yet how many straddle.
-  HalvedPath paths_by_weight(std::uint64_t before, std::uint64_t left, std::uint64_t right) const;
+  HalvedPath paths_by_weight(std::uint64_t before, const SideCounts& after,
+                             const SideCounts& listed) const;
 
  private:
   const split::SplitSearch* rule_;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
+#include <thread>
 
 #include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
@@ -12,7 +14,44 @@
 namespace sightline::accel::grow {
 namespace {
 
-using ReferenceStack = ListStack<kdtree::Reference>;
+/// How many references the right lists below a cell of `references` may hold at once, and the room
+/// for one more list.
+std::size_t waiting_below(std::size_t references, const kdtree::CellPath& path) {
+  constexpr std::size_t kMost = 8;  // more only without a budget, which bounds list_capacity
+  const std::size_t most = kMost * references;
+  if (!(path.list_capacity < static_cast<double>(most))) return most + references;
+  return static_cast<std::size_t>(std::max(0.0, path.list_capacity)) + references;
+}
+
+/// The right lists of one task.
+class ReferenceStack : public ListStack<kdtree::Reference> {
+ public:
+  /// For a list of `references`, whose right lists hold `expected` at most.
+  ReferenceStack(kdtree::KdTree& tree, std::size_t references, std::size_t expected)
+      : ListStack<kdtree::Reference>(expected), references_(references), held_(tree) {}
+
+  /// That n references were written at the top.
+  void written(std::size_t n) { held_.reach((size() + n) * sizeof(kdtree::Reference)); }
+
+  /// Whether a list is so long that its memory counts.
+  bool is_large_part(std::size_t list) const {
+    constexpr std::size_t kShare = 8;
+    return list * kShare >= references_;
+  }
+
+  /// After a left subtree of a list: frees what only lists of overlapping triangles need.
+  void trim_below(std::size_t parent) {
+    overlapping_ |= held_.bytes() > references_ * sizeof(kdtree::Reference);
+    if (!overlapping_ || !is_large() || !is_large_part(parent)) return;
+    trim();
+    held_.shrink(size() * sizeof(kdtree::Reference));
+  }
+
+ private:
+  std::size_t references_;
+  bool overlapping_ = false;
+  GrowingBytes held_;
+};
 
 class Growth {
  public:
@@ -34,13 +73,14 @@ class Growth {
 
     // Before the list is divided: without room for the children it stays as it is.
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return defer(refs, cell, path, true);
+    if (!pair) return give_up(refs, cell, path);
 
     const CellCut sides(rule_, context_.mesh, cell, path, refs.size(), *cut);
     const ReferenceStack::Mark mark = lists.mark();
     kdtree::Reference* right = lists.top(refs.size());
     std::optional<split::ChildScans> scans = sides.first_scans();
     kdtree::PartitionCounts n = sides.sift(refs, refs.data(), right, scans);
+    lists.written(n.right);
     counters.touches += refs.size();
     const std::size_t straddlers = n.left + n.right - refs.size();
     if (!sides.is_made(straddlers)) {
@@ -52,7 +92,7 @@ class Growth {
       scans.reset();
     }
     lists.take(n.right);
-    grow_children(sides, {refs.first(n.left), {right, n.right}}, scans,
+    grow_children(sides, {refs, refs.first(n.left), {right, n.right}, mark}, scans,
                   context_.tree.children(kdtree::Slot::binary(cut->plane, *pair)), lists, counters);
     lists.release(mark);
     return kdtree::Slot::binary(cut->plane, *pair);
@@ -60,8 +100,22 @@ class Growth {
 
  private:
   struct Lists {
-    std::span<kdtree::Reference> left, right;
+    std::span<kdtree::Reference> parent, left, right;
+    ReferenceStack::Mark below_right;
   };
+
+  /// The right list, after the left subtree is grown. A long list, or one about as long as its
+  /// parent's, moves there, or a path to the right would keep the lists of all its cells.
+  static std::span<kdtree::Reference> right_list(const Lists& refs, ReferenceStack& lists) {
+    constexpr double kLong = 0.625;
+    lists.trim_below(refs.parent.size());
+    const bool keeps_most =
+        static_cast<double>(refs.right.size()) >= kLong * static_cast<double>(refs.parent.size());
+    if (!keeps_most && !lists.is_large_part(refs.parent.size())) return refs.right;
+    std::copy(refs.right.begin(), refs.right.end(), refs.parent.begin());
+    lists.release(refs.below_right);
+    return refs.parent.first(refs.right.size());
+  }
 
   void grow_children(const CellCut& sides, const Lists& refs,
                      const std::optional<split::ChildScans>& scans, kdtree::AtomicSlot* children,
@@ -71,21 +125,39 @@ class Growth {
       set(children[0], grow(refs.left, sides.halves().left, below.left,
                             scans ? &scans->left : nullptr, lists, counters));
     };
-    const auto grow_right = [&](ReferenceStack& own, kdtree::BuildCounters& sum) {
-      set(children[1], grow(refs.right, sides.halves().right, below.right,
-                            scans ? &scans->right : nullptr, own, sum));
+    const auto grow_right = [&](std::span<kdtree::Reference> list, ReferenceStack& stack,
+                                kdtree::BuildCounters& sum) {
+      set(children[1], grow(list, sides.halves().right, below.right,
+                            scans ? &scans->right : nullptr, stack, sum));
     };
-    if (std::min(refs.left.size(), refs.right.size()) < kForkFrom) {
+    if (std::min(refs.left.size(), refs.right.size()) < kForkFrom || is_dense(refs, lists)) {
       grow_left();
-      grow_right(lists, counters);
+      grow_right(right_list(refs, lists), lists, counters);
       return;
     }
     kdtree::BuildCounters right_counters;
-    fork(grow_left, [&] {
-      ReferenceStack own;
-      grow_right(own, right_counters);
+    bool left_is_grown = false;
+    const auto left = [&] {
+      grow_left();
+      left_is_grown = true;
+    };
+    fork(left, [&, thread = std::this_thread::get_id()] {
+      if (std::this_thread::get_id() == thread && left_is_grown)
+        return grow_right(right_list(refs, lists), lists, right_counters);
+      ReferenceStack own(context_.tree, refs.right.size(),
+                         waiting_below(refs.right.size(), below.right));
+      grow_right(refs.right, own, right_counters);
     });
     counters += right_counters;
+  }
+
+  /// Whether lists are long and overlap so much that the room for them is for one path at a time.
+  static bool is_dense(const Lists& refs, const ReferenceStack& lists) {
+    constexpr std::size_t kStraddleShare = 4;
+    const std::size_t straddlers = refs.left.size() + refs.right.size() - refs.parent.size();
+    return refs.left.size() + refs.right.size() > refs.parent.size() &&
+           straddlers * kStraddleShare >= refs.parent.size() &&
+           lists.is_large_part(refs.parent.size());
   }
 
   /// Not published until the slot of the whole subtree is.
@@ -114,7 +186,14 @@ class Growth {
   kdtree::Slot leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                     const kdtree::CellPath& path) {
     const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(refs);
-    return slot ? *slot : defer(refs, cell, path, true);
+    return slot ? *slot : give_up(refs, cell, path);
+  }
+
+  /// The tree's arrays are full. With a budget that is no fault of the mesh.
+  kdtree::Slot give_up(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
+                       const kdtree::CellPath& path) {
+    if (rule_.budget() != 0) throw std::bad_alloc();
+    return defer(refs, cell, path, true);
   }
 
   kdtree::Slot defer(std::span<const kdtree::Reference> refs, const geometry::Aabb& box,
@@ -146,7 +225,7 @@ kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   kdtree::BuildCounters& counters) {
   if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
     return *grown;
-  ReferenceStack lists;
+  ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
   return Growth(context).grow(refs, cell, path, nullptr, lists, counters);
 }
 

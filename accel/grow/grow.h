@@ -21,6 +21,36 @@ struct GrowContext {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
+/// Counts bytes of lists as held by a tree while it grows (KdTree::add_growing). Threads: one.
+class GrowingBytes {
+ public:
+  explicit GrowingBytes(kdtree::KdTree& tree, std::uint64_t bytes = 0) : tree_(tree) {
+    reach(bytes);
+  }
+  ~GrowingBytes() { tree_.add_growing(-static_cast<std::int64_t>(bytes_)); }
+  GrowingBytes(const GrowingBytes&) = delete;
+  GrowingBytes& operator=(const GrowingBytes&) = delete;
+
+  /// Counts at least `bytes`, in whole pages.
+  void reach(std::uint64_t bytes) {
+    constexpr std::uint64_t kPage = 4096;
+    if (bytes <= bytes_) return;
+    const std::uint64_t pages = (bytes + kPage - 1) / kPage * kPage;
+    tree_.add_growing(static_cast<std::int64_t>(pages - bytes_));
+    bytes_ = pages;
+  }
+  void shrink(std::uint64_t bytes) {
+    if (bytes >= bytes_) return;
+    tree_.add_growing(static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(bytes_));
+    bytes_ = bytes;
+  }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  kdtree::KdTree& tree_;
+  std::uint64_t bytes_ = 0;
+};
+
 /// Depth at which no cell of a tree over this many references is split: 8 + 1.3 log2 n is the depth
 /// of a good tree (Havran 2000), the rest allows for splits that cut off empty space.
 int depth_limit(std::size_t references);
@@ -30,9 +60,9 @@ int depth_limit(const split::SplitSearch& rule, std::size_t references);
 
 /// Grows the subtree under `cell` and returns its slot, which is not published yet. `refs` is
 /// overwritten: a left child's list replaces its parent's, a right child's is on a stack (Hunt et
-/// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. A cell for which there
-/// is no space stays deferred, marked failed. Throws std::bad_alloc; nodes made until then stay in
-/// the tree's storage, unreachable.
+/// al. 2006, section 6.3.1). Large subtrees are tasks in the caller's arena. If the tree's
+/// arrays are full, a cell stays deferred, marked failed, if the rule has no budget. Throws
+/// std::bad_alloc; nodes made until then stay in the tree's storage, unreachable.
 ///
 /// A rule may grow subtrees in its own way (SplitSearch::grow_subtree).
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,

@@ -1,5 +1,5 @@
-// How many references the cuts of a subtree may add, and how its children share them. Without it
-// the subtree that grows first spends what memory there is.
+// How many references the cuts of a subtree may add, and how its children share them; and how many
+// may wait in lists. Without it the subtree that grows first spends what memory there is.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,23 @@
 
 namespace sightline::accel::grow {
 
-/// Whether a cut that leaves `straddlers` references on both sides is within the cell's budget.
-inline bool within_budget(const kdtree::CellPath& path, std::size_t straddlers) {
-  return static_cast<double>(straddlers) <= path.references_left;
+/// The lists that wait on one path of a tree hold at most this many references for each one of the
+/// root: those of the siblings of all cells of the path, and both children's of the last cut. Lists
+/// that cuts separate well hold two.
+inline constexpr double kListCapacity = 3.5;
+
+/// What the root of a tree over `references` inherits, if its leaves may hold `budget` of them for
+/// each one; 0: any number.
+inline kdtree::CellPath root_path(double budget, std::size_t references) {
+  if (budget == 0) return {};
+  const auto n = static_cast<double>(references);
+  return {.references_left = (budget - 1) * n, .list_capacity = kListCapacity * n};
+}
+
+/// Whether a cut of `references`, which leaves `straddlers` of them on both sides, is within the
+/// cell's budget, and its lists within the room for lists.
+inline bool within_budget(const kdtree::CellPath& path, double references, double straddlers) {
+  return straddlers <= path.references_left && references + straddlers <= path.list_capacity;
 }
 
 /// The path of a cell of `before` references, with a smaller budget where its cut, which leaves
@@ -45,23 +59,28 @@ inline double demand(const geometry::Aabb& cell, double references) {
 /// One of the cells that a division makes.
 struct ChildCell {
   geometry::Aabb box;
-  double references;
-  kdtree::CellPath* path;  ///< Its budget and its duplication are written here.
+  double references;       ///< By weight, if some can be opened.
+  double listed;           ///< In its list.
+  kdtree::CellPath* path;  ///< Its budget, its room and its duplication are written here.
 };
 
 /// Shares the budget of a cell of `before` references out to its children, by demand, less what the
-/// division added. No effect on a path without a budget. At least one child.
+/// division added. The room of a child is what the lists of the others leave. No effect on a path
+/// without a budget. At least one child.
 inline void share_budget(const kdtree::CellPath& parent, double before,
                          std::span<const ChildCell> children) {
   if (std::isinf(parent.references_left)) return;
-  double after = 0, demands = 0;
+  double after = 0, demands = 0, listed = 0;
   for (const ChildCell& child : children) {
     after += child.references;
+    listed += child.listed;
     demands += demand(child.box, child.references);
   }
   const double references_left =
       std::max(0.0, parent.references_left - std::max(0.0, after - before));
   const double duplication = parent.duplication * std::max(1.0, after / before);
+  for (const ChildCell& child : children)
+    child.path->list_capacity = parent.list_capacity - (listed - child.listed);
   double rest = references_left;
   for (const ChildCell& child : children.first(children.size() - 1)) {
     const double share = demands > 0 ? demand(child.box, child.references) / demands
@@ -74,16 +93,22 @@ inline void share_budget(const kdtree::CellPath& parent, double before,
   children.back().path->duplication = duplication;
 }
 
-/// The paths of both children of a cut, whose lists have `left` and `right` references.
+/// References on both sides of a cut.
+struct SideCounts {
+  double left = 0, right = 0;
+};
+
+/// The paths of both children of a cut, which have `after` references; `listed` are in their lists.
 struct HalvedPath {
   kdtree::CellPath left, right;
 };
 inline HalvedPath halve_path(const kdtree::CellPath& path, const kdtree::Split& cut,
-                             const geometry::HalvedCell& halves, double before, double left,
-                             double right) {
+                             const geometry::HalvedCell& halves, double before,
+                             const SideCounts& after, const SideCounts& listed) {
   HalvedPath below{path.below(cut), path.below(cut)};
   const std::array<ChildCell, 2> children{
-      {{halves.left, left, &below.left}, {halves.right, right, &below.right}}};
+      {{halves.left, after.left, listed.left, &below.left},
+       {halves.right, after.right, listed.right, &below.right}}};
   share_budget(path, before, children);
   return below;
 }

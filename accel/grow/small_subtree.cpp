@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <new>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/grow/small_subtree.cpp"
@@ -39,7 +40,7 @@ class SmallGrowth {
     if (path.depth < context_.max_depth && size > 0) cut = choose(set, size, cell);
     if (!cut.found()) return leaf(set, cell, path);
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return defer(set, cell, path);
+    if (!pair) return give_up(set, cell, path);
     counters_.touches += size;
     const Axis& axis = axes_[static_cast<std::size_t>(cut.plane.axis)];
     const Set left = set & axis.below[cut.bound], right = set & axis.above[cut.bound];
@@ -195,10 +196,12 @@ class SmallGrowth {
     if (std::has_single_bit(set))
       return kdtree::Slot::single(refs_[static_cast<std::size_t>(std::countr_zero(set))].id);
     const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(list_of(set));
-    return slot ? *slot : defer(set, cell, path);
+    return slot ? *slot : give_up(set, cell, path);
   }
 
-  kdtree::Slot defer(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
+  /// As Growth::give_up.
+  kdtree::Slot give_up(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
+    if (context_.rule.budget() != 0) throw std::bad_alloc();
     const std::span<const kdtree::Reference> refs = list_of(set);
     kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <new>
 
 #include "accel/kdtree/epoch.h"
@@ -26,6 +27,14 @@ class SharedWork {
 
  private:
   std::atomic<int> users_{1};
+};
+
+/// The bytes of a tree's cells and lists. Cells share it with their tree, because retired ones may
+/// outlive it.
+struct ListBytes {
+  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells with their lists.
+  std::atomic<std::uint64_t> retired{0};   ///< Retired cells that are not freed yet.
+  std::atomic<std::uint64_t> growing{0};   ///< Lists of the subtrees that are built at once.
 };
 
 /// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.
@@ -51,15 +60,17 @@ struct alignas(8) DeferredCell : Retirable {
   bool has_list = true;
   /// Some references of the list may be openable.
   bool openable = false;
+  bool whole = false;  ///< Its subtree is built at once: lists for later would take too much.
   CellList list;
   std::size_t size = 0;      ///< References in the cell, also if the list is not made.
   std::uint64_t weight = 0;  ///< Sum over all references.
   ChildScan first;  ///< Counts of the first pass, if they were made when the list was written.
-  /// Expanding failed because there was no memory: the cell stays deferred, and rays search its
-  /// list.
+  /// The arrays of a tree without a budget of references (SplitSearch::budget) are full: the cell
+  /// stays deferred, and rays search its list.
   std::atomic<bool> failed{false};
   /// Set once a thread has begun to expand a large cell.
   std::atomic<SharedWork*> task{nullptr};
+  std::shared_ptr<ListBytes> account;  ///< Of its tree.
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }
 };

@@ -51,6 +51,8 @@ ThreadSlot* claim_slot() {
 struct ThisThread {
   ThreadSlot* slot = claim_slot();
   int depth = 0;
+  bool due = false;         ///< To free when the pin is left.
+  std::uint64_t bytes = 0;  ///< Retired since this thread tried to free.
   ~ThisThread() { slot->taken.store(false, std::memory_order_release); }
 };
 
@@ -115,9 +117,9 @@ void try_to_free(Domain& d) {
 
 }  // namespace
 
-EpochPin::EpochPin() {
-  ThisThread& t = this_thread();
-  if (t.depth++ > 0) return;
+namespace {
+
+void enter(ThisThread& t) {
   const Domain& d = domain();
   // The epoch is read again after the pin is published. A thread that frees without seeing this pin
   // has advanced the epoch first; then the second read makes its unlinking visible here.
@@ -130,13 +132,39 @@ EpochPin::EpochPin() {
   }
 }
 
-EpochPin::~EpochPin() {
-  ThisThread& t = this_thread();
-  if (--t.depth == 0) t.slot->epoch.store(kIdle, std::memory_order_release);
+void leave(ThisThread& t) {
+  t.slot->epoch.store(kIdle, std::memory_order_release);
+  if (!t.due) return;
+  t.due = false;
+  t.bytes = 0;
+  try_to_free(domain());
 }
 
-void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes) {
+}  // namespace
+
+EpochPin::EpochPin() {
+  ThisThread& t = this_thread();
+  if (t.depth++ == 0) enter(t);
+}
+
+EpochPin::~EpochPin() {
+  ThisThread& t = this_thread();
+  if (--t.depth == 0) leave(t);
+}
+
+void EpochPin::renew() {
+  ThisThread& t = this_thread();
+  const std::uint64_t pinned = t.slot->epoch.load(std::memory_order_relaxed);
+  if (t.depth > 1 || (!t.due && pinned == domain().epoch.load(std::memory_order_relaxed))) return;
+  leave(t);
+  enter(t);
+}
+
+void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon) {
   Domain& d = domain();
+  ThisThread& t = this_thread();
+  t.bytes += bytes;
+  t.due |= soon || t.bytes >= kReclaimBytes;
   object.free = free;
   object.bytes = bytes;
   object.epoch = d.epoch.load(std::memory_order_seq_cst);

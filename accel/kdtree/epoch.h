@@ -8,11 +8,14 @@ namespace sightline::accel::kdtree {
 
 /// While a pin lives, nothing retired after its construction is freed. Hold it for one block of
 /// rays, not longer. Pins nest. Threads: any. Entering is one store, repeated if the epoch advanced
-/// meanwhile; leaving is one store.
+/// meanwhile; leaving is one store, and frees what it can if the thread has retired much.
 class EpochPin {
  public:
   EpochPin();
   ~EpochPin();
+  /// As leaving and entering again, if something waits for that: call it between rays, where
+  /// nothing is used any more that was read under the pin. No effect under an outer pin.
+  void renew();
   EpochPin(const EpochPin&) = delete;
   EpochPin& operator=(const EpochPin&) = delete;
 };
@@ -27,7 +30,8 @@ struct Retirable {
 
 /// Calls `free(&object)` once no pin is left that may have read the object. Call it once, after new
 /// readers can no longer reach the object. Allocates nothing and never waits. Threads: any.
-void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes);
+/// `soon`: when the thread's pin is left it frees what it can, however few bytes wait.
+void retire(Retirable& object, void (*free)(Retirable*), std::uint64_t bytes, bool soon = false);
 
 /// Bytes retired and not yet freed.
 std::uint64_t retired_bytes();

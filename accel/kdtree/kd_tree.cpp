@@ -9,13 +9,16 @@
 namespace sightline::accel::kdtree {
 namespace {
 
-// Far more than the surface area heuristic needs. A tree that needs more keeps its last cells
-// deferred.
-constexpr std::size_t kPairsPerReference = 32;
-constexpr std::size_t kIdsPerReference = 64;
 constexpr std::size_t kSpare = 64;
 
-void delete_cell(Retirable* cell) { delete static_cast<DeferredCell*>(cell); }
+/// A share of a tree's bytes that does not matter.
+constexpr std::uint64_t kRetiredBytesPerReference = 8;
+
+void delete_cell(Retirable* retired) {
+  auto* const cell = static_cast<DeferredCell*>(retired);
+  cell->account->retired.fetch_sub(cell->size_in_bytes(), std::memory_order_relaxed);
+  delete cell;
+}
 
 void delete_cells(const KdTree& tree, Slot slot) {
   if (slot.is_deferred()) delete slot.cell();
@@ -28,7 +31,9 @@ void delete_cells(const KdTree& tree, Slot slot) {
 }  // namespace
 
 KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellPath& path)
-    : bounds_(bounds), root_(Slot::empty_leaf().bits()) {
+    : bounds_(bounds),
+      root_(Slot::empty_leaf().bits()),
+      free_soon_from_(references * kRetiredBytesPerReference) {
   if (references == 0) return;
   auto root = std::make_unique<DeferredCell>();
   root->box = bounds;
@@ -36,8 +41,7 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
   root->has_list = false;
   root->size = references;
   root->weight = references;
-  cell_bytes_ = root->size_in_bytes();
-  root_ = Slot::deferred(root.release()).bits();
+  root_ = defer(std::move(root)).bits();
 }
 
 KdTree::~KdTree() {
@@ -45,11 +49,11 @@ KdTree::~KdTree() {
   delete arrays_.load(std::memory_order_acquire);
 }
 
-void KdTree::reserve(std::size_t references) {
+void KdTree::reserve(std::size_t references, const Capacity& capacity) {
   const std::size_t pairs =
-      std::min<std::size_t>(references * kPairsPerReference + kSpare, Slot::kMaxPairs);
+      std::min<std::size_t>(references * capacity.pairs + kSpare, Slot::kMaxPairs);
   const std::size_t ids =
-      std::min<std::size_t>(references * kIdsPerReference + kSpare, std::size_t{1} << 32);
+      std::min<std::size_t>(references * capacity.ids + kSpare, std::size_t{1} << 32);
   Arrays* arrays = arrays_.load(std::memory_order_acquire);
   if (arrays == nullptr) {
     auto fresh = std::make_unique<Arrays>(ReservedArray<AtomicSlot>(2 * pairs),
@@ -91,7 +95,9 @@ std::optional<Slot> KdTree::make_leaf(std::span<const Reference> refs) {
 
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   if (cell->size == 0) return Slot::empty_leaf();
-  cell_bytes_.fetch_add(cell->size_in_bytes(), std::memory_order_relaxed);
+  cell->account = lists_;
+  lists_->deferred.fetch_add(cell->size_in_bytes(), std::memory_order_relaxed);
+  update_peak();
   return Slot::deferred(cell.release());
 }
 
@@ -108,13 +114,29 @@ Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
-  cell_bytes_.fetch_sub(cell.size_in_bytes(), std::memory_order_relaxed);
-  retire(cell, delete_cell, cell.size_in_bytes());
+  const std::uint64_t bytes = cell.size_in_bytes();
+  lists_->deferred.fetch_sub(bytes, std::memory_order_relaxed);
+  const std::uint64_t retired = lists_->retired.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+  retire(cell, delete_cell, bytes, retired >= free_soon_from_);
+}
+
+void KdTree::add_growing(std::int64_t bytes) {
+  if (bytes < 0) update_peak();  // nodes were added meanwhile
+  // Two's complement: adding a negative number wraps to the right sum.
+  lists_->growing.fetch_add(static_cast<std::uint64_t>(bytes), std::memory_order_relaxed);
+  if (bytes > 0) update_peak();
+}
+
+void KdTree::update_peak() {
+  const std::uint64_t now = bytes() + lists_->retired.load(std::memory_order_relaxed) +
+                            lists_->growing.load(std::memory_order_relaxed);
+  std::uint64_t most = peak_.load(std::memory_order_relaxed);
+  while (now > most && !peak_.compare_exchange_weak(most, now, std::memory_order_relaxed)) continue;
 }
 
 void KdTree::discard(Slot slot) {
   if (slot.is_deferred()) {
-    cell_bytes_.fetch_sub(slot.cell()->size_in_bytes(), std::memory_order_relaxed);
+    lists_->deferred.fetch_sub(slot.cell()->size_in_bytes(), std::memory_order_relaxed);
     delete slot.cell();
   }
   if (!slot.is_binary()) return;
@@ -124,7 +146,7 @@ void KdTree::discard(Slot slot) {
 }
 
 std::uint64_t KdTree::bytes() const {
-  return cell_bytes_.load(std::memory_order_relaxed) +
+  return lists_->deferred.load(std::memory_order_relaxed) +
          pairs_used_.load(std::memory_order_relaxed) * 2 * sizeof(AtomicSlot) +
          ids_used_.load(std::memory_order_relaxed) * sizeof(std::uint32_t);
 }

@@ -52,9 +52,14 @@ class KdTree {
     return {ids_.load(std::memory_order_relaxed) + slot.leaf_first(), slot.leaf_count()};
   }
 
+  /// Most pairs and ids that the arrays can hold for each reference of the root.
+  struct Capacity {
+    std::size_t pairs = 32, ids = 64;
+  };
+
   /// Reserves the arrays of a tree over `references` boxes, once. Every thread calls it before it
   /// makes its first node. Throws std::bad_alloc. Threads: any.
-  void reserve(std::size_t references);
+  void reserve(std::size_t references, const Capacity& capacity);
 
   /// Index of a new pair of slots, or nothing if the array is full. Threads: any.
   std::optional<std::uint32_t> allocate_pair();
@@ -76,7 +81,17 @@ class KdTree {
   /// Bytes of nodes, ids, and deferred cells with their lists.
   std::uint64_t bytes() const;
 
+  /// Bytes of deferred cells with their lists.
+  std::uint64_t deferred_bytes() const { return lists_->deferred.load(std::memory_order_relaxed); }
+  /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists of
+  /// subtrees that were being built.
+  std::uint64_t bytes_peak() const { return peak_.load(std::memory_order_relaxed); }
+  /// Adds to the lists of subtrees that are being built; negative: when they are freed.
+  void add_growing(std::int64_t bytes);
+
  private:
+  void update_peak();
+
   struct Arrays {
     ReservedArray<AtomicSlot> pairs;
     ReservedArray<std::uint32_t> ids;
@@ -92,7 +107,10 @@ class KdTree {
   // read.
   alignas(64) std::atomic<std::uint64_t> pairs_used_{0};
   alignas(64) std::atomic<std::uint64_t> ids_used_{0};
-  alignas(64) std::atomic<std::uint64_t> cell_bytes_{0};
+  std::shared_ptr<ListBytes> lists_ = std::make_shared<ListBytes>();
+  std::atomic<std::uint64_t> peak_{0};
+  /// Retired bytes from which on they are freed as soon as the thread leaves its pin.
+  std::uint64_t free_soon_from_;
 };
 
 }  // namespace sightline::accel::kdtree

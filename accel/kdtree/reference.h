@@ -81,13 +81,19 @@ struct CellPath {
   int cuts_at_a_loss = 0;  ///< Splits above the cell that were made at a loss (Split::at_a_loss).
   /// References that splits of this cell and below may add (reference_budget.h).
   double references_left = std::numeric_limits<double>::infinity();
+  /// References that the lists of this cell's children may hold together, beside those that wait in
+  /// the lists of the siblings above (reference_budget.h).
+  double list_capacity = std::numeric_limits<double>::infinity();
   /// Duplication factor: how many references one root reference has become along this path. The
   /// product, over the splits above, of the references after over those before. Kept only if
   /// references_left is finite.
   double duplication = 1;
 
   CellPath below(const Split& cut) const {
-    return {depth + 1, cuts_at_a_loss + (cut.at_a_loss ? 1 : 0), references_left, duplication};
+    CellPath below = *this;
+    below.depth = depth + 1;
+    below.cuts_at_a_loss += cut.at_a_loss ? 1 : 0;
+    return below;
   }
   bool operator==(const CellPath&) const = default;
 };

@@ -61,6 +61,7 @@ TreeMetrics measure(const KdTree& tree) {
   m.sah_cost =
       kMeasuredTraverse * m.expected_traversals + kMeasuredIntersect * m.expected_intersections;
   m.bytes = tree.bytes();
+  m.bytes_peak = tree.bytes_peak();
   return m;
 }
 

@@ -30,6 +30,7 @@ struct TreeMetrics {
   double overlap =
       0;  ///< Overlap of siblings' boxes (accel/published/bvh/bvh_measure.h); 0 for kd-trees.
   std::uint64_t bytes = 0;
+  std::uint64_t bytes_peak = 0;  ///< The most at any time so far, lists for building included.
 };
 
 TreeMetrics measure(const KdTree& tree);

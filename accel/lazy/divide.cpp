@@ -21,8 +21,7 @@ class ShortList {
     return context_.rule->choose(list, counters_);
   }
 
-  ChildLists sift(PartitionInput input) {
-    input.whole = true;
+  ChildLists sift(const PartitionInput& input) {
     PartitionResult sides = sift_spans(input, {&refs_, 1}, refs_.size(), counters_);
     return {{kdtree::CellList(std::move(sides.left)), sides.left_scan, cell_.openable},
             {kdtree::CellList(std::move(sides.right)), sides.right_scan, cell_.openable},
@@ -63,9 +62,12 @@ Division finer(const kdtree::DeferredCell& cell, ChildList part) {
 
 Division cut_in_two(const kdtree::DeferredCell& cell, const grow::CellCut& cut, ChildLists parts) {
   const std::uint64_t left = weight_of(parts.left), right = weight_of(parts.right);
-  const grow::HalvedPath below = cell.openable
-                                     ? cut.paths_by_weight(cell.weight, left, right)
-                                     : cut.paths({parts.left.list.size(), parts.right.list.size()});
+  const kdtree::PartitionCounts sizes{parts.left.list.size(), parts.right.list.size()};
+  const grow::HalvedPath below =
+      cell.openable ? cut.paths_by_weight(
+                          cell.weight, {static_cast<double>(left), static_cast<double>(right)},
+                          {static_cast<double>(sizes.left), static_cast<double>(sizes.right)})
+                    : cut.paths(sizes);
   Division division;
   division.cuts.push_back({cut.cut(), {true, 0}, {true, 1}});
   division.cells.push_back({cut.halves().left, below.left, std::move(parts.left), left});

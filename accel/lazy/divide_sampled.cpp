@@ -1,5 +1,6 @@
 // Divides a long list, made already or not, at planes found in a sample of it.
 #include <algorithm>
+#include <cmath>
 
 #include "accel/grow/reference_budget.h"
 #include "accel/lazy/divide.h"
@@ -67,6 +68,25 @@ class LongSource {
   bool openable_ = false;
 };
 
+/// As many levels of cuts as the cell's budget and its room for lists allow; and no more than are
+/// good without clipping, which single cuts can do.
+std::shared_ptr<const SplitTree> grow_cuts(const split::SplitSearch& rule, int max_depth,
+                                           const LongSource& source, const geometry::Aabb& box,
+                                           const kdtree::CellPath& path,
+                                           kdtree::BuildCounters& counters) {
+  const std::vector<kdtree::Reference> sample = source.sample(counters);
+  constexpr double kMostPerLevel = 1.1;
+  const auto size = static_cast<double>(source.size());
+  for (int levels = SplitTree::kMostLevels;; --levels) {
+    const auto cuts =
+        std::make_shared<const SplitTree>(rule, sample, box, path, levels, max_depth, counters);
+    const double duplication = cuts->duplication();
+    const bool separates = duplication <= std::pow(kMostPerLevel, levels);
+    if (levels == 0 || (separates && grow::within_budget(path, size, size * (duplication - 1))))
+      return cuts;
+  }
+}
+
 std::shared_ptr<const SplitTree> choose_cuts(const DivideContext& context,
                                              const kdtree::DeferredCell& cell,
                                              const LongSource& source, PassSequence& passes) {
@@ -74,8 +94,7 @@ std::shared_ptr<const SplitTree> choose_cuts(const DivideContext& context,
       passes.next(1, [source, rule = context.rule, box = cell.box, path = cell.path,
                       depth = context.max_depth](std::size_t, kdtree::BuildCounters& counters) {
         auto result = std::make_unique<PassSlice>();
-        result->cuts = std::make_shared<const SplitTree>(*rule, source.sample(counters), box, path,
-                                                         SplitTree::kMostLevels, depth, counters);
+        result->cuts = grow_cuts(*rule, depth, source, box, path, counters);
         return result;
       });
   return pass[0].cuts;
@@ -121,7 +140,8 @@ std::optional<Division> divide_sampled(const DivideContext& context,
   std::vector<grow::ChildCell> children;
   children.reserve(division.cells.size());
   for (NewCell& child : division.cells)
-    children.push_back({child.box, static_cast<double>(child.weight), &child.path});
+    children.push_back({child.box, static_cast<double>(child.weight),
+                        static_cast<double>(child.weight), &child.path});
   grow::share_budget(cell.path, static_cast<double>(cell.size), children);
   return division;
 }

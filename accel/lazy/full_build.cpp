@@ -20,7 +20,7 @@ constexpr std::uint64_t kSerialBelow = 65536;
 
 struct Deferred {
   std::vector<kdtree::AtomicSlot*> slots;  ///< All with something to expand.
-  bool some_failed = false;                ///< There are others, for which there was no memory.
+  bool some_failed = false;                ///< There are others, for which there was no room.
 };
 
 void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Deferred& found) {
@@ -42,12 +42,14 @@ void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Defe
 
 void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   if (is_complete()) return;
-  const kdtree::EpochPin pin;
   const Timed timed(counters);
   // A round completes the cells that were deferred when it began, except those that rays claimed.
   for (;;) {
     Deferred deferred;
-    collect_deferred(tree_, tree_.root(), deferred);
+    {
+      const kdtree::EpochPin pin;
+      collect_deferred(tree_, tree_.root(), deferred);
+    }
     if (deferred.slots.empty() && !deferred.some_failed)
       complete_.store(true, std::memory_order_release);
     if (deferred.slots.empty() ||
@@ -64,23 +66,52 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
   }
 }
 
-/// Returns when the slot and the cells that its divisions made are built.
+/// Whether one thread makes the root's list, which is then no cell's: not if a sample of it, or
+/// runs of triangles, may divide it better.
+bool LazyTree::may_list_root(const kdtree::DeferredCell& cell,
+                             kdtree::BuildCounters& counters) const {
+  if (cell.whole) return true;
+  const ReferenceSource::Coarsest coarsest = source_.coarsest(counters);
+  return !coarsest.openable && (!rule_->takes_samples() || coarsest.slots < kSampleFrom);
+}
+
+/// Divides a long list, and claims a cell that one thread will build.
+LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                              kdtree::DeferredCell*& claimed) {
+  const kdtree::EpochPin pin;
+  const kdtree::Slot now = kdtree::load(slot);
+  if (!now.is_deferred()) return Step::kBuilt;
+  kdtree::DeferredCell& cell = *now.cell();
+  if (cell.failed.load(std::memory_order_relaxed)) return Step::kFailed;
+  if (cell.has_list && cell.weight <= kSerialBelow && rule_->budget() != 0 && holds_all(cell)) {
+    mark_whole(slot, cell);
+    return Step::kAgain;
+  }
+  if (cell.weight > kSerialBelow || (!cell.has_list && !may_list_root(cell, counters))) {
+    const ExpandResult expanded = expand_now(slot, false, WhenPending::kWait, counters);
+    return expanded == ExpandResult::kScanList ? Step::kWait : Step::kAgain;
+  }
+  if (!claim(slot, cell)) return Step::kWait;
+  claimed = &cell;
+  return Step::kClaimed;
+}
+
+/// Returns when the slot and the cells that its divisions made are built. Pinned only for single
+/// steps: a pin for longer would keep the lists of all cells alive.
 void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                         const std::atomic<bool>* cancelled) {
-  const kdtree::EpochPin pin;
   StallDetector stall_detector;
-  for (kdtree::Slot now = kdtree::load(slot); now.is_deferred(); now = kdtree::load(slot)) {
-    kdtree::DeferredCell& cell = *now.cell();
-    if (cell.failed.load(std::memory_order_relaxed)) return;
+  for (;;) {
     if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
-    if (!cell.has_list || cell.weight > kSerialBelow) {
-      if (expand_now(slot, WhenPending::kWait, counters) != ExpandResult::kScanList) continue;
-    } else if (claim(slot, cell)) {
-      return complete_cell(slot, cell, counters, cancelled);
-    }
+    kdtree::DeferredCell* claimed = nullptr;
+    const Step done = step(slot, counters, claimed);
+    if (done == Step::kBuilt) break;
+    if (done == Step::kFailed) return;
+    // No other thread retires a claimed cell.
+    if (done == Step::kClaimed) return complete_claimed(slot, *claimed, counters, cancelled);
     // A ray's thread has just claimed the cell. It finishes soon, or it is stopped, and then the
     // next round completes the cell.
-    if (!stall_detector.wait(0)) return;
+    if (done == Step::kWait && !stall_detector.wait(0)) return;
   }
   const kdtree::Slot built = kdtree::load(slot);
   if (!built.is_binary()) return;
@@ -89,15 +120,6 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
   tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
                        [&] { complete(children[1], right, cancelled); });
   counters += right;
-}
-
-void LazyTree::complete_cell(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                             kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
-  try {
-    publish(slot, cell, finish(cell, counters, cancelled), counters);
-  } catch (const std::bad_alloc&) {
-    release_claim(slot, cell);
-  }
 }
 
 }  // namespace sightline::accel::lazy

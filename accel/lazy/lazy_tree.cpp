@@ -1,12 +1,13 @@
 // Expanding deferred cells: build off to the side, publish with one store, retire.
 #include "accel/lazy/lazy_tree.h"
 
-#include <limits>
+#include <cmath>
 #include <memory>
 #include <new>
 #include <utility>
 
 #include "accel/grow/grow.h"
+#include "accel/grow/reference_budget.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/opening.h"
 #include "accel/lazy/stall_detector.h"
@@ -15,10 +16,22 @@
 namespace sightline::accel::lazy {
 namespace {
 
-/// How many references the cuts of a tree over `references` may add.
-double budget(const split::SplitSearch& rule, std::size_t references) {
-  if (rule.budget() == 0) return std::numeric_limits<double>::infinity();
-  return (rule.budget() - 1) * static_cast<double>(references);
+/// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
+/// small subtrees, which have none.
+kdtree::KdTree::Capacity capacity_of(const split::SplitSearch& rule) {
+  if (rule.budget() == 0) return {};
+  const auto budget = static_cast<std::size_t>(std::ceil(rule.budget()));
+  return {.pairs = budget, .ids = budget + budget / 2};
+}
+
+/// The list of a root, made by one thread.
+kdtree::ReferenceList list_source(const ReferenceSource& source, bool& openable,
+                                  kdtree::BuildCounters& counters) {
+  const ReferenceSource::Coarsest coarsest = source.coarsest(counters);
+  openable = coarsest.openable;
+  kdtree::ReferenceList list(coarsest.slots);
+  list.shrink(source.list(0, coarsest.slots, list.all().data(), counters));
+  return list;
 }
 
 bool is_large(const kdtree::DeferredCell& cell) {
@@ -41,7 +54,7 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source, boo
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
                    ReferenceSource source, const geometry::MeshView* mesh)
-    : tree_(bounds, primitive_count, {.references_left = budget(*rule, primitive_count)}),
+    : tree_(bounds, primitive_count, grow::root_path(rule->budget(), primitive_count)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
@@ -50,23 +63,50 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                               kdtree::BuildCounters& counters) {
   const Timed timed(counters);
-  return expand_now(slot, when_pending, counters);
+  return expand_now(slot, true, when_pending, counters);
 }
 
-ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                                  kdtree::BuildCounters& counters) {
+ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, bool bound_lists,
+                                  WhenPending when_pending, kdtree::BuildCounters& counters) {
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return ExpandResult::kRetry;
   kdtree::DeferredCell& cell = *now.cell();
   if (cell.failed.load(std::memory_order_relaxed)) return ExpandResult::kScanList;
   if (now.tag() == kdtree::Slot::Tag::kExpanding) return wait_for_owner(slot, cell, when_pending);
   try {
-    return is_large(cell) ? expand_large(slot, cell, when_pending, counters)
-                          : expand_small(slot, cell, counters);
+    return is_large(cell) && !cell.whole
+               ? expand_large(slot, cell, bound_lists, when_pending, counters)
+               : expand_claimed(slot, cell, bound_lists, counters);
   } catch (const std::bad_alloc&) {
+    if (rule_->budget() != 0) throw;
     cell.failed.store(true, std::memory_order_relaxed);
     return ExpandResult::kScanList;
   }
+}
+
+/// Whether the source can list the cell again: no cut above has separated anything. Its boxes are
+/// then those before clipping.
+bool LazyTree::holds_all(const kdtree::DeferredCell& cell) const {
+  return !cell.openable && cell.size == primitive_count_;
+}
+
+/// Whether the new cells may wait in place of `cell`, beside all others: not if they are too long,
+/// nor if a large cell has a share of straddlers that those below will have.
+bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& cell) const {
+  constexpr std::uint64_t kSpare = 4096;  // for meshes so small that single cells count
+  constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
+  if (rule_->budget() == 0 || division.cuts.empty()) return true;
+  std::uint64_t size = 0, bytes = 0;
+  for (const NewCell& fresh : division.cells) {
+    size += fresh.part.list.size();
+    bytes += fresh.part.list.bytes();
+  }
+  if (!cell.openable && cell.size * kLargePart >= primitive_count_ &&
+      size * kStraddleShare >= cell.size * (kStraddleShare + 1)) {
+    return false;
+  }
+  return tree_.deferred_bytes() + bytes - cell.list.bytes() <=
+         kListBytes * primitive_count_ + kSpare;
 }
 
 /// Another thread has claimed the cell. Searching a short list takes less time than waiting for it.
@@ -95,7 +135,7 @@ bool LazyTree::claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
 }
 
 void LazyTree::release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
-  cell.failed.store(true, std::memory_order_relaxed);
+  if (rule_->budget() == 0) cell.failed.store(true, std::memory_order_relaxed);
   slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
 }
 
@@ -107,45 +147,62 @@ void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdt
   counters.cells_expanded += built.is_deferred() ? 0u : 1u;
 }
 
-/// The cell's own list is never written, because other threads may be searching it.
-ExpandResult LazyTree::expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                    kdtree::BuildCounters& counters) {
+/// By one thread: divides a cell with a short list, or builds a whole subtree. The cell's own list
+/// is never written, because other threads may be searching it.
+ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                                      bool bound_lists, kdtree::BuildCounters& counters) {
   if (!claim(slot, cell))
     return kdtree::load(slot) == kdtree::Slot::expanding(&cell) ? ExpandResult::kScanList
                                                                 : ExpandResult::kRetry;
-  try {
-    const kdtree::Slot built = cell.weight <= kEagerBelow
-                                   ? finish(cell, counters, nullptr)
-                                   : make_slot(divide_short(context_, cell, counters), cell);
-    publish(slot, cell, built, counters);
-    return ExpandResult::kRetry;
-  } catch (const std::bad_alloc&) {
-    release_claim(slot, cell);
-    return ExpandResult::kScanList;
+  if (!cell.whole && cell.weight > kEagerBelow) {
+    try {
+      Division division = divide_short(context_, cell, counters);
+      if (!bound_lists || may_wait(division, cell)) {
+        publish(slot, cell, make_slot(std::move(division), cell), counters);
+        return ExpandResult::kRetry;
+      }
+    } catch (const std::bad_alloc&) {
+      release_claim(slot, cell);
+      throw;
+    }
   }
+  if (cell.has_list && holds_all(cell) && cell.weight > kEagerBelow) {
+    slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
+    mark_whole(slot, cell);
+    return ExpandResult::kRetry;
+  }
+  complete_claimed(slot, cell, counters, nullptr);
+  return ExpandResult::kRetry;
 }
 
 ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                    WhenPending when_pending, kdtree::BuildCounters& counters) {
+                                    bool bound_lists, WhenPending when_pending,
+                                    kdtree::BuildCounters& counters) {
   bool fresh = false;
   CellTask& task = task_of(cell, source_, fresh);
-  if (fresh) return run_all_passes(slot, cell, task, counters);
+  if (fresh) return run_all_passes(slot, cell, task, bound_lists, counters);
   for (StallDetector stall_detector;;) {
     const bool helped = task.help(counters);
     if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
     if (helped) continue;
     if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
-    if (!stall_detector.wait(task.progress())) return run_all_passes(slot, cell, task, counters);
+    if (!stall_detector.wait(task.progress()))
+      return run_all_passes(slot, cell, task, bound_lists, counters);
   }
 }
 
 /// Runs the passes to their end. Several threads may do so if the first one seemed to be stopped;
 /// then the first result is published and the others are discarded.
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                      CellTask& task, kdtree::BuildCounters& counters) {
-  tree_.reserve(primitive_count_);
-  const kdtree::Slot built =
-      make_slot(divide_long(context_, cell, PassSequence(task, counters), counters), cell);
+                                      CellTask& task, bool bound_lists,
+                                      kdtree::BuildCounters& counters) {
+  tree_.reserve(primitive_count_, capacity_of(*rule_));
+  Division division = divide_long(context_, cell, PassSequence(task, counters), counters);
+  if (bound_lists && !may_wait(division, cell)) {
+    mark_whole(slot, cell);
+    return ExpandResult::kRetry;
+  }
+  const kdtree::Slot built = make_slot(std::move(division), cell);
   std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
   if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
     counters += task.take_counters();
@@ -187,17 +244,59 @@ kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node
                          : make_slot(division, division.cuts[child.index]);
   };
   kdtree::AtomicSlot* children = tree_.children(slot);
-  children[0].store(below(node.left).bits(), std::memory_order_relaxed);
-  children[1].store(below(node.right).bits(), std::memory_order_relaxed);
+  for (std::size_t i = 0; i < 2; ++i)
+    children[i].store(kdtree::Slot::empty_leaf().bits(), std::memory_order_relaxed);
+  try {
+    children[0].store(below(node.left).bits(), std::memory_order_relaxed);
+    children[1].store(below(node.right).bits(), std::memory_order_relaxed);
+  } catch (const std::bad_alloc&) {
+    tree_.discard(slot);
+    throw;
+  }
   return slot;
 }
 
-kdtree::Slot LazyTree::finish(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters,
-                              const std::atomic<bool>* cancelled) {
-  kdtree::ReferenceList list = cell.list.copy();
-  if (cell.openable) list = open_all(source_, std::move(list), cell.box, counters);
-  const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
-  return grow::grow(context, list.all(), cell.box, cell.path, counters);
+/// Builds the subtree of a claimed cell. Throws std::bad_alloc; then the cell is deferred again.
+void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                                kdtree::BuildCounters& counters,
+                                const std::atomic<bool>* cancelled) {
+  try {
+    tree_.reserve(primitive_count_, capacity_of(*rule_));
+    bool openable = cell.openable;
+    kdtree::ReferenceList list =
+        cell.has_list ? cell.list.copy() : list_source(source_, openable, counters);
+    if (openable) list = open_all(source_, std::move(list), cell.box, counters);
+    kdtree::CellPath path = cell.path;
+    if (cell.has_list)
+      path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
+    const grow::GrowingBytes held(tree_, list.bytes());
+    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
+    publish(slot, cell, grow::grow(context, list.all(), cell.box, path, counters), counters);
+  } catch (const std::bad_alloc&) {
+    release_claim(slot, cell);
+    throw;
+  }
+}
+
+/// Puts a cell in the place of `cell` that will be built at once, without what passes over the list
+/// of `cell` have made. A list of everything is made again: it takes as much memory as all else.
+void LazyTree::mark_whole(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
+  auto fresh = std::make_unique<kdtree::DeferredCell>();
+  fresh->box = cell.box;
+  fresh->path = cell.path;
+  fresh->has_list = !holds_all(cell);
+  fresh->openable = cell.openable;
+  fresh->size = cell.size;
+  fresh->weight = cell.weight;
+  fresh->whole = true;
+  if (fresh->has_list) fresh->list = kdtree::CellList(cell.list.sliced());
+  const kdtree::Slot marked = tree_.defer(std::move(fresh));
+  std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
+  if (slot.compare_exchange_strong(expected, marked.bits(), std::memory_order_acq_rel)) {
+    tree_.retire_cell(cell);
+  } else {
+    tree_.discard(marked);
+  }
 }
 
 }  // namespace sightline::accel::lazy

@@ -14,7 +14,8 @@ namespace sightline::accel::lazy {
 enum class ExpandResult : std::uint8_t {
   kRetry,     ///< The slot has changed: read it again.
   kPending,   ///< Other threads expand a large cell: ask again when they have made progress.
-  kScanList,  ///< Search the cell's list: another thread expands a small cell, or memory is short.
+  kScanList,  ///< Search the cell's list: another thread expands a small cell, or the arrays of a
+              ///< tree without a budget are full.
 };
 
 /// What to do when other threads expand a large cell and no work is left to help with.
@@ -23,7 +24,8 @@ enum class WhenPending : std::uint8_t {
   kWait,    ///< Sleep until they have made progress; if they seem to be stopped, do their work.
 };
 
-/// Threads: every member may be called from any thread at any time, pinned to an epoch (EpochPin).
+/// Threads: every member may be called from any thread at any time; expand() and progress() pinned
+/// to an epoch (EpochPin).
 /// A thread that is stopped inside a member, at any point, does not stop any other.
 class LazyTree {
  public:
@@ -39,7 +41,8 @@ class LazyTree {
   /// Called by a ray that meets a deferred slot.
   ///
   /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
-  /// cell of at most kEagerBelow triangles, by weight, is built at once.
+  /// cell of at most kEagerBelow triangles, by weight, is built at once, and that of a cell whose
+  /// lists would exceed kListBytes. Throws std::bad_alloc; a later call may succeed.
   ExpandResult expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                       kdtree::BuildCounters& counters);
 
@@ -47,7 +50,8 @@ class LazyTree {
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
   /// Expands all cells until only those without room are deferred, or until `cancelled` is set.
-  /// Parallel in the caller's arena.
+  /// Parallel in the caller's arena. The caller is not pinned: a pin would keep the lists of all
+  /// cells alive. Throws std::bad_alloc; a later call may succeed.
   void expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
   /// Whether expand_all() has found nothing left to expand, not even cells without room. Then it
@@ -55,26 +59,31 @@ class LazyTree {
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
 
  private:
-  ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
+  ExpandResult expand_now(kdtree::AtomicSlot& slot, bool bound_lists, WhenPending when_pending,
                           kdtree::BuildCounters& counters);
   ExpandResult wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
                               WhenPending when_pending);
-  ExpandResult expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                            kdtree::BuildCounters& counters);
-  ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+  ExpandResult expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                              bool bound_lists, kdtree::BuildCounters& counters);
+  ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, bool bound_lists,
                             WhenPending when_pending, kdtree::BuildCounters& counters);
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
-                              kdtree::BuildCounters& counters);
+                              bool bound_lists, kdtree::BuildCounters& counters);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
   kdtree::Slot defer(NewCell now);
-  kdtree::Slot finish(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters,
-                      const std::atomic<bool>* cancelled);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
                 const std::atomic<bool>* cancelled);
-  void complete_cell(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                     kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
-  bool claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
+  enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed, kFailed };
+  Step step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+            kdtree::DeferredCell*& claimed);
+  bool may_list_root(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const;
+  void complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                        kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
+  bool may_wait(const Division& division, const kdtree::DeferredCell& cell) const;
+  bool holds_all(const kdtree::DeferredCell& cell) const;
+  void mark_whole(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
+  static bool claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
   void release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
   void publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                kdtree::BuildCounters& counters);
@@ -90,5 +99,10 @@ class LazyTree {
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
 /// would cost more work than it defers.
 inline constexpr std::size_t kEagerBelow = 64;
+
+/// Most bytes of deferred cells and their lists for each reference of the root, in a tree with a
+/// budget of references. A cell whose division exceeds it is not divided: its subtree is built at
+/// once. The lists of a mesh whose triangles do not overlap take two thirds of it.
+inline constexpr std::uint64_t kListBytes = 52;
 
 }  // namespace sightline::accel::lazy

@@ -27,8 +27,7 @@ PartitionResult sift_spans(const PartitionInput& input,
       sides.straddling.openable += ref.openable() && ref.hi[axis] > plane.position ? 1u : 0u;
   }
   sides.straddling.all = n.left + n.right - size;
-  const std::size_t seen = input.whole ? size : 0;  // one slice does not tell about the list
-  if (input.cut.clips(sides.straddling.all, seen)) {
+  if (input.cut.clips(sides.straddling.all, size)) {
     n = input.cut.clip(left.first(n.left), right.first(n.right));
     scans.reset();
   }

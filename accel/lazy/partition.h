@@ -14,8 +14,7 @@ namespace sightline::accel::lazy {
 struct PartitionInput {
   split::SplitRule rule;
   grow::CellCut cut;
-  bool openable;       ///< Straddlers that can be opened are to be counted.
-  bool whole = false;  ///< The list is sifted in one piece, not in slices.
+  bool openable;  ///< Straddlers that can be opened are to be counted.
 };
 
 /// References on both sides of a plane.

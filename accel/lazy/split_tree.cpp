@@ -30,6 +30,7 @@ std::vector<std::size_t> sample_indices(std::size_t size) {
 struct SplitTree::Growth {
   const split::SplitSearch& rule;
   int max_depth;
+  std::size_t& in_leaves;  ///< References in the leaves so far.
 };
 
 SplitTree::SplitTree(const split::SplitSearch& rule, std::vector<kdtree::Reference> sample,
@@ -37,8 +38,11 @@ SplitTree::SplitTree(const split::SplitSearch& rule, std::vector<kdtree::Referen
                      int max_depth, kdtree::BuildCounters& counters) {
   const std::size_t size = sample.size();
   sample.resize(size + scratch_size(size));
-  grow({rule, max_depth}, std::span(sample).first(size), sample.data() + size, box, path, levels,
-       counters);
+  std::size_t in_leaves = 0;
+  grow({rule, max_depth, in_leaves}, std::span(sample).first(size), sample.data() + size, box, path,
+       levels, counters);
+  if (size > 0)
+    duplication_ = std::max(1.0, static_cast<double>(in_leaves) / static_cast<double>(size));
 }
 
 SplitTree::Child SplitTree::grow(const Growth& growth, std::span<kdtree::Reference> sample,
@@ -50,6 +54,7 @@ SplitTree::Child SplitTree::grow(const Growth& growth, std::span<kdtree::Referen
     cut = growth.rule.choose({sample, box, path}, counters);
   }
   if (!cut) {
+    growth.in_leaves += sample.size();
     leaves_.push_back({box, path});
     return {true, leaves_.size() - 1};
   }

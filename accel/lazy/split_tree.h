@@ -44,6 +44,8 @@ class SplitTree {
             kdtree::BuildCounters& counters);
 
   bool empty() const { return nodes_.empty(); }
+  /// References of the sample in all leaves, for each one of the sample: 1 or more.
+  double duplication() const { return duplication_; }
   std::span<const Node> nodes() const { return nodes_; }  ///< The first is the root.
   std::span<const Leaf> leaves() const { return leaves_; }
 
@@ -63,6 +65,7 @@ class SplitTree {
 
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
+  double duplication_ = 1;
 };
 
 }  // namespace sightline::accel::lazy

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 
+#include "accel/kdtree/epoch.h"
 #include "accel/kdtree/traverse.h"
 #include "accel/lazy/lazy_tree.h"
 
@@ -26,6 +28,10 @@ struct LazyQuery {
   /// Ask again, with a fresh query, when `progress` has increased.
   bool suspended = false;
   std::uint64_t progress = 0;  ///< Of that cell.
+  /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
+  /// Null: it is not renewed.
+  kdtree::EpochPin* pin = nullptr;
+  bool searches_list = false;  ///< The walk, or one around it, reads the list of a deferred cell.
 };
 
 /// The visitor of kdtree::walk for a tree that grows.
@@ -42,7 +48,10 @@ struct LazyVisit {
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kExpand) {
       const ExpandResult expanded = tree.expand(slot, query.when_pending, built);
-      if (expanded == ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
+      if (expanded == ExpandResult::kRetry) {
+        if (query.pin != nullptr && !query.searches_list) query.pin->renew();
+        return kdtree::DeferredAction::kRetry;
+      }
       if (expanded == ExpandResult::kPending) {
         query.suspended = true;
         query.progress = LazyTree::progress(slot);
@@ -51,7 +60,10 @@ struct LazyVisit {
     }
     query.saw_deferred = true;
     if (query.on_deferred == OnDeferred::kSkip) return kdtree::DeferredAction::kDone;
-    return search(cell) ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
+    const bool searched_before = std::exchange(query.searches_list, true);
+    const bool stop = search(cell);
+    query.searches_list = searched_before;
+    return stop ? kdtree::DeferredAction::kStop : kdtree::DeferredAction::kDone;
   }
 
   bool search(const kdtree::DeferredCell& cell) {

@@ -1,15 +1,14 @@
 // The product's rule: exhaustive search for short lists, a guided scan for the others.
 #include "accel/split/scan_split.h"
 
-#include "accel/kdtree/reference_list.h"
 #include "accel/split/guided_scan.h"
 #include "accel/split/out_of_range.h"
 
 namespace sightline::accel::split {
 namespace {
 
-/// With `clip_dense` straddlers are clipped in lists of at least kClipFrom references, if one in
-/// kStraddleShare straddles. Long lists are sifted in slices, where the share is not known.
+/// With `clip_dense` straddlers are clipped in lists, and in slices of lists, of at least kClipFrom
+/// references, if one in kStraddleShare straddles.
 constexpr std::size_t kClipFrom = 32, kStraddleShare = 4;
 
 /// Lists up to this length are always searched exhaustively: that is cheaper than a scan.
@@ -62,8 +61,7 @@ std::optional<std::string> ScanSplit::check() const {
 
 bool ScanSplit::clips(std::size_t straddlers, std::size_t references) const {
   if (clip) return true;
-  return clip_dense && references >= kClipFrom && references < kdtree::kLongList &&
-         straddlers * kStraddleShare >= references;
+  return clip_dense && references >= kClipFrom && straddlers * kStraddleShare >= references;
 }
 
 bool is_over_duplicated(const kdtree::CellPath& path, std::size_t references) {

@@ -31,8 +31,8 @@ class SplitSearch {
   virtual std::optional<kdtree::Split> choose(const kdtree::CellRefs& cell,
                                               kdtree::BuildCounters& counters) const = 0;
 
-  /// Whether straddlers are clipped after a split that leaves `straddlers` of a cell's `references`
-  /// on both sides. `references` is 0 if only a slice of the list is known.
+  /// Whether straddlers are clipped after a split that leaves `straddlers` of `references` on both
+  /// sides: of a cell's list, or of a slice of it.
   virtual bool clips(std::size_t /*straddlers*/, std::size_t /*references*/) const { return false; }
 
   /// Whether `choose` works through passes alone (CellRefs::run). Otherwise it needs the list in

@@ -92,10 +92,15 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   BuildProgress unreported;
   BuildProgress& reported = progress == nullptr ? unreported : *progress;
   const std::vector<const model::Mesh*> meshes = snapshot.meshes();
-  BuildCounters built = build_meshes(meshes, cancelled, reported);
   const instances::OpenTrees trees = snapshot.trees();
-  built += build_tree(trees.static_tree, cancelled, reported);
-  const BuildCounters dynamic = build_tree(trees.dynamic_tree, cancelled, reported);
+  BuildCounters built, dynamic;
+  const Status done = or_out_of_memory([&] {
+    built = build_meshes(meshes, cancelled, reported);
+    built += build_tree(trees.static_tree, cancelled, reported);
+    dynamic = build_tree(trees.dynamic_tree, cancelled, reported);
+    return Status();
+  });
+  if (!done) return done.error();
   built += dynamic;
   if (is_cancelled(cancelled)) return cancelled_error();
   snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
@@ -146,7 +151,11 @@ std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> no
 
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
-  build_meshes(meshes_of(nodes), cancelled, progress);
+  const Status done = or_out_of_memory([&] {
+    build_meshes(meshes_of(nodes), cancelled, progress);
+    return Status();
+  });
+  if (!done) return done.error();
   if (is_cancelled(cancelled)) return cancelled_error();
   for (const model::Node* node : nodes) node->entered->store(true, std::memory_order_relaxed);
   return {};
@@ -155,8 +164,12 @@ Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress
 Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
                         const std::atomic<bool>* cancelled) {
   const instances::OpenTrees trees = snapshot.trees();
-  build_tree(trees.static_tree, cancelled, progress);
-  build_tree(trees.dynamic_tree, cancelled, progress);
+  const Status done = or_out_of_memory([&] {
+    build_tree(trees.static_tree, cancelled, progress);
+    build_tree(trees.dynamic_tree, cancelled, progress);
+    return Status();
+  });
+  if (!done) return done.error();
   return is_cancelled(cancelled) ? Status(cancelled_error()) : Status();
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -36,8 +37,20 @@ struct BuildProgress {
   }
 };
 
+/// What work() returns; kResourceExhausted if it throws std::bad_alloc. What was built until then
+/// remains, and the same work may succeed later.
+template <class Work>
+auto or_out_of_memory(const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return Error{Code::kResourceExhausted, "no memory is left for the trees that the rays need",
+                 "OUT_OF_MEMORY"};
+  }
+}
+
 /// Builds every tree of the snapshot completely. `progress` must be fresh; null: not reported.
-/// Parallel in the caller's arena. Errors: kCancelled.
+/// Parallel in the caller's arena. Errors: kCancelled, kResourceExhausted.
 Result<TraceStats> build_all(const revision::Snapshot& snapshot,
                              const std::atomic<bool>* cancelled = nullptr,
                              BuildProgress* progress = nullptr);
@@ -53,11 +66,13 @@ Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapsho
 std::vector<const model::Mesh*> meshes_of(std::span<const model::Node* const> nodes);
 
 /// Builds the trees of these nodes' meshes completely. After a cancel, the built part remains.
-/// `progress` must be fresh. Parallel in the caller's arena. Errors: kCancelled.
+/// `progress` must be fresh. Parallel in the caller's arena. Errors: kCancelled,
+/// kResourceExhausted.
 Status build_mesh_trees(std::span<const model::Node* const> nodes, BuildProgress& progress,
                         const std::atomic<bool>* cancelled);
 
-/// Builds the scene's own two trees completely, over all instances. Errors: kCancelled.
+/// Builds the scene's own two trees completely, over all instances. Errors: kCancelled,
+/// kResourceExhausted.
 Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progress,
                         const std::atomic<bool>* cancelled);
 

@@ -45,11 +45,13 @@ RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& opti
 }
 
 void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending when_pending) {
+  pin_.renew();
   ++stats_.rays;
   ray_ = &ray;
   query_ = {};
   query_.on_deferred = on_deferred(options_.growth);
   query_.when_pending = when_pending;
+  query_.pin = &pin_;
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;

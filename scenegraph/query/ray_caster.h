@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "accel/kdtree/epoch.h"
 #include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/instances/scene_trees.h"
@@ -26,7 +27,7 @@ struct TreeEntry {
   accel::kdtree::BuildCounters built;
 };
 
-/// For one block of rays, on one thread that is pinned to an epoch.
+/// For one block of rays, on one thread, which it pins to an epoch.
 ///
 /// For each ray: begin(), then the steps trees_by_entry(), walk_instances(), enter_frame() and
 /// ask_mesh(), then end(), and if that is true one answer.
@@ -84,6 +85,7 @@ class RayCaster {
   void set_surface(const instances::Instance& instance, accel::geometry::Hit& hit) const;
   std::uint32_t work() const;
 
+  accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again
   const instances::OpenTrees trees_;
   TraceOptions options_;
   TreeEntry static_, dynamic_;

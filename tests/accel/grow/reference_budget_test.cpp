@@ -22,7 +22,7 @@ const kdtree::Split kCut{.plane = {0, 0.5f}};
 TEST(ReferenceBudget, IsSharedByAreaAndLength) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
   const HalvedPath below =
-      halve_path({.depth = 3, .references_left = 100}, kCut, halves, 50, 20, 40);
+      halve_path({.depth = 3, .references_left = 100}, kCut, halves, 50, {20, 40}, {20, 40});
   // 10 were added. Half areas are 2 and 4.
   EXPECT_DOUBLE_EQ(below.left.references_left, 90 * (2.0 * 20) / (2.0 * 20 + 4.0 * 40));
   EXPECT_DOUBLE_EQ(below.left.references_left + below.right.references_left, 90);
@@ -46,28 +46,45 @@ TEST(ReferenceBudget, IsNotCappedBelowAnyOtherCut) {
 }
 
 TEST(ReferenceBudget, ACutMayAddWhatIsLeftAndNoMore) {
-  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 9));
-  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 10));
-  EXPECT_TRUE(within_budget({}, 1000000));
+  EXPECT_TRUE(within_budget({.references_left = 9, .duplication = 5}, 100, 9));
+  EXPECT_FALSE(within_budget({.references_left = 9, .duplication = 5}, 100, 10));
+  EXPECT_TRUE(within_budget({}, 1000000, 1000000));
+}
+
+TEST(ReferenceBudget, TheListsOfACutMayFillTheCapacityAndNoMore) {
+  const kdtree::CellPath path{.references_left = 1000, .list_capacity = 150};
+  EXPECT_TRUE(within_budget(path, 100, 50));
+  EXPECT_FALSE(within_budget(path, 100, 51));
+}
+
+TEST(ReferenceBudget, TheListsOfSiblingsFillTheCapacity) {
+  const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
+  const kdtree::CellPath root = root_path(16, 50);
+  EXPECT_EQ(root.references_left, 15 * 50);
+  EXPECT_EQ(root.list_capacity, kListCapacity * 50);
+  const HalvedPath below = halve_path(root, kCut, halves, 50, {20, 40}, {20, 40});
+  EXPECT_EQ(below.left.list_capacity, root.list_capacity - 40);
+  EXPECT_EQ(below.right.list_capacity, root.list_capacity - 20);
+  EXPECT_EQ(root_path(0, 50), kdtree::CellPath{}) << "no budget";
 }
 
 TEST(ReferenceBudget, IsNeverExceededAndNeverGrows) {
   const geometry::HalvedCell halves = halve(kCell, 0, 0.5f);
-  const HalvedPath over = halve_path({.references_left = 5}, kCut, halves, 50, 50, 50);
+  const HalvedPath over = halve_path({.references_left = 5}, kCut, halves, 50, {50, 50}, {50, 50});
   EXPECT_EQ(over.left.references_left + over.right.references_left, 0);
-  const HalvedPath fewer = halve_path({.references_left = 5}, kCut, halves, 50, 20, 20);
+  const HalvedPath fewer = halve_path({.references_left = 5}, kCut, halves, 50, {20, 20}, {20, 20});
   EXPECT_EQ(fewer.left.references_left + fewer.right.references_left, 5);
   const HalvedPath flat =
-      halve_path({.references_left = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, 0, 0);
+      halve_path({.references_left = 5}, kCut, {{{0, 0, 0}, {0, 0, 0}}, {}}, 50, {}, {});
   EXPECT_EQ(flat.left.references_left + flat.right.references_left, 5);
 }
 
 TEST(ReferenceBudget, IsSharedByAnyNumberOfChildrenAsByTwo) {
   const kdtree::CellPath parent{.references_left = 1000, .duplication = 2};
   std::array<kdtree::CellPath, 3> paths;
-  const std::vector<ChildCell> children{{{{0, 0, 0}, {1, 1, 1}}, 40, &paths[0]},
-                                        {{{1, 0, 0}, {2, 1, 1}}, 60, &paths[1]},
-                                        {{{0, 1, 0}, {2, 2, 1}}, 50, &paths[2]}};
+  const std::vector<ChildCell> children{{{{0, 0, 0}, {1, 1, 1}}, 40, 40, &paths[0]},
+                                        {{{1, 0, 0}, {2, 1, 1}}, 60, 60, &paths[1]},
+                                        {{{0, 1, 0}, {2, 2, 1}}, 50, 50, &paths[2]}};
   share_budget(parent, 100, children);
   // 50 were added. Half areas are 3, 3 and 5.
   const double demands = 3 * 40 + 3 * 60 + 5 * 50;
@@ -79,7 +96,7 @@ TEST(ReferenceBudget, IsSharedByAnyNumberOfChildrenAsByTwo) {
 }
 
 TEST(ReferenceBudget, IsInfiniteUnlessSet) {
-  const HalvedPath below = halve_path({}, kCut, halve(kCell, 0, 0.5f), 50, 50, 50);
+  const HalvedPath below = halve_path({}, kCut, halve(kCell, 0, 0.5f), 50, {50, 50}, {50, 50});
   EXPECT_EQ(below.left.references_left, std::numeric_limits<double>::infinity());
   EXPECT_EQ(below.right.references_left, std::numeric_limits<double>::infinity());
 }

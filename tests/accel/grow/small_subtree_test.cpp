@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
 #include <string>
 #include <vector>
 
@@ -69,7 +70,7 @@ void expect_same(const std::vector<kdtree::Reference>& refs, const geometry::Aab
         split::BoundRule{.cost = {}, .all_axes_up_to = 4}, split::BoundRule{.cost = {0, 1, 1}},
         split::BoundRule{.cost = {1, 50, 0.8}}}) {
     kdtree::KdTree tree(cell, refs.size());
-    tree.reserve(1000);
+    tree.reserve(1000, {});
     kdtree::BuildCounters counters;
     const kdtree::Slot root = grow_small({.tree = tree, .rule = unused, .max_depth = max_depth},
                                          rule, refs, cell, {}, counters);
@@ -103,14 +104,24 @@ TEST_P(SmallGrowth, DefersCellsBeyondTheCapacity) {
   const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
   const geometry::Aabb cell = tests::bounds_of(refs);
   kdtree::KdTree tree(cell, refs.size());  // Nothing reserved
-  const split::SplitSearch& unused = *split::default_rule();
+  const split::SplitRule unbounded = split::make_rule({.budget = 0});
   kdtree::BuildCounters counters;
   const kdtree::Slot root =
-      grow_small({.tree = tree, .rule = unused, .max_depth = 20}, {}, refs, cell, {}, counters);
+      grow_small({.tree = tree, .rule = *unbounded, .max_depth = 20}, {}, refs, cell, {}, counters);
   ASSERT_TRUE(root.is_deferred());
   EXPECT_TRUE(root.cell()->failed);
   EXPECT_EQ(root.cell()->size, refs.size());
   delete root.cell();
+}
+
+TEST_P(SmallGrowth, ThrowsBeyondTheCapacityWithABudget) {
+  const auto refs = tests::random_boxes(split::kSmallList, 0.01, 3);
+  const geometry::Aabb cell = tests::bounds_of(refs);
+  kdtree::KdTree tree(cell, refs.size());  // Nothing reserved
+  kdtree::BuildCounters counters;
+  EXPECT_THROW(grow_small({.tree = tree, .rule = *split::default_rule(), .max_depth = 20}, {}, refs,
+                          cell, {}, counters),
+               std::bad_alloc);
 }
 
 TEST(IsSmall, NeedsFewBoxesOfWeightOne) {

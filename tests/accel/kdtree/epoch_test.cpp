@@ -38,6 +38,20 @@ TEST(Epoch, WaitsForPins) {
   EXPECT_EQ(retired_bytes(), 0u);
 }
 
+TEST(Epoch, ARenewedPinKeepsNothingThatWasRetiredBefore) {
+  reclaim();
+  freed = 0;
+  EpochPin pin;
+  retire(*new Thing, free_thing, 8, true);
+  {
+    EpochPin nested;
+    nested.renew();
+    EXPECT_EQ(freed, 0) << "the outer pin is still there";
+  }
+  pin.renew();
+  EXPECT_EQ(freed, 1);
+}
+
 TEST(Epoch, APinOfAnotherThreadCounts) {
   reclaim();
   freed = 0;

@@ -39,8 +39,9 @@ class AskedTree {
 
   NearestHit nearest(const accel::geometry::Ray& ray,
                      accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
-    const accel::kdtree::EpochPin pin;
+    accel::kdtree::EpochPin pin;
     accel::mesh::MeshQuery query;
+    query.pin = &pin;
     query.ray = *accel::geometry::make_local_ray(ray.origin, ray.direction);
     query.tmin = ray.tmin;
     query.tmax = ray.tmax;
