@@ -99,6 +99,11 @@ ExitCode fail(const Error& error) {
   return exit_code(error.code);
 }
 
+void print_warnings(std::span<const std::string> warnings) {
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "sightline: warning: {}\n", printable(warning));
+}
+
 ExitCode interrupted_code() {
   return caught.load(std::memory_order_relaxed) == SIGTERM ? kTerminated : kInterrupted;
 }

@@ -41,7 +41,8 @@ server/updates              server/exec server/blobs server/scenes scenegraph/* 
 server                      server/* scenegraph/* accel/result accel/split
 
 client/*.h
-client/importer             client/*.h
+client/importer/sandbox     client/*.h
+client/importer             client/*.h client/importer/sandbox
 client/wire                 client/*.h
 client/calls                client/*.h client/wire client/importer
 client/*.cpp                client/*.h client/wire client/calls client/importer
@@ -73,10 +74,11 @@ CLI             server client/cli
 nlohmann        server client/cli client/importer
 png.h           client/cli/picture
 assimp          client/importer
+seccomp.h       client/importer/sandbox
 """
 
 # Headers of POSIX: like the standard library's they have no folder, or one of these.
-SYSTEM_FOLDERS = ("sys", "netinet", "arpa")
+SYSTEM_FOLDERS = ("sys", "netinet", "arpa", "linux")
 
 
 def parse(table):

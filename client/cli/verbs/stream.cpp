@@ -161,6 +161,7 @@ ExitCode run(const Session& session, StreamArguments& arguments) {
   if (scene) arguments.motion.frame = playback::frame_of(*scene);
   const auto motion = read_motion(arguments);
   if (!motion) return fail(motion.error());
+  print_warnings(motion->scene.warnings);
   const Interrupt interrupt;
   const auto target =
       playback::prepare_target(*client, arguments.target, *motion, scene.ok(), interrupt.token());
