@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "accel/split/scan_kernel.h"
 #include "server/blobs/blob_rpc.h"
@@ -21,6 +22,7 @@
 #include "server/config.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
+#include "server/exec/malformed.h"
 #include "server/exec/open_rpcs.h"
 #include "server/info_rpc.h"
 #include "server/net/acceptor.h"
@@ -149,7 +151,10 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
     builder.RegisterService(service);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   auto experimental = builder.experimental();
-  experimental.SetInterceptorCreators(exec::count_calls(open_rpcs));
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(exec::count_calls(open_rpcs));
+  interceptors.push_back(exec::refuse_malformed());
+  experimental.SetInterceptorCreators(std::move(interceptors));
   connections =
       experimental.AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
   grpc = builder.BuildAndStart();

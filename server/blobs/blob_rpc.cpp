@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 
@@ -52,15 +53,18 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
                 const std::function<void()>& release_meshes, v1::UploadBlobResponse& reply)
       : blobs_(blobs), compute_(compute), release_meshes_(release_meshes), reply_(reply) {}
 
-  void start() { StartRead(&chunk_); }
+  void start() {
+    exec::before_read(chunk_);
+    StartRead(&chunk_);
+  }
 
   void OnReadDone(bool ok) override {
     // A client that ends without `finish` may continue the upload later.
-    if (!ok) return end({});
+    if (!ok) return end(exec::end_of_reads(chunk_));
     compute_.enqueue([this] {
       const Status accepted = exec::to_status([this] { return accept(); });
       if (!accepted || done_) return end(accepted);
-      StartRead(&chunk_);
+      start();
     });
   }
 

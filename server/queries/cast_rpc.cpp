@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/prefetch_rpc.h"
@@ -80,11 +81,12 @@ class CastStream final
 
   void start() {
     if (const Status entered = streams_.enter(this, {}); !entered) return end(entered);
+    exec::before_read(request_);
     StartRead(&request_);
   }
 
   void OnReadDone(bool ok) override {
-    if (!ok) return end({});  // the client has closed its side, or is gone
+    if (!ok) return end(exec::end_of_reads(request_));
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
     if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
@@ -100,6 +102,7 @@ class CastStream final
   void OnWriteDone(bool ok) override {
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
     if (reply_.response().more()) return job_.enqueue([this] { answer(); });
+    exec::before_read(request_);
     StartRead(&request_);
   }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/producer_session.h"
@@ -49,11 +50,11 @@ class UpdateStream final
   void OnReadDone(bool ok) override {
     // No other thread reads, so the message is decoded without the lock.
     Received received = Received::kPart;
-    const Status accepted = ok ? exec::to_status([&] { return accept(received); }) : Status();
+    const Status accepted =
+        ok ? exec::to_status([&] { return accept(received); }) : exec::end_of_reads(request_);
     advance([&] {
       reading_ = false;
-      if (!ok) return enter(State::kDraining, {});  // the client closed its side or is gone
-      if (!accepted) return enter(State::kDraining, accepted);
+      if (!ok || !accepted) return enter(State::kDraining, accepted);
       if (state_ >= State::kDraining) return;
       if (received == Received::kBatch) return add_batch(batches_.batch());
       if (received == Received::kRepeat)
@@ -241,6 +242,7 @@ class UpdateStream final
       change();
       if (may_read()) {
         reading_ = true;
+        exec::before_read(request_);
         StartRead(&request_);
       }
       if (!waiting_.empty() && !working_) {
