@@ -31,7 +31,8 @@ enum ExitCode : int {
 
 ExitCode exit_code(Code code);
 
-/// Text of a file or of a server, without effect on a terminal: control characters become \xNN.
+/// Text of a file or of a server, without effect on a terminal: the bytes of control characters,
+/// and bytes that are no UTF-8, become \xNN.
 std::string printable(std::string_view text);
 
 /// Prints the error on stderr, and returns its exit code.

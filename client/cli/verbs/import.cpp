@@ -84,7 +84,7 @@ Status check_free(const Client& client, const ImportArguments& arguments) {
 }
 
 void print_report(const SceneInfo& scene, const FileReport& file, double seconds) {
-  fmt::print("{} at revision {} in {:.2f} s\n", scene.name, scene.revision, seconds);
+  fmt::print("{} at revision {} in {:.2f} s\n", printable(scene.name), scene.revision, seconds);
   fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
   fmt::print("  meshes     {}", scene.meshes);
   if (file.meshes != scene.meshes) fmt::print(" used, of {} in the file", file.meshes);

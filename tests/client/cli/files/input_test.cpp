@@ -26,6 +26,15 @@ TEST(Input, ReadsLinesWithAndWithoutAFinalNewline) {
   EXPECT_EQ(all, "[one][][two]");
 }
 
+TEST(Input, ALineWithoutEndIsAnError) {
+  auto input = Input::open("/dev/zero");
+  ASSERT_TRUE(input);
+  std::string_view line;
+  const auto more = input->next_line(line);
+  ASSERT_FALSE(more);
+  EXPECT_NE(more.error().message.find("a line is longer"), std::string::npos);
+}
+
 TEST(Input, PeekConsumesNothing) {
   const TempDir dir;
   auto input = Input::open(dir.write("short", "abc"));
