@@ -23,7 +23,7 @@ constexpr std::size_t kLongestMessage = 1000;  // bytes
 Error in_file(const std::filesystem::path& file, std::string message,
               const std::vector<std::string>& refusals) {
   if (message.size() > kLongestMessage) message.resize(kLongestMessage);
-  for (const std::string& refusal : refusals) message += "; " + refusal;
+  if (!refusals.empty()) message += "; " + refusals.front();  // Assimp tries names like it, too
   return import_error(fmt::format("{}: {}", file.string(), message));
 }
 

@@ -126,7 +126,7 @@ class Child {
 
  private:
   Error failed(std::string why) const {
-    for (const std::string& refusal : folder_.refusals()) why += "; " + refusal;
+    if (!folder_.refusals().empty()) why += "; " + folder_.refusals().front();
     return file_error(file_, why);
   }
 
