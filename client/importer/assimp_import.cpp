@@ -19,6 +19,7 @@ namespace sightline::client::importer {
 namespace {
 
 constexpr std::size_t kLongestMessage = 1000;  // bytes
+constexpr double kStep = 0.01;                 // of the progress between two messages
 
 Error in_file(const std::filesystem::path& file, std::string message,
               const std::vector<std::string>& refusals) {
@@ -54,7 +55,14 @@ template <class Scene>
 void answer(sandbox::Inside& inside, const std::string& name, const ImportOptions& options,
             bool wants_progress, Read<Scene> read) {
   ImportProgress progress;
-  if (wants_progress) progress = [&](double part) { inside.progress(part); };
+  double shown = 0;
+  if (wants_progress) {
+    progress = [&](double part) {
+      if (part - shown < kStep) return;
+      shown = part;
+      inside.progress(part);
+    };
+  }
   const FileSource files = [&](const std::string& asked) { return inside.read(asked); };
   Answer<Scene> result;
   if (auto scene = read(name, files, options, progress)) {

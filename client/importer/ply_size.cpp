@@ -83,6 +83,7 @@ std::optional<Header> read_header(std::string_view file) {
 }
 
 std::uint64_t read_length(std::string_view bytes, bool is_big_endian) {
+  if (bytes.size() == 1) return static_cast<std::uint8_t>(bytes[0]);
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const std::size_t k = is_big_endian ? i : bytes.size() - 1 - i;
@@ -97,8 +98,10 @@ class Walk {
   Walk(std::string_view file, std::size_t at) : file_(file), at_(at) {}
 
   void skip(std::uint64_t count, std::uint64_t bytes) {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max() / 2;
-    at_ = bytes != 0 && count > (kMost - at_) / bytes ? kMost : at_ + count * bytes;
+    std::uint64_t size = 0, end = 0;
+    const bool fits =
+        !__builtin_mul_overflow(count, bytes, &size) && !__builtin_add_overflow(at_, size, &end);
+    at_ = fits ? end : std::numeric_limits<std::uint64_t>::max();
   }
   bool is_inside() const { return at_ <= file_.size(); }
   std::uint64_t missing() const { return is_inside() ? 0 : at_ - file_.size(); }

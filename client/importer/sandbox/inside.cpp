@@ -26,7 +26,8 @@ std::optional<std::string_view> Inside::read(const std::string& name) {
   if (!send(kChannel, request) || !receive(kChannel, reply, &file)) give_up();
   if (!file) return {};
   if (reply.bytes == 0) return std::string_view();
-  void* const bytes = ::mmap(nullptr, reply.bytes, PROT_READ, MAP_PRIVATE, file.get(), 0);
+  void* const bytes =
+      ::mmap(nullptr, reply.bytes, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.get(), 0);
   if (bytes == MAP_FAILED) return {};
   return std::string_view(static_cast<const char*>(bytes), reply.bytes);
 }
@@ -38,12 +39,23 @@ void Inside::progress(double part) {
 }
 
 void Inside::write(const void* bytes, std::size_t count) {
-  buffer_.append(static_cast<const char*>(bytes), count);
-  if (buffer_.size() >= kWriteBytes) flush();
+  const std::string_view text(static_cast<const char*>(bytes), count);
+  if (count < kWriteBytes) {
+    buffer_ += text;
+    if (buffer_.size() >= kWriteBytes) flush();
+    return;
+  }
+  flush();
+  send_out(text);
 }
 
 void Inside::flush() {
-  std::string_view rest = buffer_;
+  send_out(buffer_);
+  buffer_.clear();
+}
+
+void Inside::send_out(std::string_view rest) {
+  written_ += rest.size();
   while (!rest.empty()) {
     const ssize_t count = ::write(kResult, rest.data(), rest.size());
     if (count < 0 && errno == EINTR) continue;
@@ -53,8 +65,6 @@ void Inside::flush() {
     }
     rest.remove_prefix(static_cast<std::size_t>(count));
   }
-  written_ += buffer_.size();
-  buffer_.clear();
 }
 
 void Inside::finish() {

@@ -26,6 +26,7 @@ class Inside {
 
  private:
   void flush();
+  void send_out(std::string_view rest);
 
   std::string buffer_;
   std::uint64_t written_ = 0;

@@ -215,7 +215,7 @@ std::uint64_t Allowance::of(std::uint64_t bytes) const {
 
 MappedBytes::MappedBytes(int file, std::size_t size) : size_(size) {
   if (size == 0) return;
-  void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file, 0);
   if (bytes == MAP_FAILED) throw std::bad_alloc();
   bytes_ = static_cast<const std::byte*>(bytes);
 }
