@@ -46,7 +46,10 @@ std::string chain(int nodes, int copies) {
   std::string json = R"({"nodes": [)";
   for (int i = 0; i + 1 < nodes; ++i) {
     json += R"({"children": [)";
-    for (int k = 0; k < copies; ++k) json += (k > 0 ? "," : "") + std::to_string(i + 1);
+    for (int k = 0; k < copies; ++k) {
+      if (k > 0) json += ',';
+      json += std::to_string(i + 1);
+    }
     json += "]},";
   }
   return json + "{}]}";

@@ -11,13 +11,13 @@ namespace {
 TEST(RequestAnswers, KeepsTheLast) {
   RequestAnswers answers({.answers = 3});
   for (std::uint64_t i = 1; i <= 5; ++i) {
-    const std::string id = "r" + std::to_string(i);
+    const std::string id = std::string("r") + std::to_string(i);
     ASSERT_EQ(*answers.find(id, i), nullptr);
     answers.retain(answers.prepare(id, i, {.revision = i, .nodes = {10 * i}}));
   }
   EXPECT_EQ(*answers.find("r2", 2), nullptr);
   for (std::uint64_t i = 3; i <= 5; ++i) {
-    const auto found = answers.find("r" + std::to_string(i), i);
+    const auto found = answers.find(std::string("r") + std::to_string(i), i);
     ASSERT_TRUE(found);
     ASSERT_NE(*found, nullptr);
     EXPECT_EQ((*found)->revision, i);

@@ -21,7 +21,7 @@ TEST(Input, ReadsLinesWithAndWithoutAFinalNewline) {
   std::string all;
   std::string_view line;
   for (auto more = input->next_line(line); more && *more; more = input->next_line(line)) {
-    all += "[" + std::string(line) + "]";
+    all.append("[").append(line).append("]");
   }
   EXPECT_EQ(all, "[one][][two]");
 }
