@@ -79,8 +79,9 @@ ExitCode list(const Session& session) {
   fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", "SCENE", "REVISION", "NODES", "INSTANCES",
              "UNIQUE", "INSTANCED");
   for (const SceneInfo& scene : *scenes) {
-    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", printable(short_name(scene.name)), scene.revision,
-               scene.nodes, scene.instances, scene.triangles_unique, scene.triangles_instanced);
+    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", printable(short_name(scene.name)),
+               scene.revision, scene.nodes, scene.instances, scene.triangles_unique,
+               scene.triangles_instanced);
   }
   return kOk;
 }

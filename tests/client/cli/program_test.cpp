@@ -184,8 +184,7 @@ TEST_F(Program, AFileThatKillsItsReaderIsOneLineAndExitCode1) {
 }
 
 TEST_F(Program, WarningsOfAnImportAreShown) {
-  const std::string cut =
-      dir_.write("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3");
+  const std::string cut = dir_.write("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3");
   const Outcome outcome = run({"scene", "import", "new", cut.c_str(), "--json"});
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("sightline: warning: " + cut), std::string::npos) << outcome.err;
