@@ -1,7 +1,9 @@
 // An interceptor for single requests. A mark in the message for streams: parsing removes it.
 #include "server/exec/malformed.h"
 
+#include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/unknown_field_set.h>
+
 #include "server/exec/rpc_status.h"
 
 namespace sightline::server::exec {
@@ -49,6 +51,8 @@ Error malformed_message() {
 }
 
 std::unique_ptr<experimental::ServerInterceptorFactoryInterface> refuse_malformed() {
+  // It writes a line to standard error for each bad string, and blocks if a pipe there is full.
+  google::protobuf::SetLogHandler(nullptr);
   return std::make_unique<Factory>();
 }
 

@@ -14,7 +14,8 @@ namespace sightline::server::exec {
 /// kInvalidArgument, reason MALFORMED_MESSAGE.
 Error malformed_message();
 
-/// For grpc::ServerBuilder: makes calls with one request end with malformed_message().
+/// For grpc::ServerBuilder: makes calls with one request end with malformed_message(). Makes
+/// protobuf's parser silent in this process.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> refuse_malformed();
 
 /// Call this before each read of a stream, for the message that it fills.

@@ -2,7 +2,6 @@
 #include "tests/fuzz/service/check_session.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/stubs/logging.h>
 #include <grpcpp/create_channel.h>
 #include <spdlog/spdlog.h>
 
@@ -40,7 +39,6 @@ class Target {
  public:
   Target() {
     spdlog::set_level(spdlog::level::off);
-    google::protobuf::SetLogHandler(nullptr);  // of every string that is not UTF-8
     server::ServerConfig config;
     config.listen = "127.0.0.1:0";
     config.threads = 2;
