@@ -16,7 +16,8 @@
 namespace sightline::client::importer::sandbox {
 namespace {
 
-// Memory, time, locks, signals, and what needs a descriptor that is open already.
+// Memory, time, locks, signals, and what needs a descriptor that is open already. UBSan looks
+// whether memory can be read by writing it to a pipe.
 constexpr std::array kAllowed{SCMP_SYS(brk),
                               SCMP_SYS(munmap),
                               SCMP_SYS(mremap),
@@ -44,7 +45,9 @@ constexpr std::array kAllowed{SCMP_SYS(brk),
                               SCMP_SYS(sigaltstack),
                               SCMP_SYS(restart_syscall),
                               SCMP_SYS(exit),
-                              SCMP_SYS(exit_group)};
+                              SCMP_SYS(exit_group),
+                              SCMP_SYS(pipe),
+                              SCMP_SYS(pipe2)};
 
 bool allow_calls() {
   const scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
