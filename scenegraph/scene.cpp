@@ -41,7 +41,8 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                              std::optional<std::uint64_t> expected_revision,
-                             const std::function<void(const Applied&)>& before_publish) {
+                             const std::function<void(const Applied&)>& before_publish,
+                             const std::atomic<bool>* cancelled) {
   std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
@@ -51,7 +52,7 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                      ", but the scene is at " + std::to_string(base->revision()),
                  "REVISION_MISMATCH"};
   }
-  revision::Draft draft(*base, next_id_);
+  revision::Draft draft(*base, next_id_, cancelled);
   for (std::size_t i = 0; i < updates.size(); ++i) {
     if (const Status status = draft.apply(updates[i]); !status) {
       Error error = status.error();

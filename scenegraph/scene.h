@@ -39,12 +39,14 @@ class Scene {
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
   /// `before_publish`: called with the result when nothing can fail any more but itself. If it
   /// throws, the scene is as it was.
+  /// `cancelled`: looked at for every node. Null: never.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
-  /// counts that disagree), kFailedPrecondition (delete of a node with children).
+  /// counts that disagree), kFailedPrecondition (delete of a node with children), kCancelled.
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt,
-                        const std::function<void(const Applied&)>& before_publish = {});
+                        const std::function<void(const Applied&)>& before_publish = {},
+                        const std::atomic<bool>* cancelled = nullptr);
 
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the

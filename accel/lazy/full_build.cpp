@@ -74,7 +74,8 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
     if (cell.failed.load(std::memory_order_relaxed)) return;
     if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
     if (!cell.has_list || cell.weight > kSerialBelow) {
-      if (expand_now(slot, WhenPending::kWait, counters) != ExpandResult::kScanList) continue;
+      if (expand_now(slot, WhenPending::kWait, counters, cancelled) != ExpandResult::kScanList)
+        continue;
     } else if (claim(slot, cell)) {
       return complete_cell(slot, cell, counters, cancelled);
     }

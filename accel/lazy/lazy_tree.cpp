@@ -25,13 +25,11 @@ bool is_large(const kdtree::DeferredCell& cell) {
   return !cell.has_list || cell.list.sliced() != nullptr;
 }
 
-CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source, bool& fresh) {
+CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
   kdtree::SharedWork* work = cell.task.load(std::memory_order_acquire);
-  fresh = false;
   if (work == nullptr) {
     auto* mine = new CellTask(source.alive);
-    fresh = cell.task.compare_exchange_strong(work, mine, std::memory_order_acq_rel);
-    if (fresh) return *mine;
+    if (cell.task.compare_exchange_strong(work, mine, std::memory_order_acq_rel)) return *mine;
     mine->leave();
   }
   return static_cast<CellTask&>(*work);
@@ -48,21 +46,24 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)} {}
 
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                              kdtree::BuildCounters& counters) {
+                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
-  return expand_now(slot, when_pending, counters);
+  return expand_now(slot, when_pending, counters, cancelled);
 }
 
 ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                                  kdtree::BuildCounters& counters) {
+                                  kdtree::BuildCounters& counters,
+                                  const std::atomic<bool>* cancelled) {
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return ExpandResult::kRetry;
   kdtree::DeferredCell& cell = *now.cell();
   if (cell.failed.load(std::memory_order_relaxed)) return ExpandResult::kScanList;
   if (now.tag() == kdtree::Slot::Tag::kExpanding) return wait_for_owner(slot, cell, when_pending);
   try {
-    return is_large(cell) ? expand_large(slot, cell, when_pending, counters)
+    return is_large(cell) ? expand_large(slot, cell, when_pending, counters, cancelled)
                           : expand_small(slot, cell, counters);
+  } catch (const Cancelled&) {
+    return ExpandResult::kScanList;
   } catch (const std::bad_alloc&) {
     cell.failed.store(true, std::memory_order_relaxed);
     return ExpandResult::kScanList;
@@ -104,7 +105,14 @@ void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdt
                        kdtree::BuildCounters& counters) {
   slot.store(built.bits(), std::memory_order_release);
   tree_.retire_cell(cell);
-  counters.cells_expanded += built.is_deferred() ? 0u : 1u;
+  count(slot, built, counters);
+}
+
+void LazyTree::count(const kdtree::AtomicSlot& slot, kdtree::Slot built,
+                     kdtree::BuildCounters& counters) {
+  if (built.is_deferred()) return;
+  ++counters.cells_expanded;
+  if (&slot == &tree_.root()) ++counters.trees_begun;
 }
 
 /// The cell's own list is never written, because other threads may be searching it.
@@ -126,31 +134,35 @@ ExpandResult LazyTree::expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCe
 }
 
 ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                    WhenPending when_pending, kdtree::BuildCounters& counters) {
-  bool fresh = false;
-  CellTask& task = task_of(cell, source_, fresh);
-  if (fresh) return run_all_passes(slot, cell, task, counters);
+                                    WhenPending when_pending, kdtree::BuildCounters& counters,
+                                    const std::atomic<bool>* cancelled) {
+  CellTask& task = task_of(cell, source_);
+  const CellTask::Wanted wanted(task);
+  if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
+  if (wanted.is_first()) return run_all_passes(slot, cell, task, counters, cancelled);
   for (StallDetector stall_detector;;) {
-    const bool helped = task.help(counters);
+    const bool helped = task.help(counters, cancelled);
     if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
     if (helped) continue;
     if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
-    if (!stall_detector.wait(task.progress())) return run_all_passes(slot, cell, task, counters);
+    if (!stall_detector.wait(task.progress()))
+      return run_all_passes(slot, cell, task, counters, cancelled);
   }
 }
 
 /// Runs the passes to their end. Several threads may do so if the first one seemed to be stopped;
 /// then the first result is published and the others are discarded.
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                      CellTask& task, kdtree::BuildCounters& counters) {
+                                      CellTask& task, kdtree::BuildCounters& counters,
+                                      const std::atomic<bool>* cancelled) {
   tree_.reserve(primitive_count_);
-  const kdtree::Slot built =
-      make_slot(divide_long(context_, cell, PassSequence(task, counters), counters), cell);
+  const kdtree::Slot built = make_slot(
+      divide_long(context_, cell, PassSequence(task, counters, cancelled), counters), cell);
   std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
   if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
     counters += task.take_counters();
     tree_.retire_cell(cell);
-    counters.cells_expanded += built.is_deferred() ? 0u : 1u;
+    count(slot, built, counters);
   } else {
     tree_.discard(built);
   }

@@ -40,8 +40,12 @@ class LazyTree {
   ///
   /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
   /// cell of at most kEagerBelow triangles, by weight, is built at once.
+  ///
+  /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with kScanList.
+  /// What is done of the cell remains for the next ray.
   ExpandResult expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                      kdtree::BuildCounters& counters);
+                      kdtree::BuildCounters& counters,
+                      const std::atomic<bool>* cancelled = nullptr);
 
   /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
@@ -56,15 +60,16 @@ class LazyTree {
 
  private:
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                          kdtree::BuildCounters& counters);
+                          kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   ExpandResult wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
                               WhenPending when_pending);
   ExpandResult expand_small(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                             kdtree::BuildCounters& counters);
   ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                            WhenPending when_pending, kdtree::BuildCounters& counters);
+                            WhenPending when_pending, kdtree::BuildCounters& counters,
+                            const std::atomic<bool>* cancelled);
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
-                              kdtree::BuildCounters& counters);
+                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
   kdtree::Slot defer(NewCell now);
@@ -78,6 +83,7 @@ class LazyTree {
   void release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
   void publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                kdtree::BuildCounters& counters);
+  void count(const kdtree::AtomicSlot& slot, kdtree::Slot built, kdtree::BuildCounters& counters);
 
   kdtree::KdTree tree_;
   split::SplitRule rule_;

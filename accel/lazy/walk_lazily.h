@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -26,7 +28,17 @@ struct LazyQuery {
   /// Ask again, with a fresh query, when `progress` has increased.
   bool suspended = false;
   std::uint64_t progress = 0;  ///< Of that cell.
+  /// Once true, the walk stops soon, also inside a long list or an expansion, and what it has found
+  /// means nothing. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
+
+  bool is_cancelled() const {
+    return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+  }
 };
+
+/// References or triangles of a list that are searched between two looks at LazyQuery::cancelled.
+inline constexpr std::size_t kSearchStep = 1024;
 
 /// The visitor of kdtree::walk for a tree that grows.
 template <class Test>
@@ -41,7 +53,8 @@ struct LazyVisit {
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kExpand) {
-      const ExpandResult expanded = tree.expand(slot, query.when_pending, built);
+      const ExpandResult expanded =
+          tree.expand(slot, query.when_pending, built, query.cancelled);
       if (expanded == ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
       if (expanded == ExpandResult::kPending) {
         query.suspended = true;
@@ -57,8 +70,15 @@ struct LazyVisit {
   bool search(const kdtree::DeferredCell& cell) {
     if (!cell.has_list) return test.everything();
     return cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
-      return std::any_of(refs.begin(), refs.end(),
-                         [&](const kdtree::Reference& ref) { return test.reference(ref); });
+      while (!refs.empty()) {
+        if (query.is_cancelled()) return true;
+        const auto part = refs.first(std::min(refs.size(), kSearchStep));
+        refs = refs.subspan(part.size());
+        if (std::any_of(part.begin(), part.end(),
+                        [&](const kdtree::Reference& ref) { return test.reference(ref); }))
+          return true;
+      }
+      return false;
     });
   }
 };

@@ -104,6 +104,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   if (is_complete(meshes, trees)) snapshot.set_complete();
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
+  stats.trees_begun = built.trees_begun;
   stats.touches = built.touches;
   stats.dynamic_touches = dynamic.touches + dynamic.touches_prepare;
   stats.touches_prepare = built.touches_prepare;

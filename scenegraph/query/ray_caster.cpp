@@ -50,6 +50,7 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   query_ = {};
   query_.on_deferred = on_deferred(options_.growth);
   query_.when_pending = when_pending;
+  query_.cancelled = options_.cancelled;
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;
@@ -210,6 +211,7 @@ TraceStats RayCaster::stats() const {
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
   stats.cells_expanded = static_.built.cells_expanded + dynamic_.built.cells_expanded;
+  stats.trees_begun = static_.built.trees_begun + dynamic_.built.trees_begun;
   stats.touches = static_.built.touches + dynamic_.built.touches;
   stats.touches_prepare = static_.built.touches_prepare + dynamic_.built.touches_prepare;
   stats.dynamic_touches = dynamic_.built.touches + dynamic_.built.touches_prepare;

@@ -64,7 +64,8 @@ scenegraph::revision::SceneSummary StoredScene::summary() {
 
 Result<scenegraph::Applied> StoredScene::apply(
     std::vector<scenegraph::model::Update> updates, std::optional<std::uint64_t> expected_revision,
-    exec::Compute& compute, const std::function<void(const scenegraph::Applied&)>& record) {
+    exec::Compute& compute, const std::function<void(const scenegraph::Applied&)>& record,
+    const std::atomic<bool>* cancelled) {
   if (removed()) return removed_error();
   auto before = scene_.snapshot();
   if (const Status good = check_deformed(*before, updates); !good) return good.error();
@@ -82,7 +83,7 @@ Result<scenegraph::Applied> StoredScene::apply(
     if (record) record(next);
   };
   // Nothing below throws: what is published is in the log.
-  auto applied = scene_.apply(updates, expected_revision, prepare);
+  auto applied = scene_.apply(updates, expected_revision, prepare, cancelled);
   if (applied) {
     dropped = recent_.account(replaced);
     log_.add(std::move(entry));

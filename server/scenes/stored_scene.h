@@ -74,11 +74,12 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
   /// check_deformed; kNotFound after remove().
   /// `record`: called with the result before it is published, so that the caller can record it.
-  /// If it throws, or memory runs out, nothing has changed.
+  /// If it throws, or memory runs out, nothing has changed. `cancelled`: as for Scene::apply.
   Result<scenegraph::Applied> apply(
       std::vector<scenegraph::model::Update> updates,
       std::optional<std::uint64_t> expected_revision, exec::Compute& compute,
-      const std::function<void(const scenegraph::Applied&)>& record = {});
+      const std::function<void(const scenegraph::Applied&)>& record = {},
+      const std::atomic<bool>* cancelled = nullptr);
   RequestAnswers& answers() { return answers_; }
   Producers& producers() { return producers_; }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <optional>
 #include <thread>
 
 namespace sightline::scenegraph {
@@ -205,6 +207,19 @@ TEST(Scene, AppliesAllOfABatchOrNothing) {
                  Code::kNotFound, "NODE_NOT_FOUND");
   EXPECT_EQ(scene.snapshot()->node_count(), 1u);
   EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, model::Affine{});
+}
+
+TEST(Scene, ACancelledBatchChangesNothing) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
+  const std::atomic<bool> cancelled{true};
+  bool published = false;
+  const auto applied = scene.apply(
+      {put(-1, 0, "b")}, std::nullopt, [&](const Applied&) { published = true; }, &cancelled);
+  EXPECT_EQ(applied.error().code, Code::kCancelled);
+  EXPECT_FALSE(published);
+  EXPECT_EQ(scene.snapshot()->revision(), 1u);
+  EXPECT_EQ(scene.snapshot()->node_count(), 1u);
 }
 
 TEST(Scene, ChecksTheExpectedRevision) {

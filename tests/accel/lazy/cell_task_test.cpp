@@ -147,6 +147,28 @@ TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
   }
 }
 
+TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
+  ManyBoxes boxes(400'000);
+  const auto slices = std::make_shared<std::atomic<int>>(0);
+  const auto cancelled = std::make_shared<std::atomic<bool>>(false);
+  boxes.at_slice = [slices, cancelled] {
+    if (++*slices == 3) *cancelled = true;
+  };
+  const auto tree = boxes.tree();
+  kdtree::BuildCounters counters;
+  {
+    const kdtree::EpochPin pin;
+    EXPECT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters, cancelled.get()),
+              ExpandResult::kScanList);
+    EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
+  }
+  EXPECT_EQ(*slices, 3) << "none after the one that was cancelled";
+  EXPECT_EQ(counters.cells_expanded, 0u);
+  const auto other = ManyBoxes(400'000).tree();
+  const geometry::Vec3f point = (*boxes.refs)[0].lo;
+  EXPECT_EQ(descend(*tree, point).cells_expanded, descend(*other, point).cells_expanded);
+}
+
 /// Does the slices of a task's last pass, as a called thread does.
 void help(CellTask& task) {
   kdtree::BuildCounters counters;
