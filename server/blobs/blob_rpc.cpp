@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "server/exec/caller.h"
 #include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
@@ -50,8 +51,13 @@ bool leaves_upload_whole(Code code) {
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
   UploadReactor(BlobStore& blobs, exec::Compute& compute,
-                const std::function<void()>& release_meshes, v1::UploadBlobResponse& reply)
-      : blobs_(blobs), compute_(compute), release_meshes_(release_meshes), reply_(reply) {}
+                const std::function<void()>& release_meshes,
+                const grpc::CallbackServerContext& context, v1::UploadBlobResponse& reply)
+      : blobs_(blobs),
+        compute_(compute),
+        release_meshes_(release_meshes),
+        caller_(exec::caller_of(context)),
+        reply_(reply) {}
 
   void start() {
     exec::before_read(chunk_);
@@ -61,7 +67,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   void OnReadDone(bool ok) override {
     // A client that ends without `finish` may continue the upload later.
     if (!ok) return end(exec::end_of_reads(chunk_));
-    compute_.enqueue([this] {
+    compute_.enqueue_work(caller_, [this] {
       const Status accepted = exec::to_status([this] { return accept(); });
       if (!accepted || done_) return end(accepted);
       start();
@@ -145,6 +151,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   BlobStore& blobs_;
   exec::Compute& compute_;
   const std::function<void()>& release_meshes_;
+  const exec::Caller caller_;
   v1::UploadBlobResponse& reply_;
   v1::UploadBlobRequest chunk_;
   std::string digest_text_;
@@ -161,9 +168,9 @@ grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext*
                          [=, this] { return find_missing(*request, blobs_, *reply); });
 }
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(grpc::CallbackServerContext*,
-                                                                    v1::UploadBlobResponse* reply) {
-  auto* reactor = new UploadReactor(blobs_, compute_, release_meshes_, *reply);
+grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(
+    grpc::CallbackServerContext* context, v1::UploadBlobResponse* reply) {
+  auto* reactor = new UploadReactor(blobs_, compute_, release_meshes_, *context, *reply);
   reactor->start();
   return reactor;
 }

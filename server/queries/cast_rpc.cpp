@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/exec/caller.h"
 #include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
@@ -18,8 +19,9 @@ namespace {
 /// Lives until its task has called Finish(), also if the client has cancelled the call.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
-  CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
-      : job_(services, Replies::kOne),
+  CastRaysReactor(const scenes::Services& services, const grpc::CallbackServerContext& context,
+                  v1::CastRaysResponse& reply)
+      : job_(services, exec::caller_of(context), Replies::kOne),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
         reply_(reply) {}
@@ -46,8 +48,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
     if (const Status accepted = exec::to_status([&] { return job_.accept(request.rays()); });
         !accepted)
       return end(accepted);
-    job_.enqueue([this] {
-      const Status done = exec::to_status([this] { return job_.run(reply_); });
+    job_.enqueue(reply_, [this](const Status& done) {
       job_.close();
       end(done);
     });
@@ -55,7 +56,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("CastRays", answer, begun_);
+    exec::log_rpc("CastRays", answer, begun_, [this] { return job_.description(); });
     Finish(answer);  // may delete this reactor
   }
 
@@ -75,7 +76,7 @@ class CastStream final
       : compute_(services.compute),
         context_(context),
         streams_(services.cast_streams),
-        job_(services, Replies::kMany),
+        job_(services, exec::caller_of(context), Replies::kMany),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)) {}
 
@@ -101,7 +102,7 @@ class CastStream final
 
   void OnWriteDone(bool ok) override {
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
-    if (reply_.response().more()) return job_.enqueue([this] { answer(); });
+    if (reply_.response().more()) return answer();
     exec::before_read(request_);
     StartRead(&request_);
   }
@@ -114,7 +115,7 @@ class CastStream final
   void OnDone() override {
     streams_.leave(this);
     // On a worker: this may hold the last reference to a revision and free its trees.
-    compute_.enqueue([this] { delete this; });
+    compute_.enqueue_background([this] { delete this; });
   }
 
  private:
@@ -123,19 +124,22 @@ class CastStream final
             exec::to_status([this] { return job_.accept(request_.request().rays()); });
         !accepted)
       return end(accepted);
-    job_.enqueue([this] { answer(); });
+    answer();
   }
 
   void answer() {
-    const Status done = exec::to_status([this] { return job_.run(*reply_.mutable_response()); });
-    if (!done) return end(done);
-    reply_.set_chunk(request_.chunk());
-    StartWrite(&reply_);
+    job_.enqueue(*reply_.mutable_response(), [this](const Status& done) {
+      if (!done) return end(done);
+      reply_.set_chunk(request_.chunk());
+      StartWrite(&reply_);
+    });
   }
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
+    exec::log_rpc("StreamCastRays", answer, begun_, [this] {
+      return fmt::format("batches={} {}", batches_, job_.description());
+    });
     Finish(answer);
   }
 
@@ -159,7 +163,7 @@ RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services)
 grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* context,
                                                 const v1::CastRaysRequest* request,
                                                 v1::CastRaysResponse* reply) {
-  auto* reactor = new CastRaysReactor(services_, *reply);
+  auto* reactor = new CastRaysReactor(services_, *context, *reply);
   reactor->start(*context, *request);
   return reactor;
 }
@@ -172,8 +176,8 @@ RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
-    grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
-  return start_prefetch(services_, *request);
+    grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) {
+  return start_prefetch(services_, *context, *request);
 }
 
 }  // namespace sightline::server::queries

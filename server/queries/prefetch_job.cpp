@@ -44,7 +44,7 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   auto ticket = services_.admission.admit(
-      rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
+      caller_, rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
   snapshot_ = (*scene)->snapshot();

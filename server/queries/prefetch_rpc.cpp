@@ -6,7 +6,10 @@
 
 #include <chrono>
 #include <mutex>
+#include <string>
+#include <utility>
 
+#include "server/exec/caller.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_job.h"
 
@@ -20,8 +23,11 @@ constexpr std::chrono::milliseconds kBetweenReports{250};
 /// when it stops; the last one to stop ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
-  explicit PrefetchCall(const scenes::Services& services)
-      : compute_(services.compute), calls_(services.prefetches), job_(services) {}
+  PrefetchCall(const scenes::Services& services, exec::Caller caller, const std::string& scene)
+      : compute_(services.compute),
+        calls_(services.prefetches),
+        flow_{caller.principal, caller.connection, scene},
+        job_(services, std::move(caller)) {}
 
   void start(const v1::PrefetchRequest& request) {
     const Status ready = exec::to_status([&] {
@@ -31,7 +37,10 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
     if (!ready) return end(ready);
     const std::lock_guard lock(mutex_);
     set_alarm(kBeforeFirstReport);
-    compute_.enqueue_background([this] { build(); });
+    compute_.enqueue_background(flow_, [this] {
+      build();
+      return false;
+    });
   }
 
   void OnWriteDone(bool) override {
@@ -41,7 +50,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   void OnCancel() override { job_.cancel(); }
 
   void OnDone() override {
-    compute_.enqueue([this] { delete this; });
+    compute_.enqueue_background([this] { delete this; });
   }
 
  private:
@@ -108,12 +117,17 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void log(const grpc::Status& answer) const {
-    exec::log_rpc("Prefetch", answer, log_begun_, fmt::format("cells={}", last_.cells_expanded()));
+    exec::log_rpc("Prefetch", answer, log_begun_, [this] {
+      return fmt::format("scene={} peer={} rays={} cells={} trees={} build_us={}", flow_.scene,
+                         flow_.connection, last_.rays_total(), last_.cells_expanded(),
+                         last_.meshes_done(), last_.build_us());
+    });
   }
 
   const exec::LogClock::time_point log_begun_ = exec::LogClock::now();
   exec::Compute& compute_;
   exec::CallRegistry& calls_;
+  const exec::FlowKey flow_;
   PrefetchJob job_;
   std::mutex mutex_;                                          // protects all members below
   bool building_ = true, ticking_ = false, writing_ = false;  // activities that run
@@ -126,8 +140,9 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 }  // namespace
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
+                                                               const grpc::CallbackServerContext& context,
                                                                const v1::PrefetchRequest& request) {
-  auto* call = new PrefetchCall(services);
+  auto* call = new PrefetchCall(services, exec::caller_of(context), request.scene());
   call->start(request);
   return call;
 }

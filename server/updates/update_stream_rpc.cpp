@@ -80,7 +80,7 @@ class UpdateStream final
   }
 
   void OnDone() override {
-    services_.compute.enqueue([this] {
+    services_.compute.enqueue_background([this] {
       services_.update_streams.leave(this);
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);

@@ -99,7 +99,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   void OnDone() override {
-    services_.compute.enqueue([this] {
+    services_.compute.enqueue_background([this] {
       services_.watches.leave(this);
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
       delete this;

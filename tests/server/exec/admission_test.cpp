@@ -41,6 +41,43 @@ TEST(Admission, SumsDoNotWrapAround) {
   EXPECT_FALSE(admission.admit(0, std::numeric_limits<std::uint64_t>::max()));
 }
 
+const Caller kGreedy{"a", "a:1"}, kOther{"a", "a:2"}, kThird{"b", "b:1"};
+
+TEST(Admission, AConnectionAloneMayUseUpTheLimit) {
+  Admission admission({100, 1000});
+  const auto all = admission.admit(kGreedy, 100, 1000);
+  EXPECT_TRUE(all);
+  EXPECT_FALSE(admission.admit(kGreedy, 1, 0));
+}
+
+TEST(Admission, AConnectionThatUsesUpTheLimitDoesNotShutOutOthers) {
+  Admission admission({100, 1000});
+  const auto all = admission.admit(kGreedy, 100, 1000);
+  auto other = admission.admit(kOther, 15, 150);
+  EXPECT_TRUE(other);
+  EXPECT_TRUE(admission.admit(kThird, 10, 100)) << "the rest of the reserve";
+  EXPECT_FALSE(admission.admit(kThird, 11, 100)) << "more than the reserve";
+  EXPECT_FALSE(admission.admit(1, 0)) << "a request without a caller has no reserve";
+  other = admission.admit(kOther, 5, 5);
+  EXPECT_TRUE(other);
+}
+
+TEST(Admission, TheReserveIsForThoseWithinTheirShare) {
+  Admission admission({100, 1000});
+  const auto first = admission.admit(kGreedy, 45, 0), second = admission.admit(kOther, 55, 0);
+  EXPECT_TRUE(admission.admit(kGreedy, 5, 0));
+  EXPECT_FALSE(admission.admit(kGreedy, 6, 0)) << "above half";
+  EXPECT_FALSE(admission.admit(kOther, 1, 0)) << "above half";
+}
+
+TEST(Admission, ConnectionsWithNothingInFlightHaveNoShare) {
+  Admission admission({100, 1000});
+  { const auto gone = admission.admit(kOther, 1, 1); }
+  const auto all = admission.admit(kGreedy, 100, 0);
+  EXPECT_FALSE(admission.admit(kGreedy, 1, 0));
+  EXPECT_EQ(admission.in_flight().rays, 100u);
+}
+
 TEST(Admission, ATicketCanBeMovedAndIsReleasedOnce) {
   Admission admission({100, 1000});
   auto first = admission.admit(10, 10);

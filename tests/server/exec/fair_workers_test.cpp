@@ -1,0 +1,131 @@
+// Workers that run slices in fair turns.
+#include "server/exec/fair_workers.h"
+
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace sightline::server::exec {
+namespace {
+
+using namespace std::chrono_literals;
+
+FlowKey flow(const std::string& connection, const std::string& scene) {
+  return {"principal", connection, scene};
+}
+
+/// Holds the slices that enter it until it is destroyed, before the workers.
+class Gate {
+ public:
+  ~Gate() { open(); }
+  void open() {
+    if (!std::exchange(open_, true)) opened_.set_value();
+  }
+  Slice slice() {
+    return [this] {
+      ++inside_;
+      future_.wait();
+      return false;
+    };
+  }
+  int inside() const { return inside_; }
+
+ private:
+  std::promise<void> opened_;
+  std::shared_future<void> future_{opened_.get_future()};
+  std::atomic<int> inside_{0};
+  bool open_ = false;
+};
+
+Slice sets(std::promise<void>& done) {
+  return [&done] {
+    done.set_value();
+    return false;
+  };
+}
+
+/// The limit only ends a failing test.
+bool in_time(std::promise<void>& done) {
+  return done.get_future().wait_for(1min) == std::future_status::ready;
+}
+
+TEST(FairWorkers, RunsAJobUntilItHasNoMoreAndNeverOnTheCallersThread) {
+  std::atomic<int> slices{0};
+  std::atomic<bool> on_caller{false};
+  {
+    FairWorkers workers({.threads = 2});
+    const auto caller = std::this_thread::get_id();
+    for (int job = 0; job < 100; ++job) {
+      workers.push(flow(std::to_string(job % 7), "s"), [&, caller, left = 5]() mutable {
+        if (std::this_thread::get_id() == caller) on_caller = true;
+        ++slices;
+        return --left > 0;
+      });
+    }
+  }
+  EXPECT_EQ(slices, 500);
+  EXPECT_FALSE(on_caller);
+}
+
+TEST(FairWorkers, ASceneWhoseSlicesAreLongDoesNotHoldUpOthers) {
+  std::promise<void> other;
+  FairWorkers workers({.threads = 2, .long_after = 1ms});
+  Gate gate;
+  // More than the first arena has workers, and of several clients.
+  for (int i = 0; i < 40; ++i) workers.push(flow(std::to_string(i % 5), "cold"), gate.slice());
+  workers.push(flow("9", "warm"), sets(other));
+  EXPECT_TRUE(in_time(other));
+  EXPECT_EQ(gate.inside(), 2) << "more workers would not help the scene";
+}
+
+TEST(FairWorkers, AClientWhoseSlicesAreLongDoesNotHoldUpOthers) {
+  std::promise<void> other;
+  FairWorkers workers({.threads = 2, .long_after = 1ms});
+  Gate gate;
+  for (int i = 0; i < 40; ++i) workers.push(flow("1", std::to_string(i)), gate.slice());
+  workers.push(flow("2", "warm"), sets(other));
+  EXPECT_TRUE(in_time(other));
+  EXPECT_EQ(gate.inside(), 2);
+}
+
+TEST(FairWorkers, ShortSlicesUseNoMoreThanTheWorkers) {
+  std::atomic<int> running{0}, most{0};
+  {
+    FairWorkers workers({.threads = 2, .long_after = 1h});
+    for (int i = 0; i < 200; ++i) {
+      workers.push(flow(std::to_string(i), "s"), [&] {
+        const int now = ++running;
+        for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) continue;
+        std::this_thread::yield();
+        --running;
+        return false;
+      });
+    }
+  }
+  EXPECT_LE(most, 2);
+}
+
+TEST(FairWorkers, IdleWorkersHelpWithParallelLoops) {
+  std::promise<void> met;
+  FairWorkers workers({.threads = 2});
+  // Ends only if two threads are in the loop at a time.
+  workers.push(flow("1", "s"), [&met] {
+    std::atomic<int> inside{0};
+    tbb::parallel_for(0, 2, [&](int) {
+      ++inside;
+      while (inside < 2) std::this_thread::yield();
+    });
+    met.set_value();
+    return false;
+  });
+  EXPECT_TRUE(in_time(met));
+}
+
+}  // namespace
+}  // namespace sightline::server::exec
