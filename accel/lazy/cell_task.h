@@ -24,8 +24,8 @@ class CellTask final : public kdtree::SharedWork {
   /// Then idle threads of the caller's arena are called to help.
   SharedPass& pass_after(SharedPass* before, std::size_t slices, SharedPass::Work work);
 
-  /// Does slices of the last pass that no thread has begun, until `cancelled`. Returns whether there
-  /// were any.
+  /// Does slices of the last pass that no thread has begun, until `cancelled`. Returns whether
+  /// there were any.
   bool help(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled = nullptr);
 
   /// While one lives, a query wants the cell. Called threads stop when none does.

@@ -53,8 +53,7 @@ struct LazyVisit {
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kExpand) {
-      const ExpandResult expanded =
-          tree.expand(slot, query.when_pending, built, query.cancelled);
+      const ExpandResult expanded = tree.expand(slot, query.when_pending, built, query.cancelled);
       if (expanded == ExpandResult::kRetry) return kdtree::DeferredAction::kRetry;
       if (expanded == ExpandResult::kPending) {
         query.suspended = true;

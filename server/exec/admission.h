@@ -21,8 +21,8 @@ struct AdmissionLimits {
 /// Batches that ask for all hits get 1 / kAllHitsShare of the limits.
 inline constexpr std::uint64_t kAllHitsShare = 2;
 
-/// A connection that holds less than its share has a reserve of 1 / kReserveShare of the limits, when
-/// they are used up.
+/// A connection that holds less than its share has a reserve of 1 / kReserveShare of the limits,
+/// when they are used up.
 inline constexpr std::uint64_t kReserveShare = 4;
 
 /// Small casts have 1 / kSmallShare of the limits beside them.

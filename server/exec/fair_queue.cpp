@@ -76,7 +76,7 @@ class FairQueue::Flow {
   std::size_t running = 0;             // turns
   std::size_t long_turns = 0;
   Cost deficit{0};
-  bool listed = false;   // in above->turns
+  bool listed = false;       // in above->turns
   bool has_quantum = false;  // of its turn
   bool held = false;
 };

@@ -210,11 +210,11 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     hits_.resize(rays_.size());
   }
   const auto traced =
-      counts ? scenegraph::count_hits(*snapshot_, slice,
-                                      std::span(tallies_).subspan(answered_, slice.size()),
-                                      options())
-             : scenegraph::trace(*snapshot_, slice,
-                                 std::span(hits_).subspan(answered_, slice.size()), options());
+      counts
+          ? scenegraph::count_hits(*snapshot_, slice,
+                                   std::span(tallies_).subspan(answered_, slice.size()), options())
+          : scenegraph::trace(*snapshot_, slice, std::span(hits_).subspan(answered_, slice.size()),
+                              options());
   if (!traced) return traced.error();
   stats_ += *traced;
   answered_ += slice.size();
@@ -236,8 +236,9 @@ void CastJob::close() {
 
 std::string CastJob::description() const {
   return fmt::format("scene={} peer={} rays={} queue_us={} cells={} trees={} build_us={}",
-                     flow_.scene, caller_.connection, total_stats_.rays, microseconds(total_queued_),
-                     total_stats_.cells_expanded, total_stats_.trees_begun,
+                     flow_.scene, caller_.connection, total_stats_.rays,
+                     microseconds(total_queued_), total_stats_.cells_expanded,
+                     total_stats_.trees_begun,
                      static_cast<std::uint64_t>(total_stats_.build_seconds * 1e6));
 }
 

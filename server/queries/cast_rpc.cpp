@@ -137,9 +137,8 @@ class CastStream final
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("StreamCastRays", answer, begun_, [this] {
-      return fmt::format("batches={} {}", batches_, job_.description());
-    });
+    exec::log_rpc("StreamCastRays", answer, begun_,
+                  [this] { return fmt::format("batches={} {}", batches_, job_.description()); });
     Finish(answer);
   }
 

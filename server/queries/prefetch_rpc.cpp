@@ -139,9 +139,9 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
-                                                               const grpc::CallbackServerContext& context,
-                                                               const v1::PrefetchRequest& request) {
+grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(
+    const scenes::Services& services, const grpc::CallbackServerContext& context,
+    const v1::PrefetchRequest& request) {
   auto* call = new PrefetchCall(services, exec::caller_of(context), request.scene());
   call->start(request);
   return call;

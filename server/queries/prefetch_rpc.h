@@ -7,7 +7,8 @@
 namespace sightline::server::queries {
 
 /// The reactor of a new call, which has begun; it deletes itself. `services` outlive the call.
-grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services, const grpc::CallbackServerContext& context,
-                                                               const v1::PrefetchRequest& request);
+grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(
+    const scenes::Services& services, const grpc::CallbackServerContext& context,
+    const v1::PrefetchRequest& request);
 
 }  // namespace sightline::server::queries

@@ -45,9 +45,9 @@ TEST_F(QueryLogTest, NamesTheSceneTheCallerTheRaysAndWhatWasBuilt) {
   api_.make_scene(kScene, random_soup(2000, 0.1, 11));
   v1::CastRaysResponse reply;
   // More than one slice.
-  ASSERT_TRUE(api_.cast(cast_request(kScene, random_rays(3 * server::queries::kRaysPerSlice, 3)),
-                        &reply)
-                  .ok());
+  ASSERT_TRUE(
+      api_.cast(cast_request(kScene, random_rays(3 * server::queries::kRaysPerSlice, 3)), &reply)
+          .ok());
   const std::string line = line_of("CastRays");
   for (const std::string& part :
        {"scene=" + kScene, std::string("peer=ipv4:127.0.0.1:"), std::string("queue_us="),
