@@ -65,7 +65,6 @@ void FairWorkers::begin_turn(Arena& arena) {
   const Position position = running_.insert(running_.end(), Running{});
   position->turn = queue_.take();
   position->arena = &arena;
-  position->charged = Clock::now();
   try {
     arena.tasks.enqueue([this, position] { run(position); });
   } catch (...) {
@@ -80,6 +79,7 @@ void FairWorkers::begin_turn(Arena& arena) {
 void FairWorkers::run(Position position) {
   {
     const std::lock_guard lock(mutex_);
+    position->begun = true;
     position->charged = Clock::now();
   }
   const bool again = position->turn.slice();
@@ -111,7 +111,7 @@ void FairWorkers::watch() {
     const auto now = Clock::now();
     auto next = now + options_.long_after;
     for (Running& running : running_) {
-      if (running.is_long) continue;
+      if (!running.begun || running.is_long) continue;
       if (running.charged + options_.long_after > now) {
         next = std::min(next, running.charged + options_.long_after);
         continue;
