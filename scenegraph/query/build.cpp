@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/kdtree/epoch.h"
 #include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
@@ -47,6 +48,7 @@ void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progr
 void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
                 BuildProgress& progress, BuildCounters& total) {
   BuildCounters built;
+  const accel::kdtree::EpochPin pin;  // the mesh may begin a new tree meanwhile
   mesh.tree().expand_all(built, cancelled);
   progress.add(built.cells_expanded, built.seconds);
   total += built;
@@ -79,6 +81,7 @@ BuildCounters build_tree(const instances::Instances& tree, const std::atomic<boo
 
 /// Not without memory for some cells.
 bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
+  const accel::kdtree::EpochPin pin;
   return trees.static_tree.tree().is_complete() && trees.dynamic_tree.tree().is_complete() &&
          std::all_of(meshes.begin(), meshes.end(),
                      [](const model::Mesh* mesh) { return mesh->tree().is_complete(); });
@@ -92,6 +95,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   BuildProgress unreported;
   BuildProgress& reported = progress == nullptr ? unreported : *progress;
   const std::vector<const model::Mesh*> meshes = snapshot.meshes();
+  const std::uint64_t dropped = model::Mesh::trees_dropped();
   BuildCounters built = build_meshes(meshes, cancelled, reported);
   const instances::OpenTrees trees = snapshot.trees();
   built += build_tree(trees.static_tree, cancelled, reported);
@@ -101,7 +105,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
   });
-  if (is_complete(meshes, trees)) snapshot.set_complete();
+  if (is_complete(meshes, trees)) snapshot.set_complete(dropped);
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
   stats.trees_begun = built.trees_begun;

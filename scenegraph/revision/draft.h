@@ -15,12 +15,18 @@
 
 namespace sightline::scenegraph::revision {
 
-/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply()
-/// and finish() end soon with kCancelled.
+/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply() and
+/// finish() end soon with kCancelled.
 class Draft {
  public:
-  Draft(const Snapshot& base, model::NodeId next_id, const std::atomic<bool>* cancelled = nullptr)
-      : base_(base), cancelled_(cancelled), hierarchy_(base.hierarchy()), next_id_(next_id) {}
+  /// `charge`: see Deformations.
+  Draft(const Snapshot& base, model::NodeId next_id, model::ChargeBytes charge = {},
+        const std::atomic<bool>* cancelled = nullptr)
+      : base_(base),
+        cancelled_(cancelled),
+        hierarchy_(base.hierarchy()),
+        next_id_(next_id),
+        deformations_(std::move(charge)) {}
 
   Status apply(const model::Update& update);
 

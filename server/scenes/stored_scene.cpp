@@ -83,7 +83,7 @@ Result<scenegraph::Applied> StoredScene::apply(
     if (record) record(next);
   };
   // Nothing below throws: what is published is in the log.
-  auto applied = scene_.apply(updates, expected_revision, prepare, cancelled);
+  auto applied = scene_.apply(updates, expected_revision, prepare, {}, cancelled);
   if (applied) {
     dropped = recent_.account(replaced);
     log_.add(std::move(entry));

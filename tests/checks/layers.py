@@ -19,7 +19,7 @@ accel/published/kd          accel/*
 accel/published/bvh         accel/*
 accel/published             accel/*
 
-scenegraph/model            accel/result accel/geometry accel/mesh
+scenegraph/model            accel/result accel/geometry accel/kdtree accel/mesh
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
@@ -35,7 +35,7 @@ server/net                  server/exec accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
-                            scenegraph/revision accel/result
+                            scenegraph/revision accel/result accel/kdtree
 server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry
 server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split

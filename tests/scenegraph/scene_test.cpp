@@ -7,6 +7,9 @@
 #include <optional>
 #include <thread>
 
+#include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
+
 namespace sightline::scenegraph {
 namespace {
 
@@ -215,7 +218,7 @@ TEST(Scene, ACancelledBatchChangesNothing) {
   const std::atomic<bool> cancelled{true};
   bool published = false;
   const auto applied = scene.apply(
-      {put(-1, 0, "b")}, std::nullopt, [&](const Applied&) { published = true; }, &cancelled);
+      {put(-1, 0, "b")}, std::nullopt, [&](const Applied&) { published = true; }, {}, &cancelled);
   EXPECT_EQ(applied.error().code, Code::kCancelled);
   EXPECT_FALSE(published);
   EXPECT_EQ(scene.snapshot()->revision(), 1u);
@@ -242,6 +245,55 @@ TEST(Scene, SerializesWriters) {
   for (std::thread& t : writers) t.join();
   EXPECT_EQ(scene.snapshot()->revision(), 200u);
   EXPECT_EQ(scene.snapshot()->node_count(), 200u);
+}
+
+TEST(Scene, DroppedTreesGrowAgainAndAnswerAlike) {
+  const tests::TestMesh sheet = tests::planar_sheet(60);
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(sheet))}));
+  const auto rays = tests::rays_at(sheet, 2000, 1);
+  std::vector<accel::geometry::Hit> before(rays.size()), after(rays.size());
+  const auto pinned = scene.snapshot();
+  ASSERT_TRUE(trace(*pinned, rays, before, {.growth = Growth::kFull}));
+  const std::uint64_t grown = summarize_build(*pinned).bytes_trees;
+  EXPECT_TRUE(pinned->is_complete());
+
+  EXPECT_GT(scene.drop_trees(), 0u);
+  EXPECT_FALSE(pinned->is_complete()) << "its meshes have other trees now";
+  const auto now = scene.snapshot();
+  EXPECT_EQ(now->revision(), pinned->revision());
+  EXPECT_LT(summarize_build(*now).bytes_trees, grown);
+  EXPECT_EQ(summarize_build(*now).triangles_built, 0u);
+  EXPECT_EQ(scene.drop_trees(), 0u) << "there is nothing left to drop";
+
+  ASSERT_TRUE(trace(*now, rays, after, {}));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(after[i].t, before[i].t);
+    EXPECT_EQ(after[i].primitive, before[i].primitive);
+  }
+  ASSERT_TRUE(trace(*pinned, rays, after, {.growth = Growth::kFull}));
+  EXPECT_EQ(after.front().t, before.front().t);
+}
+
+TEST(Scene, TreesMayBeDroppedWhileRaysUseThem) {
+  const tests::TestMesh soup = tests::random_soup(3000, 0.05, 7);
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(soup))}));
+  const auto rays = tests::rays_at(soup, 500, 2);
+  std::vector<accel::geometry::Hit> expected(rays.size());
+  ASSERT_TRUE(trace(*scene.snapshot(), rays, expected, {}));
+  std::atomic<bool> done{false};
+  std::thread dropping([&] {
+    while (!done) scene.drop_trees();
+  });
+  for (int round = 0; round < 40; ++round) {
+    std::vector<accel::geometry::Hit> hits(rays.size());
+    const Growth growth = round % 2 == 0 ? Growth::kFull : Growth::kFirstTouch;
+    ASSERT_TRUE(trace(*scene.snapshot(), rays, hits, {.growth = growth}));
+    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, expected[i].t);
+  }
+  done = true;
+  dropping.join();
 }
 
 TEST(Summary, CountsSharedMeshesOnce) {
