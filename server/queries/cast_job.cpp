@@ -36,6 +36,7 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
 }
 
 void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {
+  scene_->touch();
   revision_ = scene_->token(snapshot->revision());
   snapshot_ = std::move(snapshot);
   scene_.reset();

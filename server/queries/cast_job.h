@@ -80,6 +80,7 @@ class CastJob {
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
+  const exec::Caller& caller() const { return caller_; }
 
   /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);

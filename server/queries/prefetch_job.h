@@ -23,6 +23,8 @@ class PrefetchJob {
   PrefetchJob(const scenes::Services& services, exec::Caller caller)
       : services_(services), caller_(std::move(caller)) {}
 
+  const exec::Caller& caller() const { return caller_; }
+
   /// Checks the request, takes the scene's newest revision and admits the rays. Errors:
   /// kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
   Status open(const v1::PrefetchRequest& request);

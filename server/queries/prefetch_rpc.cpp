@@ -5,6 +5,7 @@
 #include <grpcpp/alarm.h>
 
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -23,8 +24,11 @@ constexpr std::chrono::milliseconds kBetweenReports{250};
 /// when it stops; the last one to stop ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
-  PrefetchCall(const scenes::Services& services, exec::Caller caller, const std::string& scene)
+  PrefetchCall(const scenes::Services& services, grpc::CallbackServerContext& context,
+               exec::Caller caller, const std::string& scene)
       : compute_(services.compute),
+        context_(context),
+        unread_(services.unread),
         calls_(services.prefetches),
         flow_{caller.principal, caller.connection, scene},
         job_(services, std::move(caller)) {}
@@ -32,7 +36,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   void start(const v1::PrefetchRequest& request) {
     const Status ready = exec::to_status([&] {
       if (Status opened = job_.open(request); !opened) return opened;
-      return calls_.enter(this, [this] { job_.cancel(); });
+      return calls_.enter(this, job_.caller(), {.on_stop = [this] { job_.cancel(); }});
     });
     if (!ready) return end(ready);
     const std::lock_guard lock(mutex_);
@@ -50,6 +54,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   void OnCancel() override { job_.cancel(); }
 
   void OnDone() override {
+    held_.reset();  // before the context goes
     compute_.enqueue_background([this] { delete this; });
   }
 
@@ -106,6 +111,12 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
       ended_ = true;
     }
     if (!built_) return end(built_);
+    // The message is small; this gives it an end.
+    if (auto held = unread_.hold(context_, job_.caller(), last_.ByteSizeLong())) {
+      held_ = std::move(*held);
+    } else {
+      return end(held.error());
+    }
     log(grpc::Status::OK);
     StartWriteAndFinish(&last_, {}, grpc::Status::OK);
   }
@@ -126,6 +137,8 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
 
   const exec::LogClock::time_point log_begun_ = exec::LogClock::now();
   exec::Compute& compute_;
+  grpc::CallbackServerContext& context_;
+  exec::UnreadReplies& unread_;
   exec::CallRegistry& calls_;
   const exec::FlowKey flow_;
   PrefetchJob job_;
@@ -135,14 +148,15 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   Status built_;
   v1::PrefetchResponse report_, last_;
   grpc::Alarm alarm_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;  // for last_
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(
-    const scenes::Services& services, const grpc::CallbackServerContext& context,
-    const v1::PrefetchRequest& request) {
-  auto* call = new PrefetchCall(services, exec::caller_of(context), request.scene());
+grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
+                                                               grpc::CallbackServerContext& context,
+                                                               const v1::PrefetchRequest& request) {
+  auto* call = new PrefetchCall(services, context, exec::caller_of(context), request.scene());
   call->start(request);
   return call;
 }
