@@ -174,14 +174,27 @@ std::uint64_t StoredScene::tree_bytes() const {
 /// Freeing old revisions and settling may take long, and no reply waits for them.
 void StoredScene::settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept {
   try {
-    compute.enqueue_background(
-        [self = shared_from_this(), settle, dropped = std::move(dropped)]() mutable {
-          dropped = {};
-          // What could not be refused any more when it was recorded.
-          static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
-          if (settle) self->scene_.rebuild_static();
-        });
-  } catch (const std::bad_alloc&) {  // frees them here; settles after a later update
+    {
+      const std::lock_guard lock(dropped_mutex_);
+      dropped_.push_back(std::move(dropped));
+    }
+    compute.enqueue_background([self = shared_from_this(), settle] {
+      self->free_dropped();
+      // What could not be refused any more when it was recorded.
+      static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
+      if (settle) self->scene_.rebuild_static();
+    });
+  } catch (const std::bad_alloc&) {  // settles after a later update
+    free_dropped();
+  }
+}
+
+void StoredScene::free_dropped() {
+  const std::lock_guard freeing(freeing_mutex_);
+  std::vector<Dropped> dropped;
+  {
+    const std::lock_guard lock(dropped_mutex_);
+    dropped.swap(dropped_);
   }
 }
 
@@ -192,7 +205,10 @@ void StoredScene::remove() {
 
 Error StoredScene::removed_error() const { return unknown_scene(info_.name); }
 
-void StoredScene::drop_old_revisions() { recent_.drop_all().clear(); }
+void StoredScene::drop_old_revisions() {
+  recent_.drop_all().clear();
+  free_dropped();
+}
 
 std::uint64_t StoredScene::drop_trees() {
   const auto snapshot = scene_.snapshot();

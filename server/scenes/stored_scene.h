@@ -129,6 +129,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
   void remember_patched(const std::vector<scenegraph::model::Update>& updates) noexcept;
   void settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept;
+  /// When it returns, nothing that was dropped before the call is held any more.
+  void free_dropped();
 
   exec::MemoryAccount& memory_;
   const SceneInfo info_;
@@ -143,6 +145,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   UpdateLog log_{memory_};
   SceneEvents events_;
   std::atomic<bool> removed_{false};
+  std::mutex freeing_mutex_;  // held while memory is freed
+  std::mutex dropped_mutex_;  // protects the next
+  std::vector<Dropped> dropped_;
   exec::Strand write_queue_;
   RequestAnswers answers_{memory_};
   Producers producers_;

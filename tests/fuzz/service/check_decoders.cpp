@@ -7,6 +7,7 @@
 #include "server/blobs/blob_store.h"
 #include "server/blobs/mesh_blob.h"
 #include "server/exec/admission.h"
+#include "server/exec/memory_account.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
@@ -23,15 +24,21 @@ namespace {
 
 using Wrong = std::optional<std::string>;
 
+/// Without any mesh, and never destroyed.
+server::blobs::BlobStore& no_blobs() {
+  static auto& memory = *new server::exec::MemoryAccount(std::uint64_t{1} << 30);
+  static auto& blobs = *new server::blobs::BlobStore(memory);
+  return blobs;
+}
+
 /// Decoding an encoded update must give the same message again.
 Wrong check_updates(const google::protobuf::RepeatedPtrField<v1::Update>& updates) {
-  static const server::blobs::BlobStore none({});
-  const auto decoded = server::updates::decode_updates(updates, none);
+  const auto decoded = server::updates::decode_updates(updates, no_blobs());
   if (!decoded) return std::nullopt;
   google::protobuf::RepeatedPtrField<v1::Update> again;
   constexpr std::size_t kAll = std::size_t{1} << 30;
   for (const auto& update : *decoded) server::updates::encode_update(update, 0, kAll, *again.Add());
-  const auto twice = server::updates::decode_updates(again, none);
+  const auto twice = server::updates::decode_updates(again, no_blobs());
   if (!twice) return "an encoded update is refused: " + twice.error().message;
   for (std::size_t i = 0; i < twice->size(); ++i) {
     v1::Update third;
@@ -73,9 +80,8 @@ Wrong check_mesh(const std::string& bytes, std::uint64_t cut) {
 }
 
 Wrong check_batch(const v1::UpdateBatch& batch) {
-  static const server::blobs::BlobStore none({});
-  server::exec::Admission admission({});
-  server::updates::UpdateBatches batches(none, admission);
+  server::exec::Admission admission({}), batch_admission({});
+  server::updates::UpdateBatches batches(no_blobs(), {"a", "a:1"}, admission, batch_admission);
   batches.begin(batch.sequence() - 1);
   static_cast<void>(batches.accept(batch));
   return check_updates(batch.updates());
