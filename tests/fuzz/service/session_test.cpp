@@ -35,7 +35,7 @@ TEST(FuzzSession, ExamplesHaveNoFindings) {
 }
 
 TEST(FuzzSession, MutantsHaveNoFindings) {
-  constexpr std::uint64_t kMutants = 300;
+  constexpr std::uint64_t kMutants = 100;
   for (std::uint64_t i = 0; i < kMutants; ++i) {
     Random random(1, i);
     Session session = example_sessions()[random.below(example_sessions().size())];
