@@ -22,13 +22,13 @@ class ArchiveWriter {
   explicit ArchiveWriter(Sink& sink) : sink_(sink) {}
 
   template <class... Values>
-  void operator()(Values&... values) {
+  void operator()(Values&... values) const {
     (put(values), ...);
   }
 
  private:
   template <class T>
-  void put(T& value) {
+  void put(T& value) const {
     if constexpr (std::is_trivially_copyable_v<T>) {
       sink_.write(&value, sizeof(T));
     } else {
@@ -37,7 +37,7 @@ class ArchiveWriter {
   }
 
   template <class T>
-  void put_sequence(T& sequence) {
+  void put_sequence(T& sequence) const {
     const std::uint64_t count = sequence.size();
     sink_.write(&count, sizeof(count));
     if constexpr (std::is_trivially_copyable_v<typename T::value_type>) {
@@ -47,10 +47,10 @@ class ArchiveWriter {
     }
   }
   template <class T>
-  void put(std::vector<T>& sequence) {
+  void put(std::vector<T>& sequence) const {
     put_sequence(sequence);
   }
-  void put(std::string& text) { put_sequence(text); }
+  void put(std::string& text) const { put_sequence(text); }
 
   Sink& sink_;
 };

@@ -141,7 +141,8 @@ Result<AssimpFile> AssimpFile::read(const std::string& name, const FileSource& f
   }
   const aiScene* scene = importer->ReadFile(name, 0);
   if (scene != nullptr) {
-    if (Status good = settle_polygons(const_cast<aiScene&>(*scene)); !good) return good.error();
+    if (const Status good = settle_polygons(const_cast<aiScene&>(*scene)); !good)
+      return good.error();
     scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
   }
   const bool is_complete = scene != nullptr && (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0 &&

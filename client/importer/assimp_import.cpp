@@ -70,13 +70,10 @@ void answer(sandbox::Inside& inside, const std::string& name, const ImportOption
   } else {
     result.error = scene.error().message.empty() ? "cannot be read" : scene.error().message;
   }
-  ArchiveWriter writer(inside);
+  const ArchiveWriter writer(inside);
   writer(result);
   inside.finish();
 }
-
-ImportedScene& plain(ImportedScene& scene) { return scene; }
-ImportedScene& plain(AnimatedScene& scene) { return scene.scene; }
 
 template <class Scene>
 Result<Scene> import(const std::filesystem::path& file, const ImportOptions& options,
@@ -98,7 +95,7 @@ Result<Scene> import(const std::filesystem::path& file, const ImportOptions& opt
     return in_file(file, "the process that read it left a damaged result: " + good.error().message,
                    outcome->refusals);
   }
-  std::vector<std::string>& warnings = plain(received.scene).warnings;
+  std::vector<std::string>& warnings = warnings_of(received.scene);
   warnings.insert(warnings.begin(), outcome->refusals.begin(), outcome->refusals.end());
   for (std::string& warning : warnings) warning = fmt::format("{}: {}", file.string(), warning);
   return std::move(received.scene);

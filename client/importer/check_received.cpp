@@ -14,7 +14,7 @@ namespace sightline::client::importer {
 namespace {
 
 template <class Numbers>
-bool is_finite(const Numbers& numbers) {
+bool all_finite(const Numbers& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
@@ -43,7 +43,7 @@ bool is_good(const ImportedScene& scene, std::size_t index) {
   const ImportedNode& node = scene.nodes[index];
   return is_name(node.name) && (node.parent == kNone || node.parent < index) &&
          (node.mesh == kNone || node.mesh < scene.meshes.size()) &&
-         is_finite(node.parent_from_local);
+         all_finite(node.parent_from_local);
 }
 
 bool is_good(Beyond beyond) { return beyond <= Beyond::kRepeat; }
@@ -52,7 +52,7 @@ template <class Value>
 bool is_good(const Track<Value>& track) {
   double before = -HUGE_VAL;
   for (const Key<Value>& key : track.keys) {
-    if (!std::isfinite(key.seconds) || key.seconds < before || !is_finite(key.value)) return false;
+    if (!std::isfinite(key.seconds) || key.seconds < before || !all_finite(key.value)) return false;
     before = key.seconds;
   }
   return is_good(track.before) && is_good(track.after);
@@ -60,7 +60,7 @@ bool is_good(const Track<Value>& track) {
 
 bool is_good(const Skin& skin, const ImportedMesh& mesh, std::size_t nodes) {
   const bool bones = std::all_of(skin.bones.begin(), skin.bones.end(), [&](const Skin::Bone& bone) {
-    return bone.node < nodes && is_finite(bone.bone_from_mesh);
+    return bone.node < nodes && all_finite(bone.bone_from_mesh);
   });
   const bool influences = std::all_of(
       skin.influences.begin(), skin.influences.end(), [&](const Skin::Influence& influence) {
@@ -108,10 +108,10 @@ Status check_rig(const AnimatedScene& animated) {
   const ImportedScene& scene = animated.scene;
   const bool transforms = rig.parent_from_local.size() == scene.nodes.size() &&
                           std::all_of(rig.parent_from_local.begin(), rig.parent_from_local.end(),
-                                      [](const Transform& m) { return is_finite(m); });
+                                      [](const Transform& m) { return all_finite(m); });
   const bool lists =
       rig.skins.size() == scene.meshes.size() && rig.shapes.size() == scene.meshes.size();
-  if (!transforms || !lists || !is_finite(rig.scene_from_file) || !is_finite(rig.offset))
+  if (!transforms || !lists || !all_finite(rig.scene_from_file) || !all_finite(rig.offset))
     return import_error("the rig");
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const ImportedMesh& mesh = scene.meshes[m];

@@ -18,13 +18,13 @@ namespace {
 
 using Doubts = std::vector<std::string>;
 
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kWhiteSpace = " \t\r\n";
 constexpr std::size_t kShown = 40;  // characters of a line
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
+  const std::size_t first = text.find_first_not_of(kWhiteSpace);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+  return text.substr(first, text.find_last_not_of(kWhiteSpace) + 1 - first);
 }
 
 std::string_view last_line(std::string_view text) {
@@ -98,7 +98,7 @@ Result<Doubts> check_stl(std::string_view bytes) {
   return Doubts{"it does not end with endsolid; the file may be cut off"};
 }
 
-Result<Doubts> check_ply(std::string_view bytes) {
+Result<Doubts> doubts_of_ply(std::string_view bytes) {
   const std::uint64_t missing = bytes_missing_in_ply(bytes);
   if (missing == 0) return Doubts{};
   return cut_off(fmt::format("its header announces {} more bytes, or more", missing));
@@ -116,7 +116,7 @@ std::string extension_of(std::string_view name) {
 Result<Doubts> check_complete(std::string_view name, std::string_view bytes) {
   const std::string extension = extension_of(name);
   if (trimmed(bytes.substr(0, 100)).starts_with("ISO-10303-21")) return check_step(bytes);
-  if (bytes.starts_with("ply")) return check_ply(bytes);
+  if (bytes.starts_with("ply")) return doubts_of_ply(bytes);
   if (extension == "obj") return check_obj(bytes);
   if (extension == "stl" && is_ascii_stl(bytes)) return check_stl(bytes);
   return Doubts{};

@@ -24,9 +24,6 @@ namespace {
 template <class Scene>
 using Convert = Result<Scene> (*)(const aiScene&, std::string_view, const ImportOptions&);
 
-ImportedScene& plain(ImportedScene& scene) { return scene; }
-ImportedScene& plain(AnimatedScene& scene) { return scene.scene; }
-
 template <class Scene>
 Result<Scene> read(const std::string& name, const FileSource& files, const ImportOptions& options,
                    const ImportProgress& progress, Convert<Scene> convert) {
@@ -39,7 +36,7 @@ Result<Scene> read(const std::string& name, const FileSource& files, const Impor
   if (!source) return source.error();
   auto scene = convert(source->scene(), source->importer_name(), options);
   if (!scene) return scene;
-  std::vector<std::string>& warnings = plain(*scene).warnings;
+  std::vector<std::string>& warnings = warnings_of(*scene);
   warnings = *std::move(doubts);
   const std::vector<std::string>& complaints = source->complaints();
   std::transform(complaints.begin(), complaints.end(), std::back_inserter(warnings),

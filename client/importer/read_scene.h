@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/importer/animation.h"
 #include "client/importer/assimp_file.h"
@@ -31,5 +32,9 @@ Result<ImportedScene> convert_scene(const aiScene& source, std::string_view impo
 /// animation_from_assimp.
 Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
                                              const ImportOptions& options);
+
+/// What was noticed while the scene was read.
+inline std::vector<std::string>& warnings_of(ImportedScene& scene) { return scene.warnings; }
+inline std::vector<std::string>& warnings_of(AnimatedScene& scene) { return scene.scene.warnings; }
 
 }  // namespace sightline::client::importer

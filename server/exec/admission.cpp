@@ -74,8 +74,10 @@ void Admission::Ticket::release() {
     admission_->bytes_.remove(caller_, bytes_);
     admission_->rays_ -= rays_;
     const auto connection = admission_->connection_rays_.find(caller_.connection);
-    if (connection != admission_->connection_rays_.end() && (connection->second -= rays_) == 0)
-      admission_->connection_rays_.erase(connection);
+    if (connection != admission_->connection_rays_.end()) {
+      connection->second -= rays_;
+      if (connection->second == 0) admission_->connection_rays_.erase(connection);
+    }
   }
   admission_ = nullptr;
   charge_ = {};

@@ -25,8 +25,8 @@ struct SchedulingAttributes {
 };
 
 int process_nice() {
-  static const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(getpid()));
-  return nice;
+  static const int kNice = getpriority(PRIO_PROCESS, static_cast<id_t>(getpid()));
+  return kNice;
 }
 
 /// Of the calling thread.
@@ -39,12 +39,12 @@ bool set(const Priority& priority) {
 }
 
 bool may_return_from_nice() {
-  static const bool may = [] {
+  static const bool kMay = [] {
     bool returned = false;
     std::thread([&] { returned = set({.nice = 1}) && set({}); }).join();
     return returned;
   }();
-  return may;
+  return kMay;
 }
 
 }  // namespace

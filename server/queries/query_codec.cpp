@@ -172,7 +172,7 @@ Result<std::size_t> count_rays(const v1::Rays& columns) {
             count, kMaxRaysPerRequest),
         "TOO_MANY_RAYS"};
   }
-  if (Status good = check_columns(columns, count, element); !good) return good.error();
+  if (const Status good = check_columns(columns, count, element); !good) return good.error();
   return count;
 }
 

@@ -144,7 +144,7 @@ void StoredScene::reserve_patched(const std::vector<scenegraph::model::Update>& 
 }
 
 /// The meshes that the newest revision has from these updates.
-void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>& updates) noexcept {
+void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>& updates) {
   const auto snapshot = scene_.snapshot();
   const std::lock_guard lock(patched_mutex_);
   for (const scenegraph::model::Update& update : updates) {

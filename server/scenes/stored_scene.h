@@ -127,7 +127,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   };
   Result<std::shared_ptr<const void>> charge_patch(std::uint64_t bytes);
   void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
-  void remember_patched(const std::vector<scenegraph::model::Update>& updates) noexcept;
+  void remember_patched(const std::vector<scenegraph::model::Update>& updates);
   void settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept;
   /// When it returns, nothing that was dropped before the call is held any more.
   void free_dropped();

@@ -181,7 +181,7 @@ class Child {
     }
     if (status_ && WIFSIGNALED(*status_)) {
       return fmt::format("damaged, or too much for Assimp, which died of it ({})",
-                         ::strsignal(WTERMSIG(*status_)));
+                         ::sigdescr_np(WTERMSIG(*status_)));
     }
     return "damaged, or too much for Assimp, which ended";
   }

@@ -9,7 +9,7 @@
 namespace sightline::server::exec {
 namespace {
 
-const Caller kA{"a", "a:1"}, kB{"b", "b:1"};
+const Caller kCallerA{"a", "a:1"}, kCallerB{"b", "b:1"};
 
 CallKind things(std::size_t limit) {
   return {.limit = limit,
@@ -22,9 +22,9 @@ CallKind things(std::size_t limit) {
 TEST(CallRegistry, RefusesCallsBeyondTheLimit) {
   CallRegistry calls(things(2));
   int a = 0, b = 0, c = 0;
-  EXPECT_TRUE(calls.enter(&a, kA, {}));
-  EXPECT_TRUE(calls.enter(&b, kB, {}));
-  const Status refused = calls.enter(&c, kA, {});
+  EXPECT_TRUE(calls.enter(&a, kCallerA, {}));
+  EXPECT_TRUE(calls.enter(&b, kCallerB, {}));
+  const Status refused = calls.enter(&c, kCallerA, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "TOO_MANY_THINGS");
@@ -32,15 +32,15 @@ TEST(CallRegistry, RefusesCallsBeyondTheLimit) {
             "2 things are open on the server, the limit is 2; retry later");
   calls.leave(&c);
   calls.leave(&a);
-  EXPECT_TRUE(calls.enter(&c, kA, {}));
+  EXPECT_TRUE(calls.enter(&c, kCallerA, {}));
 }
 
 TEST(CallRegistry, StopsEachCallOnceAndRefusesNewCalls) {
   CallRegistry calls(things(3));
   int a = 0, b = 0, c = 0;
-  EXPECT_TRUE(calls.enter(&a, kA, {.on_stop = [&] { ++a; }}));
-  EXPECT_TRUE(calls.enter(&b, kB, {.on_stop = [&] { ++b; }}));
-  EXPECT_TRUE(calls.enter(&c, kA, {}));
+  EXPECT_TRUE(calls.enter(&a, kCallerA, {.on_stop = [&] { ++a; }}));
+  EXPECT_TRUE(calls.enter(&b, kCallerB, {.on_stop = [&] { ++b; }}));
+  EXPECT_TRUE(calls.enter(&c, kCallerA, {}));
   calls.leave(&b);
   EXPECT_FALSE(calls.stopped());
   calls.stop();
@@ -48,7 +48,7 @@ TEST(CallRegistry, StopsEachCallOnceAndRefusesNewCalls) {
   EXPECT_TRUE(calls.stopped());
   EXPECT_EQ(a, 1);
   EXPECT_EQ(b, 0);
-  const Status late = calls.enter(&b, kB, {});
+  const Status late = calls.enter(&b, kCallerB, {});
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, Code::kUnavailable);
   EXPECT_EQ(late.error().message, "things are over");
@@ -78,8 +78,8 @@ TEST(CallRegistry, EndsCallsThatAreLateOnce) {
   CallRegistry calls(things(3));
   PeerWait late, patient;
   int ended = 0, other = 0;
-  EXPECT_TRUE(calls.enter(&late, kA, {.on_late = [&] { ++ended; }}, &late));
-  EXPECT_TRUE(calls.enter(&patient, kA, {.on_late = [&] { ++other; }}, &patient));
+  EXPECT_TRUE(calls.enter(&late, kCallerA, {.on_late = [&] { ++ended; }}, &late));
+  EXPECT_TRUE(calls.enter(&patient, kCallerA, {.on_late = [&] { ++other; }}, &patient));
   const auto now = CallRegistry::Clock::now();
   calls.end_late(now + std::chrono::hours(1));
   EXPECT_EQ(ended, 0) << "it does not wait";
@@ -102,16 +102,16 @@ TEST(CallRegistry, TheCallThatHasWaitedLongestGivesWay) {
   CallRegistry calls(kind);
   PeerWait first, second;
   int a = 0, b = 0, c = 0, d = 0;
-  EXPECT_TRUE(calls.enter(&a, kA, {.on_late = [&] { ++a; }}, &first));
-  EXPECT_TRUE(calls.enter(&b, kA, {.on_late = [&] { ++b; }}, &second));
-  EXPECT_FALSE(calls.enter(&c, kB, {})) << "none waits";
+  EXPECT_TRUE(calls.enter(&a, kCallerA, {.on_late = [&] { ++a; }}, &first));
+  EXPECT_TRUE(calls.enter(&b, kCallerA, {.on_late = [&] { ++b; }}, &second));
+  EXPECT_FALSE(calls.enter(&c, kCallerB, {})) << "none waits";
   first.begin(std::chrono::hours(1));
   second.begin(std::chrono::hours(1));
-  EXPECT_TRUE(calls.enter(&c, kB, {}));
+  EXPECT_TRUE(calls.enter(&c, kCallerB, {}));
   EXPECT_EQ(a, 1);
   EXPECT_EQ(b, 0);
   calls.leave(&a);
-  EXPECT_TRUE(calls.enter(&d, kB, {})) << "the second gives way too; a place is freed once";
+  EXPECT_TRUE(calls.enter(&d, kCallerB, {})) << "the second gives way too; a place is freed once";
   EXPECT_EQ(b, 1);
 }
 

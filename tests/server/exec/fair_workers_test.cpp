@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-FlowKey flow(const std::string& connection, const std::string& scene) {
+FlowKey flow_key(const std::string& connection, const std::string& scene) {
   return {"principal", connection, scene};
 }
 
@@ -70,7 +70,7 @@ TEST_F(FairWorkersTest, RunsAJobUntilItHasNoMoreAndNeverOnTheCallersThread) {
     FairWorkers workers({.threads = 2});
     const auto caller = std::this_thread::get_id();
     for (int job = 0; job < 100; ++job) {
-      workers.push(flow(std::to_string(job % 7), "s"), [&, caller, left = 5]() mutable {
+      workers.push(flow_key(std::to_string(job % 7), "s"), [&, caller, left = 5]() mutable {
         if (std::this_thread::get_id() == caller) on_caller = true;
         ++slices;
         return --left > 0;
@@ -89,8 +89,8 @@ TEST_F(FairWorkersTest, ASceneWhoseSlicesAreLongDoesNotHoldUpOthers) {
   FairWorkers workers({.threads = 2, .long_after = 1ms});
   Gate gate;
   // More than the first arena has workers, and of several clients.
-  for (int i = 0; i < 40; ++i) workers.push(flow(std::to_string(i % 5), "cold"), gate.slice());
-  workers.push(flow("9", "warm"), sets(other));
+  for (int i = 0; i < 40; ++i) workers.push(flow_key(std::to_string(i % 5), "cold"), gate.slice());
+  workers.push(flow_key("9", "warm"), sets(other));
   EXPECT_TRUE(in_time(other));
   EXPECT_LE(gate.inside(), kHeldAt) << "more workers would not help the scene";
 }
@@ -99,8 +99,8 @@ TEST_F(FairWorkersTest, AClientWhoseSlicesAreLongDoesNotHoldUpOthers) {
   std::promise<void> other;
   FairWorkers workers({.threads = 2, .long_after = 1ms});
   Gate gate;
-  for (int i = 0; i < 40; ++i) workers.push(flow("1", std::to_string(i)), gate.slice());
-  workers.push(flow("2", "warm"), sets(other));
+  for (int i = 0; i < 40; ++i) workers.push(flow_key("1", std::to_string(i)), gate.slice());
+  workers.push(flow_key("2", "warm"), sets(other));
   EXPECT_TRUE(in_time(other));
   EXPECT_LE(gate.inside(), kHeldAt);
 }
@@ -110,7 +110,7 @@ TEST_F(FairWorkersTest, ShortSlicesUseNoMoreThanTheWorkers) {
   {
     FairWorkers workers({.threads = 2, .long_after = 1h});
     for (int i = 0; i < 200; ++i) {
-      workers.push(flow(std::to_string(i), "s"), [&] {
+      workers.push(flow_key(std::to_string(i), "s"), [&] {
         const int now = ++running;
         for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) continue;
         std::this_thread::yield();
@@ -126,7 +126,7 @@ TEST_F(FairWorkersTest, IdleWorkersHelpWithParallelLoops) {
   std::promise<void> met;
   FairWorkers workers({.threads = 2});
   // Ends only if two threads are in the loop at a time.
-  workers.push(flow("1", "s"), [&met] {
+  workers.push(flow_key("1", "s"), [&met] {
     std::atomic<int> inside{0};
     tbb::parallel_for(0, 2, [&](int) {
       ++inside;
