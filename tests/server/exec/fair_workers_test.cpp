@@ -86,23 +86,25 @@ constexpr int kHeldAt = 3;
 
 TEST_F(FairWorkersTest, ASceneWhoseSlicesAreLongDoesNotHoldUpOthers) {
   std::promise<void> other;
-  FairWorkers workers({.threads = 2, .long_after = 1ms});
   Gate gate;
+  FairWorkers workers({.threads = 2, .long_after = 1ms});
   // More than the first arena has workers, and of several clients.
   for (int i = 0; i < 40; ++i) workers.push(flow_key(std::to_string(i % 5), "cold"), gate.slice());
   workers.push(flow_key("9", "warm"), sets(other));
   EXPECT_TRUE(in_time(other));
   EXPECT_LE(gate.inside(), kHeldAt) << "more workers would not help the scene";
+  gate.open();
 }
 
 TEST_F(FairWorkersTest, AClientWhoseSlicesAreLongDoesNotHoldUpOthers) {
   std::promise<void> other;
-  FairWorkers workers({.threads = 2, .long_after = 1ms});
   Gate gate;
+  FairWorkers workers({.threads = 2, .long_after = 1ms});
   for (int i = 0; i < 40; ++i) workers.push(flow_key("1", std::to_string(i)), gate.slice());
   workers.push(flow_key("2", "warm"), sets(other));
   EXPECT_TRUE(in_time(other));
   EXPECT_LE(gate.inside(), kHeldAt);
+  gate.open();
 }
 
 TEST_F(FairWorkersTest, ShortSlicesUseNoMoreThanTheWorkers) {
