@@ -42,8 +42,7 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                              std::optional<std::uint64_t> expected_revision,
                              const std::function<void(const Applied&)>& before_publish,
-                             const model::ChargeBytes& charge,
-                             const std::atomic<bool>* cancelled) {
+                             const model::ChargeBytes& charge, const std::atomic<bool>* cancelled) {
   std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();

@@ -15,8 +15,8 @@
 
 namespace sightline::scenegraph::revision {
 
-/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply() and
-/// finish() end soon with kCancelled.
+/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply()
+/// and finish() end soon with kCancelled.
 class Draft {
  public:
   /// `charge`: see Deformations.

@@ -49,7 +49,7 @@ class FairWorkers {
     FairQueue::Turn turn;
     Arena* arena = nullptr;
     std::chrono::steady_clock::time_point charged{};  // paid until here
-    bool begun = false;  // the system has given it a thread
+    bool begun = false;                               // the system has given it a thread
     bool is_long = false;
   };
   using Position = std::list<Running>::iterator;

@@ -38,8 +38,10 @@ double any_number(Random& random) {
   return random.below(2) == 0 ? random.uniform(-10, 10) : kOdd[random.below(kOdd.size())];
 }
 
-/// A place in `text`, or its end.
-std::size_t place(const std::string& text, Random& random) { return random.below(text.size() + 1); }
+/// Of a byte of `text`, or its end.
+std::size_t any_offset(const std::string& text, Random& random) {
+  return random.below(text.size() + 1);
+}
 
 void change_text(std::string& text, Random& random) {
   switch (random.below(8)) {
@@ -47,13 +49,13 @@ void change_text(std::string& text, Random& random) {
       text.clear();
       break;
     case 1:
-      text.resize(place(text, random));
+      text.resize(any_offset(text, random));
       break;
     case 2:
-      text.insert(place(text, random), 1, static_cast<char>(random.next()));
+      text.insert(any_offset(text, random), 1, static_cast<char>(random.next()));
       break;
     case 3:
-      text.append(text.substr(place(text, random)));
+      text.append(text.substr(any_offset(text, random)));
       break;
     case 4: {  // a number in a column
       const double number = any_number(random);
