@@ -44,7 +44,7 @@
 namespace sightline::server {
 namespace {
 
-constexpr std::chrono::milliseconds kTendEvery{250};
+constexpr std::chrono::milliseconds kEnforceEvery{250};
 
 constexpr std::size_t kGrpcMemory =
     std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
@@ -159,12 +159,12 @@ struct Server::Parts {
   }
 
   /// Ends calls whose peers keep the server waiting, and keeps trees within the memory budget.
-  void tend() {
-    const Status tended = exec::to_status([this] { return try_to_tend(); });
-    if (!tended) spdlog::error("event=tend_failed error={}", tended.error().message);
+  void enforce_limits() {
+    const Status enforced = exec::to_status([this] { return try_to_enforce_limits(); });
+    if (!enforced) spdlog::error("event=limits_not_enforced error={}", enforced.error().message);
   }
 
-  Status try_to_tend() {
+  Status try_to_enforce_limits() {
     for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads}) calls->end_late();
     unread.end_late();
     reclaimer.measure();
@@ -178,7 +178,7 @@ struct Server::Parts {
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<net::Acceptor> acceptor;
   std::once_flag drained;
-  exec::Ticker ticker{kTendEvery, [this] { tend(); }};
+  exec::Ticker ticker{kEnforceEvery, [this] { enforce_limits(); }};
 
   void serve(grpc::ServerBuilder& builder);
   void accept(net::ListeningSockets listening);
