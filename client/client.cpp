@@ -78,6 +78,7 @@ Result<SceneInfo> Client::create_scene(const std::string& scene, UpAxis up_axis,
   request.mutable_scene()->set_name(scene);
   request.mutable_scene()->set_up_axis(wire::encode(up_axis));
   request.mutable_scene()->set_meters_per_unit(meters_per_unit);
+  connection_->wait_until_connected();
   const auto response =
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::CreateScene, request);
   if (!response) return response.error();
@@ -111,6 +112,7 @@ Result<std::vector<SceneInfo>> Client::list_scenes(const std::string& project) c
 Status Client::delete_scene(const std::string& scene) const {
   v1::DeleteSceneRequest request;
   request.set_name(scene);
+  connection_->wait_until_connected();
   const auto response =
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::DeleteScene, request);
   return response ? Status() : Status(response.error());

@@ -41,7 +41,8 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                              std::optional<std::uint64_t> expected_revision,
-                             const std::function<void(const Applied&)>& before_publish) {
+                             const std::function<void(const Applied&)>& before_publish,
+                             const model::ChargeBytes& charge, const std::atomic<bool>* cancelled) {
   std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
@@ -51,7 +52,7 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
                      ", but the scene is at " + std::to_string(base->revision()),
                  "REVISION_MISMATCH"};
   }
-  revision::Draft draft(*base, next_id_);
+  revision::Draft draft(*base, next_id_, charge, cancelled);
   for (std::size_t i = 0; i < updates.size(); ++i) {
     if (const Status status = draft.apply(updates[i]); !status) {
       Error error = status.error();
@@ -95,6 +96,21 @@ void Scene::rebuild_static() {
   if (new_static == nullptr) return;
   const std::shared_ptr<const revision::Snapshot> now = snapshot();
   publish(with_new_static(*now, new_static, recently_changed, changed));
+}
+
+std::uint64_t Scene::drop_trees() {
+  std::shared_ptr<const revision::Snapshot> now;  // released outside the lock
+  {
+    const std::lock_guard writer(writer_);
+    now = snapshot();
+    const instances::SceneTrees& trees = now->shared_trees();
+    if (trees.static_tree->instances_so_far() != nullptr ||
+        trees.dynamic_tree->instances_so_far() != nullptr)
+      publish(std::make_shared<const revision::Snapshot>(now->revision(), now->hierarchy()));
+  }
+  std::uint64_t bytes = 0;
+  for (const model::Mesh* mesh : now->meshes()) bytes += mesh->drop_tree();
+  return bytes;
 }
 
 }  // namespace sightline::scenegraph

@@ -39,18 +39,30 @@ class Scene {
   /// `expected_revision`: refuse (kAborted) unless this is the current revision.
   /// `before_publish`: called with the result when nothing can fail any more but itself. If it
   /// throws, the scene is as it was.
+  /// `charge`: called with the bytes of each mesh that the patches make, before it is made; the
+  /// charge lives as long as that mesh.
+  /// `cancelled`: looked at for every node. Null: never.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
-  /// counts that disagree), kFailedPrecondition (delete of a node with children).
+  /// counts that disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
+  /// those of the charge.
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         std::optional<std::uint64_t> expected_revision = std::nullopt,
-                        const std::function<void(const Applied&)>& before_publish = {});
+                        const std::function<void(const Applied&)>& before_publish = {},
+                        const model::ChargeBytes& charge = {},
+                        const std::atomic<bool>* cancelled = nullptr);
 
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the
   /// current revision again, under the same number, since its content is the same. Does nothing if
   /// another thread does the same, or if no ray has opened the static tree. Threads: any.
   void rebuild_static();
+
+  /// Begins new trees, of the scene and of its meshes, and publishes the current revision again:
+  /// its content is the same. The old trees are freed when no batch of rays uses them. Returns the
+  /// bytes of the old trees of meshes. Cost: one walk of the nodes. Throws std::bad_alloc; some
+  /// trees may then be dropped. Threads: any.
+  std::uint64_t drop_trees();
 
  private:
   void publish(std::shared_ptr<const revision::Snapshot> next);

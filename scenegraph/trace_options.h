@@ -76,7 +76,8 @@ struct TraceStats {
   std::uint64_t triangle_tests = 0;   ///< Scans of deferred cells included.
   std::uint64_t instances_entered = 0;
   std::uint64_t cells_expanded = 0;
-  std::uint64_t touches = 0;  ///< Reference bounds read by build passes.
+  std::uint64_t trees_begun = 0;  ///< Trees whose roots were expanded.
+  std::uint64_t touches = 0;      ///< Reference bounds read by build passes.
   /// The part of `touches` and `touches_prepare` for the dynamic tree and the meshes that rays
   /// entered through it. (For a full build: of the dynamic tree only.)
   std::uint64_t dynamic_touches = 0;
@@ -93,6 +94,7 @@ struct TraceStats {
     triangle_tests += o.triangle_tests;
     instances_entered += o.instances_entered;
     cells_expanded += o.cells_expanded;
+    trees_begun += o.trees_begun;
     touches += o.touches;
     dynamic_touches += o.dynamic_touches;
     touches_prepare += o.touches_prepare;

@@ -70,7 +70,7 @@ void add_flags(CLI::App& app, CommandLine& line) {
              "When trees are built: where rays enter, or fully before the first ray");
   app.add_option(
          "--memory-budget", config.memory_budget,
-         "Bytes of mesh data to hold at most; trees grow on top (default: half of the memory)")
+         "Bytes to hold at most: meshes, trees, nodes, logs, calls (default: half of the memory)")
       ->check(count);
   app.add_option("--max-rays-queued", config.admission.rays,
                  "Rays in work at most; more are refused")

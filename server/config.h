@@ -25,7 +25,7 @@ struct ServerConfig {
   int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and
                                     ///< background work have as many each.
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< kFirstTouch or kFull.
-  std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of mesh data.
+  std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of all that is held.
   exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
   std::chrono::milliseconds drain =
@@ -33,7 +33,8 @@ struct ServerConfig {
 
   static constexpr int kMaxThreads = 1024;
   static constexpr int kMaxPrefetches = 64;
-  static constexpr int kMaxMessageBytes = 4 << 20;  ///< Largest message that a client may send.
+  static constexpr int kMaxCallsPerConnection = 64;  ///< At a time; more wait.
+  static constexpr int kMaxMessageBytes = 4 << 20;   ///< Largest message that a client may send.
   static int default_threads();
   /// Half of the memory that this process may use.
   static std::uint64_t default_memory_budget();

@@ -1,24 +1,96 @@
 // ServerService: what the server is, what it can do, and its limits.
 #include "server/info_rpc.h"
 
+#include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "accel/split/scan_kernel.h"
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
+#include "server/exec/admission.h"
+#include "server/exec/call_registry.h"
+#include "server/exec/unread_replies.h"
+#include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
+#include "server/queries/cast_rpc.h"
+#include "server/queries/prefetch_job.h"
 #include "server/queries/query_codec.h"
+#include "server/scenes/applied_updates.h"
 #include "server/scenes/history.h"
 #include "server/scenes/idempotency.h"
+#include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
+#include "server/scenes/scene_store.h"
 #include "server/updates/producer_messages.h"
+#include "server/updates/scene_rpc.h"
 #include "server/updates/update_codec.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
 
 namespace sightline::server {
 namespace {
+
+template <class Duration>
+std::uint32_t milliseconds(Duration time) {
+  return static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+}
+
+void describe_memory(const ServerConfig& config, v1::GetServerInfoResponse& info) {
+  info.set_memory_budget_bytes(config.memory_budget);
+  info.set_memory_for_calls_bytes(config.memory_budget / exec::kForCallsShare);
+  const auto bytes = exec::ShareLimits::of(config.admission.bytes);
+  info.set_max_bytes_per_connection(bytes.connection);
+  info.set_max_bytes_per_principal(bytes.principal);
+  info.set_max_batch_bytes_queued(config.admission.bytes / exec::kBatchShare);
+  const auto unread = exec::ShareLimits::of(config.admission.bytes / exec::kUnreadShare);
+  info.set_max_unread_bytes(unread.all);
+  info.set_max_unread_bytes_per_connection(unread.connection);
+  info.set_max_unread_bytes_per_principal(unread.principal);
+  info.set_max_rays_all_hits_queued(config.admission.rays / exec::kAllHitsShare);
+  info.set_max_bytes_all_hits_queued(config.admission.bytes / exec::kAllHitsShare);
+  info.set_max_deformed_bytes(scenes::kMaxDeformedBytes);
+  info.set_max_bytes_log(scenes::LogLimits().bytes);
+  info.set_max_bytes_exact_revisions(scenes::RecentLimits().bytes);
+}
+
+void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info) {
+  info.set_max_calls_per_connection(ServerConfig::kMaxCallsPerConnection);
+  info.set_max_cast_streams(queries::kMaxCastStreams);
+  const auto streams = exec::ShareLimits::of(queries::kMaxCastStreams, exec::kConnectionCallShare);
+  static_assert(queries::kMaxCastStreams == updates::kMaxUpdateStreams &&
+                queries::kMaxCastStreams == updates::kMaxWatches &&
+                queries::kMaxCastStreams == scenes::kMaxWaitingReads);
+  info.set_max_streams_per_connection(static_cast<std::uint32_t>(streams.connection));
+  info.set_max_streams_per_principal(static_cast<std::uint32_t>(streams.principal));
+  info.set_max_upload_calls(blobs::kMaxUploadCalls);
+  info.set_max_uploads(static_cast<std::uint32_t>(blobs::BlobLimits().uploads));
+  info.set_max_rays_small_cast(queries::kSmallCast);
+  info.set_idle_stream_ms(milliseconds(exec::kIdleStream));
+  info.set_idle_gives_way_ms(milliseconds(exec::kIdleGivesWay));
+  info.set_batch_timeout_ms(milliseconds(updates::kBatchTimeout));
+  info.set_upload_timeout_ms(milliseconds(blobs::kUploadTimeout));
+  info.set_upload_progress_bytes(blobs::kUploadProgress);
+  info.set_idle_upload_ms(milliseconds(blobs::BlobLimits().idle));
+  info.set_reply_timeout_ms(milliseconds(exec::kReplyTimeout));
+  info.set_watch_progress_ms(milliseconds(updates::kWatchProgress));
+  info.set_drain_ms(milliseconds(config.drain));
+}
+
+void describe_requests(v1::GetServerInfoResponse& info) {
+  info.set_max_scenes(scenes::SceneStore::kMaxScenes);
+  info.set_max_nodes_per_patch(static_cast<std::uint32_t>(updates::kMaxNodesPerPatch));
+  info.set_max_digests_per_request(blobs::kMaxDigestsPerRequest);
+  info.set_max_nodes_per_request(updates::kMaxNodesPerRequest);
+  info.set_max_scenes_per_page(updates::kMaxPage);
+  info.set_max_prefetch_roots(queries::kMaxPrefetchRoots);
+  info.set_max_node_name_bytes(scenegraph::model::kMaxNodeName);
+  info.set_max_request_id_bytes(scenes::kMaxRequestId);
+  info.set_max_producer_name_bytes(scenes::kMaxProducerName);
+  info.set_max_id_bytes(scenes::kMaxId);
+}
 
 v1::GetServerInfoResponse describe(const ServerConfig& config) {
   v1::GetServerInfoResponse info;
@@ -67,6 +139,9 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   info.set_max_logged_revisions(scenes::LogLimits().revisions);
   info.set_max_request_ids(scenes::AnswerLimits().answers);
   info.set_max_producers(scenes::kMaxProducers);
+  describe_memory(config, info);
+  describe_calls(config, info);
+  describe_requests(info);
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
   info.set_simd_target(std::string(accel::split::simd_target()));

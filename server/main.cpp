@@ -1,9 +1,9 @@
 // sightlined: the server program.
 #include <malloc.h>
-#include <openssl/crypto.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -70,11 +70,12 @@ int main(int argc, char** argv) try {
   const sigset_t ending = block_signals();
   start_logging(line.log_level);
 
-  // oneTBB's idle workers are not joined: tbb::finalize never returns on some machines of one core.
-  // What OpenSSL holds for these threads must therefore stay.
-  OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
   static auto& watchdog = *new Watchdog;
-  return serve(line.config, ending, watchdog);
+  const int code = serve(line.config, ending, watchdog);
+  spdlog::shutdown();
+  // oneTBB's workers still live, and are not joined: tbb::finalize never returns on some machines
+  // of one core. What they use must not be destroyed.
+  _exit(code);
 } catch (const std::exception& thrown) {
   std::fprintf(stderr, "sightlined: %s\n", thrown.what());
   return 1;

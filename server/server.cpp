@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "accel/split/scan_kernel.h"
 #include "server/blobs/blob_rpc.h"
@@ -21,11 +22,17 @@
 #include "server/config.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
+#include "server/exec/malformed.h"
+#include "server/exec/memory_account.h"
 #include "server/exec/open_rpcs.h"
+#include "server/exec/rpc_status.h"
+#include "server/exec/ticker.h"
+#include "server/exec/unread_replies.h"
 #include "server/info_rpc.h"
 #include "server/net/acceptor.h"
 #include "server/net/listening_sockets.h"
 #include "server/queries/cast_rpc.h"
+#include "server/scenes/reclaim.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
@@ -36,6 +43,8 @@
 
 namespace sightline::server {
 namespace {
+
+constexpr std::chrono::milliseconds kEnforceEvery{250};
 
 constexpr std::size_t kGrpcMemory =
     std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
@@ -48,7 +57,7 @@ constexpr std::chrono::milliseconds kGoodbye{100};
 void configure(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, ServerConfig::kMaxCallsPerConnection);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
@@ -74,36 +83,53 @@ Result<net::ListenAddress> check_listen(const ServerConfig& config) {
 struct Server::Parts {
   explicit Parts(const ServerConfig& c)
       : config(c),
-        admission(c.admission),
+        memory(c.memory_budget, c.memory_budget / exec::kForCallsShare),
+        admission(c.admission, &memory),
         all_hits_admission(
             {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
         small_admission(
-            {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}),
+            {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}, &memory),
+        batch_admission({c.admission.rays, c.admission.bytes / exec::kBatchShare}),
+        unread(c.admission.bytes / exec::kUnreadShare, &memory),
         waiting_reads({.limit = scenes::kMaxWaitingReads,
                        .when_full = "{} reads that wait for a revision are open on the server",
                        .full_reason = "TOO_MANY_WAITING"}),
         cast_streams({.limit = queries::kMaxCastStreams,
                       .when_full = "{} streams of rays are open",
-                      .full_reason = "TOO_MANY_STREAMS"}),
+                      .full_reason = "TOO_MANY_STREAMS",
+                      .gives_way = exec::kIdleGivesWay}),
         prefetches({.limit = static_cast<std::size_t>(c.max_prefetches),
                     .when_full = "the server is at work on {} prefetches",
                     .full_reason = "TOO_MANY_PREFETCHES",
-                    .when_stopped = "the server is stopping; what is built was not finished"}),
+                    .when_stopped = "the server is stopping; what is built was not finished",
+                    .shared = false}),
         update_streams({.limit = updates::kMaxUpdateStreams,
                         .when_full = "{} streams of updates are open on the server",
-                        .full_reason = "TOO_MANY_STREAMS"}),
+                        .full_reason = "TOO_MANY_STREAMS",
+                        .gives_way = exec::kIdleGivesWay}),
         watches({.limit = updates::kMaxWatches,
                  .when_full = "{} watches of scenes are open on the server",
                  .full_reason = "TOO_MANY_WATCHES"}),
-        blobs({.memory_budget = c.memory_budget}),
-        compute(c.threads) {}
+        uploads({.limit = blobs::kMaxUploadCalls,
+                 .when_full = "{} uploads are open on the server",
+                 .full_reason = "TOO_MANY_UPLOADS",
+                 .gives_way = exec::kIdleGivesWay}),
+        scenes(memory),
+        blobs(memory),
+        reclaimer(memory, scenes, blobs),
+        compute(c.threads) {
+    memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
+  }
 
   const ServerConfig config;
-  exec::Admission admission, all_hits_admission, small_admission;
+  exec::MemoryAccount memory;
+  exec::Admission admission, all_hits_admission, small_admission, batch_admission;
+  exec::UnreadReplies unread;
   exec::OpenRpcs open_rpcs;
-  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
   scenes::SceneStore scenes;
   blobs::BlobStore blobs;
+  scenes::Reclaimer reclaimer;
   exec::Compute compute;
   const scenes::Services services{.scenes = scenes,
                                   .blobs = blobs,
@@ -111,6 +137,8 @@ struct Server::Parts {
                                   .admission = admission,
                                   .all_hits_admission = all_hits_admission,
                                   .small_admission = small_admission,
+                                  .batch_admission = batch_admission,
+                                  .unread = unread,
                                   .waiting_reads = waiting_reads,
                                   .cast_streams = cast_streams,
                                   .prefetches = prefetches,
@@ -119,7 +147,7 @@ struct Server::Parts {
                                   .policy = config.policy};
   queries::RayQueryRpc query_rpc{services};
   updates::SceneRpc scene_rpc{services};
-  blobs::BlobRpc blob_rpc{blobs, compute, admission, [this] { scenes.drop_old_revisions(); }};
+  blobs::BlobRpc blob_rpc{blobs, uploads, services.unary()};
 
   /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
   /// Streams of rays end by themselves when their clients close them.
@@ -130,12 +158,27 @@ struct Server::Parts {
     watches.stop();
   }
 
+  /// Ends calls whose peers keep the server waiting, and keeps trees within the memory budget.
+  void enforce_limits() {
+    const Status enforced = exec::to_status([this] { return try_to_enforce_limits(); });
+    if (!enforced) spdlog::error("event=limits_not_enforced error={}", enforced.error().message);
+  }
+
+  Status try_to_enforce_limits() {
+    for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads}) calls->end_late();
+    unread.end_late();
+    reclaimer.measure();
+    if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
+    return {};
+  }
+
   InfoRpc info_rpc{config};
   std::uint16_t port = 0;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<net::Acceptor> acceptor;
   std::once_flag drained;
+  exec::Ticker ticker{kEnforceEvery, [this] { enforce_limits(); }};
 
   void serve(grpc::ServerBuilder& builder);
   void accept(net::ListeningSockets listening);
@@ -149,7 +192,10 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
     builder.RegisterService(service);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   auto experimental = builder.experimental();
-  experimental.SetInterceptorCreators(exec::count_calls(open_rpcs));
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(exec::count_calls(open_rpcs));
+  interceptors.push_back(exec::refuse_malformed());
+  experimental.SetInterceptorCreators(std::move(interceptors));
   connections =
       experimental.AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
   grpc = builder.BuildAndStart();

@@ -10,6 +10,7 @@
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
 #include "accel/grow/small_subtree.h"
+#include "accel/split/scan_pass.h"
 
 namespace sightline::accel::grow {
 namespace {
@@ -39,10 +40,11 @@ class ReferenceStack : public ListStack<kdtree::Reference> {
     return list * kShare >= references_;
   }
 
-  /// After a left subtree of a list: frees what only lists of overlapping triangles need.
-  void trim_below(std::size_t parent) {
+  /// After a left subtree of a list: frees what only lists of overlapping triangles need, or, if
+  /// `all`, whatever lies above the top.
+  void trim_below(std::size_t parent, bool all) {
     overlapping_ |= held_.bytes() > references_ * sizeof(kdtree::Reference);
-    if (!overlapping_ || !is_large() || !is_large_part(parent)) return;
+    if (!is_large() || !(all || (overlapping_ && is_large_part(parent)))) return;
     trim();
     held_.shrink(size() * sizeof(kdtree::Reference));
   }
@@ -54,6 +56,8 @@ class ReferenceStack : public ListStack<kdtree::Reference> {
 };
 
 class Growth {
+  using Waits = kdtree::KdTree::Waits;
+
  public:
   explicit Growth(const GrowContext& context)
       : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
@@ -62,13 +66,13 @@ class Growth {
   kdtree::Slot grow(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
                     const kdtree::CellPath& path, const kdtree::ChildScan* first,
                     ReferenceStack& lists, kdtree::BuildCounters& counters) {
-    if (refs.size() >= kForkFrom && context_.cancelled != nullptr &&
-        context_.cancelled->load(std::memory_order_relaxed)) {
-      return defer(refs, cell, path, false);
-    }
+    if (refs.size() >= kForkFrom && is_cancelled())
+      return defer(refs, cell, path, Waits::kLeftOver);
     if (small_ && is_small(refs)) return grow_small(context_, *small_, refs, cell, path, counters);
     const std::optional<kdtree::Split> cut =
         path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
+    if (refs.size() >= kForkFrom && is_cancelled())
+      return defer(refs, cell, path, Waits::kLeftOver);
     if (!cut) return leaf(refs, cell, path);
 
     // Before the list is divided: without room for the children it stays as it is.
@@ -79,16 +83,22 @@ class Growth {
     const ReferenceStack::Mark mark = lists.mark();
     kdtree::Reference* right = lists.top(refs.size());
     std::optional<split::ChildScans> scans = sides.first_scans();
-    kdtree::PartitionCounts n = sides.sift(refs, refs.data(), right, scans);
+    kdtree::PartitionCounts n;
+    const std::size_t sifted = sift(sides, refs, right, scans, n);
     lists.written(n.right);
-    counters.touches += refs.size();
+    counters.touches += sifted;
+    if (sifted < refs.size()) {
+      put_back({right, n.right}, cut->plane, refs.subspan(n.left, sifted - n.left));
+      return defer(refs, cell, path, Waits::kLeftOver);
+    }
     const std::size_t straddlers = n.left + n.right - refs.size();
     if (!sides.is_made(straddlers)) {
       put_back({right, n.right}, cut->plane, refs.subspan(n.left));
       return leaf(refs, cell, path);
     }
     if (sides.clips(straddlers, refs.size())) {
-      n = sides.clip(refs.first(n.left), {right, n.right});
+      n.left = clip(refs.first(n.left), [&](auto part) { return sides.clip(part, {}).left; });
+      n.right = clip({right, n.right}, [&](auto part) { return sides.clip({}, part).right; });
       scans.reset();
     }
     lists.take(n.right);
@@ -104,14 +114,53 @@ class Growth {
     ReferenceStack::Mark below_right;
   };
 
+  /// References between two looks at `cancelled`.
+  static constexpr std::size_t kStep = kdtree::kReferencesPerSlice;
+
+  bool is_cancelled() const {
+    return context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
+  }
+
+  /// Adds to n. Returns how many references are sifted: all, or those until it was cancelled.
+  std::size_t sift(const CellCut& sides, std::span<kdtree::Reference> refs,
+                   kdtree::Reference* right, std::optional<split::ChildScans>& scans,
+                   kdtree::PartitionCounts& n) const {
+    std::size_t i = 0;
+    while (i < refs.size() && (i == 0 || !is_cancelled())) {
+      const auto part = refs.subspan(i, std::min(kStep, refs.size() - i));
+      const kdtree::PartitionCounts more =
+          sides.sift(part, refs.data() + n.left, right + n.right, scans);
+      n.left += more.left;
+      n.right += more.right;
+      i += part.size();
+    }
+    return i;
+  }
+
+  /// clip_part(part) for each part of a list, until cancelled: boxes that are not clipped are too
+  /// large, not wrong. Returns the new length.
+  template <class ClipPart>
+  std::size_t clip(std::span<kdtree::Reference> list, const ClipPart& clip_part) const {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < list.size(); i += kStep) {
+      const auto part = list.subspan(i, std::min(kStep, list.size() - i));
+      const auto clipped = part.first(is_cancelled() ? part.size() : clip_part(part));
+      if (kept < i) std::copy(clipped.begin(), clipped.end(), list.begin() + kept);
+      kept += clipped.size();
+    }
+    return kept;
+  }
+
   /// The right list, after the left subtree is grown. A long list, or one about as long as its
-  /// parent's, moves there, or a path to the right would keep the lists of all its cells.
-  static std::span<kdtree::Reference> right_list(const Lists& refs, ReferenceStack& lists) {
+  /// parent's, moves there, or a path to the right would keep the lists of all its cells. If
+  /// cancelled, every list does: it will be copied, and its memory is freed before the next one's.
+  std::span<kdtree::Reference> right_list(const Lists& refs, ReferenceStack& lists) const {
     constexpr double kLong = 0.625;
-    lists.trim_below(refs.parent.size());
+    const bool cancelled = is_cancelled();
+    lists.trim_below(refs.parent.size(), cancelled);
     const bool keeps_most =
         static_cast<double>(refs.right.size()) >= kLong * static_cast<double>(refs.parent.size());
-    if (!keeps_most && !lists.is_large_part(refs.parent.size())) return refs.right;
+    if (!keeps_most && !cancelled && !lists.is_large_part(refs.parent.size())) return refs.right;
     std::copy(refs.right.begin(), refs.right.end(), refs.parent.begin());
     lists.release(refs.below_right);
     return refs.parent.first(refs.right.size());
@@ -180,6 +229,16 @@ class Growth {
                                       kdtree::BuildCounters& counters) const {
     kdtree::CellRefs list{refs, cell, path};
     list.first = first;
+    // A cancelled pass finds nothing of use, and the caller looks.
+    const split::RunPass run = [&](const split::PassKernel& kernel) {
+      return split::run_in_slices(refs, [&](std::span<const kdtree::Reference> slice) {
+        return is_cancelled() ? split::PassResult{} : kernel(slice);
+      });
+    };
+    if (context_.cancelled != nullptr && rule_.runs_passes() &&
+        refs.size() >= 2 * split::kScanSlice) {
+      list.run = &run;
+    }
     return rule_.choose(list, counters);
   }
 
@@ -193,14 +252,14 @@ class Growth {
   kdtree::Slot give_up(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                        const kdtree::CellPath& path) {
     if (rule_.budget() != 0) throw std::bad_alloc();
-    return defer(refs, cell, path, true);
+    return defer(refs, cell, path, Waits::kFailed);
   }
 
   kdtree::Slot defer(std::span<const kdtree::Reference> refs, const geometry::Aabb& box,
-                     const kdtree::CellPath& path, bool failed) {
+                     const kdtree::CellPath& path, Waits why) {
     kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), box, path, failed);
+    return context_.tree.defer(std::move(list), box, path, why);
   }
 
   const GrowContext& context_;

@@ -205,7 +205,7 @@ class SmallGrowth {
     const std::span<const kdtree::Reference> refs = list_of(set);
     kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());
-    return context_.tree.defer(std::move(list), cell, path, true);
+    return context_.tree.defer(std::move(list), cell, path, kdtree::KdTree::Waits::kFailed);
   }
 
   const GrowContext& context_;

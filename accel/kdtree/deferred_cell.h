@@ -9,32 +9,18 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/plane_counts.h"
+#include "accel/kdtree/ref_counted.h"
 #include "accel/kdtree/reference_list.h"
 
 namespace sightline::accel::kdtree {
 
-/// Work that threads join. The thread that leaves last frees it. See accel/lazy/cell_task.h.
-class SharedWork {
- public:
-  void join() { users_.fetch_add(1, std::memory_order_relaxed); }
-  void leave() {
-    if (users_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
-  }
-
- protected:
-  SharedWork() = default;
-  virtual ~SharedWork() = default;
-
- private:
-  std::atomic<int> users_{1};
-};
-
 /// The bytes of a tree's cells and lists. Cells share it with their tree, because retired ones may
 /// outlive it.
 struct ListBytes {
-  std::atomic<std::uint64_t> deferred{0};  ///< Deferred cells with their lists.
-  std::atomic<std::uint64_t> retired{0};   ///< Retired cells that are not freed yet.
-  std::atomic<std::uint64_t> growing{0};   ///< Lists of the subtrees that are built at once.
+  std::atomic<std::uint64_t> deferred{0};   ///< Deferred cells with their lists.
+  std::atomic<std::uint64_t> left_over{0};  ///< Of those, DeferredCell::left_over.
+  std::atomic<std::uint64_t> retired{0};    ///< Retired cells that are not freed yet.
+  std::atomic<std::uint64_t> growing{0};    ///< Lists of the subtrees that are built at once.
 };
 
 /// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.
@@ -43,7 +29,7 @@ struct alignas(8) DeferredCell : Retirable {
   DeferredCell(const DeferredCell&) = delete;
   DeferredCell& operator=(const DeferredCell&) = delete;
   ~DeferredCell() {
-    if (SharedWork* work = task.load(std::memory_order_acquire)) work->leave();
+    if (RefCounted* work = task.load(std::memory_order_acquire)) work->leave();
   }
 
   static void* operator new(std::size_t bytes) {
@@ -60,7 +46,8 @@ struct alignas(8) DeferredCell : Retirable {
   bool has_list = true;
   /// Some references of the list may be openable.
   bool openable = false;
-  bool whole = false;  ///< Its subtree is built at once: lists for later would take too much.
+  bool left_over = false;  ///< By a subtree that was being built at once and was cancelled.
+  bool whole = false;      ///< Its subtree is built at once: lists for later would take too much.
   CellList list;
   std::size_t size = 0;      ///< References in the cell, also if the list is not made.
   std::uint64_t weight = 0;  ///< Sum over all references.
@@ -68,8 +55,9 @@ struct alignas(8) DeferredCell : Retirable {
   /// The arrays of a tree without a budget of references (SplitSearch::budget) are full: the cell
   /// stays deferred, and rays search its list.
   std::atomic<bool> failed{false};
-  /// Set once a thread has begun to expand a large cell.
-  std::atomic<SharedWork*> task{nullptr};
+  /// Set once a thread has begun to expand a large cell: the work that threads share
+  /// (accel/lazy/cell_task.h).
+  std::atomic<RefCounted*> task{nullptr};
   std::shared_ptr<ListBytes> account;  ///< Of its tree.
 
   std::uint64_t size_in_bytes() const { return sizeof(DeferredCell) + list.bytes(); }

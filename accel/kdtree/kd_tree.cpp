@@ -20,6 +20,13 @@ void delete_cell(Retirable* retired) {
   delete cell;
 }
 
+/// That a cell waits, or no longer waits.
+void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
+  const std::uint64_t bytes = waits ? cell.size_in_bytes() : -cell.size_in_bytes();  // wraps
+  lists.deferred.fetch_add(bytes, std::memory_order_relaxed);
+  if (cell.left_over) lists.left_over.fetch_add(bytes, std::memory_order_relaxed);
+}
+
 void delete_cells(const KdTree& tree, Slot slot) {
   if (slot.is_deferred()) delete slot.cell();
   if (!slot.is_binary()) return;
@@ -96,26 +103,26 @@ std::optional<Slot> KdTree::make_leaf(std::span<const Reference> refs) {
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   if (cell->size == 0) return Slot::empty_leaf();
   cell->account = lists_;
-  lists_->deferred.fetch_add(cell->size_in_bytes(), std::memory_order_relaxed);
+  count_waiting(*cell, *lists_, true);
   update_peak();
   return Slot::deferred(cell.release());
 }
 
-Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
-                   bool failed) {
+Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path, Waits why) {
   auto cell = std::make_unique<DeferredCell>();
   cell->box = box;
   cell->path = path;
   cell->size = list.size();
   cell->weight = list.size();
   cell->list = CellList(std::move(list));
-  cell->failed = failed;
+  cell->failed = why == Waits::kFailed;
+  cell->left_over = why == Waits::kLeftOver;
   return defer(std::move(cell));
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
   const std::uint64_t bytes = cell.size_in_bytes();
-  lists_->deferred.fetch_sub(bytes, std::memory_order_relaxed);
+  count_waiting(cell, *lists_, false);
   const std::uint64_t retired = lists_->retired.fetch_add(bytes, std::memory_order_relaxed) + bytes;
   retire(cell, delete_cell, bytes, retired >= free_soon_from_);
 }
@@ -136,7 +143,7 @@ void KdTree::update_peak() {
 
 void KdTree::discard(Slot slot) {
   if (slot.is_deferred()) {
-    lists_->deferred.fetch_sub(slot.cell()->size_in_bytes(), std::memory_order_relaxed);
+    count_waiting(*slot.cell(), *lists_, false);
     delete slot.cell();
   }
   if (!slot.is_binary()) return;

@@ -69,8 +69,9 @@ class KdTree {
 
   /// A deferred slot whose list is made; an empty leaf if the list is empty. Threads: any.
   Slot defer(std::unique_ptr<DeferredCell> cell);
+  enum class Waits : std::uint8_t { kForRays, kLeftOver, kFailed };  ///< See DeferredCell.
   Slot defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
-             bool failed = false);
+             Waits why = Waits::kForRays);
 
   /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
@@ -83,6 +84,10 @@ class KdTree {
 
   /// Bytes of deferred cells with their lists.
   std::uint64_t deferred_bytes() const { return lists_->deferred.load(std::memory_order_relaxed); }
+  /// Those that cancelled builds left (DeferredCell::left_over).
+  std::uint64_t left_over_bytes() const {
+    return lists_->left_over.load(std::memory_order_relaxed);
+  }
   /// The most bytes that the tree has held at any time: bytes(), retired cells, and the lists of
   /// subtrees that were being built.
   std::uint64_t bytes_peak() const { return peak_.load(std::memory_order_relaxed); }

@@ -43,12 +43,14 @@ struct BuildCounters {
   std::uint64_t touches = 0;          ///< References read, summed over passes.
   std::uint64_t touches_prepare = 0;  ///< Boxes computed from vertices.
   std::uint64_t cells_expanded = 0;   ///< Deferred cells that became inner nodes or leaves.
+  std::uint64_t trees_begun = 0;      ///< Those of them that were roots.
   double seconds = 0;  ///< Spent expanding, summed over threads. For reports, never for decisions.
 
   BuildCounters& operator+=(const BuildCounters& o) {
     touches += o.touches;
     touches_prepare += o.touches_prepare;
     cells_expanded += o.cells_expanded;
+    trees_begun += o.trees_begun;
     seconds += o.seconds;
     return *this;
   }

@@ -8,6 +8,13 @@
 #include <tbb/task_arena.h>
 
 namespace sightline::accel::lazy {
+namespace {
+
+bool is_set(const std::atomic<bool>* flag) {
+  return flag != nullptr && flag->load(std::memory_order_relaxed);
+}
+
+}  // namespace
 
 /// A task for an idle thread: helps with one pass. It may run late, when all is done.
 struct CellTask::Call {
@@ -22,8 +29,9 @@ struct CellTask::Call {
   void operator()() const {
     kdtree::BuildCounters counted;
     try {
-      pass->help(counted);
+      pass->help(counted, [this] { return task->wanted_.load(std::memory_order_relaxed) == 0; });
     } catch (const std::bad_alloc&) {  // the thread that needs the slice gets the same error
+    } catch (const Cancelled&) {
     }
     task->touches_.fetch_add(counted.touches, std::memory_order_relaxed);
     task->touches_prepare_.fetch_add(counted.touches_prepare, std::memory_order_relaxed);
@@ -68,9 +76,9 @@ SharedPass* CellTask::last() const {
   return last;
 }
 
-bool CellTask::help(kdtree::BuildCounters& counters) {
+bool CellTask::help(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   SharedPass* pass = last();
-  return pass != nullptr && pass->help(counters) > 0;
+  return pass != nullptr && pass->help(counters, [&] { return is_set(cancelled); }) > 0;
 }
 
 std::uint64_t CellTask::progress() const {
@@ -91,7 +99,7 @@ kdtree::BuildCounters CellTask::take_counters() {
 const SharedPass& PassSequence::next(std::size_t slices, SharedPass::Work work) {
   SharedPass& pass = task_.pass_after(at_, slices, std::move(work));
   at_ = &pass;
-  pass.complete(counters_);
+  pass.complete(counters_, [this] { return is_set(cancelled_); });
   return pass;
 }
 

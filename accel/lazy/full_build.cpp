@@ -6,6 +6,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/grow/fork.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/stall_detector.h"
@@ -43,6 +44,9 @@ void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Defe
 void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   if (is_complete()) return;
   const Timed timed(counters);
+  while (!(cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) &&
+         build_left_over(nullptr, counters, cancelled))
+    continue;
   // A round completes the cells that were deferred when it began, except those that rays claimed.
   for (;;) {
     Deferred deferred;
@@ -77,7 +81,7 @@ bool LazyTree::may_list_root(const kdtree::DeferredCell& cell,
 
 /// Divides a long list, and claims a cell that one thread will build.
 LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-                              kdtree::DeferredCell*& claimed) {
+                              const std::atomic<bool>* cancelled, kdtree::DeferredCell*& claimed) {
   const kdtree::EpochPin pin;
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return Step::kBuilt;
@@ -88,7 +92,7 @@ LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& c
     return Step::kAgain;
   }
   if (cell.weight > kSerialBelow || (!cell.has_list && !may_list_root(cell, counters))) {
-    const ExpandResult expanded = expand_now(slot, false, WhenPending::kWait, counters);
+    const ExpandResult expanded = expand_now(slot, false, WhenPending::kWait, counters, cancelled);
     return expanded == ExpandResult::kScanList ? Step::kWait : Step::kAgain;
   }
   if (!claim(slot, cell)) return Step::kWait;
@@ -104,7 +108,7 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
   for (;;) {
     if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
     kdtree::DeferredCell* claimed = nullptr;
-    const Step done = step(slot, counters, claimed);
+    const Step done = step(slot, counters, cancelled, claimed);
     if (done == Step::kBuilt) break;
     if (done == Step::kFailed) return;
     // No other thread retires a claimed cell.
@@ -120,6 +124,41 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
   tbb::parallel_invoke([&] { complete(children[0], counters, cancelled); },
                        [&] { complete(children[1], right, cancelled); });
   counters += right;
+}
+
+/// Whether a cancelled build has left the lists of its path, which take the room of others.
+bool LazyTree::lists_are_left_over() const {
+  return rule_->budget() != 0 &&
+         (tree_.left_over_bytes() > 0 || tree_.deferred_bytes() > most_list_bytes());
+}
+
+/// Builds the first such list, from left to right as the cancelled build would have gone on: one,
+/// so that a caller who is pinned can renew its pin and free it. False: there is none, or it is
+/// being built, or it does not come before that slot.
+bool LazyTree::build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
+                               const std::atomic<bool>* cancelled) {
+  if (!lists_are_left_over()) return false;
+  kdtree::AtomicSlot* first = nullptr;
+  kdtree::Slot was = kdtree::Slot::empty_leaf();
+  {
+    const kdtree::EpochPin pin;
+    Deferred deferred;
+    collect_deferred(tree_, tree_.root(), deferred);
+    const bool some_are_marked = tree_.left_over_bytes() > 0;
+    for (kdtree::AtomicSlot* const slot : deferred.slots) {
+      if (slot == before) return false;
+      was = kdtree::load(*slot);
+      if (was.tag() != kdtree::Slot::Tag::kDeferred) continue;
+      const kdtree::DeferredCell& cell = *was.cell();
+      if (some_are_marked ? cell.left_over : cell.size >= grow::kForkFrom) {
+        first = slot;
+        break;
+      }
+    }
+  }
+  if (first == nullptr) return false;
+  complete(*first, counters, cancelled);
+  return kdtree::load(*first) != was;
 }
 
 }  // namespace sightline::accel::lazy

@@ -1,11 +1,13 @@
 // Expanding deferred cells: build off to the side, publish with one store, retire.
 #include "accel/lazy/lazy_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <new>
 #include <utility>
 
+#include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
 #include "accel/kdtree/epoch.h"
@@ -24,27 +26,48 @@ kdtree::KdTree::Capacity capacity_of(const split::SplitSearch& rule) {
   return {.pairs = budget, .ids = budget + budget / 2};
 }
 
-/// The list of a root, made by one thread.
+bool is_set(const std::atomic<bool>* cancelled) {
+  return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+}
+
+/// The list of a root, made by one thread. Throws Cancelled.
 kdtree::ReferenceList list_source(const ReferenceSource& source, bool& openable,
-                                  kdtree::BuildCounters& counters) {
+                                  kdtree::BuildCounters& counters,
+                                  const std::atomic<bool>* cancelled) {
   const ReferenceSource::Coarsest coarsest = source.coarsest(counters);
   openable = coarsest.openable;
   kdtree::ReferenceList list(coarsest.slots);
-  list.shrink(source.list(0, coarsest.slots, list.all().data(), counters));
+  std::size_t size = 0;
+  for (std::size_t slot = 0; slot < coarsest.slots; slot += kdtree::kReferencesPerSlice) {
+    if (is_set(cancelled)) throw Cancelled();
+    const std::size_t end = std::min(slot + kdtree::kReferencesPerSlice, coarsest.slots);
+    size += source.list(slot, end, list.all().data() + size, counters);
+  }
+  list.shrink(size);
   return list;
+}
+
+/// A copy in one piece. Throws Cancelled.
+kdtree::ReferenceList copy(const kdtree::CellList& list, const std::atomic<bool>* cancelled) {
+  kdtree::ReferenceList all(list.size());
+  kdtree::Reference* end = all.all().data();
+  list.any_part([&](std::span<const kdtree::Reference> part) {
+    if (is_set(cancelled)) throw Cancelled();
+    end = std::copy(part.begin(), part.end(), end);
+    return false;
+  });
+  return all;
 }
 
 bool is_large(const kdtree::DeferredCell& cell) {
   return !cell.has_list || cell.list.sliced() != nullptr;
 }
 
-CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source, bool& fresh) {
-  kdtree::SharedWork* work = cell.task.load(std::memory_order_acquire);
-  fresh = false;
+CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
+  kdtree::RefCounted* work = cell.task.load(std::memory_order_acquire);
   if (work == nullptr) {
     auto* mine = new CellTask(source.alive);
-    fresh = cell.task.compare_exchange_strong(work, mine, std::memory_order_acq_rel);
-    if (fresh) return *mine;
+    if (cell.task.compare_exchange_strong(work, mine, std::memory_order_acq_rel)) return *mine;
     mine->leave();
   }
   return static_cast<CellTask&>(*work);
@@ -61,22 +84,27 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)} {}
 
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                              kdtree::BuildCounters& counters) {
+                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
-  return expand_now(slot, true, when_pending, counters);
+  return expand_now(slot, true, when_pending, counters, cancelled);
 }
 
 ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, bool bound_lists,
-                                  WhenPending when_pending, kdtree::BuildCounters& counters) {
+                                  WhenPending when_pending, kdtree::BuildCounters& counters,
+                                  const std::atomic<bool>* cancelled) {
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return ExpandResult::kRetry;
   kdtree::DeferredCell& cell = *now.cell();
   if (cell.failed.load(std::memory_order_relaxed)) return ExpandResult::kScanList;
-  if (now.tag() == kdtree::Slot::Tag::kExpanding) return wait_for_owner(slot, cell, when_pending);
+  if (is_set(cancelled)) return ExpandResult::kScanList;
+  if (now.tag() == kdtree::Slot::Tag::kExpanding)
+    return wait_for_owner(slot, cell, when_pending, cancelled);
   try {
     return is_large(cell) && !cell.whole
-               ? expand_large(slot, cell, bound_lists, when_pending, counters)
-               : expand_claimed(slot, cell, bound_lists, counters);
+               ? expand_large(slot, cell, bound_lists, when_pending, counters, cancelled)
+               : expand_claimed(slot, cell, bound_lists, counters, cancelled);
+  } catch (const Cancelled&) {
+    return ExpandResult::kScanList;
   } catch (const std::bad_alloc&) {
     if (rule_->budget() != 0) throw;
     cell.failed.store(true, std::memory_order_relaxed);
@@ -90,10 +118,14 @@ bool LazyTree::holds_all(const kdtree::DeferredCell& cell) const {
   return !cell.openable && cell.size == primitive_count_;
 }
 
+std::uint64_t LazyTree::most_list_bytes() const {
+  constexpr std::uint64_t kSpare = 4096;  // for meshes so small that single cells count
+  return kListBytes * primitive_count_ + kSpare;
+}
+
 /// Whether the new cells may wait in place of `cell`, beside all others: not if they are too long,
 /// nor if a large cell has a share of straddlers that those below will have.
 bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& cell) const {
-  constexpr std::uint64_t kSpare = 4096;  // for meshes so small that single cells count
   constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
   if (rule_->budget() == 0 || division.cuts.empty()) return true;
   std::uint64_t size = 0, bytes = 0;
@@ -105,17 +137,17 @@ bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& ce
       size * kStraddleShare >= cell.size * (kStraddleShare + 1)) {
     return false;
   }
-  return tree_.deferred_bytes() + bytes - cell.list.bytes() <=
-         kListBytes * primitive_count_ + kSpare;
+  return tree_.deferred_bytes() + bytes - cell.list.bytes() <= most_list_bytes();
 }
 
 /// Another thread has claimed the cell. Searching a short list takes less time than waiting for it.
 /// A long list, claimed by a full build, is only searched if the thread makes no progress.
 ExpandResult LazyTree::wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
-                                      WhenPending when_pending) {
+                                      WhenPending when_pending,
+                                      const std::atomic<bool>* cancelled) {
   if (!is_large(cell)) return ExpandResult::kScanList;
   if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
-  for (StallDetector stall_detector; stall_detector.wait(0);) {
+  for (StallDetector stall_detector; !is_set(cancelled) && stall_detector.wait(0);) {
     if (kdtree::load(slot) != kdtree::Slot::expanding(&cell)) return ExpandResult::kRetry;
   }
   return ExpandResult::kScanList;
@@ -124,7 +156,7 @@ ExpandResult LazyTree::wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::De
 std::uint64_t LazyTree::progress(const kdtree::AtomicSlot& slot) {
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return 0;
-  const kdtree::SharedWork* work = now.cell()->task.load(std::memory_order_acquire);
+  const kdtree::RefCounted* work = now.cell()->task.load(std::memory_order_acquire);
   return work == nullptr ? 0 : static_cast<const CellTask*>(work)->progress();
 }
 
@@ -144,13 +176,21 @@ void LazyTree::publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdt
                        kdtree::BuildCounters& counters) {
   slot.store(built.bits(), std::memory_order_release);
   tree_.retire_cell(cell);
-  counters.cells_expanded += built.is_deferred() ? 0u : 1u;
+  count(slot, built, counters);
+}
+
+void LazyTree::count(const kdtree::AtomicSlot& slot, kdtree::Slot built,
+                     kdtree::BuildCounters& counters) {
+  if (built.is_deferred()) return;
+  ++counters.cells_expanded;
+  if (&slot == &tree_.root()) ++counters.trees_begun;
 }
 
 /// By one thread: divides a cell with a short list, or builds a whole subtree. The cell's own list
 /// is never written, because other threads may be searching it.
 ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                      bool bound_lists, kdtree::BuildCounters& counters) {
+                                      bool bound_lists, kdtree::BuildCounters& counters,
+                                      const std::atomic<bool>* cancelled) {
   if (!claim(slot, cell))
     return kdtree::load(slot) == kdtree::Slot::expanding(&cell) ? ExpandResult::kScanList
                                                                 : ExpandResult::kRetry;
@@ -166,28 +206,35 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
       throw;
     }
   }
+  if (bound_lists && cell.size >= grow::kForkFrom && lists_are_left_over()) {
+    slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
+    if (build_left_over(&slot, counters, cancelled)) return ExpandResult::kRetry;
+    if (!claim(slot, cell)) return ExpandResult::kRetry;
+  }
   if (cell.has_list && holds_all(cell) && cell.weight > kEagerBelow) {
     slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
-  complete_claimed(slot, cell, counters, nullptr);
+  complete_claimed(slot, cell, counters, cancelled);
   return ExpandResult::kRetry;
 }
 
 ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                     bool bound_lists, WhenPending when_pending,
-                                    kdtree::BuildCounters& counters) {
-  bool fresh = false;
-  CellTask& task = task_of(cell, source_, fresh);
-  if (fresh) return run_all_passes(slot, cell, task, bound_lists, counters);
+                                    kdtree::BuildCounters& counters,
+                                    const std::atomic<bool>* cancelled) {
+  CellTask& task = task_of(cell, source_);
+  const CellTask::Wanted wanted(task);
+  if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
+  if (wanted.is_first()) return run_all_passes(slot, cell, task, bound_lists, counters, cancelled);
   for (StallDetector stall_detector;;) {
-    const bool helped = task.help(counters);
+    const bool helped = task.help(counters, cancelled);
     if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
     if (helped) continue;
     if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
     if (!stall_detector.wait(task.progress()))
-      return run_all_passes(slot, cell, task, bound_lists, counters);
+      return run_all_passes(slot, cell, task, bound_lists, counters, cancelled);
   }
 }
 
@@ -195,9 +242,11 @@ ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCe
 /// then the first result is published and the others are discarded.
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                       CellTask& task, bool bound_lists,
-                                      kdtree::BuildCounters& counters) {
+                                      kdtree::BuildCounters& counters,
+                                      const std::atomic<bool>* cancelled) {
   tree_.reserve(primitive_count_, capacity_of(*rule_));
-  Division division = divide_long(context_, cell, PassSequence(task, counters), counters);
+  Division division =
+      divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
   if (bound_lists && !may_wait(division, cell)) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
@@ -207,7 +256,7 @@ ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::Deferred
   if (slot.compare_exchange_strong(expected, built.bits(), std::memory_order_acq_rel)) {
     counters += task.take_counters();
     tree_.retire_cell(cell);
-    counters.cells_expanded += built.is_deferred() ? 0u : 1u;
+    count(slot, built, counters);
   } else {
     tree_.discard(built);
   }
@@ -256,15 +305,17 @@ kdtree::Slot LazyTree::make_slot(Division& division, const SplitTree::Node& node
   return slot;
 }
 
-/// Builds the subtree of a claimed cell. Throws std::bad_alloc; then the cell is deferred again.
+/// Builds the subtree of a claimed cell; if cancelled, a part, whose cells wait with their lists.
+/// Throws std::bad_alloc, and Cancelled if it has not begun; then the cell is deferred again.
 void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
     tree_.reserve(primitive_count_, capacity_of(*rule_));
     bool openable = cell.openable;
-    kdtree::ReferenceList list =
-        cell.has_list ? cell.list.copy() : list_source(source_, openable, counters);
+    kdtree::ReferenceList list = cell.has_list
+                                     ? copy(cell.list, cancelled)
+                                     : list_source(source_, openable, counters, cancelled);
     if (openable) list = open_all(source_, std::move(list), cell.box, counters);
     kdtree::CellPath path = cell.path;
     if (cell.has_list)
@@ -272,6 +323,9 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
     const grow::GrowingBytes held(tree_, list.bytes());
     const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
     publish(slot, cell, grow::grow(context, list.all(), cell.box, path, counters), counters);
+  } catch (const Cancelled&) {
+    slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
+    throw;
   } catch (const std::bad_alloc&) {
     release_claim(slot, cell);
     throw;

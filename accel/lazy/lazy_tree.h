@@ -43,8 +43,12 @@ class LazyTree {
   /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
   /// cell of at most kEagerBelow triangles, by weight, is built at once, and that of a cell whose
   /// lists would exceed kListBytes. Throws std::bad_alloc; a later call may succeed.
+  ///
+  /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with kScanList,
+  /// and a subtree that is built at once soon. What is done remains for the next ray.
   ExpandResult expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
-                      kdtree::BuildCounters& counters);
+                      kdtree::BuildCounters& counters,
+                      const std::atomic<bool>* cancelled = nullptr);
 
   /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
@@ -60,15 +64,18 @@ class LazyTree {
 
  private:
   ExpandResult expand_now(kdtree::AtomicSlot& slot, bool bound_lists, WhenPending when_pending,
-                          kdtree::BuildCounters& counters);
+                          kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   ExpandResult wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
-                              WhenPending when_pending);
+                              WhenPending when_pending, const std::atomic<bool>* cancelled);
   ExpandResult expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                              bool bound_lists, kdtree::BuildCounters& counters);
+                              bool bound_lists, kdtree::BuildCounters& counters,
+                              const std::atomic<bool>* cancelled);
   ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, bool bound_lists,
-                            WhenPending when_pending, kdtree::BuildCounters& counters);
+                            WhenPending when_pending, kdtree::BuildCounters& counters,
+                            const std::atomic<bool>* cancelled);
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
-                              bool bound_lists, kdtree::BuildCounters& counters);
+                              bool bound_lists, kdtree::BuildCounters& counters,
+                              const std::atomic<bool>* cancelled);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
   kdtree::Slot defer(NewCell now);
@@ -76,7 +83,11 @@ class LazyTree {
                 const std::atomic<bool>* cancelled);
   enum class Step : std::uint8_t { kBuilt, kAgain, kWait, kClaimed, kFailed };
   Step step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
-            kdtree::DeferredCell*& claimed);
+            const std::atomic<bool>* cancelled, kdtree::DeferredCell*& claimed);
+  bool lists_are_left_over() const;
+  bool build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
+                       const std::atomic<bool>* cancelled);
+  std::uint64_t most_list_bytes() const;
   bool may_list_root(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const;
   void complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                         kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
@@ -87,6 +98,7 @@ class LazyTree {
   void release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell);
   void publish(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, kdtree::Slot built,
                kdtree::BuildCounters& counters);
+  void count(const kdtree::AtomicSlot& slot, kdtree::Slot built, kdtree::BuildCounters& counters);
 
   kdtree::KdTree tree_;
   split::SplitRule rule_;

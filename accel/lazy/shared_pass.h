@@ -17,6 +17,9 @@
 
 namespace sightline::accel::lazy {
 
+/// Thrown by a thread that leaves a pass because its query is cancelled.
+struct Cancelled {};
+
 /// The result of one slice. Each kind of pass sets its members.
 struct PassSlice {
   split::PassResult sums;  ///< Scanning.
@@ -42,16 +45,18 @@ class SharedPass {
   SharedPass(std::size_t slices, Work work) : work_(std::move(work)), results_(slices) {}
 
   /// Does slices that no thread has begun, until none is left. Returns their number. Throws
-  /// std::bad_alloc.
-  std::size_t help(kdtree::BuildCounters& counters) {
-    return results_.help([&](std::size_t slice) { return work_(slice, counters); });
+  /// std::bad_alloc; Cancelled before a slice if stop() is true.
+  template <class Stop>
+  std::size_t help(kdtree::BuildCounters& counters, const Stop& stop) {
+    return results_.help([&](std::size_t slice) { return make(slice, counters, stop); });
   }
 
   /// Returns when all slices are done: by this thread, by others while it waits, or by this thread
-  /// after all if those seem to be stopped. Throws std::bad_alloc.
-  void complete(kdtree::BuildCounters& counters) {
+  /// after all if those seem to be stopped. Throws as help().
+  template <class Stop>
+  void complete(kdtree::BuildCounters& counters, const Stop& stop) {
     constexpr int kStalls = 1;
-    results_.complete(kStalls, [&](std::size_t slice) { return work_(slice, counters); });
+    results_.complete(kStalls, [&](std::size_t slice) { return make(slice, counters, stop); });
   }
 
   std::size_t slices() const { return results_.size(); }
@@ -65,6 +70,13 @@ class SharedPass {
   std::atomic<SharedPass*> next{nullptr};
 
  private:
+  template <class Stop>
+  std::unique_ptr<PassSlice> make(std::size_t slice, kdtree::BuildCounters& counters,
+                                  const Stop& stop) {
+    if (stop()) throw Cancelled();
+    return work_(slice, counters);
+  }
+
   Work work_;
   SharedSlices<PassSlice> results_;
 };

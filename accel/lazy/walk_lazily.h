@@ -2,11 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/kdtree/ref_counted.h"
 #include "accel/kdtree/traverse.h"
 #include "accel/lazy/lazy_tree.h"
 
@@ -31,8 +34,45 @@ struct LazyQuery {
   /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
   /// Null: it is not renewed.
   kdtree::EpochPin* pin = nullptr;
+  kdtree::RefCounted* owner = nullptr;  ///< See OwnedTree.
+  bool joined = false;                  ///< The owner, before the pin was renewed.
   bool searches_list = false;  ///< The walk, or one around it, reads the list of a deferred cell.
+  /// Once true, the walk stops soon, also inside a long list or an expansion, and what it has found
+  /// means nothing. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
+
+  bool is_cancelled() const {
+    return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+  }
+
+  void renew_pin() {
+    if (pin == nullptr || searches_list) return;
+    if (owner != nullptr && !joined) {
+      owner->join();
+      joined = true;
+    }
+    pin->renew();
+  }
 };
+
+/// While it lives, the tree that the query walks belongs to `owner`, which the thread's pin keeps
+/// alive until it is renewed.
+class OwnedTree {
+ public:
+  OwnedTree(LazyQuery& query, kdtree::RefCounted& owner) : query_(query) { query_.owner = &owner; }
+  ~OwnedTree() {
+    if (std::exchange(query_.joined, false)) query_.owner->leave();
+    query_.owner = nullptr;
+  }
+  OwnedTree(const OwnedTree&) = delete;
+  OwnedTree& operator=(const OwnedTree&) = delete;
+
+ private:
+  LazyQuery& query_;
+};
+
+/// References or triangles of a list that are searched between two looks at LazyQuery::cancelled.
+inline constexpr std::size_t kSearchStep = 1024;
 
 /// The visitor of kdtree::walk for a tree that grows.
 template <class Test>
@@ -47,9 +87,9 @@ struct LazyVisit {
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
     if (query.on_deferred == OnDeferred::kExpand) {
-      const ExpandResult expanded = tree.expand(slot, query.when_pending, built);
+      const ExpandResult expanded = tree.expand(slot, query.when_pending, built, query.cancelled);
       if (expanded == ExpandResult::kRetry) {
-        if (query.pin != nullptr && !query.searches_list) query.pin->renew();
+        query.renew_pin();
         return kdtree::DeferredAction::kRetry;
       }
       if (expanded == ExpandResult::kPending) {
@@ -69,8 +109,15 @@ struct LazyVisit {
   bool search(const kdtree::DeferredCell& cell) {
     if (!cell.has_list) return test.everything();
     return cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
-      return std::any_of(refs.begin(), refs.end(),
-                         [&](const kdtree::Reference& ref) { return test.reference(ref); });
+      while (!refs.empty()) {
+        if (query.is_cancelled()) return true;
+        const auto part = refs.first(std::min(refs.size(), kSearchStep));
+        refs = refs.subspan(part.size());
+        if (std::any_of(part.begin(), part.end(),
+                        [&](const kdtree::Reference& ref) { return test.reference(ref); }))
+          return true;
+      }
+      return false;
     });
   }
 };

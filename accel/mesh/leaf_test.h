@@ -86,6 +86,7 @@ struct LeafTest {
       for (; possible != 0; possible &= possible - 1) {
         if (test(batch[static_cast<std::size_t>(std::countr_zero(possible))])) return true;
       }
+      if (!ids.empty() && query.is_cancelled()) return true;
     }
     return false;
   }
@@ -102,6 +103,8 @@ struct LeafTest {
 
   bool search_faces(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
+      if ((i - faces.begin) % lazy::kSearchStep == lazy::kSearchStep - 1 && query.is_cancelled())
+        return true;
       const std::optional<geometry::Aabb> box = face_bounds(mesh, i);
       if (box && may_meet(ray, *box, limit()) && test(static_cast<std::uint32_t>(i))) return true;
     }

@@ -172,6 +172,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
+  connection.wait_until_connected();
   const auto stream = connection.queries->StreamCastRays(&context);
 
   Window window;
@@ -188,7 +189,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
 
   if (window.source_error) return *window.source_error;
   if (!read) return read.error();
-  if (!status.ok()) return rpc_error(status);
+  if (!status.ok()) return rpc_error(status, options.stop);
   return report;
 }
 

@@ -15,6 +15,8 @@
 namespace sightline::client::calls {
 namespace {
 
+constexpr std::chrono::milliseconds kConnectWait{1000};
+
 // Only calls that are safe to repeat. A stream of rays is not: after some answers have come, a
 // second attempt could be answered at another revision.
 constexpr const char* kServiceConfig = R"({
@@ -109,6 +111,18 @@ void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::millis
 
 Error rpc_error(const grpc::Status& status) {
   return {code_of(status.error_code()), status.error_message(), reason_of(status)};
+}
+
+Error rpc_error(const grpc::Status& status, const std::stop_token& stop) {
+  Error error = rpc_error(status);
+  if (error.code == Code::kCancelled && !stop.stop_requested())
+    error = {Code::kUnavailable, "the server ended the call", {}};
+  return error;
+}
+
+void Connection::wait_until_connected() const {
+  const std::chrono::milliseconds wait = std::min(kConnectWait, timeout.value_or(kConnectWait));
+  channel->WaitForConnected(std::chrono::system_clock::now() + wait);
 }
 
 Error rpc_error(int code, const std::string& message, const std::string& reason) {

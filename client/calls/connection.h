@@ -10,6 +10,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "client/result.h"
@@ -29,6 +30,10 @@ void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::millis
 /// Converts a status that is not OK. The reason is that of the google.rpc.ErrorInfo in its details,
 /// or empty if there is none.
 Error rpc_error(const grpc::Status& status);
+
+/// The same for a call that `stop` cancels. If nothing asked for a stop, a call that was cancelled
+/// was reset by the server: kUnavailable.
+Error rpc_error(const grpc::Status& status, const std::stop_token& stop);
 
 /// Converts an error that stands within a message. `code` is a google.rpc.Code.
 Error rpc_error(int code, const std::string& message, const std::string& reason);
@@ -87,6 +92,11 @@ struct Connection {
   std::unique_ptr<v1::RayQueryService::Stub> queries;
   std::unique_ptr<v1::ServerService::Stub> server;
   std::optional<std::chrono::milliseconds> timeout;  ///< as ClientOptions::timeout
+
+  /// Waits until the connection stands, for kConnectWait at most. Call this before a call that gRPC
+  /// does not repeat: until then nothing was sent, so waiting is safe, and one attempt to connect
+  /// may fail on a busy machine. If the connection does not come about, the call fails.
+  void wait_until_connected() const;
 
   /// The timeout of calls that carry neither rays nor meshes.
   std::chrono::milliseconds small_timeout() const {

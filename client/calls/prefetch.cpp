@@ -54,7 +54,7 @@ Result<PrefetchReport> call(const Connection& connection, const v1::PrefetchRequ
     if (progress) progress(report);
   }
   const grpc::Status status = reader->Finish();
-  if (!status.ok()) return rpc_error(status);
+  if (!status.ok()) return rpc_error(status, stop);
   if (!done) {
     return Error{Code::kInternal, "the server ended a prefetch without its last report", {}};
   }

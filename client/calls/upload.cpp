@@ -53,7 +53,7 @@ Status send_from(const Connection& connection, const MeshBlob& mesh, const std::
   }
   if (open) writer->WritesDone();
   const grpc::Status status = writer->Finish();
-  return status.ok() ? Status() : Status(rpc_error(status));
+  return status.ok() ? Status() : Status(rpc_error(status, stop));
 }
 
 bool should_retry(const Error& error) {

@@ -60,7 +60,7 @@ class Watch {
     }
     const grpc::Status status = reader->Finish();
     if (!good) return good;
-    return status.ok() ? Status() : Status(rpc_error(status));
+    return status.ok() ? Status() : Status(rpc_error(status, stop_));
   }
 
   Status receive(const v1::WatchSceneResponse& response) {

@@ -8,6 +8,7 @@
 
 #include "client/cli/flags.h"
 #include "client/cli/session.h"
+#include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli {
@@ -74,7 +75,7 @@ int run_program(int argc, const char* const* argv) {
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "sightline: %s\n", e.what());
+    std::fprintf(stderr, "sightline: %s\n", printable(e.what()).c_str());
     return kFailed;
   }
 }

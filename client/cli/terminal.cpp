@@ -49,22 +49,33 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
   return fmt::format("{:.{}f} %", value, part == whole || part == 0 ? 0 : 1);
 }
 
+// The length in bytes of the character at the front; 0: a control character, or no UTF-8.
+std::size_t printable_length(std::string_view text) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = at(0);
+  if (first < 0x80) return first < ' ' || first == 0x7F ? 0 : 1;
+  if (first < 0xC2 || first > 0xF4) return 0;
+  const std::size_t length = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+  if (text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((at(i) & 0xC0U) != 0x80U) return 0;
+  }
+  const bool is_control = first == 0xC2 && at(1) < 0xA0;  // U+0080 to U+009F
+  return is_control ? 0 : length;
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
   std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    // U+0080 to U+009F are control characters of two bytes.
-    const bool leads_control =
-        byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
-    if (byte < ' ' || byte == 0x7F) {
-      out += fmt::format("\\x{:02x}", byte);
-    } else if (leads_control) {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[++i]));
+  while (!text.empty()) {
+    const std::size_t length = printable_length(text);
+    if (length > 0) {
+      out += text.substr(0, length);
     } else {
-      out += text[i];
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[0]));
     }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return out;
 }
@@ -97,6 +108,11 @@ ExitCode fail(const Error& error) {
   fmt::print(stderr, "sightline: {}{}\n", what,
              error.message.empty() ? "failed" : printable(error.message));
   return exit_code(error.code);
+}
+
+void print_warnings(std::span<const std::string> warnings) {
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "sightline: warning: {}\n", printable(warning));
 }
 
 ExitCode interrupted_code() {

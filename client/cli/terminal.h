@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -30,11 +31,15 @@ enum ExitCode : int {
 
 ExitCode exit_code(Code code);
 
-/// Text of a file or of a server, without effect on a terminal: control characters become \xNN.
+/// Text of a file or of a server, without effect on a terminal: the bytes of control characters,
+/// and bytes that are no UTF-8, become \xNN.
 std::string printable(std::string_view text);
 
 /// Prints the error on stderr, and returns its exit code.
 ExitCode fail(const Error& error);
+
+/// Prints each on stderr, as a line of its own.
+void print_warnings(std::span<const std::string> warnings);
 
 /// Of a command that an Interrupt has ended: kInterrupted or kTerminated.
 ExitCode interrupted_code();

@@ -6,12 +6,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/IOSystem.hpp>
+#include <assimp/LogStream.hpp>
 #include <assimp/ProgressHandler.hpp>
 #include <cstddef>
+#include <string_view>
 #include <utility>
+
+#include "client/importer/assimp_files.h"
 
 namespace sightline::client::importer {
 namespace {
+
+constexpr std::size_t kMostComplaints = 3;
+constexpr std::string_view kPrefix = "Error, T";  // and the number of a thread, and a colon
+
+std::string one_line(std::string_view text) {
+  std::string line(text.substr(0, text.find_last_not_of(" \t\r\n") + 1));
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return line;
+}
 
 class ProgressAdapter final : public Assimp::ProgressHandler {
  public:
@@ -60,29 +76,79 @@ Status settle_polygons(aiScene& scene) {
   return {};
 }
 
+// Materials and textures are not imported.
+bool is_about_looks(std::string_view complaint) {
+  return complaint.find("aterial") != std::string_view::npos ||
+         complaint.find("exture") != std::string_view::npos;
+}
+
+// Collects what Assimp logs as an error, each sentence once.
+class Complaints {
+ public:
+  Complaints() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0)
+        ->attachStream(&stream_, Assimp::Logger::Err);
+  }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+  ~Complaints() {
+    Assimp::DefaultLogger::get()->detachStream(&stream_, Assimp::Logger::Err);
+    Assimp::DefaultLogger::kill();
+  }
+
+  std::vector<std::string> take() {
+    if (stream_.more > 0)
+      stream_.lines.push_back(fmt::format("{} more errors, and went on", stream_.more));
+    return std::move(stream_.lines);
+  }
+
+ private:
+  struct Stream final : Assimp::LogStream {
+    void write(const char* text) override {
+      std::string line = one_line(text);
+      if (line.starts_with(kPrefix)) line.erase(0, line.find(": ") + 2);
+      if (is_about_looks(line) || std::find(lines.begin(), lines.end(), line) != lines.end())
+        return;
+      if (lines.size() < kMostComplaints) {
+        lines.push_back(std::move(line));
+      } else {
+        ++more;
+      }
+    }
+    std::vector<std::string> lines;
+    std::size_t more = 0;
+  };
+
+  Stream stream_;
+};
+
+// Some messages are only the name of what was thrown.
+std::string readable(const std::string& said) {
+  if (said.empty()) return "holds no complete scene";
+  if (said.find(' ') != std::string::npos) return one_line(said);
+  return fmt::format("damaged, or not understood by Assimp ({})", said);
+}
+
 }  // namespace
 
-Result<AssimpFile> AssimpFile::read(const std::filesystem::path& file,
+Result<AssimpFile> AssimpFile::read(const std::string& name, const FileSource& files,
                                     const ImportProgress& progress) {
+  Complaints complaints;
   auto importer = std::make_unique<Assimp::Importer>();
+  importer->SetIOHandler(assimp_files(files).release());
   if (progress) {
     importer->SetProgressHandler(std::make_unique<ProgressAdapter>(progress).release());
   }
-  const aiScene* scene = importer->ReadFile(file.string(), 0);
+  const aiScene* scene = importer->ReadFile(name, 0);
   if (scene != nullptr) {
-    const Status good = settle_polygons(const_cast<aiScene&>(*scene));
-    if (!good) return import_error(fmt::format("{}: {}", file.string(), good.error().message));
+    if (const Status good = settle_polygons(const_cast<aiScene&>(*scene)); !good)
+      return good.error();
     scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
   }
-  if (scene == nullptr) {
-    return import_error(fmt::format("{}: {}", file.string(), importer->GetErrorString()));
-  }
-  if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene->mRootNode == nullptr) {
-    const std::string said = importer->GetErrorString();
-    return import_error(
-        fmt::format("{}: {}", file.string(), said.empty() ? "holds no complete scene" : said));
-  }
-  return AssimpFile(std::move(importer));
+  const bool is_complete = scene != nullptr && (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0 &&
+                           scene->mRootNode != nullptr;
+  if (!is_complete) return import_error(readable(importer->GetErrorString()));
+  return AssimpFile(std::move(importer), complaints.take());
 }
 
 std::string AssimpFile::importer_name() const {

@@ -1,102 +1,117 @@
-// From a file to plain arrays: read, convert, turn, and move near the origin.
+// Asks a confined process to read the file, and checks what it answers.
 #include "client/importer/assimp_import.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <exception>
-#include <fstream>
-#include <string_view>
-#include <system_error>
+#include <string>
 #include <utility>
 
-#include "client/importer/animation_from_assimp.h"
-#include "client/importer/assimp_file.h"
-#include "client/importer/frame.h"
+#include "client/importer/archive.h"
+#include "client/importer/check_received.h"
 #include "client/importer/lattice.h"
-#include "client/importer/preflight.h"
-#include "client/importer/scene_from_assimp.h"
+#include "client/importer/read_scene.h"
+#include "client/importer/sandbox/folder.h"
+#include "client/importer/sandbox/sandbox.h"
+#include "client/importer/scene_fields.h"
 
 namespace sightline::client::importer {
 namespace {
 
-Error in_file(const std::filesystem::path& file, const Error& error) {
-  return import_error(fmt::format("{}: {}", file.string(), error.message));
+constexpr std::size_t kLongestMessage = 1000;  // bytes
+constexpr double kStep = 0.01;                 // of the progress between two messages
+
+Error in_file(const std::filesystem::path& file, std::string message,
+              const std::vector<std::string>& refusals) {
+  if (message.size() > kLongestMessage) message.resize(kLongestMessage);
+  if (!refusals.empty()) message += "; " + refusals.front();  // Assimp tries names like it, too
+  return import_error(fmt::format("{}: {}", file.string(), message));
 }
 
-Status check(const std::filesystem::path& file, const ImportOptions& options) {
-  if (options.meters_per_unit &&
-      !(*options.meters_per_unit > 0 && std::isfinite(*options.meters_per_unit))) {
-    return import_error(
-        fmt::format("meters per unit is {}, must be above 0", *options.meters_per_unit));
-  }
-  return check_readable(file);
+Status check(const ImportOptions& options) {
+  const double unit = options.meters_per_unit.value_or(1);
+  if (unit > 0 && std::isfinite(unit)) return {};
+  return import_error(fmt::format("meters per unit is {}, must be above 0", unit));
+}
+
+// A scene, or a message that says why there is none.
+template <class Scene>
+struct Answer {
+  std::string error;
+  Scene scene;
+};
+
+template <class Archive, class Scene>
+void fields(Archive& archive, Answer<Scene>& answer) {
+  archive(answer.error, answer.scene);
 }
 
 template <class Scene>
-using Convert = Result<Scene> (*)(const aiScene&, std::string_view, const ImportOptions&);
+using Read = Result<Scene> (*)(const std::string&, const FileSource&, const ImportOptions&,
+                               const ImportProgress&);
+
+// Runs in the confined process.
+template <class Scene>
+void answer(sandbox::Inside& inside, const std::string& name, const ImportOptions& options,
+            bool wants_progress, Read<Scene> read) {
+  ImportProgress progress;
+  double shown = 0;
+  if (wants_progress) {
+    progress = [&](double part) {
+      if (part - shown < kStep) return;
+      shown = part;
+      inside.progress(part);
+    };
+  }
+  const FileSource files = [&](const std::string& asked) { return inside.read(asked); };
+  Answer<Scene> result;
+  if (auto scene = read(name, files, options, progress)) {
+    result.scene = *std::move(scene);
+  } else {
+    result.error = scene.error().message.empty() ? "cannot be read" : scene.error().message;
+  }
+  const ArchiveWriter writer(inside);
+  writer(result);
+  inside.finish();
+}
 
 template <class Scene>
-Result<Scene> read(const std::filesystem::path& file, const ImportOptions& options,
-                   const ImportProgress& progress, Convert<Scene> convert) {
-  if (const Status good = check(file, options); !good) return good.error();
-  try {
-    if (const Status good = preflight(file); !good) return in_file(file, good.error());
-    const auto source = AssimpFile::read(file, progress);
-    if (!source) return source.error();
-    auto scene = convert(source->scene(), source->importer_name(), options);
-    if (!scene) return in_file(file, scene.error());
-    return scene;
-  } catch (const std::exception& e) {
-    return import_error(fmt::format("{}: {}", file.string(), e.what()));
+Result<Scene> import(const std::filesystem::path& file, const ImportOptions& options,
+                     const ImportProgress& progress, Read<Scene> read) {
+  if (const Status good = check(options); !good) return good.error();
+  const std::string name = file.filename().string();
+  const bool wants_progress = static_cast<bool>(progress);
+  const auto outcome = sandbox::run(file, {}, progress, [&](sandbox::Inside& inside) {
+    answer(inside, name, options, wants_progress, read);
+  });
+  if (!outcome) return outcome.error();
+  Answer<Scene> received;
+  ArchiveReader reader(outcome->bytes.span());
+  reader(received);
+  if (!received.error.empty()) return in_file(file, std::move(received.error), outcome->refusals);
+  Status good = check_received(received.scene);
+  if (!reader.is_complete()) good = import_error("it is incomplete");
+  if (!good) {
+    return in_file(file, "the process that read it left a damaged result: " + good.error().message,
+                   outcome->refusals);
   }
-}
-
-// The result is in the frame that the file states.
-Result<ConvertedScene> convert(const aiScene& source, std::string_view importer_name) {
-  auto converted = scene_from_assimp(source);
-  if (!converted) return converted;
-  const Frame frame = frame_of(source, importer_name);
-  converted->scene.up_axis = frame.up_axis;
-  converted->scene.meters_per_unit = frame.meters_per_unit;
-  return converted;
-}
-
-Status put_into_frame(ImportedScene& scene, const ImportOptions& options) {
-  const double unit = scene.meters_per_unit;
-  convert_frame(scene, options.up_axis, options.meters_per_unit);
-  for (const ImportedNode& node : scene.nodes) {
-    const auto& rows = node.parent_from_local;
-    if (std::all_of(rows.begin(), rows.end(), [](double x) { return std::isfinite(x); })) continue;
-    return import_error(
-        fmt::format("node '{}': its transform is not finite once it is brought from {} m a "
-                    "unit to {} m",
-                    node.name, unit, scene.meters_per_unit));
-  }
-  return {};
+  std::vector<std::string>& warnings = warnings_of(received.scene);
+  warnings.insert(warnings.begin(), outcome->refusals.begin(), outcome->refusals.end());
+  for (std::string& warning : warnings) warning = fmt::format("{}: {}", file.string(), warning);
+  return std::move(received.scene);
 }
 
 }  // namespace
 
-// Assimp reports every problem with a path as "unable to open"; the system knows more.
 Status check_readable(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) {
-    return import_error(fmt::format("{}: is a directory", file.string()));
-  }
-  if (!std::ifstream(file, std::ios::binary)) {
-    return import_error(
-        fmt::format("{}: {}", file.string(), std::generic_category().message(errno)));
-  }
-  return {};
+  const auto opened = sandbox::open_regular(file);
+  return opened ? Status() : Status(opened.error());
 }
 
 Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
                                        const ImportOptions& options,
                                        const ImportProgress& progress) {
-  return read(file, options, progress, convert_scene);
+  return import(file, options, progress, read_scene);
 }
 
 Result<ImportedScene> import_scene(const std::filesystem::path& file, const ImportOptions& options,
@@ -109,28 +124,7 @@ Result<ImportedScene> import_scene(const std::filesystem::path& file, const Impo
 Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
                                             const ImportOptions& options,
                                             const ImportProgress& progress) {
-  return read(file, options, progress, convert_animated_scene);
-}
-
-Result<ImportedScene> convert_scene(const aiScene& source, std::string_view importer_name,
-                                    const ImportOptions& options) {
-  auto converted = convert(source, importer_name);
-  if (!converted) return converted.error();
-  if (const Status good = put_into_frame(converted->scene, options); !good) return good.error();
-  return std::move(converted->scene);
-}
-
-Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
-                                             const ImportOptions& options) {
-  auto converted = convert(source, importer_name);
-  if (!converted) return converted.error();
-  auto animated = animation_from_assimp(source, *std::move(converted));
-  if (!animated) return animated;
-  animated->rig.scene_from_file =
-      frame_conversion(animated->scene, options.up_axis, options.meters_per_unit);
-  if (const Status good = put_into_frame(animated->scene, options); !good) return good.error();
-  animated->rig.offset = rebase(animated->scene);
-  return animated;
+  return import(file, options, progress, read_animated_scene);
 }
 
 }  // namespace sightline::client::importer

@@ -1,18 +1,18 @@
-// Reads a scene file with Assimp: glTF, GLB, OBJ, PLY, STL, DAE, IFC, AC, FBX.
+// Reads a scene file with Assimp: glTF, GLB, OBJ, PLY, STL, DAE, IFC, AC, FBX. The file may come
+// from a stranger: a child process reads it, which has limits on memory and time, no network, and
+// no files but those in the folder of the scene file and below.
 #pragma once
 
 #include <filesystem>
-#include <string_view>
 
 #include "client/importer/animation.h"
 #include "client/importer/imported_scene.h"
 #include "client/result.h"
 
-struct aiScene;
-
 namespace sightline::client::importer {
 
-/// Whether the file exists and can be read. Errors: kInvalidArgument, with the system's message.
+/// Whether this is a regular file that can be read. Errors: kInvalidArgument, with the system's
+/// message, or that it is a directory, a pipe, a device or a socket.
 Status check_readable(const std::filesystem::path& file);
 
 /// Cuts polygons into triangles and does nothing else to the file: no vertex is merged, no face
@@ -21,7 +21,9 @@ Status check_readable(const std::filesystem::path& file);
 /// node with several meshes keeps its name and gets a child for each, NAME#0, NAME#1, ...; a mesh
 /// of several nodes stays one mesh. Textures are not read. Errors: kInvalidArgument, with Assimp's
 /// message if it has one: file unreadable or incomplete, a transform that is not finite, an index
-/// out of range.
+/// out of range, a child process that died of the file or reached a limit (sandbox/sandbox.h);
+/// kUnimplemented: the system cannot confine the child. Forks; safe in a process with threads, and
+/// from several at once. `progress` is called on this thread.
 Result<ImportedScene> import_scene(const std::filesystem::path& file,
                                    const ImportOptions& options = {},
                                    const ImportProgress& progress = {});
@@ -36,15 +38,5 @@ Result<AnimatedScene> import_animated_scene(const std::filesystem::path& file,
 Result<ImportedScene> import_unrebased(const std::filesystem::path& file,
                                        const ImportOptions& options = {},
                                        const ImportProgress& progress = {});
-
-/// The conversion step of import_unrebased, for a scene read by Assimp's importer of this name.
-/// Errors: those of scene_from_assimp; a transform that is not finite after scaling.
-Result<ImportedScene> convert_scene(const aiScene& source, std::string_view importer_name,
-                                    const ImportOptions& options);
-
-/// The conversion step of import_animated_scene. Errors: as above, and those of
-/// animation_from_assimp.
-Result<AnimatedScene> convert_animated_scene(const aiScene& source, std::string_view importer_name,
-                                             const ImportOptions& options);
 
 }  // namespace sightline::client::importer

@@ -168,6 +168,9 @@ Result<FrameSequence> import_sequence(const std::filesystem::path& folder,
   for (const std::string& file : sequence.files) {
     auto frame = read_frame(file, options, sequence.scene, offset, first_file);
     if (!frame) return frame.error();
+    std::vector<std::string>& warnings = sequence.scene.warnings;
+    if (file != first_file)
+      warnings.insert(warnings.end(), frame->warnings.begin(), frame->warnings.end());
     frames.push_back(*std::move(frame));
     if (progress) {
       progress(static_cast<double>(frames.size()) / static_cast<double>(sequence.files.size()));

@@ -44,6 +44,8 @@ struct ImportedScene {
   std::vector<ImportedNode> nodes;    ///< parents before children
   UpAxis up_axis = UpAxis::kUnknown;  ///< of the arrays as they are here
   double meters_per_unit = 0;         ///< 0: the file does not say
+  /// What may be missing or wrong, though the file could be read; each with its path.
+  std::vector<std::string> warnings{};
 };
 
 struct ImportOptions {

@@ -1,4 +1,4 @@
-// Reads the first part of a file only.
+// Looks at headers only.
 #include "client/importer/preflight.h"
 
 #include <fmt/format.h>
@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
-#include <ios>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -107,13 +105,6 @@ class Nodes {
 constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20;
 constexpr std::size_t kGlbHeader = 12, kGlbChunkHeader = 8;
 
-std::string read(std::ifstream& in, std::size_t bytes) {
-  std::string text(bytes, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(bytes));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  return text;
-}
-
 // Whether some word "end_header" starts a line and is followed by a blank or the end.
 bool has_end_of_header(std::string_view text) {
   constexpr std::string_view kEnd = "end_header", kBlanks = " \t\r\n";
@@ -140,12 +131,13 @@ std::uint64_t announced(std::istringstream header) {
   return sum;
 }
 
-Status check_ply(std::ifstream& in, std::uint64_t size) {
-  const std::string text = read(in, kLongestPlyHeader);
+Status check_ply(std::string_view file) {
+  const std::string_view text = file.substr(0, kLongestPlyHeader);
+  const std::uint64_t size = file.size();
   if (!has_end_of_header(text))
     return import_error(
         fmt::format("a PLY file without end_header in its first {} bytes", text.size()));
-  const std::uint64_t elements = announced(std::istringstream(text));
+  const std::uint64_t elements = announced(std::istringstream(std::string(text)));
   if (elements <= size) return {};
   return import_error(
       fmt::format("the PLY header announces {} elements, the file has {} bytes", elements, size));
@@ -157,21 +149,18 @@ std::uint32_t little_endian(std::string_view bytes) {
   return value;
 }
 
-Status check_glb(std::ifstream& in, std::uint64_t size) {
+Status check_glb(std::string_view file) {
   std::uint64_t at = kGlbHeader;
-  while (at + kGlbChunkHeader <= size) {
-    in.seekg(static_cast<std::streamoff>(at));
-    const std::string header = read(in, kGlbChunkHeader);
-    if (header.size() < kGlbChunkHeader) return {};
-    const std::uint32_t length = little_endian(header);
+  while (at + kGlbChunkHeader <= file.size()) {
+    const std::uint32_t length = little_endian(file.substr(at));
     const bool is_first = at == kGlbHeader;
     at += kGlbChunkHeader;
-    if (length > size - at) {
-      return import_error(
-          fmt::format("a chunk of {} bytes is said to begin at byte {} of {}", length, at, size));
+    if (length > file.size() - at) {
+      return import_error(fmt::format("a chunk of {} bytes is said to begin at byte {} of {}",
+                                      length, at, file.size()));
     }
     if (is_first) {
-      if (Status good = check_gltf_nodes(read(in, length)); !good) return good;
+      if (Status good = check_gltf_nodes(file.substr(at, length)); !good) return good;
     }
     at += length;
   }
@@ -203,16 +192,10 @@ Status check_gltf_nodes(std::string_view text) {
   return {};
 }
 
-Status preflight(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0));
-  in.seekg(0);
-  const std::string magic = read(in, 4);
-  in.clear();
-  in.seekg(0);
-  if (magic.starts_with("ply")) return check_ply(in, size);
-  if (magic == "glTF") return check_glb(in, size);
-  if (file.extension() == ".gltf") return check_gltf_nodes(read(in, size));
+Status preflight(std::string_view name, std::string_view bytes) {
+  if (bytes.starts_with("ply")) return check_ply(bytes);
+  if (bytes.starts_with("glTF")) return check_glb(bytes);
+  if (name.ends_with(".gltf")) return check_gltf_nodes(bytes);
   return {};
 }
 

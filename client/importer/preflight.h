@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string_view>
 
 #include "client/result.h"
@@ -25,7 +24,7 @@ Status check_gltf_nodes(std::string_view json);
 /// Refuses files on which Assimp 5.2 hangs or crashes: a PLY file whose header has no end or
 /// announces more than the file can hold, a GLB file whose chunks are longer than the file, and a
 /// glTF or GLB file with too many or too deep nodes (check_gltf_nodes). Errors: kInvalidArgument,
-/// for these. All other files are left to Assimp.
-Status preflight(const std::filesystem::path& file);
+/// for these. All other files are left to Assimp. `name` is that of the file, `bytes` its contents.
+Status preflight(std::string_view name, std::string_view bytes);
 
 }  // namespace sightline::client::importer

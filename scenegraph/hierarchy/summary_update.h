@@ -53,8 +53,8 @@ const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId
 /// What the child adds to the group's summary; empty if it is not one of its children.
 NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
 
-/// The depth that SummaryUpdate bears. A subtree of kMaxDepth may hang as deep as that, until its
-/// height is known.
+/// The deepest level that SummaryUpdate can hold. A subtree of kMaxDepth may hang as deep as that,
+/// until its height is known.
 inline constexpr int kMaxDepthHere = 2 * model::kMaxDepth;
 
 /// For one revision. Cost: each group above an edited node once, by its edited children. If those

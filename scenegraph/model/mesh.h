@@ -2,13 +2,17 @@
 // them. Instances, revisions and scenes share it by content.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "accel/geometry/aabb.h"
 #include "accel/geometry/triangle_mesh.h"
+#include "accel/kdtree/epoch.h"
+#include "accel/kdtree/ref_counted.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/result.h"
 
@@ -16,6 +20,10 @@ namespace sightline::scenegraph::model {
 
 /// Face slots of one mesh; keeps every index in its tree below the limits of a slot.
 inline constexpr std::uint64_t kMaxFacesPerMesh = std::uint64_t{1} << 28;
+
+/// Charges bytes before they are taken. The charge ends when its last pointer goes. Errors:
+/// kResourceExhausted.
+using ChargeBytes = std::function<Result<std::shared_ptr<const void>>(std::uint64_t bytes)>;
 
 class Mesh {
  public:
@@ -29,40 +37,69 @@ class Mesh {
       const accel::mesh::TreeBuilder& builder = {},
       accel::mesh::References references = accel::mesh::References::kRuns);
 
-  /// The same faces with as many other vertices. Only the tree starts again. Errors:
-  /// kInvalidArgument, a count that differs.
-  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices) const;
+  /// The same faces with as many other vertices. Only the tree starts again. `charge` lives as long
+  /// as the mesh. Errors: kInvalidArgument, a count that differs.
+  Result<std::shared_ptr<const Mesh>> deformed(std::vector<accel::geometry::Vec3f> vertices,
+                                               std::shared_ptr<const void> charge = nullptr) const;
+  ~Mesh();
+  Mesh(const Mesh&) = delete;
+  Mesh& operator=(const Mesh&) = delete;
 
   accel::geometry::MeshView view() const { return {arrays_->vertices, *arrays_->faces}; }
   /// Holds the finite triangles, closely; of positive extent, empty if there is none.
-  const accel::geometry::Aabb& bounds() const { return bounds_; }
+  const accel::geometry::Aabb& bounds() const { return survey_.bounds; }
   std::uint64_t faces() const {
     return arrays_->faces->size();
   }  ///< Numbered slots, lines and points included.
-  std::uint64_t triangles() const { return triangles_; }  ///< Slots that hold a triangle.
+  std::uint64_t triangles() const { return survey_.triangles; }  ///< Slots that hold a triangle.
   std::uint64_t nonfinite() const {
-    return nonfinite_;
+    return survey_.triangles - survey_.finite_triangles;
   }                             ///< Triangles with a NaN or infinite vertex.
   std::uint64_t bytes() const;  ///< Vertex and index arrays.
 
-  /// Grows while rays are traced; every member of the tree is safe to call from any thread.
-  accel::mesh::MeshTree& tree() const { return *tree_; }
+  /// Bytes that deformed() takes.
+  std::uint64_t bytes_deformed() const;
+
+  /// Grows while rays are traced; every member of the tree is safe to call from any thread. Another
+  /// tree after drop_tree(): valid while an EpochPin made before this call lives.
+  accel::mesh::MeshTree& tree() const { return tree_.load(std::memory_order_acquire)->tree; }
+  /// The same, and what to join so that it lives longer than the pin. Not longer than the mesh.
+  struct OwnedTree {
+    accel::mesh::MeshTree& tree;
+    accel::kdtree::RefCounted& owner;
+  };
+  OwnedTree owned_tree() const {
+    Tree* const now = tree_.load(std::memory_order_acquire);
+    return {now->tree, *now};
+  }
+  std::uint64_t tree_bytes() const;  ///< Pins an epoch itself.
+
+  /// Begins a new tree; the old one is freed when no thread reads it any more. Answers do not
+  /// change. Returns the bytes of the old tree. Throws std::bad_alloc, and then nothing has
+  /// changed. Threads: any.
+  std::uint64_t drop_tree() const;
+  /// How many trees were dropped, of all meshes: what was complete before may not be so now.
+  static std::uint64_t trees_dropped();
 
  private:
   struct Arrays {
     std::vector<accel::geometry::Vec3f> vertices;
     std::shared_ptr<const std::vector<accel::geometry::Face>> faces;  // shared with deformed meshes
   };
+  struct Tree final : accel::kdtree::Retirable, accel::kdtree::RefCounted {
+    explicit Tree(const Mesh& mesh);
+    accel::mesh::MeshTree tree;
+  };
   Mesh(std::shared_ptr<const Arrays> arrays, const accel::mesh::MeshStats& survey,
-       const accel::mesh::TreeBuilder& builder, accel::mesh::References references);
+       const accel::mesh::TreeBuilder& builder, accel::mesh::References references,
+       std::shared_ptr<const void> charge);
 
+  std::shared_ptr<const void> charge_;  // released last
   std::shared_ptr<const Arrays> arrays_;
-  accel::geometry::Aabb bounds_;
-  std::uint64_t triangles_ = 0;
-  std::uint64_t nonfinite_ = 0;
+  accel::mesh::MeshStats survey_;
   accel::mesh::TreeBuilder builder_;
   accel::mesh::References references_;
-  std::unique_ptr<accel::mesh::MeshTree> tree_;
+  mutable std::atomic<Tree*> tree_;
 };
 
 }  // namespace sightline::scenegraph::model

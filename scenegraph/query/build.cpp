@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "accel/kdtree/epoch.h"
 #include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
@@ -44,10 +45,31 @@ void add_totals(std::span<const model::Mesh* const> meshes, BuildProgress& progr
   progress.meshes_total += meshes.size();
 }
 
+/// Joined, not pinned: the mesh may begin a new tree meanwhile, and a pin would keep the lists of
+/// all cells alive.
+class HeldTree {
+ public:
+  explicit HeldTree(const model::Mesh& mesh) : tree_(join(mesh)) {}
+  ~HeldTree() { tree_.owner.leave(); }
+  HeldTree(const HeldTree&) = delete;
+  HeldTree& operator=(const HeldTree&) = delete;
+  accel::mesh::MeshTree& operator*() const { return tree_.tree; }
+
+ private:
+  static model::Mesh::OwnedTree join(const model::Mesh& mesh) {
+    const accel::kdtree::EpochPin pin;
+    const model::Mesh::OwnedTree tree = mesh.owned_tree();
+    tree.owner.join();
+    return tree;
+  }
+  const model::Mesh::OwnedTree tree_;
+};
+
 void build_mesh(const model::Mesh& mesh, const std::atomic<bool>* cancelled,
                 BuildProgress& progress, BuildCounters& total) {
   BuildCounters built;
-  mesh.tree().expand_all(built, cancelled);
+  const HeldTree tree(mesh);
+  (*tree).expand_all(built, cancelled);
   progress.add(built.cells_expanded, built.seconds);
   total += built;
   if (is_cancelled(cancelled)) return;
@@ -79,6 +101,7 @@ BuildCounters build_tree(const instances::Instances& tree, const std::atomic<boo
 
 /// Not without memory for some cells.
 bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
+  const accel::kdtree::EpochPin pin;
   return trees.static_tree.tree().is_complete() && trees.dynamic_tree.tree().is_complete() &&
          std::all_of(meshes.begin(), meshes.end(),
                      [](const model::Mesh* mesh) { return mesh->tree().is_complete(); });
@@ -92,6 +115,7 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   BuildProgress unreported;
   BuildProgress& reported = progress == nullptr ? unreported : *progress;
   const std::vector<const model::Mesh*> meshes = snapshot.meshes();
+  const std::uint64_t dropped = model::Mesh::trees_dropped();
   const instances::OpenTrees trees = snapshot.trees();
   BuildCounters built, dynamic;
   const Status done = or_out_of_memory([&] {
@@ -106,9 +130,10 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
   });
-  if (is_complete(meshes, trees)) snapshot.set_complete();
+  if (is_complete(meshes, trees)) snapshot.set_complete(dropped);
   TraceStats stats;
   stats.cells_expanded = built.cells_expanded;
+  stats.trees_begun = built.trees_begun;
   stats.touches = built.touches;
   stats.dynamic_touches = dynamic.touches + dynamic.touches_prepare;
   stats.touches_prepare = built.touches_prepare;

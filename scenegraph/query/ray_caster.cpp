@@ -52,6 +52,7 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   query_.on_deferred = on_deferred(options_.growth);
   query_.when_pending = when_pending;
   query_.pin = &pin_;
+  query_.cancelled = options_.cancelled;
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;
@@ -116,7 +117,9 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.instance = tree.first + instance.index;
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   if (query_.primitives != nullptr) query_.primitives->clear();
-  instance.mesh->tree().query(query_, walked_, tree.built);
+  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(query_, mesh.owner);
+  mesh.tree.query(query_, walked_, tree.built);
   if (query_.primitives != nullptr) counted_ += query_.primitives->sorted().size();
 }
 
@@ -212,6 +215,7 @@ TraceStats RayCaster::stats() const {
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
   stats.cells_expanded = static_.built.cells_expanded + dynamic_.built.cells_expanded;
+  stats.trees_begun = static_.built.trees_begun + dynamic_.built.trees_begun;
   stats.touches = static_.built.touches + dynamic_.built.touches;
   stats.touches_prepare = static_.built.touches_prepare + dynamic_.built.touches_prepare;
   stats.dynamic_touches = dynamic_.built.touches + dynamic_.built.touches_prepare;

@@ -56,8 +56,10 @@ class RayCaster {
   /// Asks the tree of the instance's mesh for hits, after enter_frame().
   void ask_mesh(const instances::Instance& instance, TreeEntry& tree);
 
-  /// Nothing can change the answer any more, or the ray is suspended.
-  bool is_done() const { return query_.suspended || (query_.any && query_.found); }
+  /// Nothing can change the answer any more, or the ray is suspended or cancelled.
+  bool is_done() const {
+    return query_.suspended || (query_.any && query_.found) || query_.is_cancelled();
+  }
 
   /// False: the ray is suspended, because it met a large cell that other threads are building. Only
   /// with WhenPending::kReturn. Begin it again when progress() has increased.
@@ -131,6 +133,7 @@ class RayCaster::InstanceTest {
       if (!next.openable()) {
         if (instance(next.id)) return true;
       } else if (accel::kdtree::may_meet(tree_.ray, next.bounds(), limit())) {
+        if (caster_.query_.is_cancelled()) return true;
         tree_.instances->open(next, pending);
       }
     }

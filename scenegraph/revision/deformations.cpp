@@ -48,6 +48,11 @@ Result<Deformations::Deformation*> Deformations::deformation_of(
   if (known != nullptr && known->nodes == ids) return known.get();
   auto fresh = std::make_shared<Deformation>();
   fresh->mesh = one.mesh;
+  if (charge_bytes_) {
+    auto charged = charge_bytes_(one.mesh->bytes_deformed());
+    if (!charged) return charged.error();
+    fresh->charge = std::move(*charged);
+  }
   const auto old = one.mesh->view().vertices;
   if (known == nullptr) {
     fresh->vertices.assign(old.begin(), old.end());
@@ -81,7 +86,8 @@ Deformations::make() {
   for (const auto& [id, deformation] : by_node_) {
     std::shared_ptr<const model::Mesh>& mesh = made[deformation.get()];
     if (mesh == nullptr) {
-      auto deformed = deformation->mesh->deformed(std::move(deformation->vertices));
+      auto deformed = deformation->mesh->deformed(std::move(deformation->vertices),
+                                                  std::move(deformation->charge));
       if (!deformed) return deformed.error();
       mesh = std::move(*deformed);
     }

@@ -16,9 +16,12 @@ namespace sightline::scenegraph::revision {
 /// For one writer.
 class Deformations {
  public:
+  /// `charge`: called with the bytes of each new mesh before it is made. Empty: nothing is charged.
+  explicit Deformations(model::ChargeBytes charge = {}) : charge_bytes_(std::move(charge)) {}
+
   /// The nodes will share a mesh whose vertices from `first` on are at `positions`. Errors:
   /// kInvalidArgument (no node, a node without a mesh, meshes that differ, vertices beyond the
-  /// mesh's).
+  /// mesh's), and those of the charge.
   Status patch(std::span<const model::Node* const> nodes, std::uint32_t first,
                std::span<const accel::geometry::Vec3f> positions);
 
@@ -33,12 +36,14 @@ class Deformations {
   struct Deformation {
     std::set<model::NodeId> nodes;
     std::shared_ptr<const model::Mesh> mesh;  // as it was
+    std::shared_ptr<const void> charge;       // of `vertices`, then of the new mesh
     std::vector<accel::geometry::Vec3f> vertices;
   };
 
   Result<Deformation*> deformation_of(std::span<const model::Node* const> nodes);
   std::shared_ptr<Deformation> find(model::NodeId id) const;
 
+  const model::ChargeBytes charge_bytes_;
   std::unordered_map<model::NodeId, std::shared_ptr<Deformation>> by_node_;
 };
 

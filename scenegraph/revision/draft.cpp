@@ -40,7 +40,13 @@ void drop_first(std::vector<model::NodeId>& ids, Counts counts) {
 
 }  // namespace
 
+Status Draft::check_cancelled() const {
+  if (cancelled_ == nullptr || !cancelled_->load(std::memory_order_relaxed)) return {};
+  return error(Code::kCancelled, "CANCELLED", "cancelled while the updates were applied");
+}
+
 Status Draft::apply(const model::Update& update) {
+  if (Status wanted = check_cancelled(); !wanted) return wanted;
   if (const auto* u = std::get_if<model::PutNode>(&update)) return put(*u);
   if (const auto* u = std::get_if<model::SetTransforms>(&update)) return set_transforms(*u);
   if (const auto* u = std::get_if<model::PatchVertices>(&update)) return patch(*u);
@@ -106,6 +112,7 @@ Status Draft::set_transforms(const model::SetTransforms& set) {
                      std::to_string(set.parent_from_local.size()) + " transforms");
   }
   for (std::size_t i = 0; i < set.nodes.size(); ++i) {
+    if (Status wanted = check_cancelled(); !wanted) return wanted;
     const Result<model::NodeId> id = resolve(set.nodes[i]);
     if (!id) return id.error();
     if (Status s = check_matrix(set.parent_from_local[i], described(*find(*id))); !s) return s;
@@ -128,6 +135,7 @@ Status Draft::remove(const model::DeleteNode& removal) {
   leave(top.id, top.parent);
   std::vector<model::NodeId> doomed{top.id};
   while (!doomed.empty()) {
+    if (Status wanted = check_cancelled(); !wanted) return wanted;
     const model::NodeId id = doomed.back();
     doomed.pop_back();
     const std::vector<model::NodeId> below = children_now(*find(id));
@@ -228,6 +236,7 @@ Status Draft::check_parent(model::NodeId node, model::NodeId parent) const {
 /// Of the nodes that have another parent than before. Thus no node is deeper than kMaxDepthHere.
 Status Draft::check_depths() const {
   for (const auto& [id, node] : edited_) {
+    if (Status wanted = check_cancelled(); !wanted) return wanted;
     const model::Node* old = base_.find(id);
     if (node == nullptr || (old != nullptr && old->parent == node->parent)) continue;
     if (Status s = check_parent(id, node->parent); !s) return s;
@@ -244,15 +253,23 @@ Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
   drop_left();
   if (Status shallow = check_depths(); !shallow) return shallow;
+  if (Status wanted = check_cancelled(); !wanted) return wanted;
   change_ = classify_changes(base_, edited_);
+  if (Status wanted = check_cancelled(); !wanted) return wanted;
   hierarchy_.dynamic_roots = change_.dynamic_roots;
   {
     hierarchy::NodeMap::Edit nodes(hierarchy_.nodes);
-    for (const auto& [id, node] : edited_) nodes.set(id, node);
+    for (const auto& [id, node] : edited_) {
+      if (Status wanted = check_cancelled(); !wanted) return wanted;
+      nodes.set(id, node);
+    }
   }
   if (roots_ != nullptr) hierarchy_.roots = roots_;
   hierarchy::SummaryUpdate update(base_.hierarchy(), hierarchy_);
-  for (const auto& [id, node] : edited_) update.edited(id);
+  for (const auto& [id, node] : edited_) {
+    if (Status wanted = check_cancelled(); !wanted) return wanted;
+    update.edited(id);
+  }
   update.finish();
   const auto deepest = static_cast<int>(hierarchy_.summary(0).height) - 1;
   if (deepest > model::kMaxDepth) return too_deep("the hierarchy", deepest);
@@ -268,6 +285,7 @@ Status Draft::check_transforms() const {
 }
 
 Status Draft::check_below(const model::Node& node, const model::Affine& world) const {
+  if (Status wanted = check_cancelled(); !wanted) return wanted;
   if (node.mesh != nullptr) {
     if (Status s = check_matrix(world, described(node) + ", with those above it,"); !s) return s;
   }

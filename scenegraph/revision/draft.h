@@ -1,6 +1,7 @@
 // Edits on top of a snapshot, private to the writer until published.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <memory_resource>
 #include <unordered_map>
@@ -14,11 +15,18 @@
 
 namespace sightline::scenegraph::revision {
 
-/// For one writer. After an error the draft must be discarded.
+/// For one writer. After an error the draft must be discarded. Once `cancelled` is true, apply()
+/// and finish() end soon with kCancelled.
 class Draft {
  public:
-  Draft(const Snapshot& base, model::NodeId next_id)
-      : base_(base), hierarchy_(base.hierarchy()), next_id_(next_id) {}
+  /// `charge`: see Deformations.
+  Draft(const Snapshot& base, model::NodeId next_id, model::ChargeBytes charge = {},
+        const std::atomic<bool>* cancelled = nullptr)
+      : base_(base),
+        cancelled_(cancelled),
+        hierarchy_(base.hierarchy()),
+        next_id_(next_id),
+        deformations_(std::move(charge)) {}
 
   Status apply(const model::Update& update);
 
@@ -42,6 +50,7 @@ class Draft {
   Status remove(const model::DeleteNode& removal);
   Status patch(const model::PatchVertices& patch);
 
+  Status check_cancelled() const;
   Result<model::NodeId> resolve(model::NodeRef ref) const;
   const model::Node* find(model::NodeId id) const;
   /// The node for editing: copied from the base the first time.
@@ -62,6 +71,7 @@ class Draft {
   // For the maps below: freed as a whole, not in a million pieces.
   std::pmr::monotonic_buffer_resource memory_;
   const Snapshot& base_;
+  const std::atomic<bool>* const cancelled_;
   hierarchy::Hierarchy hierarchy_;                     // of the base, until finish()
   std::shared_ptr<std::vector<model::NodeId>> roots_;  // null: as in the base
   model::NodeId next_id_;

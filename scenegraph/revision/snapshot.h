@@ -40,9 +40,14 @@ class Snapshot {
   /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
   std::vector<const model::Mesh*> meshes() const;
 
-  /// Whether all trees are complete; set by query::build_all(), which need not look again.
-  bool is_complete() const { return complete_.load(std::memory_order_acquire); }
-  void set_complete() const { complete_.store(true, std::memory_order_release); }
+  /// Whether all trees are complete; set by query::build_all(), which need not look again while no
+  /// tree is dropped. `trees_dropped`: Mesh::trees_dropped() before it looked.
+  bool is_complete() const {
+    return complete_.load(std::memory_order_acquire) == model::Mesh::trees_dropped() + 1;
+  }
+  void set_complete(std::uint64_t trees_dropped) const {
+    complete_.store(trees_dropped + 1, std::memory_order_release);
+  }
 
   /// Of all finite triangles, in world space: over vertices, or over mesh boxes in very large
   /// scenes. Computed at the first call.
@@ -54,7 +59,7 @@ class Snapshot {
   instances::SceneTrees trees_;
   mutable std::once_flag bounds_once_;
   mutable WorldBounds bounds_;
-  mutable std::atomic<bool> complete_{false};
+  mutable std::atomic<std::uint64_t> complete_{0};  // trees dropped before, and 1; 0: no
 };
 
 /// What `scene show` and `stats` report.

@@ -5,9 +5,12 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 
+#include "server/exec/caller.h"
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 
@@ -40,33 +43,96 @@ Status upload_status(const v1::GetUploadStatusRequest& request, const BlobStore&
   return {};
 }
 
+constexpr const char* kTooSlow = "UPLOAD_TOO_SLOW";
+
 /// Whether a later call may continue the upload after this error.
-bool leaves_upload_whole(Code code) {
-  return code == Code::kOutOfRange || code == Code::kCancelled;
+bool leaves_upload_whole(const Error& error) {
+  return error.code == Code::kOutOfRange || error.code == Code::kCancelled ||
+         error.reason == exec::kQueueFull || error.reason == kTooSlow;
 }
 
 /// Reads a chunk, checks and copies it in the arena, and only then reads the next. Deletes itself.
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
-  UploadReactor(BlobStore& blobs, exec::Compute& compute,
-                const std::function<void()>& release_meshes, v1::UploadBlobResponse& reply)
-      : blobs_(blobs), compute_(compute), release_meshes_(release_meshes), reply_(reply) {}
+  UploadReactor(BlobStore& blobs, exec::CallRegistry& uploads, const exec::UnaryParts& parts,
+                grpc::CallbackServerContext& context, v1::UploadBlobResponse& reply)
+      : blobs_(blobs),
+        uploads_(uploads),
+        parts_(parts),
+        caller_(exec::caller_of(context)),
+        reply_(reply) {}
 
-  void start() { StartRead(&chunk_); }
+  void start() {
+    const Status entered =
+        uploads_.enter(this, caller_, {.on_late = [this] { end_slow(); }}, &progress_);
+    if (!entered) return end(entered);
+    progress_.begin(kUploadTimeout);
+    read();
+  }
 
   void OnReadDone(bool ok) override {
+    if (!stop_reading()) return;  // end_slow() was first
     // A client that ends without `finish` may continue the upload later.
-    if (!ok) return end({});
-    compute_.enqueue([this] {
+    if (!ok) return end(exec::end_of_reads(chunk_));
+    // The ticket ends with the chunk.
+    auto ticket = parts_.admission.admit(caller_, 0, chunk_.SpaceUsedLong());
+    if (!ticket) return end(ticket.error());
+    ticket_ = std::move(*ticket);
+    parts_.compute.enqueue_work(caller_, [this] {
       const Status accepted = exec::to_status([this] { return accept(); });
+      ticket_ = {};
       if (!accepted || done_) return end(accepted);
-      StartRead(&chunk_);
+      note_progress();
+      read();
     });
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    uploads_.leave(this);
+    delete this;
+  }
 
  private:
+  void read() {
+    {
+      const std::lock_guard lock(mutex_);
+      reading_ = !late_;
+      exec::before_read(chunk_);
+      if (reading_) return StartRead(&chunk_);
+    }
+    end(slow());  // it was late while a chunk was processed
+  }
+
+  /// Whether the call was reading. The thread that ends this may end the call.
+  bool stop_reading() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(reading_, false);
+  }
+
+  /// The wait for the peer begins again only with progress, not with every message.
+  void note_progress() {
+    if (upload_->committed() - progressed_to_ < kUploadProgress) return;
+    progressed_to_ = upload_->committed();
+    progress_.begin(kUploadTimeout);
+  }
+
+  /// What has arrived may be resumed.
+  static Error slow() {
+    return {Code::kAborted,
+            fmt::format("the upload got fewer than {} bytes in {} s", kUploadProgress,
+                        kUploadTimeout.count()),
+            kTooSlow};
+  }
+
+  void end_slow() {
+    {
+      const std::lock_guard lock(mutex_);
+      late_ = true;
+      if (!std::exchange(reading_, false)) return;
+    }
+    end(slow());
+  }
+
   Status accept() {
     if (chunk_.data().size() > kMaxBlobChunk) {
       return Error{
@@ -97,12 +163,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       return {};
     }
     auto upload = blobs_.begin(*digest, chunk_.offset());
-    if (!upload && upload.error().reason == "MEMORY_BUDGET") {
-      release_meshes_();
-      upload = blobs_.begin(*digest, chunk_.offset());
-    }
     if (!upload) return upload.error();
     upload_ = std::move(*upload);
+    progressed_to_ = upload_->committed();
     return {};
   }
 
@@ -125,7 +188,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   void end(const Status& status) {
     if (upload_ && !done_) {
       reply_.set_committed_size(upload_->committed());
-      if (status.ok() || leaves_upload_whole(status.error().code)) {
+      if (status.ok() || leaves_upload_whole(status.error())) {
         blobs_.set_aside(upload_);
       } else {
         blobs_.abandon(upload_);
@@ -139,8 +202,14 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   BlobStore& blobs_;
-  exec::Compute& compute_;
-  const std::function<void()>& release_meshes_;
+  exec::CallRegistry& uploads_;
+  const exec::UnaryParts parts_;
+  const exec::Caller caller_;
+  exec::PeerWait progress_;
+  std::mutex mutex_;  // held while a read starts, and protects the next two
+  bool late_ = false, reading_ = false;
+  std::uint64_t progressed_to_ = 0;
+  exec::Admission::Ticket ticket_;
   v1::UploadBlobResponse& reply_;
   v1::UploadBlobRequest chunk_;
   std::string digest_text_;
@@ -153,13 +222,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
 grpc::ServerUnaryReactor* BlobRpc::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                     const v1::FindMissingBlobsRequest* request,
                                                     v1::FindMissingBlobsResponse* reply) {
-  return answer_in_arena("FindMissingBlobs", *context, *request, compute_, admission_,
+  return answer_in_arena("FindMissingBlobs", *context, *request, *reply, parts_,
                          [=, this] { return find_missing(*request, blobs_, *reply); });
 }
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(grpc::CallbackServerContext*,
-                                                                    v1::UploadBlobResponse* reply) {
-  auto* reactor = new UploadReactor(blobs_, compute_, release_meshes_, *reply);
+grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(
+    grpc::CallbackServerContext* context, v1::UploadBlobResponse* reply) {
+  auto* reactor = new UploadReactor(blobs_, uploads_, parts_, *context, *reply);
   reactor->start();
   return reactor;
 }
@@ -167,7 +236,7 @@ grpc::ServerReadReactor<v1::UploadBlobRequest>* BlobRpc::UploadBlob(grpc::Callba
 grpc::ServerUnaryReactor* BlobRpc::GetUploadStatus(grpc::CallbackServerContext* context,
                                                    const v1::GetUploadStatusRequest* request,
                                                    v1::GetUploadStatusResponse* reply) {
-  return answer_in_arena("GetUploadStatus", *context, *request, compute_, admission_,
+  return answer_in_arena("GetUploadStatus", *context, *request, *reply, parts_,
                          [=, this] { return upload_status(*request, blobs_, *reply); });
 }
 

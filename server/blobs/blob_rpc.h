@@ -1,13 +1,12 @@
 // BlobService: which meshes the server has, and uploads of them.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
-#include <functional>
-#include <utility>
 
 #include "server/blobs/blob_store.h"
-#include "server/exec/admission.h"
-#include "server/exec/executors.h"
+#include "server/exec/call_registry.h"
+#include "server/exec/unary_rpc.h"
 #include "sightline/v1/blob.grpc.pb.h"
 
 namespace sightline::server::blobs {
@@ -15,16 +14,16 @@ namespace sightline::server::blobs {
 inline constexpr int kMaxDigestsPerRequest = 8192;
 inline constexpr std::size_t kMaxBlobChunk = std::size_t{1} << 20;  ///< Bytes of data in a message.
 
+/// UploadBlob calls open on the whole server.
+inline constexpr std::size_t kMaxUploadCalls = 128;
+/// An upload makes progress (kUploadProgress) at least this often, or its call is ended.
+inline constexpr std::chrono::seconds kUploadTimeout{60};
+
 class BlobRpc final : public v1::BlobService::CallbackService {
  public:
-  /// release_meshes() drops the references to meshes that only old revisions use. It is called when
-  /// the memory budget is used up, on a worker. All arguments outlive every call.
-  BlobRpc(BlobStore& blobs, exec::Compute& compute, exec::Admission& admission,
-          std::function<void()> release_meshes)
-      : blobs_(blobs),
-        compute_(compute),
-        admission_(admission),
-        release_meshes_(std::move(release_meshes)) {}
+  /// Calls that upload are registered in `uploads`. All arguments outlive every call.
+  BlobRpc(BlobStore& blobs, exec::CallRegistry& uploads, const exec::UnaryParts& parts)
+      : blobs_(blobs), uploads_(uploads), parts_(parts) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -37,9 +36,8 @@ class BlobRpc final : public v1::BlobService::CallbackService {
 
  private:
   BlobStore& blobs_;
-  exec::Compute& compute_;
-  exec::Admission& admission_;
-  const std::function<void()> release_meshes_;
+  exec::CallRegistry& uploads_;
+  const exec::UnaryParts parts_;
 };
 
 }  // namespace sightline::server::blobs

@@ -1,4 +1,4 @@
-// Meshes by the digest of their bytes, and uploads in progress, within one memory budget.
+// Meshes by the digest of their bytes, and uploads in progress.
 #include "server/blobs/blob_store.h"
 
 #include <fmt/format.h>
@@ -30,7 +30,10 @@ Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (Status taken = content_->reader.append(bytes); !taken) return taken;
   content_->sum.update(bytes);
   committed_ = content_->reader.received();
-  last_active_ = Clock::now();
+  if (committed_ - progress_ >= kUploadProgress || committed_ == digest_.size) {
+    progress_ = committed_;
+    last_progress_ = Clock::now();
+  }
   return {};
 }
 
@@ -66,18 +69,28 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
                              digest.size, kMeshBlobHeader),
                  "BAD_MESH_BLOB"};
   }
-  Freed freed;  // destroyed after the lock is released: a mesh and its tree may be large
-  const std::lock_guard lock(mutex_);
-  if (offset != 0) return resume(digest, offset);
-  if (const auto old = set_aside_of(digest); old != pending_.end()) {
-    freed.push_back(old->upload);
-    erase(old->upload.get());
+  {
+    const std::lock_guard lock(mutex_);
+    if (offset != 0) return resume(digest, offset);
+    if (const auto old = set_aside_of(digest); old != pending_.end()) erase(old->upload.get());
   }
-  if (const Status evicted = evict_for(digest.size, freed); !evicted) return evicted.error();
+  auto charge = memory_.reclaim_and_charge(exec::Held::kUploads, digest.size);
+  if (!charge) return charge.error();
   auto upload = std::make_shared<Upload>(digest);
-  pending_.push_back({upload, false});
-  bytes_used_ += digest.size;
-  return upload;
+  for (;;) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (pending_.size() < limits_.uploads) {
+        pending_.push_back({upload, std::move(*charge), false});
+        return upload;
+      }
+    }
+    if (drop_set_aside() || drop_idle()) continue;
+    return Error{Code::kResourceExhausted,
+                 fmt::format("{} uploads are under way, the limit is {}; retry later",
+                             limits_.uploads, limits_.uploads),
+                 "TOO_MANY_UPLOADS"};
+  }
 }
 
 Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std::uint64_t offset) {
@@ -89,10 +102,9 @@ Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std:
                              committed, offset),
                  "WRONG_OFFSET"};
   }
-  auto upload = found->upload;
-  pending_.erase(found);
-  pending_.push_back({upload, false});
-  return upload;
+  pending_.splice(pending_.end(), pending_, found);
+  pending_.back().set_aside = false;
+  return pending_.back().upload;
 }
 
 Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>& upload) {
@@ -100,9 +112,11 @@ Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>
   const std::lock_guard lock(mutex_);
   erase(upload.get());
   if (!made) return made;
-  const Stored stored{*made, (*made)->bytes(), next_order_++};
-  const auto [kept, is_new] = meshes_.try_emplace(upload->digest(), stored);
-  if (is_new) bytes_used_ += kept->second.bytes;
+  const auto [kept, is_new] = meshes_.try_emplace(upload->digest());
+  if (is_new) {
+    kept->second = {*made, memory_.record(exec::Held::kMeshes, (*made)->bytes()), next_order_++,
+                    Upload::Clock::now()};
+  }
   return kept->second.mesh;
 }
 
@@ -131,9 +145,11 @@ UploadStatus BlobStore::status(const BlobDigest& digest) const {
   return {found == pending_.end() ? 0 : found->upload->committed(), false};
 }
 
-std::uint64_t BlobStore::bytes_used() const {
+std::uint64_t BlobStore::tree_bytes() const {
   const std::lock_guard lock(mutex_);
-  return bytes_used_;
+  std::uint64_t bytes = 0;
+  for (const auto& [digest, stored] : meshes_) bytes += stored.mesh->tree_bytes();
+  return bytes;
 }
 
 BlobStore::PendingList::const_iterator BlobStore::set_aside_of(const BlobDigest& digest) const {
@@ -147,61 +163,42 @@ void BlobStore::erase(const Upload* upload) {
     return pending.upload.get() == upload;
   });
   if (found == pending_.end()) return;
-  bytes_used_ -= upload->digest().size;
   pending_.erase(found);
 }
 
-Status BlobStore::evict_for(std::uint64_t bytes, Freed& freed) {
-  if (bytes > limits_.memory_budget) {
-    return Error{Code::kResourceExhausted,
-                 fmt::format("a blob of {} bytes exceeds the memory budget of {}", bytes,
-                             limits_.memory_budget),
-                 "MEMORY_BUDGET"};
-  }
-  while (pending_.size() >= limits_.uploads) {
-    if (drop_upload(false, freed) || drop_upload(true, freed)) continue;
-    return Error{Code::kResourceExhausted,
-                 fmt::format("{} uploads are under way, the limit is {}; retry later",
-                             pending_.size(), limits_.uploads),
-                 "TOO_MANY_UPLOADS"};
-  }
-  // Two comparisons, because a mesh may be larger than its blob and the use may exceed the budget.
-  while (bytes_used_ > limits_.memory_budget || bytes > limits_.memory_budget - bytes_used_) {
-    if (drop_upload(false, freed) || drop_unused_mesh(freed) || drop_upload(true, freed)) continue;
-    return Error{
-        Code::kResourceExhausted,
-        fmt::format("the memory budget holds {} of {} bytes, and a blob of {} more does not fit",
-                    bytes_used_, limits_.memory_budget, bytes),
-        "MEMORY_BUDGET"};
-  }
-  return {};
-}
+bool BlobStore::drop_set_aside() { return drop_upload(false); }
 
-bool BlobStore::drop_upload(bool idle, Freed& freed) {
+bool BlobStore::drop_idle() { return drop_upload(true); }
+
+bool BlobStore::drop_upload(bool idle) {
+  std::shared_ptr<Upload> upload;  // destroyed after the lock is released
   const auto idle_since = Upload::Clock::now() - limits_.idle;
+  const std::lock_guard lock(mutex_);
   const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& pending) {
-    const bool may_go = idle ? pending.upload->last_active() <= idle_since : pending.set_aside;
+    const bool may_go = idle ? pending.upload->last_progress() <= idle_since : pending.set_aside;
     return may_go && pending.upload->drop();
   });
   if (found == pending_.end()) return false;
-  const auto upload = found->upload;
-  freed.push_back(upload);
+  upload = found->upload;
   erase(upload.get());
   return true;
 }
 
-bool BlobStore::drop_unused_mesh(Freed& freed) {
+std::optional<std::uint64_t> BlobStore::drop_unused_mesh(Unused which) {
+  Stored dropped;  // destroyed after the lock is released: a mesh and its tree may be large
+  const std::lock_guard lock(mutex_);
+  const auto stale_since = Upload::Clock::now() - limits_.fresh;
   // Pointers are only copied under the lock, so a use count of 1 cannot grow meanwhile.
   auto oldest = meshes_.end();
   for (auto it = meshes_.begin(); it != meshes_.end(); ++it) {
     if (it->second.mesh.use_count() > 1) continue;
     if (oldest == meshes_.end() || it->second.order < oldest->second.order) oldest = it;
   }
-  if (oldest == meshes_.end()) return false;
-  bytes_used_ -= oldest->second.bytes;
-  freed.push_back(std::move(oldest->second.mesh));
+  if (oldest == meshes_.end()) return std::nullopt;
+  if (which == Unused::kStale && oldest->second.arrived > stale_since) return std::nullopt;
+  dropped = std::move(oldest->second);
   meshes_.erase(oldest);
-  return true;
+  return dropped.mesh->tree_bytes();
 }
 
 }  // namespace sightline::server::blobs

@@ -1,4 +1,4 @@
-// Meshes by the digest of their bytes, and uploads in progress, within one memory budget.
+// Meshes by the digest of their bytes, and uploads in progress.
 #pragma once
 
 #include <atomic>
@@ -16,6 +16,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/mesh_blob.h"
+#include "server/exec/memory_account.h"
 
 namespace sightline::server::blobs {
 
@@ -30,7 +31,8 @@ class Upload {
 
   const BlobDigest& digest() const { return digest_; }
   std::uint64_t committed() const { return committed_.load(); }  ///< Bytes taken so far.
-  Clock::time_point last_active() const { return last_active_.load(); }
+  /// When it last made progress: got kUploadProgress bytes, or all that were missing.
+  Clock::time_point last_progress() const { return last_progress_.load(); }
 
   /// Adds the bytes at `offset`, which must equal committed().
   /// Errors: kOutOfRange (another offset), kAborted (dropped meanwhile), as MeshBlobReader::append.
@@ -52,18 +54,25 @@ class Upload {
 
   const BlobDigest digest_;
   std::atomic<std::uint64_t> committed_{0};
-  std::atomic<Clock::time_point> last_active_{Clock::now()};
+  std::atomic<Clock::time_point> last_progress_{Clock::now()};
+  std::uint64_t progress_ = 0;      // committed bytes at last_progress_
   std::mutex mutex_;                // held while content_ is used
   std::optional<Content> content_;  // empty once dropped
 };
 
+/// An upload makes progress with each part of this many bytes.
+inline constexpr std::uint64_t kUploadProgress = std::uint64_t{64} << 10;
+
 struct BlobLimits {
-  std::uint64_t memory_budget = std::uint64_t{1}
-                                << 30;  ///< Bytes: meshes, and uploads at their full size.
-  std::size_t uploads = 64;             ///< At a time, including those set aside.
-  /// An upload without new bytes for this long may be dropped.
+  std::size_t uploads = 64;  ///< At a time, including those set aside.
+  /// An upload without progress for this long may be dropped.
   std::chrono::steady_clock::duration idle = std::chrono::seconds(10);
+  /// A mesh that arrived within this time is fresh: its client may be about to use it.
+  std::chrono::steady_clock::duration fresh = std::chrono::minutes(1);
 };
+
+/// Which unused meshes may be dropped.
+enum class Unused : std::uint8_t { kStale, kAny };
 
 /// How much of a blob has arrived: an upload resumes at byte `committed`.
 struct UploadStatus {
@@ -77,15 +86,17 @@ class BlobStore {
  public:
   using MeshPointer = std::shared_ptr<const scenegraph::model::Mesh>;
 
-  explicit BlobStore(BlobLimits limits) : limits_(limits) {}
+  /// Meshes, and uploads at their full size, are charged to `memory`, which outlives the store.
+  explicit BlobStore(exec::MemoryAccount& memory, BlobLimits limits = {})
+      : memory_(memory), limits_(limits) {}
 
   /// Null if there is no such mesh.
   MeshPointer find(const BlobDigest& digest) const;
 
-  /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. To stay
-  /// within the budget it drops, oldest first: uploads set aside, then meshes that no scene uses,
-  /// then idle uploads. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to
-  /// resume at this offset), kResourceExhausted (naming the use and the limit).
+  /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. Of too many
+  /// uploads those set aside are dropped, oldest first, then idle ones. The account may make room
+  /// for it. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to resume at
+  /// this offset), kResourceExhausted (naming the use and the limit).
   Result<std::shared_ptr<Upload>> begin(const BlobDigest& digest, std::uint64_t offset);
 
   /// Checks and keeps the mesh. The upload ends in any case. Cost: proportional to the mesh.
@@ -99,33 +110,41 @@ class BlobStore {
   void abandon(const std::shared_ptr<Upload>& upload);
 
   UploadStatus status(const BlobDigest& digest) const;
-  std::uint64_t bytes_used() const;  ///< Part of the memory budget that is used.
+
+  /// Drops the oldest upload that is set aside. Returns whether there was one.
+  bool drop_set_aside();
+  /// Drops the oldest upload without progress for BlobLimits::idle. Returns whether there was one.
+  bool drop_idle();
+  /// Drops the oldest mesh that nothing uses; with kStale, unless it is fresh. Returns the bytes of
+  /// its tree; nothing if there was none.
+  std::optional<std::uint64_t> drop_unused_mesh(Unused which);
+  /// Bytes of the trees of all meshes.
+  std::uint64_t tree_bytes() const;
 
  private:
   struct Pending {
     std::shared_ptr<Upload> upload;
+    exec::MemoryAccount::Charge charge;
     bool set_aside = false;
   };
   struct Stored {
     MeshPointer mesh;
-    std::uint64_t bytes = 0;
+    exec::MemoryAccount::Charge charge;
     std::uint64_t order = 0;  // of arrival
+    Upload::Clock::time_point arrived = {};
   };
   using PendingList = std::list<Pending>;
-  using Freed = std::vector<std::shared_ptr<const void>>;
 
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
   void erase(const Upload* upload);
-  Status evict_for(std::uint64_t bytes, Freed& freed);
-  bool drop_upload(bool idle, Freed& freed);
-  bool drop_unused_mesh(Freed& freed);
+  bool drop_upload(bool idle);
 
+  exec::MemoryAccount& memory_;
   const BlobLimits limits_;
   mutable std::mutex mutex_;
   PendingList pending_;  // oldest first
   std::map<BlobDigest, Stored> meshes_;
-  std::uint64_t bytes_used_ = 0;
   std::uint64_t next_order_ = 0;
 };
 

@@ -1,23 +1,46 @@
-// Worker threads: the server's oneTBB arenas, and strands of tasks that run one after the other.
+// Worker threads for each kind of work, and strands of tasks that run one after the other.
 #include "server/exec/executors.h"
 
 #include <utility>
 
 namespace sightline::server::exec {
+namespace {
+
+/// Threads of calls and small queries have shorter slices, and need not wait for the end of these.
+constexpr Priority kQueryPriority{.nice = 0, .time_slice = std::chrono::milliseconds(8)};
+constexpr Priority kBackgroundPriority{.nice = 5, .time_slice = std::chrono::milliseconds(8)};
+constexpr std::chrono::milliseconds kSmallLongAfter{10};
+
+}  // namespace
 
 Compute::Compute(int threads)
     : threads_(threads),
       parallelism_(oneapi::tbb::global_control::max_allowed_parallelism,
-                   5 * static_cast<std::size_t>(threads) + 1),
-      arena_(threads, 0),
-      small_(threads, 0),
+                   (2 + 3 * FairWorkers::kArenas) * static_cast<std::size_t>(threads) + 1),
       updates_(threads, 0),
       management_(threads, 0),
-      background_(threads, 0) {}
+      background_({.threads = threads, .priority = kBackgroundPriority}),
+      queries_({.threads = threads, .priority = kQueryPriority}),
+      small_({.threads = threads, .long_after = kSmallLongAfter}) {}
 
 Compute::~Compute() {
   std::unique_lock lock(mutex_);
   idle_.wait(lock, [this] { return pending_ == 0; });
+}
+
+void Compute::push(FairWorkers& workers, const FlowKey& key, Slice slice) {
+  begin();
+  try {
+    workers.push(key, [this, slice = std::move(slice)]() mutable {
+      if (slice()) return true;
+      slice = nullptr;
+      end();
+      return false;
+    });
+  } catch (...) {
+    end();
+    throw;
+  }
 }
 
 void Compute::begin() {

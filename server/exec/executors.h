@@ -1,4 +1,4 @@
-// Worker threads: the server's oneTBB arenas, and strands of tasks that run one after the other.
+// Worker threads for each kind of work, and strands of tasks that run one after the other.
 #pragma once
 
 #include <oneapi/tbb/global_control.h>
@@ -12,46 +12,54 @@
 #include <mutex>
 #include <utility>
 
+#include "server/exec/caller.h"
+#include "server/exec/fair_workers.h"
+
 namespace sightline::server::exec {
 
-/// Worker threads in five arenas: queries, small queries, updates, management, background. An arena
-/// that is busy delays no other: the system divides the processors among them. RPC threads only
-/// enqueue tasks.
+/// Worker threads for five kinds of work: queries, small queries, background work, updates and
+/// management. No kind delays another: the system divides the processors among them. RPC threads
+/// only enqueue.
 class Compute {
  public:
-  /// Each arena has `threads` workers (>= 1) and no slot for callers, so a thread that enqueues
-  /// never runs tasks.
+  /// Each kind has `threads` workers (>= 1). A thread that enqueues never runs tasks.
   explicit Compute(int threads);
   /// Waits until every task has ended.
   ~Compute();
 
-  /// Runs work() on a worker for queries, in order of arrival. It must not throw. Its parallel
-  /// loops stay in the arena. Threads: any.
+  /// Runs the job on workers for queries, slice by slice and in turn with those of other clients
+  /// and scenes. Parallel loops use the same workers. Threads: any.
+  void enqueue(const FlowKey& key, Slice slice) { push(queries_, key, std::move(slice)); }
+
+  /// As enqueue(), for other work() of a caller, such as a part of an upload. It must not throw.
   template <class Work>
-  void enqueue(Work work) {
-    enqueue_in(arena_, std::move(work));
+  void enqueue_work(const Caller& caller, Work work) {
+    push(queries_, {caller.principal, caller.connection, {}}, job_of(std::move(work)));
   }
 
-  /// As enqueue(), on a worker for queries of few rays, which must not queue behind large ones.
-  template <class Work>
-  void enqueue_small(Work work) {
-    enqueue_in(small_, std::move(work));
+  /// As enqueue(), on workers for queries of few rays.
+  void enqueue_small(const FlowKey& key, Slice slice) { push(small_, key, std::move(slice)); }
+
+  /// As enqueue(), on background workers: for long work such as full builds. Beside other workers
+  /// they get little of the processors.
+  void enqueue_background(const FlowKey& key, Slice slice) {
+    push(background_, key, std::move(slice));
   }
 
-  /// As enqueue(), on a worker for management: short work, such as reading a scene's properties.
+  /// Runs the server's own work() on a background worker. It must not throw.
+  template <class Work>
+  void enqueue_background(Work work) {
+    push(background_, {}, job_of(std::move(work)));
+  }
+
+  /// Runs work() on a worker for management, in order of arrival: short work, such as reading a
+  /// scene's properties. It must not throw. Threads: any.
   template <class Work>
   void enqueue_management(Work work) {
     enqueue_in(management_, std::move(work));
   }
 
-  /// As enqueue(), on a background worker: for long work that no answer waits for. It occupies no
-  /// worker of enqueue(), but shares the processors with them.
-  template <class Work>
-  void enqueue_background(Work work) {
-    enqueue_in(background_, std::move(work));
-  }
-
-  /// As enqueue(), on a worker for updates: for short work that must not queue behind queries.
+  /// As enqueue_management(), on a worker for updates.
   template <class Work>
   void enqueue_update(Work work) {
     enqueue_in(updates_, std::move(work));
@@ -60,6 +68,14 @@ class Compute {
   int threads() const { return threads_; }
 
  private:
+  template <class Work>
+  static Slice job_of(Work work) {
+    return [work = std::make_shared<Work>(std::move(work))] {
+      (*work)();
+      return false;
+    };
+  }
+
   template <class Work>
   void enqueue_in(oneapi::tbb::task_arena& arena, Work work) {
     auto task = std::make_unique<Work>(std::move(work));
@@ -79,16 +95,18 @@ class Compute {
     static_cast<void>(task.release());
   }
 
+  void push(FairWorkers& workers, const FlowKey& key, Slice slice);
   void begin();
   void end();
 
   const int threads_;
   // oneTBB counts the main thread too, which here only waits for a signal.
   oneapi::tbb::global_control parallelism_;
-  oneapi::tbb::task_arena arena_, small_, updates_, management_, background_;
+  oneapi::tbb::task_arena updates_, management_;
+  FairWorkers background_, queries_, small_;
   std::mutex mutex_;
   std::condition_variable idle_;
-  std::size_t pending_ = 0;
+  std::size_t pending_ = 0;  // tasks of every kind: one may enqueue others
 };
 
 /// Runs tasks one after the other on the workers for updates. No worker waits for another task, as

@@ -49,11 +49,8 @@ void OpenRpcs::wait_for_none(std::chrono::milliseconds limit) {
   none_.wait_for(lock, limit, [this] { return open_ == 0; });
 }
 
-std::vector<std::unique_ptr<grpc_experimental::ServerInterceptorFactoryInterface>> count_calls(
-    OpenRpcs& calls) {
-  std::vector<std::unique_ptr<grpc_experimental::ServerInterceptorFactoryInterface>> result;
-  result.push_back(std::make_unique<Counter>(calls));
-  return result;
+std::unique_ptr<grpc_experimental::ServerInterceptorFactoryInterface> count_calls(OpenRpcs& calls) {
+  return std::make_unique<Counter>(calls);
 }
 
 }  // namespace sightline::server::exec

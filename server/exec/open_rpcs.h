@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 namespace sightline::server::exec {
 
@@ -28,7 +27,6 @@ class OpenRpcs {
 
 /// For grpc::ServerBuilder: counts the calls in `calls`, which must outlive the server. Calls of
 /// gRPC's own services, such as a watch of the server's health, are not counted.
-std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> count_calls(
-    OpenRpcs& calls);
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> count_calls(OpenRpcs& calls);
 
 }  // namespace sightline::server::exec

@@ -103,9 +103,11 @@ std::string quote(std::string_view text) {
   return out;
 }
 
+bool logs_rpcs() { return spdlog::should_log(spdlog::level::debug); }
+
 void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
              std::string_view more) {
-  if (!spdlog::should_log(spdlog::level::debug)) return;
+  if (!logs_rpcs()) return;
   const auto us =
       std::chrono::duration_cast<std::chrono::microseconds>(LogClock::now() - begun).count();
   const auto code = static_cast<int>(status.error_code());

@@ -8,6 +8,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "accel/result.h"
 
@@ -54,9 +55,20 @@ std::string quote(std::string_view text);
 /// Starts when a call arrives; log_rpc() writes the time since.
 using LogClock = std::chrono::steady_clock;
 
+/// Whether log_rpc() writes anything.
+bool logs_rpcs();
+
 /// Logs the end of a call in one line, at level debug: event=rpc method=... code=... us=..., then
 /// `more` ("key=value ..." or nothing).
 void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
              std::string_view more = {});
+
+/// As above; more() is only called if the line is written.
+template <class More>
+  requires std::is_invocable_r_v<std::string, More>
+void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
+             const More& more) {
+  if (logs_rpcs()) log_rpc(method, status, begun, std::string_view(more()));
+}
 
 }  // namespace sightline::server::exec

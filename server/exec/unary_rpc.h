@@ -4,36 +4,86 @@
 #include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 
+#include <memory>
 #include <string_view>
 #include <utility>
 
 #include "server/exec/admission.h"
+#include "server/exec/caller.h"
 #include "server/exec/executors.h"
 #include "server/exec/rpc_status.h"
+#include "server/exec/unread_replies.h"
 
 namespace sightline::server::exec {
 
+/// What unary calls use. Each part outlives every call.
+struct UnaryParts {
+  Compute& compute;
+  Admission& admission;
+  UnreadReplies& unread;
+};
+
+/// Before a reply is handed to gRPC: `held` is set to what accounts for it until the peer has read
+/// it. Returns `status`, or the error if too much is unread; nothing is held for an error.
+Status hold_reply(UnreadReplies& unread, grpc::CallbackServerContext& context, const Caller& caller,
+                  const google::protobuf::Message& request, const google::protobuf::Message& reply,
+                  const Status& status, std::unique_ptr<UnreadReplies::Held>& held);
+
+/// Lives until its reply is read. Deletes itself.
+template <class Work>
+class UnaryCall final : public grpc::ServerUnaryReactor {
+ public:
+  UnaryCall(std::string_view method, grpc::CallbackServerContext& context,
+            const google::protobuf::Message& request, const google::protobuf::Message& reply,
+            const UnaryParts& parts, Work work)
+      : method_(method),
+        context_(context),
+        caller_(caller_of(context)),
+        request_(request),
+        reply_(reply),
+        parts_(parts),
+        work_(std::move(work)) {}
+
+  void start() {
+    auto admitted = parts_.admission.admit(caller_, 0, request_.SpaceUsedLong());
+    if (!admitted) return Finish(to_grpc(admitted.error()));
+    ticket_ = std::move(*admitted);
+    parts_.compute.enqueue_management([this] {
+      const Status done =
+          hold_reply(parts_.unread, context_, caller_, request_, reply_, to_status(work_), held_);
+      const grpc::Status status = to_grpc(done);
+      ticket_ = {};
+      log_rpc(method_, status, begun_);
+      Finish(status);  // may delete this reactor
+    });
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  const LogClock::time_point begun_ = LogClock::now();
+  const std::string_view method_;
+  grpc::CallbackServerContext& context_;
+  const Caller caller_;
+  const google::protobuf::Message& request_;
+  const google::protobuf::Message& reply_;
+  const UnaryParts parts_;
+  Work work_;
+  Admission::Ticket ticket_;
+  std::unique_ptr<UnreadReplies::Held> held_;
+};
+
 /// Runs work() on a worker and ends the call with the Status it returns. The bytes of the request
-/// are admitted first.
+/// are admitted first, and the reply is held until it is read.
 template <class Work>
 grpc::ServerUnaryReactor* answer_in_arena(std::string_view method,
                                           grpc::CallbackServerContext& context,
                                           const google::protobuf::Message& request,
-                                          Compute& compute, Admission& admission, Work work) {
-  grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
-  auto admitted = admission.admit(0, request.SpaceUsedLong());
-  if (!admitted) {
-    reactor->Finish(to_grpc(admitted.error()));
-    return reactor;
-  }
-  compute.enqueue_management([=, begun = LogClock::now(), ticket = std::move(*admitted),
-                              work = std::move(work)]() mutable {
-    const grpc::Status status = to_grpc(to_status(work));
-    ticket = {};
-    log_rpc(method, status, begun);
-    reactor->Finish(status);
-  });
-  return reactor;
+                                          const google::protobuf::Message& reply,
+                                          const UnaryParts& parts, Work work) {
+  auto* call = new UnaryCall<Work>(method, context, request, reply, parts, std::move(work));
+  call->start();
+  return call;
 }
 
 }  // namespace sightline::server::exec

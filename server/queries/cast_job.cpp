@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/exec/rpc_status.h"
 #include "server/queries/query_codec.h"
 #include "server/scenes/names.h"
 
@@ -30,73 +31,126 @@ Status CastJob::open(const v1::CastRaysRequest& request) {
   if (!scene) return scene.error();
   query_ = std::move(*query);
   scene_ = std::move(*scene);
+  flow_ = {caller_.principal, caller_.connection, request.scene()};
   return {};
 }
 
 void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot) {
+  scene_->touch();
   revision_ = scene_->token(snapshot->revision());
   snapshot_ = std::move(snapshot);
   scene_.reset();
 }
 
 Status CastJob::accept(const v1::Rays& rays) {
-  if (Status decoded = decode_rays(rays, rays_); !decoded) return decoded;
+  const auto count = count_rays(rays);
+  if (!count) return count.error();
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
-  if (lists && replies_ == Replies::kOne && rays_.size() * query_.max_hits > kMaxHitsPerReply) {
+  if (lists && replies_ == Replies::kOne && *count * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
                  fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
                              "one reply "
                              "is {}; send fewer, lower max_hits or use StreamCastRays",
-                             rays_.size(), query_.max_hits, rays_.size() * query_.max_hits,
-                             kMaxHitsPerReply),
+                             *count, query_.max_hits, *count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
   const std::size_t bytes_per_ray =
       sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit) + kReplyBytesPerRay;
-  std::size_t bytes = rays.ByteSizeLong() + rays_.size() * bytes_per_ray;
+  std::size_t bytes = rays.ByteSizeLong() + *count * bytes_per_ray;
   if (lists) {
-    bytes += hit_pager_bytes(rays_.size(), query_.max_hits, services_.compute.threads());
-    auto all_hits = services_.all_hits_admission.admit(rays_.size(), bytes);
+    bytes += hit_pager_bytes(*count, query_.max_hits, services_.compute.threads());
+    auto all_hits = services_.all_hits_admission.admit(caller_, *count, bytes);
     if (!all_hits) return all_hits.error();
     all_hits_ticket_ = std::move(*all_hits);
   }
-  auto ticket = services_.admission.admit(rays_.size(), bytes);
-  if (!ticket && rays_.size() <= kSmallCast) {
-    if (auto reserve = services_.small_admission.admit(rays_.size(), bytes))
+  auto ticket = services_.admission.admit(caller_, *count, bytes);
+  if (!ticket && *count <= kSmallCast) {
+    if (auto reserve = services_.small_admission.admit(caller_, *count, bytes))
       ticket = std::move(reserve);
   }
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  accepted_ = Clock::now();
+  columns_ = &rays;
+  batch_rays_ = *count;
+  queued_ = {};
   begun_ = false;
   return {};
 }
 
-Status CastJob::run(v1::CastRaysResponse& reply) {
-  // Given back before the last reply is written: a client that is slow to read must not hold up
-  // the others.
-  exec::Admission::Ticket ticket = std::move(ticket_), all_hits = std::move(all_hits_ticket_);
-  const auto begun = Clock::now();
-  if (Status selected = select(); !selected) return selected;
-  const scenegraph::TraceOptions options{.kind = query_.kind,
-                                         .growth = query_.growth,
-                                         .surface = query_.surface,
-                                         .culling = query_.culling,
-                                         .selection = selection_ ? &*selection_ : nullptr,
-                                         .max_hits = query_.max_hits,
-                                         .cancelled = &cancelled_};
-  if (!begun_) {
-    queued_ = begun - accepted_;
-    traced_ = {};
-    if (query_.kind == scenegraph::QueryKind::kAll) pager_.begin(rays_);
-    begun_ = true;
+void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
+  waiting_since_ = Clock::now();
+  const Status pushed = exec::to_status([&] {
+    if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
+      push_cast(reply, done);
+    } else {
+      push_build(reply, done);
+    }
+    return Status();
+  });
+  if (!pushed) end(pushed, done);
+}
+
+void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
+  services_.compute.enqueue_background(flow_, [this, &reply, done] {
+    const Status built = exec::to_status([&] {
+      if (Status made = build(); !made) return made;
+      push_cast(reply, done);
+      return Status();
+    });
+    if (!built) end(built, done);
+    return false;
+  });
+}
+
+void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
+  exec::Slice slice = [this, &reply, done] {
+    Progress progress = Progress::kDone;
+    const Status ran = exec::to_status([&] { return run_slice(reply, progress); });
+    if (ran && progress == Progress::kMore) return true;
+    if (ran && reply.more()) {
+      done(ran);
+    } else {
+      end(ran, done);
+    }
+    return false;
+  };
+  if (batch_rays_ <= kSmallCast) {
+    services_.compute.enqueue_small(flow_, std::move(slice));
+  } else {
+    services_.compute.enqueue(flow_, std::move(slice));
   }
-  if (Status answered = answer(options, reply); !answered) return answered;
-  traced_ += Clock::now() - begun;
+}
+
+/// The admission is given back before the last reply is written: a client that is slow to read must
+/// not hold up the others. `done` may delete this.
+void CastJob::end(const Status& status, const Done& done) {
+  ticket_ = {};
+  all_hits_ticket_ = {};
+  done(status);
+}
+
+Status CastJob::build() {
+  const auto built = scenegraph::build_all(*snapshot_, &cancelled_);
+  if (!built) return built.error();
+  build_stats_ = *built;
+  waiting_since_ = Clock::now();
+  return {};
+}
+
+Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
+  const auto begun = Clock::now();
+  queued_ += begun - waiting_since_;
+  if (cancelled_.load(std::memory_order_relaxed))
+    return Error{Code::kCancelled, "cancelled while waiting", "CANCELLED"};
+  if (!begun_) {
+    if (Status ready = begin(); !ready) return ready;
+  }
+  if (Status traced = trace_slice(reply, progress); !traced) return traced;
+  waiting_since_ = Clock::now();
+  traced_ += waiting_since_ - begun;
+  if (progress == Progress::kMore) return {};
   encode_revision(revision_, *reply.mutable_served());
   if (reply.more()) {
-    ticket_ = std::move(ticket);
-    all_hits_ticket_ = std::move(all_hits);
     reply.clear_stats();
     return {};
   }
@@ -104,39 +158,74 @@ Status CastJob::run(v1::CastRaysResponse& reply) {
   encode_stats(stats_, stats);
   stats.set_queue_us(microseconds(queued_));
   stats.set_trace_us(microseconds(traced_));
+  total_stats_ += stats_;
+  total_queued_ += queued_;
   return {};
 }
 
-/// On a worker, as it may be the first to need the revision's instances.
-Status CastJob::select() {
-  if (!query_.selects() || selection_) return {};
-  auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
-  if (!selection) return selection.error();
-  selection_.emplace(std::move(*selection));
+/// On a worker: decoding takes time, and the query may be the first to need the revision's
+/// instances.
+Status CastJob::begin() {
+  if (Status decoded = decode_rays(*columns_, rays_); !decoded) return decoded;
+  if (query_.selects() && !selection_) {
+    auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
+    if (!selection) return selection.error();
+    selection_.emplace(std::move(*selection));
+  }
+  traced_ = {};
+  answered_ = 0;
+  stats_ = std::exchange(build_stats_, {});
+  if (query_.kind == scenegraph::QueryKind::kAll) pager_.begin(rays_);
+  begun_ = true;
   return {};
 }
 
-Status CastJob::answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply) {
+scenegraph::TraceOptions CastJob::options() const {
+  // A full build is made before, on other workers.
+  const bool full = query_.growth == scenegraph::Growth::kFull;
+  return {.kind = query_.kind,
+          .growth = full ? scenegraph::Growth::kFirstTouch : query_.growth,
+          .surface = query_.surface,
+          .culling = query_.culling,
+          .selection = selection_ ? &*selection_ : nullptr,
+          .max_hits = query_.max_hits,
+          .cancelled = &cancelled_};
+}
+
+/// Traces some rays, and encodes the answers after the last ones.
+Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_first_ray();
   reply.clear_more();
+  progress = Progress::kDone;
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    Status made = pager_.next(*snapshot_, options, query_.fields, reply);
-    stats_ = pager_.stats();
+    Status made = pager_.next(*snapshot_, options(), query_.fields, reply);
+    if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  if (query_.kind == scenegraph::QueryKind::kCount) {
+  const auto rays = std::span(rays_).subspan(answered_);
+  const auto slice = rays.first(std::min(rays.size(), kRaysPerSlice));
+  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
+  if (counts) {
     tallies_.resize(rays_.size());
-    const auto counted = scenegraph::count_hits(*snapshot_, rays_, tallies_, options);
-    if (!counted) return counted.error();
-    encode_tallies(tallies_, {}, query_.fields, reply);
-    stats_ = *counted;
-    return {};
+  } else {
+    hits_.resize(rays_.size());
   }
-  hits_.resize(rays_.size());
-  const auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options);
+  const auto traced =
+      counts
+          ? scenegraph::count_hits(*snapshot_, slice,
+                                   std::span(tallies_).subspan(answered_, slice.size()), options())
+          : scenegraph::trace(*snapshot_, slice, std::span(hits_).subspan(answered_, slice.size()),
+                              options());
   if (!traced) return traced.error();
-  encode_hits(hits_, query_.fields, reply);
-  stats_ = *traced;
+  stats_ += *traced;
+  answered_ += slice.size();
+  if (answered_ < rays_.size()) {
+    progress = Progress::kMore;
+  } else if (counts) {
+    encode_tallies(tallies_, {}, query_.fields, reply);
+  } else {
+    encode_hits(hits_, query_.fields, reply);
+  }
   return {};
 }
 
@@ -144,6 +233,14 @@ void CastJob::close() {
   selection_.reset();
   scene_.reset();
   snapshot_.reset();
+}
+
+std::string CastJob::description() const {
+  return fmt::format("scene={} peer={} rays={} queue_us={} cells={} trees={} build_us={}",
+                     flow_.scene, caller_.connection, total_stats_.rays,
+                     microseconds(total_queued_), total_stats_.cells_expanded,
+                     total_stats_.trees_begun,
+                     static_cast<std::uint64_t>(total_stats_.build_seconds * 1e6));
 }
 
 std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads) {

@@ -4,9 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,7 +18,9 @@
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
+#include "server/exec/caller.h"
 #include "server/exec/executors.h"
+#include "server/exec/fair_queue.h"
 #include "server/queries/cast_query.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
@@ -59,72 +64,88 @@ class HitPager {
 
 /// Casts of up to this number of rays have their own workers and a reserve of admission.
 inline constexpr std::size_t kSmallCast = 256;
+/// Most rays of one slice of a batch. Lists of hits are sliced by HitPager.
+inline constexpr std::size_t kRaysPerSlice = 4096;
 
 /// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
-/// Serves one call: open() and pin() once; then for each batch accept() once, and run() until the
-/// reply says that there is no more. The next batch reuses the memory.
+/// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
+/// the reply says that there is no more. The next batch reuses the memory.
 class CastJob {
  public:
-  CastJob(const scenes::Services& services, Replies replies)
-      : services_(services), replies_(replies) {}
+  CastJob(const scenes::Services& services, exec::Caller caller, Replies replies)
+      : services_(services), caller_(std::move(caller)), replies_(replies) {}
 
   /// Finds the scene and decodes the query. Errors: kInvalidArgument, kNotFound.
   Status open(const v1::CastRaysRequest& request);
   const std::shared_ptr<scenes::StoredScene>& scene() const { return scene_; }
+  const exec::Caller& caller() const { return caller_; }
 
   /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
-  /// Decodes the rays and admits them. Errors: as decode_rays and Admission::admit;
-  /// kInvalidArgument if one reply cannot hold all hits.
+  /// Admits the rays, which must not change until the batch's last reply is made. Errors: as
+  /// count_rays and Admission::admit; kInvalidArgument if one reply cannot hold all hits.
   Status accept(const v1::Rays& rays);
 
-  /// After accept(): runs work() on a worker for casts of this size.
-  template <class Work>
-  void enqueue(Work work) {
-    if (rays_.size() <= kSmallCast) {
-      services_.compute.enqueue_small(std::move(work));
-    } else {
-      services_.compute.enqueue(std::move(work));
-    }
-  }
+  /// After accept(): makes the next reply on workers for casts of this size, after a full build on
+  /// background workers if the query asks for one. Then calls done(Status) there. If the reply says
+  /// that there is more, the batch stays admitted, and enqueue() must be called again for the next
+  /// one. `reply` must not change meanwhile. Errors: kCancelled; kNotFound, naming a node of the
+  /// query that does not exist.
+  using Done = std::function<void(const Status&)>;
+  void enqueue(v1::CastRaysResponse& reply, const Done& done);
 
-  /// Traces the accepted batch in the calling thread's arena and releases its admission. If the
-  /// reply says that there is more, the batch stays admitted and run() must be called again for the
-  /// next reply. Errors: kCancelled; kNotFound, naming a node of the query that does not exist.
-  Status run(v1::CastRaysResponse& reply);
-
-  /// Makes run() end within a ray for each thread. Threads: any, at any time.
+  /// Makes enqueue() end soon, with an error. Threads: any, at any time.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
   /// Releases the revision. The last release frees its trees, which may take long.
   void close();
 
+  /// For the log: the scene, the caller, and totals of all batches.
+  std::string description() const;
+
  private:
   using Clock = std::chrono::steady_clock;
+  /// Of one reply.
+  enum class Progress : std::uint8_t { kMore, kDone };
 
-  Status select();
-  Status answer(const scenegraph::TraceOptions& options, v1::CastRaysResponse& reply);
+  void push_build(v1::CastRaysResponse& reply, const Done& done);
+  void push_cast(v1::CastRaysResponse& reply, const Done& done);
+  void end(const Status& status, const Done& done);
+  Status build();
+  Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
+  Status begin();
+  Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
+  scenegraph::TraceOptions options() const;
 
   const scenes::Services& services_;
+  const exec::Caller caller_;
+  exec::FlowKey flow_;  // after open()
   const Replies replies_;
   CastQuery query_;
   std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
+  const v1::Rays* columns_ = nullptr;
+  std::size_t batch_rays_ = 0;
   std::vector<accel::geometry::Ray> rays_;
+  std::size_t answered_ = 0;  // rays of the batch
   std::optional<scenegraph::query::Selection> selection_;
   std::vector<accel::geometry::Hit> hits_;
   std::vector<scenegraph::RayTally> tallies_;
   HitPager pager_;
-  scenegraph::TraceStats stats_;
+  scenegraph::TraceStats build_stats_;  // of a full build for the batch
+  scenegraph::TraceStats stats_;        // of the batch
   exec::Admission::Ticket ticket_, all_hits_ticket_;
-  Clock::time_point accepted_;
+  Clock::time_point waiting_since_;
   Clock::duration queued_{}, traced_{};  // of the batch
-  bool begun_ = false;                   // the batch has a reply
+  bool begun_ = false;                   // the batch has had a slice
   std::atomic<bool> cancelled_{false};
+  // Of all batches.
+  scenegraph::TraceStats total_stats_;
+  Clock::duration total_queued_{};
 };
 
 }  // namespace sightline::server::queries

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <memory>
 #include <utility>
 
+#include "server/exec/caller.h"
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/prefetch_rpc.h"
@@ -17,20 +20,24 @@ namespace {
 /// Lives until its task has called Finish(), also if the client has cancelled the call.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
-  CastRaysReactor(const scenes::Services& services, v1::CastRaysResponse& reply)
-      : job_(services, Replies::kOne),
+  CastRaysReactor(const scenes::Services& services, grpc::CallbackServerContext& context,
+                  const v1::CastRaysRequest& request, v1::CastRaysResponse& reply)
+      : context_(context),
+        unread_(services.unread),
+        job_(services, exec::caller_of(context), Replies::kOne),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
+        request_(request),
         reply_(reply) {}
 
-  void start(const grpc::CallbackServerContext& context, const v1::CastRaysRequest& request) {
-    if (const Status opened = exec::to_status([&] { return job_.open(request); }); !opened)
+  void start() {
+    if (const Status opened = exec::to_status([&] { return job_.open(request_); }); !opened)
       return end(opened);
-    wait_->read(job_.scene(), request.consistency(), context.deadline(), request.ByteSizeLong(),
-                [this, &request](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+    wait_->read(job_.scene(), request_.consistency(), context_.deadline(), request_.ByteSizeLong(),
+                job_.caller(), [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   job_.pin(std::move(*pinned));
-                  cast(request);
+                  cast();
                 });
   }
 
@@ -41,27 +48,31 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void OnDone() override { delete this; }
 
  private:
-  void cast(const v1::CastRaysRequest& request) {
-    if (const Status accepted = exec::to_status([&] { return job_.accept(request.rays()); });
+  void cast() {
+    if (const Status accepted = exec::to_status([&] { return job_.accept(request_.rays()); });
         !accepted)
       return end(accepted);
-    job_.enqueue([this] {
-      const Status done = exec::to_status([this] { return job_.run(reply_); });
+    job_.enqueue(reply_, [this](const Status& done) {
       job_.close();
       end(done);
     });
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("CastRays", answer, begun_);
+    const grpc::Status answer = exec::to_grpc(
+        exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, status, held_));
+    exec::log_rpc("CastRays", answer, begun_, [this] { return job_.description(); });
     Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
+  grpc::CallbackServerContext& context_;
+  exec::UnreadReplies& unread_;
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
+  const v1::CastRaysRequest& request_;
   v1::CastRaysResponse& reply_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
 /// Reads a batch, traces it, writes its replies, and only then reads again. At most one operation
@@ -70,27 +81,32 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 class CastStream final
     : public grpc::ServerBidiReactor<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse> {
  public:
-  CastStream(const scenes::Services& services, const grpc::CallbackServerContext& context)
+  CastStream(const scenes::Services& services, grpc::CallbackServerContext& context)
       : compute_(services.compute),
+        unread_(services.unread),
         context_(context),
         streams_(services.cast_streams),
-        job_(services, Replies::kMany),
+        job_(services, exec::caller_of(context), Replies::kMany),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)) {}
 
   void start() {
-    if (const Status entered = streams_.enter(this, {}); !entered) return end(entered);
-    StartRead(&request_);
+    const Status entered =
+        streams_.enter(this, job_.caller(), {.on_late = [this] { end_idle(); }}, &idle_);
+    if (!entered) return end(entered);
+    read();
   }
 
   void OnReadDone(bool ok) override {
-    if (!ok) return end({});  // the client has closed its side, or is gone
+    idle_.end();
+    if (!reading_.exchange(false)) return;  // end_idle() was first
+    if (!ok) return end(exec::end_of_reads(request_));
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
     if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
-                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+                job_.caller(), [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   job_.pin(std::move(*pinned));
                   cast();
@@ -98,9 +114,10 @@ class CastStream final
   }
 
   void OnWriteDone(bool ok) override {
+    held_.reset();
     if (!ok) return end(Error{Code::kCancelled, "the reply could not be written", "CANCELLED"});
-    if (reply_.response().more()) return job_.enqueue([this] { answer(); });
-    StartRead(&request_);
+    if (reply_.response().more()) return answer();
+    read();
   }
 
   void OnCancel() override {
@@ -109,42 +126,66 @@ class CastStream final
   }
 
   void OnDone() override {
+    held_.reset();  // before the context goes
     streams_.leave(this);
     // On a worker: this may hold the last reference to a revision and free its trees.
-    compute_.enqueue([this] { delete this; });
+    compute_.enqueue_background([this] { delete this; });
   }
 
  private:
+  void read() {
+    idle_.begin(exec::kIdleStream);
+    reading_ = true;
+    exec::before_read(request_);
+    StartRead(&request_);
+  }
+
+  /// The client has sent nothing for too long.
+  void end_idle() {
+    if (!reading_.exchange(false)) return;
+    end(Error{Code::kAborted,
+              "the stream was idle, and its place is needed or its time is over: open it again",
+              "STREAM_IDLE"});
+  }
+
   void cast() {
     if (const Status accepted =
             exec::to_status([this] { return job_.accept(request_.request().rays()); });
         !accepted)
       return end(accepted);
-    job_.enqueue([this] { answer(); });
+    answer();
   }
 
   void answer() {
-    const Status done = exec::to_status([this] { return job_.run(*reply_.mutable_response()); });
-    if (!done) return end(done);
-    reply_.set_chunk(request_.chunk());
-    StartWrite(&reply_);
+    job_.enqueue(*reply_.mutable_response(), [this](const Status& done) {
+      const Status held =
+          exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, done, held_);
+      if (!held) return end(held);
+      reply_.set_chunk(request_.chunk());
+      StartWrite(&reply_);
+    });
   }
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("StreamCastRays", answer, begun_, fmt::format("batches={}", batches_));
+    exec::log_rpc("StreamCastRays", answer, begun_,
+                  [this] { return fmt::format("batches={} {}", batches_, job_.description()); });
     Finish(answer);
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   exec::Compute& compute_;
-  const grpc::CallbackServerContext& context_;
+  exec::UnreadReplies& unread_;
+  grpc::CallbackServerContext& context_;
   exec::CallRegistry& streams_;
+  exec::PeerWait idle_;
+  std::atomic<bool> reading_{false};  // the thread that clears it may end the call
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   std::uint64_t batches_ = 0;
   v1::StreamCastRaysRequest request_;
   v1::StreamCastRaysResponse reply_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;  // while reply_ is written
 };
 
 }  // namespace
@@ -156,8 +197,8 @@ RayQueryRpc::RayQueryRpc(const scenes::Services& services) : services_(services)
 grpc::ServerUnaryReactor* RayQueryRpc::CastRays(grpc::CallbackServerContext* context,
                                                 const v1::CastRaysRequest* request,
                                                 v1::CastRaysResponse* reply) {
-  auto* reactor = new CastRaysReactor(services_, *reply);
-  reactor->start(*context, *request);
+  auto* reactor = new CastRaysReactor(services_, *context, *request, *reply);
+  reactor->start();
   return reactor;
 }
 
@@ -169,8 +210,8 @@ RayQueryRpc::StreamCastRays(grpc::CallbackServerContext* context) {
 }
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* RayQueryRpc::Prefetch(
-    grpc::CallbackServerContext*, const v1::PrefetchRequest* request) {
-  return start_prefetch(services_, *request);
+    grpc::CallbackServerContext* context, const v1::PrefetchRequest* request) {
+  return start_prefetch(services_, *context, *request);
 }
 
 }  // namespace sightline::server::queries

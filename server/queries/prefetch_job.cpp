@@ -44,9 +44,10 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   auto ticket = services_.admission.admit(
-      rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
+      caller_, rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
+  (*scene)->touch();
   snapshot_ = (*scene)->snapshot();
   revision_ = (*scene)->token(snapshot_->revision());
   return {};
@@ -106,7 +107,7 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
     const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
     bytes = bytes_of_tree(*trees.static_tree) + bytes_of_tree(*trees.dynamic_tree);
   }
-  for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree().bytes();
+  for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree_bytes();
   response.set_bytes_trees(bytes);
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "accel/geometry/ray.h"
@@ -19,7 +20,10 @@ inline constexpr int kMaxPrefetchRoots = 4096;
 /// Serves one call: open(), then run() while report() may be called, then close().
 class PrefetchJob {
  public:
-  explicit PrefetchJob(const scenes::Services& services) : services_(services) {}
+  PrefetchJob(const scenes::Services& services, exec::Caller caller)
+      : services_(services), caller_(std::move(caller)) {}
+
+  const exec::Caller& caller() const { return caller_; }
 
   /// Checks the request, takes the scene's newest revision and admits the rays. Errors:
   /// kInvalidArgument, kNotFound; as decode_rays and Admission::admit.
@@ -47,6 +51,7 @@ class PrefetchJob {
   Status grow();
 
   const scenes::Services& services_;
+  const exec::Caller caller_;
   const Clock::time_point begun_ = Clock::now();
   CastQuery query_;
   std::vector<scenegraph::model::NodeId> roots_;

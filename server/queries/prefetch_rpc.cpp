@@ -5,8 +5,12 @@
 #include <grpcpp/alarm.h>
 
 #include <chrono>
+#include <memory>
 #include <mutex>
+#include <string>
+#include <utility>
 
+#include "server/exec/caller.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/prefetch_job.h"
 
@@ -20,18 +24,27 @@ constexpr std::chrono::milliseconds kBetweenReports{250};
 /// when it stops; the last one to stop ends the call.
 class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse> {
  public:
-  explicit PrefetchCall(const scenes::Services& services)
-      : compute_(services.compute), calls_(services.prefetches), job_(services) {}
+  PrefetchCall(const scenes::Services& services, grpc::CallbackServerContext& context,
+               exec::Caller caller, const std::string& scene)
+      : compute_(services.compute),
+        context_(context),
+        unread_(services.unread),
+        calls_(services.prefetches),
+        flow_{caller.principal, caller.connection, scene},
+        job_(services, std::move(caller)) {}
 
   void start(const v1::PrefetchRequest& request) {
     const Status ready = exec::to_status([&] {
       if (Status opened = job_.open(request); !opened) return opened;
-      return calls_.enter(this, [this] { job_.cancel(); });
+      return calls_.enter(this, job_.caller(), {.on_stop = [this] { job_.cancel(); }});
     });
     if (!ready) return end(ready);
     const std::lock_guard lock(mutex_);
     set_alarm(kBeforeFirstReport);
-    compute_.enqueue_background([this] { build(); });
+    compute_.enqueue_background(flow_, [this] {
+      build();
+      return false;
+    });
   }
 
   void OnWriteDone(bool) override {
@@ -41,7 +54,8 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   void OnCancel() override { job_.cancel(); }
 
   void OnDone() override {
-    compute_.enqueue([this] { delete this; });
+    held_.reset();  // before the context goes
+    compute_.enqueue_background([this] { delete this; });
   }
 
  private:
@@ -97,6 +111,12 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
       ended_ = true;
     }
     if (!built_) return end(built_);
+    // The message is small; this gives it an end.
+    if (auto held = unread_.hold(context_, job_.caller(), last_.ByteSizeLong())) {
+      held_ = std::move(*held);
+    } else {
+      return end(held.error());
+    }
     log(grpc::Status::OK);
     StartWriteAndFinish(&last_, {}, grpc::Status::OK);
   }
@@ -108,12 +128,19 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void log(const grpc::Status& answer) const {
-    exec::log_rpc("Prefetch", answer, log_begun_, fmt::format("cells={}", last_.cells_expanded()));
+    exec::log_rpc("Prefetch", answer, log_begun_, [this] {
+      return fmt::format("scene={} peer={} rays={} cells={} trees={} build_us={}", flow_.scene,
+                         flow_.connection, last_.rays_total(), last_.cells_expanded(),
+                         last_.meshes_done(), last_.build_us());
+    });
   }
 
   const exec::LogClock::time_point log_begun_ = exec::LogClock::now();
   exec::Compute& compute_;
+  grpc::CallbackServerContext& context_;
+  exec::UnreadReplies& unread_;
   exec::CallRegistry& calls_;
+  const exec::FlowKey flow_;
   PrefetchJob job_;
   std::mutex mutex_;                                          // protects all members below
   bool building_ = true, ticking_ = false, writing_ = false;  // activities that run
@@ -121,13 +148,15 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   Status built_;
   v1::PrefetchResponse report_, last_;
   grpc::Alarm alarm_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;  // for last_
 };
 
 }  // namespace
 
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
+                                                               grpc::CallbackServerContext& context,
                                                                const v1::PrefetchRequest& request) {
-  auto* call = new PrefetchCall(services);
+  auto* call = new PrefetchCall(services, context, exec::caller_of(context), request.scene());
   call->start(request);
   return call;
 }

@@ -6,8 +6,10 @@
 
 namespace sightline::server::queries {
 
-/// The reactor of a new call, which has begun; it deletes itself. `services` outlive the call.
+/// The reactor of a new call, which has begun; it deletes itself. The arguments outlive
+/// the call.
 grpc::ServerWriteReactor<v1::PrefetchResponse>* start_prefetch(const scenes::Services& services,
+                                                               grpc::CallbackServerContext& context,
                                                                const v1::PrefetchRequest& request);
 
 }  // namespace sightline::server::queries

@@ -154,7 +154,7 @@ static_assert(sizeof(accel::geometry::Vec3f) == 3 * sizeof(float) &&
 
 }  // namespace
 
-Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
+Result<std::size_t> count_rays(const v1::Rays& columns) {
   const std::size_t element = columns.float64() ? sizeof(double) : sizeof(float);
   const std::size_t count = columns.origins().size() / (3 * element);
   if (columns.origins().size() % (3 * element) != 0) {
@@ -172,8 +172,14 @@ Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
             count, kMaxRaysPerRequest),
         "TOO_MANY_RAYS"};
   }
-  if (Status good = check_columns(columns, count, element); !good) return good;
-  rays.assign(count, Ray{});
+  if (const Status good = check_columns(columns, count, element); !good) return good.error();
+  return count;
+}
+
+Status decode_rays(const v1::Rays& columns, std::vector<Ray>& rays) {
+  const auto count = count_rays(columns);
+  if (!count) return count.error();
+  rays.assign(*count, Ray{});
   if (columns.float64()) {
     fill<double>(columns, rays);
   } else {

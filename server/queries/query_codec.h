@@ -18,9 +18,12 @@ inline constexpr std::size_t kMaxRaysPerRequest = 16384;
 /// With every field, a reply that lists this many hits stays below 1 MiB.
 inline constexpr std::size_t kMaxHitsPerReply = 20480;
 
+/// The number of rays, by the lengths of the columns alone. Errors: kInvalidArgument, naming the
+/// column, its bytes and the bytes expected; kResourceExhausted over kMaxRaysPerRequest.
+Result<std::size_t> count_rays(const v1::Rays& columns);
+
 /// Fills `rays` from little-endian columns and reuses its memory. Values are not checked: the
-/// tracer marks invalid rays. Errors: kInvalidArgument, naming the column, its bytes and the bytes
-/// expected; kResourceExhausted over kMaxRaysPerRequest.
+/// tracer marks invalid rays. Errors: as count_rays().
 Status decode_rays(const v1::Rays& columns, std::vector<accel::geometry::Ray>& rays);
 
 /// Sets the reply's columns, one per field. Overwrites what the reply held before and reuses its

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "scenegraph/instances/scene_trees.h"
+#include "server/scenes/history.h"
 
 namespace sightline::server::scenes {
 namespace {
@@ -24,6 +25,9 @@ using scenegraph::revision::Snapshot;
 
 /// A node, and its share of the copied blocks of the node map.
 constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
+/// A node in the newest revision: itself, its share of the maps of nodes and of summaries, its
+/// entry in its parent's list.
+constexpr std::uint64_t kBytesPerHeldNode = sizeof(Node) + 320;
 /// A group or an instance in a scene-level tree.
 constexpr std::uint64_t kBytesPerPlaced = 256;
 
@@ -59,8 +63,15 @@ class ReplacedBytes {
  public:
   explicit ReplacedBytes(const Snapshot& before) : before_(before) {}
 
-  void operator()(const PutNode& put) { add(put.node); }
-  void operator()(const SetTransforms& set) { bytes_ += set.nodes.size() * kBytesPerNode; }
+  void operator()(const PutNode& put) {
+    if (const Node* node = before_.find(static_cast<NodeId>(put.node))) {
+      add(*node);
+      names_ += node->name.size() + node->mesh_digest.size();
+    }
+  }
+  void operator()(const SetTransforms& set) {
+    bytes_ += std::min(set.nodes.size(), before_.node_count()) * kBytesPerNode;
+  }
   void operator()(const DeleteNode& removal) {
     std::vector<NodeId> below{static_cast<NodeId>(removal.node)};
     while (!below.empty()) {
@@ -68,6 +79,7 @@ class ReplacedBytes {
       below.pop_back();
       if (node == nullptr) continue;  // put by this batch
       add(*node);
+      names_ += node->name.size() + node->mesh_digest.size();
       below.insert(below.end(), node->children.begin(), node->children.end());
     }
   }
@@ -75,7 +87,7 @@ class ReplacedBytes {
     for (const NodeRef ref : patch.nodes) add(ref);
   }
 
-  std::uint64_t bytes() const { return bytes_; }
+  Replaced replaced() const { return {bytes_ + mesh_bytes_, mesh_bytes_, names_}; }
 
  private:
   void add(NodeRef ref) {
@@ -85,11 +97,11 @@ class ReplacedBytes {
     bytes_ += kBytesPerNode;
     // The blob store counts meshes that are not patched.
     if (!node.patched || !meshes_.insert(node.mesh.get()).second) return;
-    bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree().bytes();
+    mesh_bytes_ += node.mesh->view().vertices.size_bytes() + node.mesh->tree_bytes();
   }
 
   const Snapshot& before_;
-  std::uint64_t bytes_ = 0;
+  std::uint64_t bytes_ = 0, mesh_bytes_ = 0, names_ = 0;
   std::unordered_set<const Mesh*> meshes_;
 };
 
@@ -103,8 +115,7 @@ class Deformed {
   void operator()(const PatchVertices& patch) {
     if (patch.nodes.empty() || patch.nodes == last_) return;
     last_ = patch.nodes;
-    if (const Mesh* mesh = mesh_of(patch.nodes.front()))
-      bytes_ += mesh->view().vertices.size_bytes();
+    if (const Mesh* mesh = mesh_of(patch.nodes.front())) bytes_ += mesh->bytes_deformed();
   }
   void operator()(const SetTransforms&) {}
   void operator()(const DeleteNode&) {}
@@ -129,19 +140,48 @@ bool patches(const scenegraph::model::Update& update) {
   return std::holds_alternative<PatchVertices>(update);
 }
 
+bool puts(const scenegraph::model::Update& update) {
+  return std::holds_alternative<PutNode>(update);
+}
+
+bool deletes(const scenegraph::model::Update& update) {
+  return std::holds_alternative<DeleteNode>(update);
+}
+
 }  // namespace
 
-Status check_deformed(const Snapshot& before,
-                      const std::vector<scenegraph::model::Update>& updates) {
-  if (std::ranges::none_of(updates, patches)) return {};
-  Deformed deformed(before);
-  for (const scenegraph::model::Update& update : updates) std::visit(deformed, update);
-  if (deformed.bytes() <= kMaxDeformedBytes) return {};
-  return Error{Code::kResourceExhausted,
-               fmt::format("the meshes that are patched have {} bytes of vertices, the limit of a "
-                           "batch is {}",
-                           deformed.bytes(), kMaxDeformedBytes),
-               "TOO_MUCH_DEFORMED"};
+Result<Needed> needed_by(const Snapshot& before,
+                         const std::vector<scenegraph::model::Update>& updates) {
+  Needed needed;
+  if (std::ranges::any_of(updates, patches)) {
+    Deformed deformed(before);
+    for (const scenegraph::model::Update& update : updates) std::visit(deformed, update);
+    needed.meshes = deformed.bytes();
+  }
+  if (needed.meshes > kMaxDeformedBytes) {
+    return Error{
+        Code::kResourceExhausted,
+        fmt::format("the meshes that are patched need {} bytes, the limit of a batch is {}",
+                    needed.meshes, kMaxDeformedBytes),
+        "TOO_MUCH_DEFORMED"};
+  }
+  const auto nodes = std::ranges::count_if(updates, puts);
+  if (nodes > 0)
+    needed.nodes = bytes_of_nodes(static_cast<std::uint64_t>(nodes)) + bytes_of_names(updates);
+  // What only deletes must be possible where there is no room left.
+  if (!std::ranges::all_of(updates, deletes)) needed.log = bytes_of(updates);
+  return needed;
+}
+
+std::uint64_t bytes_of_nodes(std::uint64_t nodes) { return nodes * kBytesPerHeldNode; }
+
+std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates) {
+  std::uint64_t bytes = 0;
+  for (const scenegraph::model::Update& update : updates) {
+    if (const auto* put = std::get_if<PutNode>(&update))
+      bytes += put->name.size() + put->mesh_digest.size();
+  }
+  return bytes;
 }
 
 void resolve(std::vector<scenegraph::model::Update>& updates, const std::vector<NodeId>& put) {
@@ -149,11 +189,13 @@ void resolve(std::vector<scenegraph::model::Update>& updates, const std::vector<
   for (scenegraph::model::Update& update : updates) std::visit(resolver, update);
 }
 
-std::uint64_t bytes_replaced(const Snapshot& before,
-                             const std::vector<scenegraph::model::Update>& updates) {
-  ReplacedBytes replaced(before);
-  for (const scenegraph::model::Update& update : updates) std::visit(replaced, update);
-  return replaced.bytes() + bytes_of(*before.shared_trees().dynamic_tree);
+Replaced bytes_replaced(const Snapshot& before,
+                        const std::vector<scenegraph::model::Update>& updates) {
+  ReplacedBytes visitor(before);
+  for (const scenegraph::model::Update& update : updates) std::visit(visitor, update);
+  Replaced replaced = visitor.replaced();
+  replaced.bytes += bytes_of(*before.shared_trees().dynamic_tree);
+  return replaced;
 }
 
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree) {

@@ -19,16 +19,35 @@ void resolve(std::vector<scenegraph::model::Update>& updates,
 /// Bytes of vertices of the meshes that one batch may patch. Whole meshes count.
 inline constexpr std::uint64_t kMaxDeformedBytes = std::uint64_t{1} << 30;
 
-/// Checks that the meshes which `updates` patch have at most kMaxDeformedBytes of vertices. A mesh
-/// counts again for each patch whose nodes differ from those of the patch before. Errors:
-/// kResourceExhausted, naming the limit.
-Status check_deformed(const scenegraph::revision::Snapshot& before,
-                      const std::vector<scenegraph::model::Update>& updates);
+/// What a batch takes from the memory account.
+struct Needed {
+  std::uint64_t meshes = 0;  ///< Bytes of the meshes that its patches make.
+  std::uint64_t nodes = 0;   ///< Of the nodes that it puts.
+  std::uint64_t log = 0;     ///< Of the updates; 0 if they only delete.
+
+  std::uint64_t bytes() const { return meshes + nodes + log; }
+};
+
+/// What `updates` need. A mesh counts again for each patch whose nodes differ from those of the
+/// patch before. Errors: kResourceExhausted if the meshes need more than kMaxDeformedBytes, naming
+/// the limit.
+Result<Needed> needed_by(const scenegraph::revision::Snapshot& before,
+                         const std::vector<scenegraph::model::Update>& updates);
 
 /// About how many bytes of `before` the next revision does not share: nodes, patched vertices and
 /// their trees, the scene's dynamic tree. `updates` are resolved. Cost: proportional to the change.
-std::uint64_t bytes_replaced(const scenegraph::revision::Snapshot& before,
-                             const std::vector<scenegraph::model::Update>& updates);
+struct Replaced {
+  std::uint64_t bytes = 0;
+  std::uint64_t meshes = 0;  ///< Of these, bytes of patched meshes and their trees.
+  std::uint64_t names = 0;   ///< Of names and digests of nodes that are put again or deleted.
+};
+Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
+                        const std::vector<scenegraph::model::Update>& updates);
+
+/// About the bytes of `nodes` nodes without their names and digests.
+std::uint64_t bytes_of_nodes(std::uint64_t nodes);
+/// Bytes of the names and digests that the updates put.
+std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates);
 
 /// About the bytes of the instances that rays have opened, and of the tree over them.
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree);

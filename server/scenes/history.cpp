@@ -24,42 +24,48 @@ std::uint64_t held_by(const PatchVertices& patch) {
          patch.positions.size() * sizeof(accel::geometry::Vec3f);
 }
 
+struct ChargedUpdates {
+  std::vector<scenegraph::model::Update> updates;
+  exec::MemoryAccount::Charge charge;
+};
+
 }  // namespace
 
 RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapshot) {
   const std::lock_guard lock(mutex_);
-  if (!history_.empty() && history_.newest()->revision() == snapshot->revision()) {
-    history_.newest().swap(snapshot);
+  if (!history_.empty() && history_.newest().snapshot->revision() == snapshot->revision()) {
+    history_.newest().snapshot.swap(snapshot);
     return snapshot;
   }
-  history_.append(std::move(snapshot));
+  history_.append({std::move(snapshot), {}});
   return nullptr;
 }
 
-std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::account(
-    std::uint64_t bytes) noexcept {
+std::vector<RecentRevisions::Kept> RecentRevisions::account(std::uint64_t bytes,
+                                                            Charge charge) noexcept {
   const std::lock_guard lock(mutex_);
   if (history_.empty()) return {};  // drop_all() came in between
   history_.add_weight(bytes);
+  history_.newest().charge = std::move(charge);
   return history_.trim();
 }
 
 RecentRevisions::SnapshotPointer RecentRevisions::find(std::uint64_t revision) const {
   const std::lock_guard lock(mutex_);
   if (history_.empty()) return nullptr;
-  const std::uint64_t oldest = history_.oldest()->revision();
+  const std::uint64_t oldest = history_.oldest().snapshot->revision();
   if (revision < oldest || revision - oldest >= history_.size()) return nullptr;
-  return history_[revision - oldest];
+  return history_[revision - oldest].snapshot;
 }
 
 std::uint64_t RecentRevisions::oldest_or(std::uint64_t head) const {
   const std::lock_guard lock(mutex_);
-  return history_.empty() ? head : history_.oldest()->revision();
+  return history_.empty() ? head : history_.oldest().snapshot->revision();
 }
 
-std::vector<RecentRevisions::SnapshotPointer> RecentRevisions::drop_all() {
+std::vector<RecentRevisions::Kept> RecentRevisions::drop_all() noexcept {
   const std::lock_guard lock(mutex_);
-  return history_.clear();
+  return history_.trim_to(0);
 }
 
 std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
@@ -72,8 +78,9 @@ std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
 
 UpdateLog::Entry UpdateLog::prepare(std::vector<scenegraph::model::Update> updates) {
   const std::uint64_t bytes = bytes_of(updates);
-  Entry entry{std::make_shared<const std::vector<scenegraph::model::Update>>(std::move(updates)),
-              bytes};
+  const auto charged = std::make_shared<const ChargedUpdates>(
+      ChargedUpdates{std::move(updates), memory_.record(exec::Held::kLogs, bytes)});
+  Entry entry{Updates(charged, &charged->updates), bytes};
   const std::lock_guard lock(mutex_);
   history_.reserve_more();
   return entry;
@@ -85,6 +92,11 @@ void UpdateLog::add(Entry entry) noexcept {
   history_.append(std::move(entry.updates), entry.bytes);
   ++last_;
   dropped = history_.trim();
+}
+
+std::vector<UpdateLog::Updates> UpdateLog::drop_all_but(std::size_t revisions) noexcept {
+  const std::lock_guard lock(mutex_);
+  return history_.trim_to(revisions);
 }
 
 std::uint64_t UpdateLog::last() const {

@@ -12,6 +12,7 @@
 #include "accel/result.h"
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/snapshot.h"
+#include "server/exec/memory_account.h"
 
 namespace sightline::server::scenes {
 
@@ -52,24 +53,14 @@ class History {
     for (std::size_t left = items_.size();
          left > limits_.min_entries && (left > limits_.entries || weight_ > limits_.weight); --left)
       weight_ -= items_[count++].weight;
-    std::vector<Entry> dropped;
-    try {
-      dropped.reserve(count);
-      for (std::size_t i = 0; i < count; ++i) dropped.push_back(std::move(items_[i].entry));
-    } catch (const std::bad_alloc&) {
-    }
-    items_.erase(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count));
-    return dropped;
+    return drop(count);
   }
 
-  /// Drops all entries.
-  std::vector<Entry> clear() {
-    std::vector<Entry> dropped;
-    dropped.reserve(items_.size());
-    for (Item& item : items_) dropped.push_back(std::move(item.entry));
-    items_.clear();
-    weight_ = 0;
-    return dropped;
+  /// Drops the oldest entries until at most `entries` are left, as trim().
+  std::vector<Entry> trim_to(std::size_t entries) noexcept {
+    std::size_t count = 0;
+    while (items_.size() - count > entries) weight_ -= items_[count++].weight;
+    return drop(count);
   }
 
   bool empty() const { return items_.empty(); }
@@ -85,6 +76,17 @@ class History {
     Entry entry;
     std::uint64_t weight = 0;
   };
+
+  std::vector<Entry> drop(std::size_t count) noexcept {
+    std::vector<Entry> dropped;
+    try {
+      dropped.reserve(count);
+      for (std::size_t i = 0; i < count; ++i) dropped.push_back(std::move(items_[i].entry));
+    } catch (const std::bad_alloc&) {
+    }
+    items_.erase(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count));
+    return dropped;
+  }
 
   HistoryLimits limits_;
   std::vector<Item> items_;
@@ -102,6 +104,11 @@ struct RecentLimits {
 class RecentRevisions {
  public:
   using SnapshotPointer = std::shared_ptr<const scenegraph::revision::Snapshot>;
+  using Charge = exec::MemoryAccount::Charge;
+  struct Kept {
+    SnapshotPointer snapshot;
+    Charge charge;
+  };
 
   explicit RecentRevisions(RecentLimits limits = {})
       : history_({.entries = limits.revisions, .weight = limits.bytes}) {}
@@ -112,9 +119,9 @@ class RecentRevisions {
   [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
 
   /// Call it after the following revision is published. `bytes`: what that revision does not share
-  /// with the newest kept one. Returns the snapshots that are no longer kept; destroying them may
-  /// take long.
-  [[nodiscard]] std::vector<SnapshotPointer> account(std::uint64_t bytes) noexcept;
+  /// with the newest kept one; `charge`: for them. Returns what is no longer kept; destroying it
+  /// may take long.
+  [[nodiscard]] std::vector<Kept> account(std::uint64_t bytes, Charge charge = {}) noexcept;
 
   /// Null if the revision is not kept.
   SnapshotPointer find(std::uint64_t revision) const;
@@ -122,11 +129,11 @@ class RecentRevisions {
   std::uint64_t oldest_or(std::uint64_t head) const;
 
   /// Drops all revisions and returns them.
-  [[nodiscard]] std::vector<SnapshotPointer> drop_all();
+  [[nodiscard]] std::vector<Kept> drop_all() noexcept;
 
  private:
-  mutable std::mutex mutex_;          // held for a few pointer copies
-  History<SnapshotPointer> history_;  // consecutive revisions
+  mutable std::mutex mutex_;  // held for a few pointer copies
+  History<Kept> history_;     // consecutive revisions
 };
 
 struct LogLimits {
@@ -143,8 +150,10 @@ class UpdateLog {
  public:
   using Updates = std::shared_ptr<const std::vector<scenegraph::model::Update>>;
 
-  explicit UpdateLog(LogLimits limits = {})
-      : history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
+  /// Entries are charged to `memory`, also those that only readers still hold.
+  explicit UpdateLog(exec::MemoryAccount& memory, LogLimits limits = {})
+      : memory_(memory),
+        history_({.entries = limits.revisions, .weight = limits.bytes, .min_entries = 1}) {}
 
   struct Entry {
     Updates updates;
@@ -157,12 +166,16 @@ class UpdateLog {
   /// `entry`: of the last call of prepare().
   void add(Entry entry) noexcept;
 
+  /// Drops all but the newest `revisions`. Returns them, to be destroyed outside a lock.
+  [[nodiscard]] std::vector<Updates> drop_all_but(std::size_t revisions) noexcept;
+
   /// The last revision; 0 before the first.
   std::uint64_t last() const;
   /// Errors: kOutOfRange, naming what is kept.
   Result<Updates> find(std::uint64_t revision) const;
 
  private:
+  exec::MemoryAccount& memory_;
   mutable std::mutex mutex_;  // held for a few pointer copies
   History<Updates> history_;  // consecutive revisions up to last_
   std::uint64_t last_ = 0;

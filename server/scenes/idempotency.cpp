@@ -24,7 +24,9 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
 RequestAnswers::Entry RequestAnswers::prepare(const std::string& id, std::uint64_t content,
                                               const scenegraph::Applied& answer) {
   Answers one;
-  one.emplace(id, Kept{content, answer});
+  const std::uint64_t bytes =
+      sizeof(Kept) + id.size() + answer.nodes.size() * sizeof(scenegraph::model::NodeId);
+  one.emplace(id, Kept{content, answer, memory_.record(exec::Held::kLogs, bytes)});
   Entry entry{id, one.extract(one.begin())};
   answers_.reserve(answers_.size() + 1);
   ids_.reserve_more();

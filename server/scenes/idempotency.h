@@ -29,8 +29,10 @@ struct AnswerLimits {
 /// answer. Threads: one at a time.
 class RequestAnswers {
  public:
-  explicit RequestAnswers(AnswerLimits limits = {})
-      : ids_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
+  /// Answers are charged to `memory`.
+  explicit RequestAnswers(exec::MemoryAccount& memory, AnswerLimits limits = {})
+      : memory_(memory),
+        ids_({.entries = limits.answers, .weight = limits.nodes, .min_entries = 1}) {}
 
   /// The answer to an earlier request of this id, or null. `content` is a digest of the request.
   /// Errors: kInvalidArgument if the earlier request had another content.
@@ -38,6 +40,7 @@ class RequestAnswers {
   struct Kept {
     std::uint64_t content = 0;
     scenegraph::Applied answer;
+    exec::MemoryAccount::Charge charge = {};
   };
   using Answers = std::unordered_map<std::string, Kept>;
   struct Entry {
@@ -51,6 +54,7 @@ class RequestAnswers {
   void retain(Entry entry) noexcept;
 
  private:
+  exec::MemoryAccount& memory_;
   Answers answers_;
   History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
 };
@@ -73,6 +77,7 @@ struct Producer {
   struct Put {
     std::uint64_t sequence = 0;
     std::vector<scenegraph::model::NodeId> nodes;  ///< Empty for a batch that put none.
+    exec::MemoryAccount::Charge charge = {};
   };
 
   /// Records the next batch, which was applied or rejected. Does not throw after

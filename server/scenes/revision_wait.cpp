@@ -14,7 +14,8 @@ Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELL
 }  // namespace
 
 void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
-                        Deadline deadline, std::size_t bytes, Done done) {
+                        Deadline deadline, std::size_t bytes, const exec::Caller& caller,
+                        Done done) {
   if (consistency.requirement_case() == v1::Consistency::kExactRevision)
     return done(scene->at(consistency.exact_revision()));
   if (consistency.requirement_case() != v1::Consistency::kAtLeast) return done(scene->snapshot());
@@ -31,14 +32,15 @@ void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistenc
   if (head->revision() >= token->revision) return done(std::move(head));
   scene_ = std::move(scene);
   done_ = std::move(done);
-  wait(token->revision, deadline, bytes);
+  wait(token->revision, deadline, bytes, caller);
 }
 
-void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t bytes) {
+void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t bytes,
+                        const exec::Caller& caller) {
   revision_ = revision;
   waiting_.store(true);
   std::unique_lock lock(mutex_);
-  if (const Status entered = enter(bytes); !entered) {
+  if (const Status entered = enter(bytes, caller); !entered) {
     ticket_ = {};
     lock.unlock();
     if (waiting_.exchange(false)) std::exchange(done_, nullptr)(entered.error());
@@ -58,11 +60,12 @@ void RevisionWait::wait(std::uint64_t revision, Deadline deadline, std::size_t b
   on_scene_event();
 }
 
-Status RevisionWait::enter(std::size_t bytes) {
-  auto ticket = admission_.admit(0, bytes);
+Status RevisionWait::enter(std::size_t bytes, const exec::Caller& caller) {
+  auto ticket = admission_.admit(caller, 0, bytes);
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  return waiting_reads_.enter(this, [this] { end(waiting_reads_.stopped_error()); });
+  return waiting_reads_.enter(this, caller,
+                              {.on_stop = [this] { end(waiting_reads_.stopped_error()); }});
 }
 
 void RevisionWait::on_scene_event() {

@@ -43,14 +43,15 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   /// kept or does not exist), kUnavailable (not published in time, or the server stops), kNotFound
   /// (the scene was removed meanwhile), kCancelled, kResourceExhausted (too many reads wait).
   void read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
-            Deadline deadline, std::size_t bytes, Done done);
+            Deadline deadline, std::size_t bytes, const exec::Caller& caller, Done done);
 
   /// Ends the wait, also one that starts later. Threads: any, at any time.
   void cancel();
 
  private:
-  void wait(std::uint64_t revision, Deadline deadline, std::size_t bytes);
-  Status enter(std::size_t bytes);
+  void wait(std::uint64_t revision, Deadline deadline, std::size_t bytes,
+            const exec::Caller& caller);
+  Status enter(std::size_t bytes, const exec::Caller& caller);
   void on_scene_event();
   void end(std::optional<Error> error);
   void finish(const std::optional<Error>& error);

@@ -21,7 +21,7 @@ Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
         fmt::format("the server holds {} scenes, the limit is {}", scenes_.size(), kMaxScenes),
         "TOO_MANY_SCENES"};
   }
-  auto scene = std::make_shared<StoredScene>(std::move(info));
+  auto scene = std::make_shared<StoredScene>(std::move(info), memory_);
   scenes_.emplace(scene->info().name, scene);
   return scene;
 }
@@ -62,13 +62,19 @@ Status SceneStore::remove(const std::string& name) {
   return {};  // `removed` may free large trees, outside the lock
 }
 
-void SceneStore::drop_old_revisions() {
-  std::vector<std::shared_ptr<StoredScene>> scenes;
+std::vector<std::shared_ptr<StoredScene>> SceneStore::by_last_cast() const {
+  using Dated = std::pair<StoredScene::Clock::time_point, std::shared_ptr<StoredScene>>;
+  std::vector<Dated> dated;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [name, scene] : scenes_) scenes.push_back(scene);
+    dated.reserve(scenes_.size());
+    for (const auto& [name, scene] : scenes_) dated.emplace_back(scene->last_cast(), scene);
   }
-  for (const auto& scene : scenes) scene->drop_old_revisions();
+  std::ranges::sort(dated, {}, &Dated::first);
+  std::vector<std::shared_ptr<StoredScene>> scenes;
+  scenes.reserve(dated.size());
+  for (auto& [when, scene] : dated) scenes.push_back(std::move(scene));
+  return scenes;
 }
 
 }  // namespace sightline::server::scenes

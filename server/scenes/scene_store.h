@@ -25,6 +25,9 @@ class SceneStore {
  public:
   static constexpr std::size_t kMaxScenes = 10'000;
 
+  /// Scenes are charged to `memory`, which outlives them.
+  explicit SceneStore(exec::MemoryAccount& memory) : memory_(memory) {}
+
   /// Errors: kAlreadyExists, kResourceExhausted (too many scenes).
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
   /// Errors: kNotFound.
@@ -35,11 +38,11 @@ class SceneStore {
   /// Calls the listeners of the scene. Errors: kNotFound.
   Status remove(const std::string& name);
 
-  /// Drops all revisions except the newest of every scene, and with them the meshes that only they
-  /// use. May take long.
-  void drop_old_revisions();
+  /// All scenes, those first at which rays were cast longest ago.
+  std::vector<std::shared_ptr<StoredScene>> by_last_cast() const;
 
  private:
+  exec::MemoryAccount& memory_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<StoredScene>> scenes_;
 };

@@ -10,6 +10,9 @@
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
+#include "server/exec/memory_account.h"
+#include "server/exec/unary_rpc.h"
+#include "server/exec/unread_replies.h"
 #include "server/scenes/names.h"
 #include "server/scenes/scene_store.h"
 
@@ -26,12 +29,18 @@ struct Services {
   exec::Admission& all_hits_admission;
   /// For small casts when `admission` is full.
   exec::Admission& small_admission;
+  /// A second, smaller bound for batches of updates that are not applied yet: producers that never
+  /// end their batches cannot use up all of `admission`.
+  exec::Admission& batch_admission;
+  exec::UnreadReplies& unread;
   exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
   exec::CallRegistry& cast_streams;
   exec::CallRegistry& prefetches;
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
+
+  exec::UnaryParts unary() const { return {compute, admission, unread}; }
 
   /// Errors: kInvalidArgument (not a scene name), kNotFound.
   Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@
 #include "scenegraph/revision/snapshot.h"
 #include "scenegraph/scene.h"
 #include "server/exec/executors.h"
+#include "server/exec/memory_account.h"
 #include "server/scenes/history.h"
 #include "server/scenes/idempotency.h"
 #include "server/scenes/names.h"
@@ -51,11 +53,17 @@ struct SceneInfo {
   double meters_per_unit = 0;  ///< 0: unknown.
 };
 
+/// Updates of this many revisions stay in a scene's log when memory is short.
+inline constexpr std::size_t kMinLogged = 4;
+
 /// A scene that clients can name. Must be made by std::make_shared. apply(), answers() and
 /// producers() may only be used by tasks of write_queue(). Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
-  explicit StoredScene(SceneInfo info) : info_(std::move(info)) {}
+  using Clock = std::chrono::steady_clock;
+
+  /// What the scene holds is charged to `memory`, which outlives it.
+  StoredScene(SceneInfo info, exec::MemoryAccount& memory);
 
   const SceneInfo& info() const { return info_; }
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
@@ -72,15 +80,19 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   exec::Strand& write_queue() { return write_queue_; }
   /// Applies a batch. When it returns, the new revision is in the log and listeners have been
   /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
-  /// check_deformed; kNotFound after remove().
+  /// needed_by; kResourceExhausted where the memory budget has no room for it; kNotFound after
+  /// remove().
   /// `record`: called with the result before it is published, so that the caller can record it.
-  /// If it throws, or memory runs out, nothing has changed.
+  /// If it throws, or memory runs out, nothing has changed. `cancelled`: as for Scene::apply.
   Result<scenegraph::Applied> apply(
       std::vector<scenegraph::model::Update> updates,
       std::optional<std::uint64_t> expected_revision, exec::Compute& compute,
-      const std::function<void(const scenegraph::Applied&)>& record = {});
+      const std::function<void(const scenegraph::Applied&)>& record = {},
+      const std::atomic<bool>* cancelled = nullptr);
   RequestAnswers& answers() { return answers_; }
   Producers& producers() { return producers_; }
+
+  exec::MemoryAccount& memory() { return memory_; }
 
   const UpdateLog& log() const { return log_; }
   SceneEvents& events() { return events_; }
@@ -91,26 +103,53 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// The error of calls after remove().
   Error removed_error() const;
 
+  /// Rays are cast at the scene now.
+  void touch() { last_cast_.store(Clock::now(), std::memory_order_relaxed); }
+  /// When touch() was called last; at first, when the scene was made.
+  Clock::time_point last_cast() const { return last_cast_.load(std::memory_order_relaxed); }
+  /// Bytes of the trees of the newest revision, without those of uploaded meshes. Cost: the number
+  /// of meshes that updates have made.
+  std::uint64_t tree_bytes() const;
+
   /// Drops all revisions except the newest, and with them the meshes that only they use.
   void drop_old_revisions();
+  /// Drops all updates from the log but those of the newest kMinLogged revisions.
+  void drop_old_updates();
+  /// As Scene::drop_trees. Returns about the bytes of the old trees.
+  std::uint64_t drop_trees();
 
  private:
+  using PatchedMeshes = std::vector<std::weak_ptr<const scenegraph::model::Mesh>>;
   /// What an update has replaced.
   struct Dropped {
-    std::vector<RecentRevisions::SnapshotPointer> revisions;
+    std::vector<RecentRevisions::Kept> revisions;
     RecentRevisions::SnapshotPointer unsettled, before;
   };
+  Result<std::shared_ptr<const void>> charge_patch(std::uint64_t bytes);
+  void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
+  void remember_patched(const std::vector<scenegraph::model::Update>& updates);
   void settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept;
+  /// When it returns, nothing that was dropped before the call is held any more.
+  void free_dropped();
 
+  exec::MemoryAccount& memory_;
   const SceneInfo info_;
   const std::uint64_t incarnation_ = new_incarnation();
+  std::uint64_t name_bytes_ = 0;       // of the newest revision; used on the write queue
+  exec::MemoryAccount::Charge nodes_;  // of the newest revision; used on the write queue
+  mutable std::mutex patched_mutex_;
+  mutable PatchedMeshes patched_;  // meshes that updates have made, of any revision
+  std::atomic<Clock::time_point> last_cast_{Clock::now()};
   scenegraph::Scene scene_;
   RecentRevisions recent_;
-  UpdateLog log_;
+  UpdateLog log_{memory_};
   SceneEvents events_;
   std::atomic<bool> removed_{false};
+  std::mutex freeing_mutex_;  // held while memory is freed
+  std::mutex dropped_mutex_;  // protects the next
+  std::vector<Dropped> dropped_;
   exec::Strand write_queue_;
-  RequestAnswers answers_;
+  RequestAnswers answers_{memory_};
   Producers producers_;
   std::mutex summary_mutex_;
   std::optional<std::uint64_t> summarized_revision_;

@@ -28,12 +28,16 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
 /// with one id finds the answer of the first there.
 class ApplyCall final : public grpc::ServerUnaryReactor {
  public:
-  ApplyCall(const scenes::Services& services, const v1::ApplyUpdatesRequest& request,
-            v1::ApplyUpdatesResponse& reply)
-      : services_(services), request_(request), reply_(reply) {}
+  ApplyCall(const scenes::Services& services, grpc::CallbackServerContext& context,
+            const v1::ApplyUpdatesRequest& request, v1::ApplyUpdatesResponse& reply)
+      : services_(services),
+        context_(context),
+        caller_(exec::caller_of(context)),
+        request_(request),
+        reply_(reply) {}
 
   void start() {
-    auto ticket = services_.admission.admit(0, request_.SpaceUsedLong());
+    auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
     services_.compute.enqueue_update([this] {
@@ -80,7 +84,8 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
       answer(next);
       if (!id.empty()) entry = scene_->answers().prepare(id, content_, next);
     };
-    auto applied = scene_->apply(std::move(**updates_), expected(), services_.compute, record);
+    auto applied =
+        scene_->apply(std::move(**updates_), expected(), services_.compute, record, &cancelled_);
     if (!applied) return applied.error();
     if (!id.empty()) scene_->answers().retain(std::move(entry));
     log(applied->revision, count);
@@ -104,6 +109,11 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   }
 
   void end(const Status& status) {
+    // The update is applied: an error would say that it is not.
+    if (status.ok()) {
+      held_ = services_.unread.hold_in_any_case(
+          context_, caller_, request_.ByteSizeLong() + 2 * reply_.ByteSizeLong());
+    }
     const grpc::Status answer = exec::to_grpc(status);
     ticket_ = {};
     updates_.reset();
@@ -114,8 +124,11 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const scenes::Services& services_;
+  grpc::CallbackServerContext& context_;
+  const exec::Caller caller_;
   const v1::ApplyUpdatesRequest& request_;
   v1::ApplyUpdatesResponse& reply_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;
   exec::Admission::Ticket ticket_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::optional<Result<std::vector<scenegraph::model::Update>>> updates_;
@@ -126,9 +139,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 }  // namespace
 
 grpc::ServerUnaryReactor* start_apply(const scenes::Services& services,
+                                      grpc::CallbackServerContext& context,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply) {
-  auto* call = new ApplyCall(services, request, reply);
+  auto* call = new ApplyCall(services, context, request, reply);
   call->start();
   return call;
 }

@@ -10,6 +10,7 @@ namespace sightline::server::updates {
 
 /// The reactor of a new call; it deletes itself. All arguments outlive the call.
 grpc::ServerUnaryReactor* start_apply(const scenes::Services& services,
+                                      grpc::CallbackServerContext& context,
                                       const v1::ApplyUpdatesRequest& request,
                                       v1::ApplyUpdatesResponse& reply);
 

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
 #include "server/exec/rpc_status.h"
+#include "server/scenes/history.h"
 #include "server/updates/update_codec.h"
 
 namespace sightline::server::updates {
@@ -66,17 +68,27 @@ Status UpdateBatches::append(const v1::UpdateBatch& message) {
             "BATCH_TOO_LARGE"});
     return {};
   }
-  auto ticket = admission_.admit(0, bytes);
-  if (!ticket) return ticket.error();
   auto updates = decode_updates(message.updates(), blobs_, batch_.updates.size());
   if (!updates) {
     refuse(updates.error());
     return {};
   }
-  batch_.tickets.push_back(std::move(*ticket));
+  // Small updates take more bytes than their messages.
+  if (Status admitted = admit(std::max<std::size_t>(bytes, scenes::bytes_of(*updates))); !admitted)
+    return admitted;
   batch_.bytes += bytes;
   batch_.updates.insert(batch_.updates.end(), std::make_move_iterator(updates->begin()),
                         std::make_move_iterator(updates->end()));
+  return {};
+}
+
+Status UpdateBatches::admit(std::size_t bytes) {
+  auto batches = batch_admission_.admit(caller_, 0, bytes);
+  if (!batches) return batches.error();
+  auto all = admission_.admit(caller_, 0, bytes);
+  if (!all) return all.error();
+  batch_.tickets.push_back(std::move(*batches));
+  batch_.tickets.push_back(std::move(*all));
   return {};
 }
 

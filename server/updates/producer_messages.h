@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "accel/result.h"
@@ -32,8 +33,13 @@ struct UpdateBatch {
 /// Assembles batches from messages. Threads: one at a time.
 class UpdateBatches {
  public:
-  UpdateBatches(const blobs::BlobStore& blobs, exec::Admission& admission)
-      : blobs_(blobs), admission_(admission) {}
+  /// What a batch holds is admitted by both admissions.
+  UpdateBatches(const blobs::BlobStore& blobs, exec::Caller caller, exec::Admission& admission,
+                exec::Admission& batch_admission)
+      : blobs_(blobs),
+        caller_(std::move(caller)),
+        admission_(admission),
+        batch_admission_(batch_admission) {}
 
   /// The next expected batch is the one after this sequence number.
   void begin(std::uint64_t last_committed) { last_ = last_committed; }
@@ -47,16 +53,21 @@ class UpdateBatches {
   /// Returns the complete batch and forgets it.
   UpdateBatch batch();
 
+  /// Whether a batch is incomplete.
+  bool open() const { return open_; }
   /// Bytes of the incomplete batch.
   std::size_t bytes() const { return open_ ? batch_.bytes : 0; }
 
  private:
   Status check_sequence(std::uint64_t sequence) const;
   Status append(const v1::UpdateBatch& message);
+  Status admit(std::size_t bytes);
   void refuse(Error error);
 
   const blobs::BlobStore& blobs_;
+  const exec::Caller caller_;
   exec::Admission& admission_;
+  exec::Admission& batch_admission_;
   std::uint64_t last_ = 0;  // sequence number of the last complete batch
   bool open_ = false;       // the last message had `more` set
   std::uint64_t open_sequence_ = 0;

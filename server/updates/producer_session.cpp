@@ -10,7 +10,8 @@ namespace {
 
 /// Whether the server failed, not the batch. The batch may then succeed when it is sent again.
 bool is_our_fault(const Error& error) {
-  return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY";
+  return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY" ||
+         error.reason == exec::kMemoryBudget;
 }
 
 }  // namespace
@@ -84,8 +85,10 @@ ProducerSession::Puts ProducerSession::prepare(const std::deque<UpdateBatch>& ba
   Puts puts;
   for (std::size_t i = 0; i < count; ++i) {
     const UpdateBatch& batch = batches[i];
-    puts.push_back(
-        {batch.sequence, result ? result->nodes : std::vector<scenegraph::model::NodeId>()});
+    auto nodes = result ? result->nodes : std::vector<scenegraph::model::NodeId>();
+    auto charge =
+        scene_.memory().record(exec::Held::kLogs, nodes.size() * sizeof(scenegraph::model::NodeId));
+    puts.push_back({batch.sequence, std::move(nodes), std::move(charge)});
     outcomes.push_back({batch.sequence, batch.bytes, result});
   }
   producer_.put.reserve_more(count);

@@ -29,18 +29,20 @@ void encode(scenes::StoredScene& scene, v1::Scene& out) {
 /// Waits for the revision, then encodes the nodes on a worker. Deletes itself.
 class NodesCall final : public grpc::ServerUnaryReactor {
  public:
-  NodesCall(const scenes::Services& services, const v1::BatchGetNodesRequest& request,
-            v1::BatchGetNodesResponse& reply)
+  NodesCall(const scenes::Services& services, grpc::CallbackServerContext& context,
+            const v1::BatchGetNodesRequest& request, v1::BatchGetNodesResponse& reply)
       : services_(services),
+        context_(context),
+        caller_(exec::caller_of(context)),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
         request_(request),
         reply_(reply) {}
 
-  void start(const grpc::CallbackServerContext& context) {
+  void start() {
     if (const Status good = exec::to_status([this] { return open(); }); !good) return end(good);
-    wait_->read(scene_, request_.consistency(), context.deadline(), request_.ByteSizeLong(),
-                [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+    wait_->read(scene_, request_.consistency(), context_.deadline(), request_.ByteSizeLong(),
+                caller_, [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
                   if (!pinned) return end(pinned.error());
                   services_.compute.enqueue_management([this, snapshot = std::move(*pinned)] {
                     end(exec::to_status([&] { return answer(*snapshot); }));
@@ -61,7 +63,7 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     }
     auto scene = services_.find(request_.scene());
     if (!scene) return scene.error();
-    auto ticket = services_.admission.admit(0, request_.SpaceUsedLong());
+    auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!ticket) return ticket.error();
     scene_ = std::move(*scene);
     ticket_ = std::move(*ticket);
@@ -78,7 +80,8 @@ class NodesCall final : public grpc::ServerUnaryReactor {
   }
 
   void end(const Status& status) {
-    const grpc::Status answer = exec::to_grpc(status);
+    const grpc::Status answer = exec::to_grpc(
+        exec::hold_reply(services_.unread, context_, caller_, request_, reply_, status, held_));
     ticket_ = {};
     scene_.reset();
     exec::log_rpc("BatchGetNodes", answer, begun_);
@@ -87,11 +90,14 @@ class NodesCall final : public grpc::ServerUnaryReactor {
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const scenes::Services& services_;
+  grpc::CallbackServerContext& context_;
+  const exec::Caller caller_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   const v1::BatchGetNodesRequest& request_;
   v1::BatchGetNodesResponse& reply_;
   std::shared_ptr<scenes::StoredScene> scene_;
   exec::Admission::Ticket ticket_;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
 }  // namespace
@@ -156,60 +162,60 @@ Status SceneRpc::stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStat
 grpc::ServerUnaryReactor* SceneRpc::CreateScene(grpc::CallbackServerContext* context,
                                                 const v1::CreateSceneRequest* request,
                                                 v1::CreateSceneResponse* reply) {
-  return answer_in_arena("CreateScene", *context, *request, services_.compute, services_.admission,
+  return answer_in_arena("CreateScene", *context, *request, *reply, services_.unary(),
                          [=, this] { return create(*request, *reply); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::GetScene(grpc::CallbackServerContext* context,
                                              const v1::GetSceneRequest* request,
                                              v1::GetSceneResponse* reply) {
-  return answer_in_arena("GetScene", *context, *request, services_.compute, services_.admission,
+  return answer_in_arena("GetScene", *context, *request, *reply, services_.unary(),
                          [=, this] { return get(*request, *reply); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::ListScenes(grpc::CallbackServerContext* context,
                                                const v1::ListScenesRequest* request,
                                                v1::ListScenesResponse* reply) {
-  return answer_in_arena("ListScenes", *context, *request, services_.compute, services_.admission,
+  return answer_in_arena("ListScenes", *context, *request, *reply, services_.unary(),
                          [=, this] { return list(*request, *reply); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::DeleteScene(grpc::CallbackServerContext* context,
                                                 const v1::DeleteSceneRequest* request,
-                                                v1::DeleteSceneResponse*) {
-  return answer_in_arena("DeleteScene", *context, *request, services_.compute, services_.admission,
+                                                v1::DeleteSceneResponse* reply) {
+  return answer_in_arena("DeleteScene", *context, *request, *reply, services_.unary(),
                          [=, this] { return remove(*request); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::BatchGetNodes(grpc::CallbackServerContext* context,
                                                   const v1::BatchGetNodesRequest* request,
                                                   v1::BatchGetNodesResponse* reply) {
-  auto* call = new NodesCall(services_, *request, *reply);
-  call->start(*context);
+  auto* call = new NodesCall(services_, *context, *request, *reply);
+  call->start();
   return call;
 }
 
-grpc::ServerUnaryReactor* SceneRpc::ApplyUpdates(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* SceneRpc::ApplyUpdates(grpc::CallbackServerContext* context,
                                                  const v1::ApplyUpdatesRequest* request,
                                                  v1::ApplyUpdatesResponse* reply) {
-  return start_apply(services_, *request, *reply);
+  return start_apply(services_, *context, *request, *reply);
 }
 
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>*
-SceneRpc::StreamUpdates(grpc::CallbackServerContext*) {
-  return start_update_stream(services_);
+SceneRpc::StreamUpdates(grpc::CallbackServerContext* context) {
+  return start_update_stream(services_, *context);
 }
 
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* SceneRpc::WatchScene(
-    grpc::CallbackServerContext*, const v1::WatchSceneRequest* request) {
-  return start_watch(services_, *request);
+    grpc::CallbackServerContext* context, const v1::WatchSceneRequest* request) {
+  return start_watch(services_, *context, *request);
 }
 
 grpc::ServerUnaryReactor* SceneRpc::GetSceneStats(grpc::CallbackServerContext* context,
                                                   const v1::GetSceneStatsRequest* request,
                                                   v1::GetSceneStatsResponse* reply) {
-  return answer_in_arena("GetSceneStats", *context, *request, services_.compute,
-                         services_.admission, [=, this] { return stats(*request, *reply); });
+  return answer_in_arena("GetSceneStats", *context, *request, *reply, services_.unary(),
+                         [=, this] { return stats(*request, *reply); });
 }
 
 }  // namespace sightline::server::updates

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/producer_session.h"
@@ -33,13 +34,22 @@ enum class State : std::uint8_t {
 class UpdateStream final
     : public grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse> {
  public:
-  explicit UpdateStream(const scenes::Services& services)
-      : services_(services), batches_(services.blobs, services.admission) {}
+  UpdateStream(const scenes::Services& services, grpc::CallbackServerContext& context)
+      : services_(services),
+        context_(context),
+        caller_(exec::caller_of(context)),
+        batches_(services.blobs, caller_, services.admission, services.batch_admission) {}
 
   void start() {
-    const Status entered = services_.update_streams.enter(this, [this] {
-      advance([this] { enter(State::kDraining, services_.update_streams.stopped_error()); });
-    });
+    const Status entered = services_.update_streams.enter(
+        this, caller_,
+        {.on_stop =
+             [this] {
+               advance(
+                   [this] { enter(State::kDraining, services_.update_streams.stopped_error()); });
+             },
+         .on_late = [this] { advance([this] { enter(State::kDraining, late()); }); }},
+        &peer_);
     advance([&] {
       working_ = false;
       if (!entered) enter(State::kAborting, entered.error());
@@ -47,13 +57,14 @@ class UpdateStream final
   }
 
   void OnReadDone(bool ok) override {
+    peer_.end();
     // No other thread reads, so the message is decoded without the lock.
     Received received = Received::kPart;
-    const Status accepted = ok ? exec::to_status([&] { return accept(received); }) : Status();
+    const Status accepted =
+        ok ? exec::to_status([&] { return accept(received); }) : exec::end_of_reads(request_);
     advance([&] {
       reading_ = false;
-      if (!ok) return enter(State::kDraining, {});  // the client closed its side or is gone
-      if (!accepted) return enter(State::kDraining, accepted);
+      if (!ok || !accepted) return enter(State::kDraining, accepted);
       if (state_ >= State::kDraining) return;
       if (received == Received::kBatch) return add_batch(batches_.batch());
       if (received == Received::kRepeat)
@@ -64,6 +75,7 @@ class UpdateStream final
   void OnWriteDone(bool ok) override {
     advance([&] {
       writing_ = false;
+      held_.reset();
       window_ -= std::exchange(being_written_, 0);
       if (!ok) {
         enter(State::kAborting,
@@ -79,8 +91,9 @@ class UpdateStream final
   }
 
   void OnDone() override {
-    services_.compute.enqueue([this] {
-      services_.update_streams.leave(this);
+    held_.reset();                         // before the context goes
+    services_.update_streams.leave(this);  // now: the client may open the next call at once
+    services_.compute.enqueue_background([this] {
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
       // After all tasks that this call has posted to the write queue.
@@ -93,6 +106,14 @@ class UpdateStream final
 
  private:
   using Received = UpdateBatches::Received;
+
+  /// The error of a call whose client has sent nothing for too long.
+  static Error late() {
+    return {Code::kAborted,
+            "the stream was idle, or a batch did not go on, and its place is needed or its time is "
+            "over: open it again",
+            "STREAM_IDLE"};
+  }
 
   /// Handles request_ and sets what it completes. Errors end the call.
   Status accept(Received& received) {
@@ -217,6 +238,16 @@ class UpdateStream final
     if (state_ >= State::kAborting) answers_.clear();
   }
 
+  void write() {
+    const std::size_t answered = answers_.pop(reply_);
+    auto held = services_.unread.hold(context_, caller_, 2 * reply_.ByteSizeLong());
+    if (!held) return enter(State::kAborting, held.error());
+    held_ = std::move(*held);
+    writing_ = true;
+    being_written_ = answered;
+    StartWrite(&reply_);
+  }
+
   bool may_read() const {
     if (reading_) return false;
     if (state_ == State::kAwaitingOpen) return !working_;
@@ -241,17 +272,19 @@ class UpdateStream final
       change();
       if (may_read()) {
         reading_ = true;
+        exec::before_read(request_);
+        if (batches_.open()) {
+          peer_.begin(kBatchTimeout);
+        } else {
+          peer_.begin(exec::kIdleStream);
+        }
         StartRead(&request_);
       }
       if (!waiting_.empty() && !working_) {
         working_ = true;
         scene_->write_queue().post(services_.compute, [this] { apply_waiting(); });
       }
-      if (!answers_.empty() && !writing_) {
-        writing_ = true;
-        being_written_ = answers_.pop(reply_);
-        StartWrite(&reply_);
-      }
+      if (!answers_.empty() && !writing_) write();
       if (!may_end()) return;
       enter(State::kEnded, status_);
       status = exec::to_grpc(status_);
@@ -263,6 +296,9 @@ class UpdateStream final
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const scenes::Services& services_;
+  grpc::CallbackServerContext& context_;
+  const exec::Caller caller_;
+  exec::PeerWait peer_;
   v1::StreamUpdatesRequest request_;
   UpdateBatches batches_;  // used by the read
   // Written once, before the producer is open.
@@ -279,17 +315,18 @@ class UpdateStream final
   std::deque<UpdateBatch> waiting_;
   UpdateAnswers answers_;
   v1::StreamUpdatesResponse reply_;
-  std::size_t being_written_ = 0;  // batches that reply_ answers
-  std::size_t window_ = 0;         // batches whose answers are not written
-  std::size_t window_bytes_ = 0;   // of batches that are not applied
+  std::unique_ptr<exec::UnreadReplies::Held> held_;  // while reply_ is written
+  std::size_t being_written_ = 0;                    // batches that reply_ answers
+  std::size_t window_ = 0;                           // batches whose answers are not written
+  std::size_t window_bytes_ = 0;                     // of batches that are not applied
   std::uint64_t answered_ = 0, revision_ = 0, coalesced_ = 0;
 };
 
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamUpdatesRequest, v1::StreamUpdatesResponse>* start_update_stream(
-    const scenes::Services& services) {
-  auto* stream = new UpdateStream(services);
+    const scenes::Services& services, grpc::CallbackServerContext& context) {
+  auto* stream = new UpdateStream(services, context);
   stream->start();
   return stream;
 }

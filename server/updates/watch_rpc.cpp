@@ -76,7 +76,8 @@ class WatchCursor {
 /// message: a client that does not read falls behind in the log and costs no memory.
 class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
  public:
-  explicit Watch(const scenes::Services& services) : services_(services) {}
+  Watch(const scenes::Services& services, grpc::CallbackServerContext& context)
+      : services_(services), context_(context), caller_(exec::caller_of(context)) {}
 
   void start(const v1::WatchSceneRequest& request) {
     const Status ready = exec::to_status([&] { return open(request); });
@@ -90,6 +91,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   void OnWriteDone(bool ok) override {
     advance([&] {
       writing_ = false;
+      held_.reset();
       if (!ok) end(Error{Code::kCancelled, "the message could not be written", "CANCELLED"});
     });
   }
@@ -99,7 +101,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   }
 
   void OnDone() override {
-    services_.compute.enqueue([this] {
+    services_.compute.enqueue_background([this] {
       services_.watches.leave(this);
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
       delete this;
@@ -120,7 +122,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
     }
     cursor_.emplace(*scene_, from);
     if (Status entered = services_.watches.enter(
-            this, [this] { advance([this] { end(services_.watches.stopped_error()); }); });
+            this, caller_,
+            {.on_stop = [this] { advance([this] { end(services_.watches.stopped_error()); }); }});
         !entered)
       return entered;
     listener_ = scene_->events().subscribe([this] { on_scene_event(); });
@@ -145,6 +148,9 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
       working_ = false;
       if (!encoded) end(encoded);
       if (ending_) return;
+      auto held = services_.unread.hold(context_, caller_, 2 * message_.ByteSizeLong());
+      if (!held) return end(held.error());
+      held_ = std::move(*held);
       reported_ = true;
       progress_due_ = false;
       writing_ = true;
@@ -197,6 +203,8 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   const scenes::Services& services_;
+  grpc::CallbackServerContext& context_;
+  const exec::Caller caller_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::uint64_t listener_ = 0;
   std::optional<WatchCursor> cursor_;  // this and the next two: used while encoding
@@ -210,14 +218,16 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   bool progress_due_ = true;  // the first message reports the start
   std::optional<Status> ending_;
   bool ended_ = false;
+  std::unique_ptr<exec::UnreadReplies::Held> held_;  // while message_ is written
   grpc::Alarm clock_;
 };
 
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(
-    const scenes::Services& services, const v1::WatchSceneRequest& request) {
-  auto* watch = new Watch(services);
+    const scenes::Services& services, grpc::CallbackServerContext& context,
+    const v1::WatchSceneRequest& request) {
+  auto* watch = new Watch(services, context);
   watch->start(request);
   return watch;
 }

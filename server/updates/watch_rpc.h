@@ -16,6 +16,7 @@ inline constexpr std::chrono::seconds kWatchProgress{5};
 
 /// The reactor of a new call; it deletes itself. The arguments outlive the call.
 grpc::ServerWriteReactor<v1::WatchSceneResponse>* start_watch(const scenes::Services& services,
+                                                              grpc::CallbackServerContext& context,
                                                               const v1::WatchSceneRequest& request);
 
 }  // namespace sightline::server::updates

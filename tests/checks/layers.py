@@ -19,7 +19,7 @@ accel/published/kd          accel/*
 accel/published/bvh         accel/*
 accel/published             accel/*
 
-scenegraph/model            accel/result accel/geometry accel/mesh
+scenegraph/model            accel/result accel/geometry accel/kdtree accel/mesh
 scenegraph/hierarchy        scenegraph/model
 scenegraph/instances        scenegraph/model scenegraph/hierarchy
                             accel/result accel/geometry accel/kdtree accel/lazy
@@ -35,13 +35,14 @@ server/net                  server/exec accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
-                            scenegraph/revision accel/result
+                            scenegraph/revision accel/result accel/kdtree
 server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry
 server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
 client/*.h
-client/importer             client/*.h
+client/importer/sandbox     client/*.h
+client/importer             client/*.h client/importer/sandbox
 client/wire                 client/*.h
 client/calls                client/*.h client/wire client/importer
 client/*.cpp                client/*.h client/wire client/calls client/importer
@@ -73,10 +74,11 @@ CLI             server client/cli
 nlohmann        server client/cli client/importer
 png.h           client/cli/picture
 assimp          client/importer
+seccomp.h       client/importer/sandbox
 """
 
 # Headers of POSIX: like the standard library's they have no folder, or one of these.
-SYSTEM_FOLDERS = ("sys", "netinet", "arpa")
+SYSTEM_FOLDERS = ("sys", "netinet", "arpa", "linux")
 
 
 def parse(table):

@@ -39,6 +39,17 @@ TEST_F(LiveClient, CreatesAndDeletesScenes) {
   EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
 }
 
+// gRPC waits before it connects again; a call that it does not repeat would fail meanwhile.
+TEST_F(LiveClient, AWriteWaitsForTheConnection) {
+  server::ServerConfig config;
+  config.listen = endpoint();
+  stop_server();
+  EXPECT_EQ(client_.server_info().error().code, Code::kUnavailable);
+  server_ = *server::Server::start(config);
+  const auto created = client_.create_scene(kScene);
+  EXPECT_TRUE(created) << created.error().message;
+}
+
 TEST_F(LiveClient, ErrorsCarryTheServersReason) {
   const auto missing = client_.get_scene(kScene);
   ASSERT_FALSE(missing);

@@ -3,7 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <optional>
 #include <thread>
+
+#include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
+#include "tests/support/watched_rule.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -207,6 +213,19 @@ TEST(Scene, AppliesAllOfABatchOrNothing) {
   EXPECT_EQ(scene.snapshot()->find(1)->parent_from_local, model::Affine{});
 }
 
+TEST(Scene, ACancelledBatchChangesNothing) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}));
+  const std::atomic<bool> cancelled{true};
+  bool published = false;
+  const auto applied = scene.apply(
+      {put(-1, 0, "b")}, std::nullopt, [&](const Applied&) { published = true; }, {}, &cancelled);
+  EXPECT_EQ(applied.error().code, Code::kCancelled);
+  EXPECT_FALSE(published);
+  EXPECT_EQ(scene.snapshot()->revision(), 1u);
+  EXPECT_EQ(scene.snapshot()->node_count(), 1u);
+}
+
 TEST(Scene, ChecksTheExpectedRevision) {
   Scene scene;
   ASSERT_TRUE(scene.apply({put(-1, 0, "a")}, 0));
@@ -228,6 +247,84 @@ TEST(Scene, SerializesWriters) {
   EXPECT_EQ(scene.snapshot()->revision(), 200u);
   EXPECT_EQ(scene.snapshot()->node_count(), 200u);
 }
+
+TEST(Scene, DroppedTreesGrowAgainAndAnswerAlike) {
+  const tests::TestMesh sheet = tests::planar_sheet(60);
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(sheet))}));
+  const auto rays = tests::rays_at(sheet, 2000, 1);
+  std::vector<accel::geometry::Hit> before(rays.size()), after(rays.size());
+  const auto pinned = scene.snapshot();
+  ASSERT_TRUE(trace(*pinned, rays, before, {.growth = Growth::kFull}));
+  const std::uint64_t grown = summarize_build(*pinned).bytes_trees;
+  EXPECT_TRUE(pinned->is_complete());
+
+  EXPECT_GT(scene.drop_trees(), 0u);
+  EXPECT_FALSE(pinned->is_complete()) << "its meshes have other trees now";
+  const auto now = scene.snapshot();
+  EXPECT_EQ(now->revision(), pinned->revision());
+  EXPECT_LT(summarize_build(*now).bytes_trees, grown);
+  EXPECT_EQ(summarize_build(*now).triangles_built, 0u);
+  EXPECT_EQ(scene.drop_trees(), 0u) << "there is nothing left to drop";
+
+  ASSERT_TRUE(trace(*now, rays, after, {}));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(after[i].t, before[i].t);
+    EXPECT_EQ(after[i].primitive, before[i].primitive);
+  }
+  ASSERT_TRUE(trace(*pinned, rays, after, {.growth = Growth::kFull}));
+  EXPECT_EQ(after.front().t, before.front().t);
+}
+
+TEST(Scene, TreesMayBeDroppedWhileRaysUseThem) {
+  const tests::TestMesh soup = tests::random_soup(3000, 0.05, 7);
+  Scene scene;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, tests::mesh_of(soup))}));
+  const auto rays = tests::rays_at(soup, 500, 2);
+  std::vector<accel::geometry::Hit> expected(rays.size());
+  ASSERT_TRUE(trace(*scene.snapshot(), rays, expected, {}));
+  std::atomic<bool> done{false};
+  std::thread dropping([&] {
+    while (!done) scene.drop_trees();
+  });
+  for (int round = 0; round < 40; ++round) {
+    std::vector<accel::geometry::Hit> hits(rays.size());
+    const Growth growth = round % 2 == 0 ? Growth::kFull : Growth::kFirstTouch;
+    ASSERT_TRUE(trace(*scene.snapshot(), rays, hits, {.growth = growth}));
+    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, expected[i].t);
+  }
+  done = true;
+  dropping.join();
+}
+
+/// The mesh drops its tree whenever a cell is cut.
+void expect_hits_while_dropped(Growth growth) {
+  const tests::TestMesh soup = tests::random_soup(20'000, 0.05, 7);
+  const model::Mesh* mesh = nullptr;
+  std::atomic<int> dropped{0};
+  const auto drop = [&](const accel::kdtree::CellRefs&) {
+    constexpr int kTimes = 20;
+    if (dropped < kTimes && mesh->drop_tree() > 0) ++dropped;
+  };
+  const auto made = *model::Mesh::make(soup.vertices, soup.faces,
+                                       {.rule = std::make_shared<tests::WatchedRule>(drop)});
+  mesh = made.get();
+  Scene scene, undisturbed;
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, made)}));
+  ASSERT_TRUE(undisturbed.apply({tests::put_node(-1, 0, tests::mesh_of(soup))}));
+  const auto rays = tests::rays_at(soup, 200, 2);
+  std::vector<accel::geometry::Hit> hits(rays.size()), expected(rays.size());
+  ASSERT_TRUE(trace(*scene.snapshot(), rays, hits, {.growth = growth}));
+  ASSERT_TRUE(trace(*undisturbed.snapshot(), rays, expected, {}));
+  for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(hits[i].t, expected[i].t);
+  EXPECT_GT(dropped, 0);
+}
+
+TEST(Scene, ATreeThatIsDroppedLivesAsLongAsARayIsInIt) {
+  expect_hits_while_dropped(Growth::kFirstTouch);
+}
+
+TEST(Scene, ATreeThatIsDroppedLivesAsLongAsItsBuild) { expect_hits_while_dropped(Growth::kFull); }
 
 TEST(Summary, CountsSharedMeshesOnce) {
   Scene scene;

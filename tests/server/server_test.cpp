@@ -11,6 +11,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
@@ -108,6 +109,14 @@ TEST_F(ServerTest, ReportsItsLimits) {
   EXPECT_EQ(info.max_request_ids(), 1024u);
   EXPECT_EQ(info.max_producers(), 4096u);
   EXPECT_FALSE(info.simd_target().empty());
+  EXPECT_EQ(info.memory_budget_bytes(), test_config().memory_budget);
+  EXPECT_EQ(info.max_cast_streams(), 256u);
+  EXPECT_EQ(info.max_streams_per_connection(), 32u);
+  EXPECT_EQ(info.reply_timeout_ms(), 30'000u);
+  std::vector<const google::protobuf::FieldDescriptor*> reported;
+  info.GetReflection()->ListFields(info, &reported);
+  EXPECT_EQ(reported.size(), static_cast<std::size_t>(info.GetDescriptor()->field_count()))
+      << "a limit is missing";
 }
 
 TEST_F(ServerTest, ServesHealthAndReflection) {

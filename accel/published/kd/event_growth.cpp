@@ -31,11 +31,12 @@ class EventGrowth {
   kdtree::Slot grow(const EventCell& cell, EventDivider& divider, kdtree::BuildCounters& counters) {
     const bool cancelled =
         context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
-    if (cell.size >= grow::kForkFrom && cancelled) return defer(cell, false);
+    if (cell.size >= grow::kForkFrom && cancelled)
+      return defer(cell, kdtree::KdTree::Waits::kLeftOver);
     const std::optional<EventSplit> cut = choose(cell, counters);
     if (!cut) return leaf(cell);
     const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return defer(cell, true);
+    if (!pair) return defer(cell, kdtree::KdTree::Waits::kFailed);
 
     const auto mark = divider.events().mark();
     const EventHalves halves = divider.divide(cell, *cut, refs_, mesh_, counters);
@@ -87,11 +88,11 @@ class EventGrowth {
       if (event.type() != EventType::kEnd) refs.push_back(refs_[event.reference()]);
     }
     const std::optional<kdtree::Slot> made = context_.tree.make_leaf(refs);
-    return made ? *made : defer(cell, true);
+    return made ? *made : defer(cell, kdtree::KdTree::Waits::kFailed);
   }
 
   /// Makes a list again: every reference with the bounds of its events.
-  kdtree::Slot defer(const EventCell& cell, bool failed) const {
+  kdtree::Slot defer(const EventCell& cell, kdtree::KdTree::Waits why) const {
     std::vector<std::uint32_t> members;
     for (const Event event : cell.events[0]) {
       if (event.type() != EventType::kEnd) members.push_back(event.reference());
@@ -112,7 +113,7 @@ class EventGrowth {
           ref.hi[axis] = geometry::least_above(event.position());
       }
     }
-    return context_.tree.defer(std::move(list), cell.box, cell.path, failed);
+    return context_.tree.defer(std::move(list), cell.box, cell.path, why);
   }
 
   const grow::GrowContext& context_;

@@ -19,6 +19,8 @@ namespace sightline::client::cli::files {
 namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 18;
+// No line of a valid file is longer; and a device may have no end.
+constexpr std::size_t kLongestLine = std::size_t{256} << 20;
 
 Error input_error(const std::string& name) {
   return local_error(fmt::format("{}: {}", name, std::generic_category().message(errno)));
@@ -108,6 +110,10 @@ Result<bool> Input::next_line(std::string_view& line) {
     if (!more) return more.error();
     if (!*more) break;
     end = buffer_.find('\n', taken_ + searched);
+    if (end == std::string::npos && searched > kLongestLine) {
+      return local_error(
+          fmt::format("{}: a line is longer than {} MiB", name_, kLongestLine >> 20U));
+    }
   }
   if (taken_ == buffer_.size()) return false;
   const std::size_t stop = std::min(end, buffer_.size());

@@ -29,7 +29,7 @@ class Input {
   Result<std::string_view> peek(std::size_t n);
 
   /// Reads the next line without its end (\n or \r\n). It is valid until the next call. Returns
-  /// false at the end of input.
+  /// false at the end of input. Errors: also a line that is longer than any valid one.
   Result<bool> next_line(std::string_view& line);
 
   /// All bytes from the start, valid as long as this object. The file is mapped, or read into

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/cli/flags.h"
 #include "client/cli/terminal.h"
@@ -33,16 +34,18 @@ const std::map<std::string, Mobility> kMobilities{{"static", Mobility::kStatic},
                                                   {"deforming", Mobility::kDeforming}};
 
 // What the file holds. The server may hold fewer meshes, because it keeps equal meshes once.
-struct FileCounts {
+struct FileReport {
   std::uint64_t meshes = 0;
   std::uint64_t triangles = 0;
   std::uint64_t lines_and_points = 0;
   std::uint64_t uncut_polygons = 0;
+  std::vector<std::string> warnings;
 };
 
-FileCounts count(const importer::ImportedScene& scene) {
-  FileCounts counts;
+FileReport count(const importer::ImportedScene& scene) {
+  FileReport counts;
   counts.meshes = scene.meshes.size();
+  counts.warnings = scene.warnings;
   for (const importer::ImportedMesh& mesh : scene.meshes) {
     counts.triangles += mesh.triangles;
     counts.lines_and_points += mesh.lines_and_points;
@@ -80,8 +83,8 @@ Status check_free(const Client& client, const ImportArguments& arguments) {
                {}};
 }
 
-void print_report(const SceneInfo& scene, const FileCounts& file, double seconds) {
-  fmt::print("{} at revision {} in {:.2f} s\n", scene.name, scene.revision, seconds);
+void print_report(const SceneInfo& scene, const FileReport& file, double seconds) {
+  fmt::print("{} at revision {} in {:.2f} s\n", printable(scene.name), scene.revision, seconds);
   fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
   fmt::print("  meshes     {}", scene.meshes);
   if (file.meshes != scene.meshes) fmt::print(" used, of {} in the file", file.meshes);
@@ -99,7 +102,7 @@ void print_report(const SceneInfo& scene, const FileCounts& file, double seconds
   }
 }
 
-void report(const Session& session, const SceneInfo& scene, const FileCounts& file,
+void report(const Session& session, const SceneInfo& scene, const FileReport& file,
             double seconds) {
   if (!session.json) {
     print_report(scene, file, seconds);
@@ -119,6 +122,7 @@ void report(const Session& session, const SceneInfo& scene, const FileCounts& fi
               {"triangles_nonfinite", scene.triangles_nonfinite},
               {"up_axis", json_of_axis(scene.up_axis)},
               {"meters_per_unit", json_of_unit(scene.meters_per_unit)},
+              {"warnings", file.warnings},
               {"seconds", seconds}});
 }
 
@@ -131,6 +135,7 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   if (const Status free = check_free(*client, arguments); !free) return fail(free.error());
   const auto imported = read_file(arguments);
   if (!imported) return fail(imported.error());
+  print_warnings(imported->warnings);
   const Interrupt interrupt;  // from here on, because an abort could leave a half-made scene
   const auto scene = send(*client, arguments, *imported, interrupt.token());
   if (!scene && interrupt.happened()) return say_interrupted();
@@ -144,6 +149,9 @@ constexpr const char* kImportFooter =
     R"(Everything is read and checked before anything is sent. Polygons are cut into triangles; nothing else is changed,
 merged or repaired. Lines and points keep their number and are never hit. A node with several meshes gets a child for
 each, NAME#0, NAME#1, ... Textures are not read.
+
+FILE may come from a stranger: a child process reads it, which sees no file outside FILE's folder and no network, and
+has limits on memory and time that grow with the size of FILE. What may be missing is a warning on standard error.
 
 --up and --meters-per-unit are recorded with the scene. Where the file itself says otherwise (glTF, Collada, IFC, FBX),
 the scene is turned or scaled to what is asked for; where it says nothing (OBJ, PLY, STL, AC), nothing is changed.

@@ -38,7 +38,7 @@ const char* axis_name(UpAxis axis) {
 }
 
 void print_table(const SceneInfo& scene) {
-  fmt::print("{} at revision {}\n", scene.name, scene.revision);
+  fmt::print("{} at revision {}\n", printable(scene.name), scene.revision);
   fmt::print("  nodes      {}, {} with a mesh\n", scene.nodes, scene.instances);
   fmt::print("  meshes     {}\n", scene.meshes);
   fmt::print("  triangles  {} unique, {} instanced", scene.triangles_unique,
@@ -79,8 +79,9 @@ ExitCode list(const Session& session) {
   fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", "SCENE", "REVISION", "NODES", "INSTANCES",
              "UNIQUE", "INSTANCED");
   for (const SceneInfo& scene : *scenes) {
-    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", short_name(scene.name), scene.revision,
-               scene.nodes, scene.instances, scene.triangles_unique, scene.triangles_instanced);
+    fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", printable(short_name(scene.name)),
+               scene.revision, scene.nodes, scene.instances, scene.triangles_unique,
+               scene.triangles_instanced);
   }
   return kOk;
 }

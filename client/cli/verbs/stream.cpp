@@ -138,7 +138,7 @@ void print_table(std::FILE* to, const StreamArguments& arguments,
   if (report.stream.rejected > 0) fmt::print(to, "  rejected   {}\n", report.stream.rejected);
   if (report.stream.reconnects > 0) fmt::print(to, "  reconnects {}\n", report.stream.reconnects);
   fmt::print(to, "  sent       {}\n", format_bytes(report.stream.bytes_sent));
-  fmt::print(to, "  token      {}\n", report.stream.token);
+  fmt::print(to, "  token      {}\n", printable(report.stream.token));
 }
 
 ExitCode report(const Session& session, const StreamArguments& arguments,
@@ -161,6 +161,7 @@ ExitCode run(const Session& session, StreamArguments& arguments) {
   if (scene) arguments.motion.frame = playback::frame_of(*scene);
   const auto motion = read_motion(arguments);
   if (!motion) return fail(motion.error());
+  print_warnings(motion->scene.warnings);
   const Interrupt interrupt;
   const auto target =
       playback::prepare_target(*client, arguments.target, *motion, scene.ok(), interrupt.token());

@@ -63,7 +63,7 @@ void report(const Session& session, const UpdateArguments& arguments, std::size_
   fmt::print("{} at revision {}: {} update{}{}\n", arguments.scene, applied.revision, updates,
              updates == 1 ? "" : "s", applied.replayed ? ", applied before" : "");
   if (!applied.nodes.empty()) fmt::print("  nodes  {}\n", fmt::join(applied.nodes, " "));
-  fmt::print("  token  {}\n", applied.token);
+  fmt::print("  token  {}\n", printable(applied.token));
 }
 
 ExitCode run(const Session& session, const UpdateArguments& arguments) {

@@ -3,6 +3,7 @@
 #include "accel/lazy/cell_task.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <atomic>
@@ -145,6 +146,30 @@ TEST(CellTask, AThreadStoppedInASliceDoesNotDelayOthers) {
     for (std::thread& t : threads) t.join();
     EXPECT_EQ(through, 4);
   }
+}
+
+TEST(CellTask, ACancelledThreadLeavesAfterASliceAndTheNextOneGoesOn) {
+  // A helper may be in a slice while this thread is cancelled.
+  const oneapi::tbb::global_control alone(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  ManyBoxes boxes(400'000);
+  const auto slices = std::make_shared<std::atomic<int>>(0);
+  const auto cancelled = std::make_shared<std::atomic<bool>>(false);
+  boxes.at_slice = [slices, cancelled] {
+    if (++*slices == 3) *cancelled = true;
+  };
+  const auto tree = boxes.tree();
+  kdtree::BuildCounters counters;
+  {
+    const kdtree::EpochPin pin;
+    EXPECT_EQ(tree->expand(tree->root(), WhenPending::kWait, counters, cancelled.get()),
+              ExpandResult::kScanList);
+    EXPECT_TRUE(kdtree::load(tree->root()).is_deferred());
+  }
+  EXPECT_EQ(*slices, 3) << "none after the one that was cancelled";
+  EXPECT_EQ(counters.cells_expanded, 0u);
+  const auto other = ManyBoxes(400'000).tree();
+  const geometry::Vec3f point = (*boxes.refs)[0].lo;
+  EXPECT_EQ(descend(*tree, point).cells_expanded, descend(*other, point).cells_expanded);
 }
 
 /// Does the slices of a task's last pass, as a called thread does.

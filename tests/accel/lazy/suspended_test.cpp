@@ -59,11 +59,13 @@ void suspend(int, siginfo_t*, void* context) {
   }
 }
 
-/// Counts the rays that the thread has answered.
+/// Calls before_ray(index) before each ray.
+template <class BeforeRay>
 std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays,
-                            std::atomic<std::size_t>& answered) {
+                            const BeforeRay& before_ray) {
   std::vector<double> answers;
   for (const geometry::Ray& ray : rays) {
+    before_ray(answers.size());
     const kdtree::EpochPin pin;
     mesh::MeshQuery query;
     query.ray = *make_local_ray(ray.origin, ray.direction);
@@ -74,8 +76,6 @@ std::vector<double> ask_all(mesh::MeshTree& tree, const std::vector<geometry::Ra
     kdtree::BuildCounters built;
     tree.query(query, walked, built);
     answers.push_back(query.found ? query.best_t : geometry::kInfinity);
-    ++answered;
-    answered.notify_all();
   }
   return answers;
 }
@@ -94,23 +94,34 @@ bool others_finish(const std::atomic<int>& finished, int others) {
   return finished >= others;
 }
 
-/// Stops one of four threads after it has answered some rays. Returns whether it was stopped before
-/// it had finished.
+/// Stops one of four threads after it has answered some rays, when the other three begin. Returns
+/// whether it was stopped before it had finished.
 bool stop_one_of_four(mesh::MeshTree& tree, const std::vector<geometry::Ray>& rays,
                       const std::vector<double>& expected, std::size_t rays_before) {
   suspended = false;
   std::atomic<int> finished{0}, wrong{0};
-  std::atomic<bool> victim_finished{false};
-  std::vector<std::atomic<std::size_t>> answered(4);
+  std::atomic<bool> victim_is_ready{false}, begin{false}, victim_finished{false};
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < 4; ++i) {
     threads.emplace_back([&, i] {
-      if (ask_all(tree, rays, answered[i]) != expected) ++wrong;
+      // No signal is too late: the sender lets the threads begin.
+      const std::size_t waits_at = i == 0 ? rays_before : 0;
+      const auto before_ray = [&, i, waits_at](std::size_t ray) {
+        if (ray != waits_at) return;
+        if (i == 0) {
+          victim_is_ready = true;
+          victim_is_ready.notify_all();
+        }
+        begin.wait(false);
+      };
+      if (ask_all(tree, rays, before_ray) != expected) ++wrong;
       if (i == 0) victim_finished = true;
       ++finished;
     });
   }
-  for (std::size_t now = answered[0]; now < rays_before; now = answered[0]) answered[0].wait(now);
+  victim_is_ready.wait(false);
+  begin = true;
+  begin.notify_all();
   while (!suspended && !victim_finished) {
     pthread_kill(threads[0].native_handle(), SIGUSR2);
     std::this_thread::yield();
@@ -139,8 +150,7 @@ TEST(Suspended, OtherThreadsDoNotWait) {
   for (const auto& shape : {soup, sphere}) {
     const std::vector<geometry::Ray> rays = tests::rays_at(*shape, 60, 8);
     const auto reference = make_tree(shape, mesh::References::kSoup);
-    std::atomic<std::size_t> answered{0};
-    const std::vector<double> expected = ask_all(*reference, rays, answered);
+    const std::vector<double> expected = ask_all(*reference, rays, [](std::size_t) {});
     // Six stopped threads for each kind of references, at their first ray and later. If the thread
     // finishes first, the attempt is repeated.
     for (const mesh::References references : {mesh::References::kSoup, mesh::References::kRuns}) {

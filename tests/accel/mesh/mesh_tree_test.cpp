@@ -310,6 +310,37 @@ TEST(MeshTree, TreesStayUsableAfterACancelledBuild) {
   EXPECT_EQ(tree->metrics().deferred_cells, 0u);
 }
 
+/// How many triangles a cancelled ray tests that has `tree` searched.
+std::uint64_t tests_when_cancelled(MeshTree& tree, const geometry::LocalRay& ray) {
+  const kdtree::EpochPin pin;
+  const std::atomic<bool> cancelled{true};
+  MeshQuery query;
+  query.on_deferred = OnDeferred::kScan;
+  query.cancelled = &cancelled;
+  query.ray = ray;
+  kdtree::WalkCounters walked;
+  kdtree::BuildCounters built;
+  tree.query(query, walked, built);
+  return walked.tests;
+}
+
+TEST(MeshTree, ACancelledRayLeavesALongSearch) {
+  // All triangles meet the ray, and none hides another.
+  TestMesh mesh;
+  constexpr std::uint32_t kTriangles = 50'000;
+  for (std::uint32_t i = 0; i < kTriangles; ++i) {
+    const float z = static_cast<float>(kTriangles - i);
+    mesh.vertices.insert(mesh.vertices.end(), {{0, 0, z}, {1, 0, z}, {0, 1, z}});
+    mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto tree = make_tree(mesh);
+  const auto ray = geometry::make_local_ray({0.2, 0.2, -1}, {0, 0, 1});
+  EXPECT_LE(tests_when_cancelled(*tree, *ray), lazy::kSearchStep) << "before the root has a list";
+  // A ray across the first one expands some cells.
+  ask(*tree, {.origin = {-1, 0.2, 25000.5}, .direction = {1, 0, 0}});
+  EXPECT_LE(tests_when_cancelled(*tree, *ray), lazy::kSearchStep);
+}
+
 TEST(MeshTree, ThreadsInOneColdTreeAgree) {
   // Large enough that the first cells are shared by threads and the later ones are raced for.
   const TestMesh mesh = tests::random_soup(60000, 0.01, 6);

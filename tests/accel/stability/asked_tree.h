@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <span>
@@ -29,16 +30,17 @@ struct NearestHit {
 /// The mesh must outlive it. Rays are valid.
 class AskedTree {
  public:
-  AskedTree(const TestMesh& mesh, const accel::published::AnyBuilder& builder,
+  AskedTree(const TestMesh& mesh, const accel::mesh::TreeBuilder& builder,
             accel::mesh::References references = accel::mesh::References::kRuns)
       : tree_(mesh.view(), accel::mesh::compute_mesh_stats(mesh.view()), builder, references) {}
   AskedTree(const TestMesh& mesh, std::string_view builder)
       : AskedTree(mesh, *accel::published::make_builder(builder)) {}
 
-  void build() { tree_.expand_all(built_); }
+  void build(const std::atomic<bool>* cancelled = nullptr) { tree_.expand_all(built_, cancelled); }
 
   NearestHit nearest(const accel::geometry::Ray& ray,
-                     accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand) {
+                     accel::mesh::OnDeferred on_deferred = accel::mesh::OnDeferred::kExpand,
+                     const std::atomic<bool>* cancelled = nullptr) {
     accel::kdtree::EpochPin pin;
     accel::mesh::MeshQuery query;
     query.pin = &pin;
@@ -47,6 +49,7 @@ class AskedTree {
     query.tmax = ray.tmax;
     query.node = 1;
     query.on_deferred = on_deferred;
+    query.cancelled = cancelled;
     tree_.query(query, walked_, built_);
     return query.found ? NearestHit{query.best_t, query.best_primitive} : NearestHit{};
   }

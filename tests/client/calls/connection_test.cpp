@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <stop_token>
 
 #include "client/calls/connection.h"
 #include "google/rpc/error_details.pb.h"
@@ -28,6 +29,16 @@ TEST(RpcError, TheReasonIsReadFromErrorInfo) {
   details.add_details()->PackFrom(info);
   const grpc::Status status(grpc::INVALID_ARGUMENT, "cycle", details.SerializeAsString());
   EXPECT_EQ(rpc_error(status).reason, "NODE_CYCLE");
+}
+
+TEST(RpcError, ACallThatNothingCancelledWasEndedByTheServer) {
+  const grpc::Status cancelled(grpc::CANCELLED, "CANCELLED");
+  std::stop_source stop;
+  EXPECT_EQ(rpc_error(cancelled, stop.get_token()).code, Code::kUnavailable);
+  EXPECT_EQ(rpc_error(cancelled, {}).code, Code::kUnavailable);
+  stop.request_stop();
+  EXPECT_EQ(rpc_error(cancelled, stop.get_token()).code, Code::kCancelled);
+  EXPECT_EQ(rpc_error(grpc::Status(grpc::NOT_FOUND, ""), {}).code, Code::kNotFound);
 }
 
 TEST(RpcError, InvalidDetailsGiveNoReason) {

@@ -171,6 +171,26 @@ TEST_F(Program, UnreadableLocalFilesExitWithOne) {
   EXPECT_EQ(dir_.names(), "bad.csv square.obj");
 }
 
+TEST_F(Program, AFileThatKillsItsReaderIsOneLineAndExitCode1) {
+  const std::string self = dir_.write("self.dae", R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_nodes>
+<node id="n"><instance_node url="#n"/></node></library_nodes><library_visual_scenes>
+<visual_scene id="v"><node id="r"><instance_node url="#n"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#v"/></scene></COLLADA>)");
+  const Outcome outcome = run({"scene", "import", "new", self.c_str()});
+  EXPECT_EQ(outcome.exit, 1);
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("self.dae: "), std::string::npos) << outcome.err;
+}
+
+TEST_F(Program, WarningsOfAnImportAreShown) {
+  const std::string cut = dir_.write("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3");
+  const Outcome outcome = run({"scene", "import", "new", cut.c_str(), "--json"});
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("sightline: warning: " + cut), std::string::npos) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["warnings"].size(), 1U);
+}
+
 TEST_F(Program, ImportReportsItsCounts) {
   const std::string file = dir_.write("square.obj", kSquare);
   const Outcome outcome = run({"scene", "import", "square", file.c_str(), "--json", "--up", "z"});

@@ -79,8 +79,9 @@ TEST(Terminal, ControlCharactersAreEscaped) {
   EXPECT_EQ(printable("a\x1b[2Jb\n\x7f"), "a\\x1b[2Jb\\x0a\\x7f");
   EXPECT_EQ(printable("\xC2\x9B"
                       "31m"),
-            "\\x9b31m")
+            "\\xc2\\x9b31m")
       << "CSI as one character";
+  EXPECT_EQ(printable("a\x9b\xffz\xE2\x82"), "a\\x9b\\xffz\\xe2\\x82") << "no UTF-8";
   EXPECT_EQ(printable("K\xC3\xBC"
                       "che \xC2\xA7"),
             "K\xC3\xBC"

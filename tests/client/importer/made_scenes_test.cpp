@@ -1,5 +1,5 @@
 // Assimp scenes that no valid file produces.
-#include "client/importer/assimp_import.h"
+#include "client/importer/read_scene.h"
 
 #include <assimp/scene.h>
 #include <gtest/gtest.h>

@@ -6,12 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "tests/client/support/temp_dir.h"
-
 namespace sightline::client::importer {
 namespace {
-
-using tests::TempDir;
 
 constexpr const char* kPly = R"(ply
 format ascii 1.0
@@ -50,40 +46,37 @@ std::string chain(int nodes, int copies) {
   std::string json = R"({"nodes": [)";
   for (int i = 0; i + 1 < nodes; ++i) {
     json += R"({"children": [)";
-    for (int k = 0; k < copies; ++k) json += (k > 0 ? "," : "") + std::to_string(i + 1);
+    for (int k = 0; k < copies; ++k) {
+      if (k > 0) json += ',';
+      json += std::to_string(i + 1);
+    }
     json += "]},";
   }
   return json + "{}]}";
 }
 
 TEST(Preflight, AcceptsAValidFile) {
-  const TempDir dir;
-  EXPECT_EQ(error_of(preflight(dir.write("good.ply", kPly))), "");
-  EXPECT_EQ(error_of(preflight(dir.write("crlf.ply", changed(kPly, "end_header", "end_header\r")))),
-            "");
-  EXPECT_EQ(error_of(preflight(dir.write("led.ply", changed(kPly, "end_header", " end_header ")))),
-            "");
-  EXPECT_EQ(error_of(preflight(dir.write("good.glb", glb(2, "{}")))), "");
-  EXPECT_EQ(error_of(preflight(dir.write("good.gltf", chain(3, 1)))), "");
-  EXPECT_EQ(error_of(preflight(dir.write("other.obj", "v 0 0 0\n"))), "");
-  EXPECT_EQ(error_of(preflight(dir.write("empty.glb", ""))), "");
+  EXPECT_EQ(error_of(preflight("good.ply", kPly)), "");
+  EXPECT_EQ(error_of(preflight("crlf.ply", changed(kPly, "end_header", "end_header\r"))), "");
+  EXPECT_EQ(error_of(preflight("led.ply", changed(kPly, "end_header", " end_header "))), "");
+  EXPECT_EQ(error_of(preflight("good.glb", glb(2, "{}"))), "");
+  EXPECT_EQ(error_of(preflight("good.gltf", chain(3, 1))), "");
+  EXPECT_EQ(error_of(preflight("other.obj", "v 0 0 0\n")), "");
+  EXPECT_EQ(error_of(preflight("empty.glb", "")), "");
 }
 
 TEST(Preflight, RefusesAPlyHeaderWithoutAnEnd) {
-  const TempDir dir;
   for (const char* end :
        {"", "end_headers", "the_end_header", "end", "list end_header", "comment end_header"}) {
-    const auto status = preflight(dir.write("cut.ply", changed(kPly, "end_header", end)));
+    const auto status = preflight("cut.ply", changed(kPly, "end_header", end));
     EXPECT_NE(error_of(status).find("without end_header"), std::string::npos) << end;
   }
 }
 
 TEST(Preflight, RefusesAPlyFileTooSmallForItsElements) {
-  const TempDir dir;
   const auto check = [&](const std::string& count) {
     const std::string element = "element vertex ";
-    return error_of(
-        preflight(dir.write("long.ply", changed(kPly, element + "3", element + count))));
+    return error_of(preflight("long.ply", changed(kPly, element + "3", element + count)));
   };
   EXPECT_EQ(check("100"), "");
   EXPECT_NE(check("4000000000").find("4000000001 elements"), std::string::npos);
@@ -91,18 +84,16 @@ TEST(Preflight, RefusesAPlyFileTooSmallForItsElements) {
 }
 
 TEST(Preflight, RefusesAGlbChunkBeyondTheFile) {
-  const TempDir dir;
   for (const std::uint32_t length : {3U, 0x7FFFFFFFU, 0xFFFFFFFFU})
-    EXPECT_NE(error_of(preflight(dir.write("long.glb", glb(length, "{}")))), "") << length;
-  EXPECT_EQ(error_of(preflight(dir.write("cut.glb", glb(2, "{}") + "abcd"))), "");
+    EXPECT_NE(error_of(preflight("long.glb", glb(length, "{}"))), "") << length;
+  EXPECT_EQ(error_of(preflight("cut.glb", glb(2, "{}") + "abcd")), "");
 }
 
 TEST(Preflight, LimitsTheNodesOfGltfAndGlb) {
-  const TempDir dir;
   const std::string json = chain(40, 2);
-  EXPECT_NE(error_of(preflight(dir.write("many.gltf", json))), "");
+  EXPECT_NE(error_of(preflight("many.gltf", json)), "");
   const std::string file = glb(static_cast<std::uint32_t>(json.size()), json);
-  EXPECT_NE(error_of(preflight(dir.write("many.glb", file))), "");
+  EXPECT_NE(error_of(preflight("many.glb", file)), "");
 }
 
 TEST(GltfNodes, AFewNodesMayHaveTwoParents) {

@@ -15,12 +15,15 @@
 #include <filesystem>
 #include <fstream>
 #include <ios>
+#include <iterator>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
-#include "client/importer/assimp_file.h"
-#include "client/importer/assimp_import.h"
+#include "client/importer/lattice.h"
 #include "client/importer/preflight.h"
+#include "client/importer/read_scene.h"
 #include "tests/fuzz/importer/check_imported.h"
 
 /// Sanitizers' functions, if there is a sanitizer.
@@ -70,10 +73,26 @@ void die_quietly() {
   dup2(open("/dev/null", O_WRONLY | O_CLOEXEC), STDERR_FILENO);
 }
 
-void read_by_assimp(const fs::path& file) {
+/// One file, with a name that has no folder.
+struct NamedFile {
+  std::string name;
+  std::string_view bytes;
+
+  client::importer::FileSource source() const {
+    return [this](const std::string& asked) {
+      return asked == name ? std::optional(bytes) : std::nullopt;
+    };
+  }
+};
+
+/// Only whether this process survives matters here.
+void read_by_assimp(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const NamedFile file{path.filename().string(), bytes};
   try {
-    (void)client::importer::AssimpFile::read(file).ok();
-  } catch (const std::exception&) {  // The child survives: only this is tested here.
+    (void)client::importer::AssimpFile::read(file.name, file.source()).ok();
+  } catch (const std::exception&) {
   }
 }
 
@@ -157,9 +176,10 @@ std::optional<std::string> refusal(const client::Result<Scene>& scene) {
   return "refused without a word";
 }
 
-FileReport import(const fs::path& file) {
-  const auto plain = client::importer::import_scene(file);
-  const auto animated = client::importer::import_animated_scene(file);
+FileReport import(const NamedFile& file) {
+  auto plain = client::importer::read_scene(file.name, file.source());
+  if (plain) client::importer::rebase(*plain);
+  const auto animated = client::importer::read_animated_scene(file.name, file.source());
   FileReport report{animated ? FileOutcome::kTaken : FileOutcome::kRefused, {}};
   if ((report.wrong = refusal(plain)) || (report.wrong = refusal(animated))) return report;
   if (!plain) {
@@ -181,10 +201,14 @@ const char* ending_of(std::span<const std::uint8_t> bytes) {
 }
 
 FileReport check_file(std::span<const std::uint8_t> bytes) {
+  const char* const ending = ending_of(bytes);
   static const Folder folder;
   static Taster taster(folder.path());
-  const fs::path file = folder.put(ending_of(bytes), bytes.empty() ? bytes : bytes.subspan(1));
-  if (client::importer::preflight(file) && !taster.survives(file))
+  if (!bytes.empty()) bytes = bytes.subspan(1);
+  const fs::path path = folder.put(ending, bytes);
+  const NamedFile file{path.filename().string(),
+                       {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+  if (client::importer::preflight(file.name, file.bytes) && !taster.survives(path))
     return {FileOutcome::kAssimpDied, {}};
   return import(file);
 }

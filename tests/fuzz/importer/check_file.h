@@ -21,7 +21,7 @@ struct FileReport {
 
 /// The first byte selects the format, the others are the file. Assimp is a third-party library that
 /// crashes on some damaged files: each file is first read in a child process, and if that succeeds,
-/// in this process, as the command does it.
+/// in this process, where the fuzzer sees what the importer does.
 FileReport check_file(std::span<const std::uint8_t> bytes);
 
 /// "obj", "glb", ...: the file name's extension.

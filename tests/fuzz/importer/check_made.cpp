@@ -1,8 +1,8 @@
 // The plain and the animated import, which must agree.
 #include "tests/fuzz/importer/check_made.h"
 
-#include "client/importer/assimp_import.h"
 #include "client/importer/lattice.h"
+#include "client/importer/read_scene.h"
 #include "tests/fuzz/importer/check_imported.h"
 #include "tests/fuzz/importer/made_scene.h"
 

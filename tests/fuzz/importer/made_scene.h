@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "client/importer/assimp_import.h"
+#include "client/importer/read_scene.h"
 #include "tests/fuzz/bytes.h"
 
 namespace sightline::tests {

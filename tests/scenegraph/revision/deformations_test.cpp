@@ -95,6 +95,39 @@ TEST(Deformations, OfUnknownNodesAreRefused) {
   EXPECT_TRUE(patch(scene, {1}, 3, {}));
 }
 
+/// Every new mesh is charged before it is made, once, and its charge ends with it.
+TEST(Deformations, AreChargedForEachNewMesh) {
+  Scene scene;
+  ASSERT_TRUE(scene.apply(put(-1, triangle())));
+  ASSERT_TRUE(scene.apply(put(-1, scene.snapshot()->find(1)->mesh)));
+  std::uint64_t charged = 0;
+  std::vector<std::weak_ptr<const void>> charges;
+  const model::ChargeBytes charge =
+      [&](std::uint64_t bytes) -> Result<std::shared_ptr<const void>> {
+    if (charges.size() == 2) return Error{Code::kResourceExhausted, "full", "MEMORY_BUDGET"};
+    charged += bytes;
+    auto made = std::make_shared<const int>(0);
+    charges.push_back(made);
+    return std::shared_ptr<const void>(made);
+  };
+  const auto patches = [](std::vector<model::NodeRef> nodes) {
+    return model::PatchVertices{std::move(nodes), 0, {{0, 0, 1}}};
+  };
+  ASSERT_TRUE(scene.apply({patches({1}), patches({1}), patches({2})}, {}, {}, charge));
+  ASSERT_EQ(charges.size(), 2u) << "patches of one node make one mesh";
+  EXPECT_GE(charged, 2 * 3 * sizeof(Vec3f));
+  EXPECT_FALSE(charges[0].expired());
+
+  const auto refused = scene.apply({patches({1})}, {}, {}, charge);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
+  EXPECT_EQ(scene.snapshot()->revision(), 3u);
+
+  ASSERT_TRUE(scene.apply({model::DeleteNode{1, false}}));
+  EXPECT_TRUE(charges[0].expired());
+  EXPECT_FALSE(charges[1].expired());
+}
+
 TEST(Deformations, MayBeNonFiniteForAWhile) {
   Scene scene;
   ASSERT_TRUE(scene.apply(put(-1, triangle())));

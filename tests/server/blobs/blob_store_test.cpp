@@ -28,6 +28,22 @@ std::string sheet_blob(std::uint32_t which) {
   return blob_of(mesh);
 }
 
+/// A store, and an account that drops only what this store has.
+struct Budgeted {
+  explicit Budgeted(std::uint64_t budget, BlobLimits limits = {.idle = kNever})
+      : memory(budget), blobs(memory, limits) {
+    memory.set_reclaim([this](std::uint64_t bytes) {
+      while (
+          memory.used() + bytes > memory.budget() &&
+          (blobs.drop_set_aside() || blobs.drop_unused_mesh(Unused::kAny) || blobs.drop_idle())) {
+      }
+    });
+  }
+
+  exec::MemoryAccount memory;
+  BlobStore blobs;
+};
+
 BlobStore::MeshPointer store(BlobStore& blobs, const std::string& blob) {
   const auto upload = blobs.begin(digest_of(blob), 0);
   if (!upload) return nullptr;
@@ -37,19 +53,21 @@ BlobStore::MeshPointer store(BlobStore& blobs, const std::string& blob) {
 }
 
 TEST(BlobStore, KeepsAMeshByItsDigest) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::cube());
   EXPECT_EQ(blobs.find(digest_of(blob)), nullptr);
   const auto mesh = store(blobs, blob);
   ASSERT_NE(mesh, nullptr);
   EXPECT_EQ(blobs.find(digest_of(blob)), mesh);
-  EXPECT_EQ(blobs.bytes_used(), mesh->bytes());
+  EXPECT_EQ(budgeted.memory.used(), mesh->bytes());
   EXPECT_TRUE(blobs.status(digest_of(blob)).complete);
   EXPECT_EQ(blobs.status(digest_of(blob)).committed, blob.size());
 }
 
 TEST(BlobStore, AnUploadCanBeResumed) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::cube());
   {
     const auto upload = blobs.begin(digest_of(blob), 0);
@@ -67,7 +85,8 @@ TEST(BlobStore, AnUploadCanBeResumed) {
 }
 
 TEST(BlobStore, AcceptsBytesInOrderOnly) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::cube());
   EXPECT_EQ(blobs.begin(digest_of(blob), 7).error().code, Code::kOutOfRange);
   const auto upload = blobs.begin(digest_of(blob), 0);
@@ -78,20 +97,22 @@ TEST(BlobStore, AcceptsBytesInOrderOnly) {
 }
 
 TEST(BlobStore, RefusesBytesThatDoNotMatchTheDigest) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const std::string blob = sheet_blob(1);
   const auto upload = blobs.begin(digest_of(sheet_blob(2)), 0);
   ASSERT_TRUE((*upload)->append(0, bytes_of(blob)));
   const auto mesh = blobs.complete(*upload);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, Code::kDataLoss);
-  EXPECT_EQ(blobs.bytes_used(), 0u);
+  EXPECT_EQ(budgeted.memory.used(), 0u);
   EXPECT_EQ(blobs.status(digest_of(sheet_blob(2))).committed, 0u);
 }
 
 TEST(BlobStore, NamesTheExceededBudget) {
   const std::string blob = sheet_blob(0);
-  BlobStore blobs({.memory_budget = blob.size() + 10, .idle = kNever});
+  Budgeted budgeted(blob.size() + 10);
+  BlobStore& blobs = budgeted.blobs;
   BlobDigest large = digest_of(blob);
   large.size = blob.size() + 11;
   EXPECT_EQ(blobs.begin(large, 0).error().code, Code::kResourceExhausted);
@@ -99,13 +120,15 @@ TEST(BlobStore, NamesTheExceededBudget) {
   const auto refused = blobs.begin(digest_of(sheet_blob(1)), 0);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
-  EXPECT_NE(refused.error().message.find(std::to_string(blobs.bytes_used())), std::string::npos);
+  EXPECT_NE(refused.error().message.find(std::to_string(budgeted.memory.used())),
+            std::string::npos);
   EXPECT_NE(refused.error().message.find(std::to_string(blob.size() + 10)), std::string::npos);
 }
 
 TEST(BlobStore, DropsUnusedMeshesOldestFirst) {
   const std::size_t size = sheet_blob(0).size();
-  BlobStore blobs({.memory_budget = 3 * size, .idle = kNever});
+  Budgeted budgeted(3 * size);
+  BlobStore& blobs = budgeted.blobs;
   const auto used = store(blobs, sheet_blob(0));
   store(blobs, sheet_blob(1));
   store(blobs, sheet_blob(2));
@@ -115,9 +138,19 @@ TEST(BlobStore, DropsUnusedMeshesOldestFirst) {
   EXPECT_NE(blobs.find(digest_of(sheet_blob(2))), nullptr);
 }
 
+TEST(BlobStore, AMeshThatHasJustArrivedIsFresh) {
+  Budgeted patient(kRoomy), hasty(kRoomy, {.idle = kNever, .fresh = std::chrono::seconds(0)});
+  store(patient.blobs, sheet_blob(0));
+  EXPECT_FALSE(patient.blobs.drop_unused_mesh(Unused::kStale)) << "its client is about to use it";
+  EXPECT_TRUE(patient.blobs.drop_unused_mesh(Unused::kAny));
+  store(hasty.blobs, sheet_blob(0));
+  EXPECT_TRUE(hasty.blobs.drop_unused_mesh(Unused::kStale));
+}
+
 TEST(BlobStore, DropsUploadsSetAsideBeforeMeshes) {
   const std::size_t size = sheet_blob(0).size();
-  BlobStore blobs({.memory_budget = 2 * size, .idle = kNever});
+  Budgeted budgeted(2 * size);
+  BlobStore& blobs = budgeted.blobs;
   store(blobs, sheet_blob(0));
   blobs.set_aside(*blobs.begin(digest_of(sheet_blob(1)), 0));
   ASSERT_NE(store(blobs, sheet_blob(2)), nullptr);
@@ -126,7 +159,8 @@ TEST(BlobStore, DropsUploadsSetAsideBeforeMeshes) {
 
 TEST(BlobStore, DropsIdleUploadsForNewOnes) {
   const std::size_t size = sheet_blob(0).size();
-  BlobStore blobs({.memory_budget = size, .idle = std::chrono::seconds(0)});
+  Budgeted budgeted(size, {.idle = std::chrono::seconds(0)});
+  BlobStore& blobs = budgeted.blobs;
   const auto standing = blobs.begin(digest_of(sheet_blob(0)), 0);
   ASSERT_NE(store(blobs, sheet_blob(1)), nullptr);
   const Status dropped = (*standing)->append(0, bytes_of(sheet_blob(0)));
@@ -137,8 +171,28 @@ TEST(BlobStore, DropsIdleUploadsForNewOnes) {
   EXPECT_EQ(blobs.status(digest_of(sheet_blob(0))).committed, 0u);
 }
 
+/// A byte now and then is no progress.
+TEST(BlobStore, ATrickleOfBytesDoesNotKeepAnUpload) {
+  const std::string blob = blob_of(tests::planar_sheet(100));
+  ASSERT_GT(blob.size(), 2 * kUploadProgress);
+  Budgeted budgeted(kRoomy);
+  const auto upload = budgeted.blobs.begin(digest_of(blob), 0);
+  ASSERT_TRUE(upload);
+  const auto begun = (*upload)->last_progress();
+  for (std::size_t at = 0; at < 100; ++at)
+    ASSERT_TRUE((*upload)->append(at, bytes_of(blob).subspan(at, 1)));
+  EXPECT_EQ((*upload)->last_progress(), begun);
+  ASSERT_TRUE((*upload)->append(100, bytes_of(blob).subspan(100, kUploadProgress)));
+  const auto half = (*upload)->last_progress();
+  EXPECT_GT(half, begun);
+  ASSERT_TRUE(
+      (*upload)->append(100 + kUploadProgress, bytes_of(blob).subspan(100 + kUploadProgress)));
+  EXPECT_GT((*upload)->last_progress(), half);
+}
+
 TEST(BlobStore, BoundsTheNumberOfUploads) {
-  BlobStore blobs({.memory_budget = kRoomy, .uploads = 2, .idle = kNever});
+  Budgeted budgeted(kRoomy, {.uploads = 2, .idle = kNever});
+  BlobStore& blobs = budgeted.blobs;
   const auto first = blobs.begin(digest_of(sheet_blob(0)), 0);
   const auto second = blobs.begin(digest_of(sheet_blob(1)), 0);
   EXPECT_EQ(blobs.begin(digest_of(sheet_blob(2)), 0).error().reason, "TOO_MANY_UPLOADS");
@@ -148,20 +202,23 @@ TEST(BlobStore, BoundsTheNumberOfUploads) {
 }
 
 TEST(BlobStore, ReleasesTheBytesOfAnAbandonedUpload) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const auto upload = blobs.begin(digest_of(sheet_blob(0)), 0);
-  EXPECT_EQ(blobs.bytes_used(), sheet_blob(0).size());
+  EXPECT_EQ(budgeted.memory.used(), sheet_blob(0).size());
   blobs.abandon(*upload);
-  EXPECT_EQ(blobs.bytes_used(), 0u);
+  EXPECT_EQ(budgeted.memory.used(), 0u);
 }
 
 TEST(BlobStore, RefusesADigestTooSmallForAMesh) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   EXPECT_EQ(blobs.begin(digest_of("abc"), 0).error().code, Code::kInvalidArgument);
 }
 
 TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
-  BlobStore blobs({kRoomy});
+  Budgeted budgeted(kRoomy);
+  BlobStore& blobs = budgeted.blobs;
   const std::string blob = blob_of(tests::random_soup(500, 0.1, 1));
   std::vector<BlobStore::MeshPointer> meshes(8);
   std::vector<std::thread> threads;
@@ -177,7 +234,7 @@ TEST(BlobStore, ManyThreadsMayUploadOneDigest) {
   }
   for (auto& thread : threads) thread.join();
   for (const auto& mesh : meshes) EXPECT_EQ(mesh, meshes[0]) << "all threads got the stored mesh";
-  EXPECT_EQ(blobs.bytes_used(), meshes[0]->bytes());
+  EXPECT_EQ(budgeted.memory.used(), meshes[0]->bytes());
 }
 
 }  // namespace

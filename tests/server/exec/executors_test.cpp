@@ -23,9 +23,10 @@ TEST(Compute, NeverRunsOnTheCallersThread) {
       Compute compute(threads);
       const auto caller = std::this_thread::get_id();
       for (int i = 0; i < 1000; ++i) {
-        compute.enqueue([&, caller] {
+        compute.enqueue({}, [&, caller] {
           if (std::this_thread::get_id() == caller) on_caller = true;
           ++done;
+          return false;
         });
       }
     }
@@ -52,20 +53,27 @@ bool has_run(std::future<void> done) {
   return done.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-/// Ways to enqueue a task, one for each arena.
+exec::Slice job_of(std::function<void()> task) {
+  return [task = std::move(task)] {
+    task();
+    return false;
+  };
+}
+
+/// Ways to enqueue a task, one for each kind of work.
 using Enqueue = void (*)(Compute&, std::function<void()>);
-constexpr Enqueue kArenas[] = {
-    [](Compute& c, std::function<void()> task) { c.enqueue(std::move(task)); },
-    [](Compute& c, std::function<void()> task) { c.enqueue_small(std::move(task)); },
+constexpr Enqueue kKinds[] = {
+    [](Compute& c, std::function<void()> task) { c.enqueue({}, job_of(std::move(task))); },
+    [](Compute& c, std::function<void()> task) { c.enqueue_small({}, job_of(std::move(task))); },
     [](Compute& c, std::function<void()> task) { c.enqueue_update(std::move(task)); },
     [](Compute& c, std::function<void()> task) { c.enqueue_management(std::move(task)); },
     [](Compute& c, std::function<void()> task) { c.enqueue_background(std::move(task)); }};
 
-TEST(Compute, NoArenaDelaysAnother) {
-  for (const Enqueue free : kArenas) {
+TEST(Compute, NoKindOfWorkDelaysAnother) {
+  for (const Enqueue free : kKinds) {
     Compute compute(1);
     const Blockers blockers;
-    for (const Enqueue busy : kArenas) {
+    for (const Enqueue busy : kKinds) {
       for (int i = 0; i < 3 && busy != free; ++i) busy(compute, blockers.task());
     }
     const auto run = std::make_shared<std::promise<void>>();
@@ -80,11 +88,26 @@ TEST(Compute, TasksMayOwnMoveOnlyObjects) {
     Compute compute(1);
     auto owned = std::make_shared<int>(1);
     watch = owned;
-    compute.enqueue([moved = std::make_unique<std::shared_ptr<int>>(std::move(owned))] {
+    compute.enqueue_background([moved = std::make_unique<std::shared_ptr<int>>(std::move(owned))] {
       EXPECT_EQ(**moved, 1);
     });
   }
   EXPECT_TRUE(watch.expired());
+}
+
+TEST(Compute, ItsDestructorWaitsForJobsThatJobsEnqueue) {
+  std::atomic<int> slices{0}, small{0};
+  {
+    Compute compute(1);
+    compute.enqueue_background([&] {
+      compute.enqueue({}, [&] {
+        compute.enqueue_small({}, job_of([&] { ++small; }));
+        return ++slices < 2;
+      });
+    });
+  }
+  EXPECT_EQ(slices, 2);
+  EXPECT_EQ(small, 2);
 }
 
 TEST(Strand, RunsTasksOneAtATimeInOrder) {

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/exec/call_registry.h"
+#include "server/exec/shares.h"
 #include "server/scenes/history.h"
 #include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
@@ -186,8 +188,10 @@ TEST_F(ConsistencyRpcTest, BoundsTheReadsThatWait) {
   *request.mutable_request() = cast_request(kScene, rays_downward(1));
   request.mutable_request()->mutable_consistency()->set_at_least(token);
   v1::CastRaysRequest alone = request.request();
-  for (std::size_t i = 0; i < server::scenes::kMaxWaitingReads; ++i) {
-    if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
+  const auto limits = server::exec::ShareLimits::of(server::scenes::kMaxWaitingReads,
+                                                    server::exec::kConnectionCallShare);
+  for (std::size_t i = 0; i < limits.principal; ++i) {
+    if (i % limits.connection == 0) clients.emplace_back(connect(server_->port()));
     contexts.push_back(std::make_unique<grpc::ClientContext>());
     streams.push_back(clients.back().rays->StreamCastRays(contexts.back().get()));
     ASSERT_TRUE(streams.back()->Write(request));

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/exec/call_registry.h"
+#include "server/exec/shares.h"
 #include "server/queries/query_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"
@@ -26,6 +28,7 @@ v1::StreamCastRaysRequest chunk(std::uint64_t number, const std::string& scene, 
 
 class StreamCastRpcTest : public LiveServer {
  protected:
+  using LiveServer::LiveServer;
   using Stream = grpc::ClientReaderWriter<v1::StreamCastRaysRequest, v1::StreamCastRaysResponse>;
 
   /// The server still answers, whatever happened before.
@@ -146,14 +149,23 @@ TEST_F(StreamCastRpcTest, AClientThatNeverReadsDoesNotBlockOthers) {
   expect_serving();
 }
 
+/// Of each client, so that others have a place.
 TEST_F(StreamCastRpcTest, BoundsTheOpenStreams) {
   api_.make_scene(kScene, planar_sheet(1));
   std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
   std::vector<std::unique_ptr<Stream>> streams;
   std::vector<Api> clients;
   v1::StreamCastRaysResponse reply;
-  for (std::size_t i = 0; i < server::queries::kMaxCastStreams; ++i) {
-    if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
+  const auto limits = server::exec::ShareLimits::of(server::queries::kMaxCastStreams,
+                                                    server::exec::kConnectionCallShare);
+  for (std::size_t i = 0; i < limits.principal; ++i) {
+    if (i == limits.connection) {
+      grpc::ClientContext context;
+      const auto refused = clients.back().rays->StreamCastRays(&context);
+      EXPECT_FALSE(refused->Read(&reply));
+      EXPECT_NE(refused->Finish().error_message().find("your connection"), std::string::npos);
+    }
+    if (i % limits.connection == 0) clients.emplace_back(connect(server_->port()));
     contexts.push_back(std::make_unique<grpc::ClientContext>());
     streams.push_back(clients.back().rays->StreamCastRays(contexts.back().get()));
     ASSERT_TRUE(streams.back()->Write(chunk(0, kScene, 1)));
@@ -165,8 +177,57 @@ TEST_F(StreamCastRpcTest, BoundsTheOpenStreams) {
   const grpc::Status status = one_more->Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(status), "TOO_MANY_STREAMS");
+  EXPECT_NE(status.error_message().find("your address"), std::string::npos);
   for (auto& stream : streams) stream->WritesDone();
   for (auto& stream : streams) EXPECT_TRUE(stream->Finish().ok());
+}
+
+server::ServerConfig config_of_few_bytes() {
+  server::ServerConfig config = test_config();
+  config.admission.bytes = std::uint64_t{32} << 20;
+  return config;
+}
+
+class UnreadRepliesTest : public StreamCastRpcTest {
+ protected:
+  UnreadRepliesTest() : StreamCastRpcTest(config_of_few_bytes()) {}
+};
+
+/// Replies larger than the windows of a stream stay in the server until they are read: a connection
+/// may leave a few of them unread, not more.
+TEST_F(UnreadRepliesTest, AreBoundedForAConnection) {
+  api_.make_scene(kScene, planar_sheet(1));
+  constexpr std::size_t kStreams = 12;
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::vector<std::unique_ptr<Stream>> streams;
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // the windows stay small
+  const Api client(grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                             grpc::InsecureChannelCredentials(), arguments));
+  for (std::size_t i = 0; i < kStreams; ++i) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    streams.push_back(client.rays->StreamCastRays(contexts.back().get()));
+    ASSERT_TRUE(streams.back()->Write(chunk(0, kScene, 16384)));
+    expect_serving();
+  }
+  std::size_t answered = 0, refused = 0, unread = 0;
+  // The last first: the others' replies stay unread meanwhile.
+  for (auto stream = streams.rbegin(); stream != streams.rend(); ++stream) {
+    v1::StreamCastRaysResponse reply;
+    (*stream)->WritesDone();
+    if ((*stream)->Read(&reply)) ++answered;
+    const grpc::Status status = (*stream)->Finish();
+    if (!status.ok()) {
+      ++refused;
+      EXPECT_EQ(reason_of(status), "QUEUE_FULL") << status.error_message();
+      unread += status.error_message().find("not read") != std::string::npos ? 1 : 0;
+    }
+  }
+  EXPECT_GT(answered, 0u);
+  EXPECT_GT(unread, 0u) << "others may wait for the admission of their rays";
+  EXPECT_EQ(answered + refused, kStreams);
+  expect_serving();
 }
 
 }  // namespace

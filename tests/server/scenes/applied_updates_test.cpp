@@ -50,12 +50,32 @@ TEST(AppliedUpdates, CountPatchedVerticesThatWereReplaced) {
   const std::vector<Update> patch{PatchVertices{{2}, 0, {{1, 2, 3}}}};
   const std::vector<Update> removal{DeleteNode{1, true}};
   const std::uint64_t bytes = 201 * 201 * sizeof(accel::geometry::Vec3f);
-  EXPECT_LT(bytes_replaced(*scene.snapshot(), patch), bytes)
+  EXPECT_LT(bytes_replaced(*scene.snapshot(), patch).bytes, bytes)
       << "the store of blobs holds that mesh";
   ASSERT_TRUE(scene.apply(patch));
-  EXPECT_GE(bytes_replaced(*scene.snapshot(), patch), bytes);
-  EXPECT_GE(bytes_replaced(*scene.snapshot(), removal), bytes);
-  EXPECT_LT(bytes_replaced(*scene.snapshot(), removal), 2 * bytes);
+  EXPECT_GE(bytes_replaced(*scene.snapshot(), patch).bytes, bytes);
+  EXPECT_GE(bytes_replaced(*scene.snapshot(), removal).bytes, bytes);
+  EXPECT_LT(bytes_replaced(*scene.snapshot(), removal).bytes, 2 * bytes);
+}
+
+/// A patch of few vertices needs a whole mesh, once for nodes that share it.
+TEST(AppliedUpdates, NeedWhatTheyMake) {
+  Scene scene;
+  const auto mesh = sheet(200);
+  ASSERT_TRUE(scene.apply({tests::put_node(-1, 0, mesh), tests::put_node(-2, 0, mesh)}));
+  const auto needed = [&](const std::vector<Update>& updates) {
+    return *needed_by(*scene.snapshot(), updates);
+  };
+  const std::uint64_t vertices = mesh->view().vertices.size_bytes();
+  const PatchVertices first{{1}, 0, {{1, 2, 3}}}, second{{2}, 0, {{1, 2, 3}}};
+  EXPECT_GE(needed({first}).meshes, vertices);
+  EXPECT_LT(needed({first, first}).meshes, 2 * vertices);
+  EXPECT_GE(needed({first, second}).meshes, 2 * vertices);
+  PutNode named = tests::put_node(-3, 0, nullptr);
+  named.name = std::string(1000, 'n');
+  EXPECT_GE(needed({named}).nodes, 1000 + sizeof(scenegraph::model::Node));
+  EXPECT_GT(needed({SetTransforms{{1}, {{}}}}).log, 0u);
+  EXPECT_EQ(needed({DeleteNode{1}, DeleteNode{2}}).bytes(), 0u) << "deletes are never refused";
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 namespace sightline::server::scenes {
 namespace {
 
+constexpr std::uint64_t kRoomy = std::uint64_t{1} << 30;
+
 TEST(History, DropsTheOldestBeyondTheNumber) {
   History<int> history({.entries = 2, .weight = 100});
   for (int i = 1; i <= 3; ++i) history.append(i);
@@ -39,11 +41,13 @@ TEST(History, KeepsTheLeastNumberOfEntriesHoweverHeavy) {
   EXPECT_EQ(history.newest(), 3);
 }
 
-TEST(History, ClearReturnsAllAndResetsTheWeight) {
+TEST(History, IsTrimmedToANumber) {
   History<int> history({.entries = 10, .weight = 100});
   history.append(1, 60);
   history.append(2, 40);
-  EXPECT_EQ(history.clear(), (std::vector<int>{1, 2}));
+  EXPECT_TRUE(history.trim_to(2).empty());
+  EXPECT_EQ(history.trim_to(1), std::vector<int>{1});
+  EXPECT_EQ(history.trim_to(0), std::vector<int>{2});
   history.append(3, 100);
   EXPECT_TRUE(history.trim().empty());
 }
@@ -60,7 +64,7 @@ TEST(RecentRevisions, KeepsALimitedNumber) {
     EXPECT_EQ(recent.retain(revision(i)), nullptr);
     const auto dropped = recent.account(10);
     ASSERT_EQ(dropped.size(), i < 3 ? 0u : 1u);
-    for (const auto& old : dropped) EXPECT_EQ(old->revision(), i - 3);
+    for (const auto& old : dropped) EXPECT_EQ(old.snapshot->revision(), i - 3);
   }
   EXPECT_EQ(recent.find(1), nullptr);
   for (std::uint64_t i = 2; i < 5; ++i) EXPECT_EQ(recent.find(i)->revision(), i);
@@ -110,7 +114,8 @@ std::vector<Update> patch(std::size_t vertices) {
 }
 
 TEST(UpdateLog, KeepsALimitedNumber) {
-  UpdateLog log({.revisions = 3});
+  exec::MemoryAccount memory(kRoomy);
+  UpdateLog log(memory, {.revisions = 3});
   EXPECT_EQ(log.last(), 0u);
   EXPECT_FALSE(log.find(0));
   EXPECT_FALSE(log.find(1));
@@ -127,7 +132,8 @@ TEST(UpdateLog, KeepsALimitedNumber) {
 }
 
 TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
-  UpdateLog log({.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
+  exec::MemoryAccount memory(kRoomy);
+  UpdateLog log(memory, {.revisions = 100, .bytes = 3 * bytes_of(patch(1000))});
   for (int i = 0; i < 5; ++i) log.add(log.prepare(patch(1000)));
   EXPECT_FALSE(log.find(2));
   EXPECT_TRUE(log.find(3));
@@ -136,8 +142,24 @@ TEST(UpdateLog, KeepsALimitedNumberOfBytesAndAlwaysTheLastEntry) {
   EXPECT_TRUE(log.find(6));
 }
 
+TEST(UpdateLog, DropsAllButTheNewest) {
+  exec::MemoryAccount memory(kRoomy);
+  UpdateLog log(memory);
+  for (int i = 0; i < 5; ++i) log.add(log.prepare(patch(1000)));
+  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * bytes_of(patch(1000)));
+  auto dropped = log.drop_all_but(2);
+  EXPECT_EQ(dropped.size(), 3u);
+  EXPECT_FALSE(log.find(3));
+  EXPECT_TRUE(log.find(4));
+  EXPECT_EQ(log.last(), 5u);
+  EXPECT_EQ(memory.used(exec::Held::kLogs), 5 * bytes_of(patch(1000))) << "a reader may hold them";
+  dropped.clear();
+  EXPECT_EQ(memory.used(exec::Held::kLogs), 2 * bytes_of(patch(1000)));
+}
+
 TEST(UpdateLog, AHeldEntryOutlivesTheLog) {
-  UpdateLog log({.revisions = 1});
+  exec::MemoryAccount memory(kRoomy);
+  UpdateLog log(memory, {.revisions = 1});
   log.add(log.prepare(patch(7)));
   const auto held = log.find(1);
   log.add(log.prepare({}));

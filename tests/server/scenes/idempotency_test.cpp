@@ -9,15 +9,16 @@ namespace sightline::server::scenes {
 namespace {
 
 TEST(RequestAnswers, KeepsTheLast) {
-  RequestAnswers answers({.answers = 3});
+  exec::MemoryAccount memory(1 << 20);
+  RequestAnswers answers(memory, {.answers = 3});
   for (std::uint64_t i = 1; i <= 5; ++i) {
-    const std::string id = "r" + std::to_string(i);
+    const std::string id = std::to_string(i);
     ASSERT_EQ(*answers.find(id, i), nullptr);
     answers.retain(answers.prepare(id, i, {.revision = i, .nodes = {10 * i}}));
   }
-  EXPECT_EQ(*answers.find("r2", 2), nullptr);
+  EXPECT_EQ(*answers.find("2", 2), nullptr);
   for (std::uint64_t i = 3; i <= 5; ++i) {
-    const auto found = answers.find("r" + std::to_string(i), i);
+    const auto found = answers.find(std::to_string(i), i);
     ASSERT_TRUE(found);
     ASSERT_NE(*found, nullptr);
     EXPECT_EQ((*found)->revision, i);
@@ -26,7 +27,8 @@ TEST(RequestAnswers, KeepsTheLast) {
 }
 
 TEST(RequestAnswers, KeepsFewerOfManyNodes) {
-  RequestAnswers answers({.answers = 10, .nodes = 100});
+  exec::MemoryAccount memory(1 << 20);
+  RequestAnswers answers(memory, {.answers = 10, .nodes = 100});
   for (std::uint64_t i = 1; i <= 4; ++i)
     answers.retain(
         answers.prepare(std::to_string(i), i,
@@ -37,10 +39,14 @@ TEST(RequestAnswers, KeepsFewerOfManyNodes) {
       "5", 5, {.revision = 5, .nodes = std::vector<scenegraph::model::NodeId>(1000)}));
   EXPECT_EQ(*answers.find("4", 4), nullptr);
   EXPECT_NE(*answers.find("5", 5), nullptr);
+  EXPECT_GE(memory.used(exec::Held::kLogs), 1000 * sizeof(scenegraph::model::NodeId));
+  EXPECT_LT(memory.used(exec::Held::kLogs), 1100 * sizeof(scenegraph::model::NodeId))
+      << "what is not kept is not charged";
 }
 
 TEST(RequestAnswers, RefusesADifferentRequestWithTheSameId) {
-  RequestAnswers answers;
+  exec::MemoryAccount memory(1 << 20);
+  RequestAnswers answers(memory);
   answers.retain(answers.prepare("a", 1, {.revision = 7, .nodes = {}}));
   const auto other = answers.find("a", 2);
   ASSERT_FALSE(other);
@@ -52,7 +58,7 @@ TEST(Producers, AreFoundAgainAndBounded) {
   Producers producers(2);
   const auto a = producers.open("a");
   ASSERT_TRUE(a);
-  (*a)->commit({.sequence = 5, .nodes = {}});
+  (*a)->commit({.sequence = 5, .nodes = {}, .charge = {}});
   ASSERT_TRUE(producers.open("b"));
   const auto c = producers.open("c");
   ASSERT_FALSE(c);
@@ -63,12 +69,14 @@ TEST(Producers, AreFoundAgainAndBounded) {
 TEST(Producers, KeepTheIdsOfTheLastBatches) {
   Producer producer;
   for (std::uint64_t i = 1; i <= 40; ++i)
-    producer.commit({i, i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}
-                                   : std::vector<scenegraph::model::NodeId>{}});
+    producer.commit({i,
+                     i % 2 == 0 ? std::vector<scenegraph::model::NodeId>{i}
+                                : std::vector<scenegraph::model::NodeId>{},
+                     {}});
   ASSERT_EQ(producer.put.size(), kPutsKept);
   EXPECT_EQ(producer.put.oldest().sequence, 25u);
   EXPECT_EQ(producer.put.newest().nodes.front(), 40u);
-  producer.commit({41, std::vector<scenegraph::model::NodeId>(kPutIdsKept)});
+  producer.commit({41, std::vector<scenegraph::model::NodeId>(kPutIdsKept), {}});
   EXPECT_EQ(producer.put.size(), 1u);
 }
 

@@ -14,20 +14,23 @@ thread_local int allocations_left = -1;
 
 }  // namespace
 
-void* operator new(std::size_t bytes) {
+// Not inlined: the compiler would take new and free() for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
   if (allocations_left >= 0 && allocations_left-- == 0) throw std::bad_alloc();
   if (void* memory = std::malloc(bytes)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace sightline::server::scenes {
 namespace {
 
 TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
+  exec::MemoryAccount memory(std::uint64_t{1} << 30);
   exec::Compute compute(1);
-  const auto scene = std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+  const auto scene =
+      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"}, memory);
   ASSERT_TRUE(
       scene->apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()))}, std::nullopt, compute));
   std::uint64_t revision = 1, failures = 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <string>
 
 namespace sightline::server::scenes {
 namespace {
@@ -19,6 +20,7 @@ class RevisionWaitTest : public testing::Test {
     consistency.set_at_least(scene_->token(scene_->snapshot()->revision() + ahead).text());
     auto result = std::make_shared<std::promise<Result<RevisionWait::SnapshotPointer>>>();
     wait.read(scene_, consistency, std::chrono::system_clock::now() + time, bytes,
+              {"address", std::to_string(++connections_)},
               [result](auto answer) { result->set_value(std::move(answer)); });
     return result->get_future();
   }
@@ -28,11 +30,15 @@ class RevisionWaitTest : public testing::Test {
   void publish() { ASSERT_TRUE(scene_->apply({}, std::nullopt, compute_)); }
 
   static constexpr std::chrono::hours kLong{1};
+  int connections_ = 0;
   exec::Admission admission_{{.rays = 10, .bytes = 1000}};
-  exec::CallRegistry waits_{
-      {.limit = 2, .when_full = "{} reads wait", .full_reason = "TOO_MANY_WAITING"}};
+  exec::CallRegistry waits_{{.limit = 2,
+                             .when_full = "{} reads wait",
+                             .full_reason = "TOO_MANY_WAITING",
+                             .shared = false}};
+  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
   const std::shared_ptr<StoredScene> scene_ =
-      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"}, memory_);
   exec::Compute compute_{1};
 };
 

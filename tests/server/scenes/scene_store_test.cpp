@@ -16,7 +16,8 @@ std::vector<std::string> names_of(const ScenePage& page) {
 }
 
 TEST(SceneStore, CreatesGetsAndRemoves) {
-  SceneStore store;
+  exec::MemoryAccount memory(std::uint64_t{1} << 30);
+  SceneStore store(memory);
   ASSERT_TRUE(store.create({"projects/p/scenes/s", UpAxis::kZ, 0.5}));
   const auto found = store.get("projects/p/scenes/s");
   ASSERT_TRUE(found);
@@ -28,7 +29,8 @@ TEST(SceneStore, CreatesGetsAndRemoves) {
 }
 
 TEST(SceneStore, ListsAProjectInPages) {
-  SceneStore store;
+  exec::MemoryAccount memory(std::uint64_t{1} << 30);
+  SceneStore store(memory);
   for (const char* name :
        {"projects/p/scenes/b", "projects/p/scenes/a", "projects/p/scenes/c",
         "projects/p-1/scenes/x", "projects/p1/scenes/y", "projects/q/scenes/z"}) {
@@ -46,7 +48,8 @@ TEST(SceneStore, ListsAProjectInPages) {
 }
 
 TEST(SceneStore, IsBounded) {
-  SceneStore store;
+  exec::MemoryAccount memory(std::uint64_t{1} << 30);
+  SceneStore store(memory);
   for (std::size_t i = 0; i < SceneStore::kMaxScenes; ++i) {
     ASSERT_TRUE(store.create({"projects/p/scenes/" + std::to_string(i)}));
   }

@@ -19,8 +19,9 @@ class StoredSceneTest : public testing::Test {
     return scene_->apply(std::move(updates), std::nullopt, compute_);
   }
 
+  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
   const std::shared_ptr<StoredScene> scene_ =
-      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"});
+      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"}, memory_);
   exec::Compute compute_{1};
 };
 

@@ -47,8 +47,9 @@ class ProducerSessionTest : public testing::Test {
     return all;
   }
 
-  const std::shared_ptr<scenes::StoredScene> scene_ =
-      std::make_shared<scenes::StoredScene>(scenes::SceneInfo{.name = "projects/p/scenes/s"});
+  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
+  const std::shared_ptr<scenes::StoredScene> scene_ = std::make_shared<scenes::StoredScene>(
+      scenes::SceneInfo{.name = "projects/p/scenes/s"}, memory_);
   exec::Compute compute_{1};
   scenes::Producer producer_;
   int call_ = 0;

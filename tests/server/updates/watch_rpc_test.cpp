@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/exec/call_registry.h"
+#include "server/exec/shares.h"
 #include "server/scenes/history.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/updates/update_stream.h"
@@ -226,8 +228,10 @@ TEST_F(WatchRpcTest, BoundsTheWatches) {
   std::vector<Api> clients;
   std::vector<std::unique_ptr<Watcher>> watchers;
   v1::WatchSceneResponse message;
-  for (std::size_t i = 0; i < server::updates::kMaxWatches; ++i) {
-    if (i % 50 == 0) clients.emplace_back(connect(server_->port()));
+  const auto limits = server::exec::ShareLimits::of(server::updates::kMaxWatches,
+                                                    server::exec::kConnectionCallShare);
+  for (std::size_t i = 0; i < limits.principal; ++i) {
+    if (i % limits.connection == 0) clients.emplace_back(connect(server_->port()));
     watchers.push_back(std::make_unique<Watcher>(clients.back(), kScene));
     ASSERT_TRUE(watchers.back()->read(message));
   }

@@ -21,9 +21,18 @@ TEST(Input, ReadsLinesWithAndWithoutAFinalNewline) {
   std::string all;
   std::string_view line;
   for (auto more = input->next_line(line); more && *more; more = input->next_line(line)) {
-    all += "[" + std::string(line) + "]";
+    all.append("[").append(line).append("]");
   }
   EXPECT_EQ(all, "[one][][two]");
+}
+
+TEST(Input, ALineWithoutEndIsAnError) {
+  auto input = Input::open("/dev/zero");
+  ASSERT_TRUE(input);
+  std::string_view line;
+  const auto more = input->next_line(line);
+  ASSERT_FALSE(more);
+  EXPECT_NE(more.error().message.find("a line is longer"), std::string::npos);
 }
 
 TEST(Input, PeekConsumesNothing) {

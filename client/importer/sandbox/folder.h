@@ -1,0 +1,63 @@
+// The folder of a scene file: opens regular files below it, and nothing else.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/importer/sandbox/file_handle.h"
+#include "client/result.h"
+
+namespace sightline::client::importer::sandbox {
+
+/// "FILE: why", as kInvalidArgument.
+Error file_error(const std::filesystem::path& file, const std::string& why);
+
+/// Opens a regular file for reading; symbolic links are followed. Errors: kInvalidArgument, with
+/// the path and what is wrong: the system's message, or that it is a directory, a pipe, a device or
+/// a socket. Never blocks and never touches a device.
+Result<FileHandle> open_regular(const std::filesystem::path& file);
+
+struct OpenedFile {
+  FileHandle handle;
+  std::uint64_t bytes = 0;
+};
+
+/// What a scene file may read: itself, and regular files in its folder and the folders below.
+/// Symbolic links are followed as long as they stay there.
+class SceneFolder {
+ public:
+  /// Opens the scene file itself, at any path. Errors: those of open_regular.
+  static Result<SceneFolder> open(const std::filesystem::path& file);
+
+  /// The name under which a reader asks for the scene file.
+  const std::string& scene_file() const { return name_; }
+
+  /// Opens a file by its path relative to the folder. Nothing: it does not exist, is not regular or
+  /// is not below the folder.
+  std::optional<OpenedFile> open_file(const std::string& name);
+
+  /// Bytes of all different files that were opened.
+  std::uint64_t bytes() const { return bytes_; }
+  /// Why files were refused, apart from those that do not exist; the first few.
+  const std::vector<std::string>& refusals() const { return refusals_; }
+
+ private:
+  SceneFolder(std::string name, FileHandle folder, FileHandle scene)
+      : name_(std::move(name)), folder_(std::move(folder)), scene_(std::move(scene)) {}
+  std::optional<OpenedFile> measured(FileHandle file);
+  void refuse(const std::string& name, const char* why);
+
+  std::string name_;
+  FileHandle folder_, scene_;
+  std::set<std::pair<std::uint64_t, std::uint64_t>> seen_;  // device and inode
+  std::uint64_t bytes_ = 0;
+  std::vector<std::string> refusals_;
+};
+
+}  // namespace sightline::client::importer::sandbox

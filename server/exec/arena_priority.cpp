@@ -1,0 +1,65 @@
+// How threads share the processors while they work in an arena.
+#include "server/exec/arena_priority.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <thread>
+
+namespace sightline::server::exec {
+namespace {
+
+/// The argument of sched_setattr(2), for which the C library has no function. All zero:
+/// SCHED_OTHER.
+struct SchedulingAttributes {
+  std::uint32_t size = sizeof(SchedulingAttributes);
+  std::uint32_t policy = 0;
+  std::uint64_t flags = 0;
+  std::int32_t nice = 0;
+  std::uint32_t priority = 0;
+  std::uint64_t runtime = 0;  // nanoseconds
+  std::uint64_t deadline = 0;
+  std::uint64_t period = 0;
+};
+
+int process_nice() {
+  static const int kNice = getpriority(PRIO_PROCESS, static_cast<id_t>(getpid()));
+  return kNice;
+}
+
+/// Of the calling thread.
+bool set(const Priority& priority) {
+  SchedulingAttributes attributes;
+  attributes.nice = process_nice() + priority.nice;
+  attributes.runtime = static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(priority.time_slice).count());
+  return syscall(SYS_sched_setattr, 0, &attributes, 0) == 0;
+}
+
+bool may_return_from_nice() {
+  static const bool kMay = [] {
+    bool returned = false;
+    std::thread([&] { returned = set({.nice = 1}) && set({}); }).join();
+    return returned;
+  }();
+  return kMay;
+}
+
+}  // namespace
+
+ArenaPriority::ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& priority)
+    : task_scheduler_observer(arena),
+      priority_{.nice = may_return_from_nice() ? priority.nice : 0,
+                .time_slice = priority.time_slice} {
+  if (priority_.nice != 0 || priority_.time_slice.count() != 0) observe(true);
+}
+
+ArenaPriority::~ArenaPriority() { observe(false); }
+
+void ArenaPriority::on_scheduler_entry(bool) { set(priority_); }
+
+void ArenaPriority::on_scheduler_exit(bool) { set({}); }
+
+}  // namespace sightline::server::exec

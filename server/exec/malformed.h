@@ -1,0 +1,28 @@
+// Requests whose bytes are no message of their type: gRPC says UNIMPLEMENTED for one that is alone,
+// and takes one on a stream for the stream's end. Strings that are not UTF-8 are such bytes, too.
+#pragma once
+
+#include <google/protobuf/message.h>
+#include <grpcpp/support/server_interceptor.h>
+
+#include <memory>
+
+#include "accel/result.h"
+
+namespace sightline::server::exec {
+
+/// kInvalidArgument, reason MALFORMED_MESSAGE.
+Error malformed_message();
+
+/// For grpc::ServerBuilder: makes calls with one request end with malformed_message(). Makes
+/// protobuf's parser silent in this process.
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> refuse_malformed();
+
+/// Call this before each read of a stream, for the message that it fills.
+void before_read(google::protobuf::Message& message);
+
+/// How a read ended that got no message: OK if the client closed its side or is gone, or
+/// malformed_message(). Call this once after a failed read.
+Status end_of_reads(const google::protobuf::Message& message);
+
+}  // namespace sightline::server::exec

@@ -1,0 +1,102 @@
+// The account of all bytes that the server holds, against its memory budget.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "accel/result.h"
+
+namespace sightline::server::exec {
+
+/// What bytes are held for.
+enum class Held : std::uint8_t {
+  kMeshes,   ///< Uploaded meshes.
+  kUploads,  ///< Uploads in progress, at their full size.
+  kPatches,  ///< Meshes that updates have made.
+  kNodes,    ///< Scenes and their nodes.
+  kLogs,     ///< Updates, answers and revisions that scenes keep.
+  kTrees,    ///< Trees of meshes and scenes.
+  kCalls,    ///< Requests in work, batches half sent, replies not read.
+};
+inline constexpr std::size_t kHeldKinds = 7;
+
+/// Calls have 1 / kForCallsShare of the budget for themselves.
+inline constexpr std::uint64_t kForCallsShare = 8;
+
+/// The reason of the error when the budget is used up.
+inline constexpr const char* kMemoryBudget = "MEMORY_BUDGET";
+
+/// One account for the whole server. Whatever holds bytes owns a Charge for them. Threads: any, for
+/// every member.
+class MemoryAccount {
+ public:
+  /// Bytes held for one purpose; the destructor gives them back. Must not outlive the account.
+  class Charge {
+   public:
+    Charge() = default;
+    Charge(Charge&& other) noexcept { *this = std::move(other); }
+    Charge& operator=(Charge&& other) noexcept;
+    ~Charge() { release(); }
+
+    std::uint64_t bytes() const { return bytes_; }
+    /// Changes the bytes to what is really held. Never refused.
+    void resize(std::uint64_t bytes);
+
+   private:
+    friend class MemoryAccount;
+    Charge(MemoryAccount* account, Held kind, std::uint64_t bytes)
+        : account_(account), kind_(kind), bytes_(bytes) {}
+    void release();
+
+    MemoryAccount* account_ = nullptr;
+    Held kind_ = Held::kMeshes;
+    std::uint64_t bytes_ = 0;
+  };
+
+  /// Drops what can be made again until `bytes` more fit, or nothing is left to drop.
+  using Reclaim = std::function<void(std::uint64_t bytes)>;
+
+  /// `for_calls`: bytes of the budget that only kCalls may use.
+  explicit MemoryAccount(std::uint64_t budget, std::uint64_t for_calls = 0)
+      : budget_(budget), for_calls_(for_calls) {}
+
+  /// Call it before the first charge.
+  void set_reclaim(Reclaim reclaim) { reclaim_ = std::move(reclaim); }
+
+  /// Errors: kResourceExhausted, naming the use and the limit. Never waits; drops nothing.
+  Result<Charge> charge(Held kind, std::uint64_t bytes);
+  /// For bytes that are held in any case.
+  Charge record(Held kind, std::uint64_t bytes);
+  /// As charge(), but drops what can be made again where the bytes do not fit. May take long. The
+  /// caller holds no lock.
+  Result<Charge> reclaim_and_charge(Held kind, std::uint64_t bytes);
+  /// Drops what can be made again until `bytes` more fit. Errors: as charge().
+  Status reclaim(Held kind, std::uint64_t bytes);
+  /// Sets what trees hold: they grow while rays are traced, and are measured from time to time.
+  void set_trees(std::uint64_t bytes) { held_[index(Held::kTrees)].store(bytes); }
+
+  std::uint64_t used() const;
+  std::uint64_t used(Held kind) const { return held_[index(kind)].load(); }
+  std::uint64_t budget() const { return budget_; }
+  /// The part of the budget that this kind may fill.
+  std::uint64_t limit(Held kind) const {
+    return kind == Held::kCalls ? budget_ : budget_ - for_calls_;
+  }
+
+ private:
+  static std::size_t index(Held kind) { return static_cast<std::size_t>(kind); }
+  bool fits(Held kind, std::uint64_t bytes) const;
+  Error over(Held kind, std::uint64_t bytes) const;
+
+  const std::uint64_t budget_, for_calls_;
+  Reclaim reclaim_;
+  // Charges race past the limit by at most what they add at that moment.
+  std::array<std::atomic<std::uint64_t>, kHeldKinds> held_{};
+};
+
+}  // namespace sightline::server::exec

@@ -1,0 +1,22 @@
+// A thread that does the same short work again and again.
+#include "server/exec/ticker.h"
+
+#include <utility>
+
+namespace sightline::server::exec {
+
+Ticker::Ticker(std::chrono::milliseconds period, std::function<void()> work)
+    : period_(period),
+      work_(std::move(work)),
+      thread_([this](const std::stop_token& stopped) { run(stopped); }) {}
+
+void Ticker::run(const std::stop_token& stopped) {
+  std::unique_lock lock(mutex_);
+  while (!stopping_.wait_for(lock, stopped, period_, [&] { return stopped.stop_requested(); })) {
+    lock.unlock();
+    work_();
+    lock.lock();
+  }
+}
+
+}  // namespace sightline::server::exec

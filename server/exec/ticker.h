@@ -1,0 +1,31 @@
+// A thread that does the same short work again and again.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+namespace sightline::server::exec {
+
+/// Runs work() every `period` until it is destroyed, on a thread of its own. work() must not throw.
+class Ticker {
+ public:
+  Ticker(std::chrono::milliseconds period, std::function<void()> work);
+  ~Ticker() = default;  // waits for work() that runs
+  Ticker(const Ticker&) = delete;
+  Ticker& operator=(const Ticker&) = delete;
+
+ private:
+  void run(const std::stop_token& stopped);
+
+  const std::chrono::milliseconds period_;
+  const std::function<void()> work_;
+  std::mutex mutex_;
+  std::condition_variable_any stopping_;
+  std::jthread thread_;  // last: uses the members above
+};
+
+}  // namespace sightline::server::exec

@@ -1,0 +1,71 @@
+// Charges, the budget, and room that is made.
+#include "server/exec/memory_account.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <utility>
+
+namespace sightline::server::exec {
+namespace {
+
+TEST(MemoryAccount, CountsEachKindUntilItsChargeEnds) {
+  MemoryAccount memory(1000);
+  {
+    auto mesh = memory.charge(Held::kMeshes, 300);
+    ASSERT_TRUE(mesh);
+    MemoryAccount::Charge moved = std::move(*mesh);
+    const auto log = memory.record(Held::kLogs, 100);
+    EXPECT_EQ(memory.used(Held::kMeshes), 300u);
+    EXPECT_EQ(memory.used(), 400u);
+    moved.resize(50);
+    EXPECT_EQ(memory.used(), 150u);
+    moved = {};
+    EXPECT_EQ(memory.used(), 100u);
+  }
+  EXPECT_EQ(memory.used(), 0u);
+}
+
+TEST(MemoryAccount, RefusesOverTheBudgetAndNamesWhatIsHeld) {
+  MemoryAccount memory(1000);
+  const auto mesh = memory.charge(Held::kMeshes, 700);
+  const auto more = memory.charge(Held::kPatches, 301);
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, Code::kResourceExhausted);
+  EXPECT_EQ(more.error().reason, kMemoryBudget);
+  for (const char* part : {"700 of 1000 bytes", "301 more", "700 for meshes"})
+    EXPECT_NE(more.error().message.find(part), std::string::npos) << part;
+  EXPECT_FALSE(memory.charge(Held::kUploads, std::numeric_limits<std::uint64_t>::max()));
+  EXPECT_TRUE(memory.charge(Held::kPatches, 300));
+  memory.set_trees(301);
+  EXPECT_FALSE(memory.charge(Held::kPatches, 1)) << "trees count";
+}
+
+TEST(MemoryAccount, CallsHaveAPartForThemselves) {
+  MemoryAccount memory(1000, 200);
+  const auto mesh = memory.charge(Held::kMeshes, 800);
+  EXPECT_TRUE(mesh);
+  EXPECT_FALSE(memory.charge(Held::kNodes, 1));
+  EXPECT_TRUE(memory.charge(Held::kCalls, 200));
+}
+
+TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {
+  MemoryAccount memory(1000);
+  auto droppable = memory.record(Held::kTrees, 0);
+  droppable.resize(600);
+  int asked = 0;
+  memory.set_reclaim([&](std::uint64_t bytes) {
+    ++asked;
+    EXPECT_EQ(bytes, 500u);
+    droppable = {};
+  });
+  EXPECT_TRUE(memory.reclaim_and_charge(Held::kUploads, 400));
+  EXPECT_EQ(asked, 0);
+  EXPECT_FALSE(memory.reclaim_and_charge(Held::kUploads, 1001)) << "it can never fit";
+  EXPECT_EQ(asked, 0);
+  EXPECT_TRUE(memory.reclaim_and_charge(Held::kUploads, 500));
+  EXPECT_EQ(asked, 1);
+}
+
+}  // namespace
+}  // namespace sightline::server::exec

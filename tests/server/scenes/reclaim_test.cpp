@@ -1,0 +1,121 @@
+// What is dropped when the memory budget is used up, and in which order.
+#include "server/scenes/reclaim.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <string>
+
+#include "accel/kdtree/epoch.h"
+#include "scenegraph/trace.h"
+#include "tests/scenegraph/put_node.h"
+#include "tests/server/blobs/blob_of.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::server::scenes {
+namespace {
+
+using exec::Held;
+using scenegraph::model::PatchVertices;
+using scenegraph::model::Update;
+
+class ReclaimerTest : public testing::Test {
+ protected:
+  std::shared_ptr<const scenegraph::model::Mesh> upload(std::uint32_t which) {
+    tests::TestMesh mesh = tests::planar_sheet(80);
+    mesh.vertices.front().z = static_cast<float>(which);
+    const std::string blob = tests::blob_of(mesh);
+    const auto upload = *blobs_.begin(tests::digest_of(blob), 0);
+    EXPECT_TRUE(upload->append(0, tests::bytes_of(blob)));
+    return *blobs_.complete(upload);
+  }
+  std::shared_ptr<StoredScene> make_scene(const std::string& id, std::uint32_t mesh) {
+    const auto scene = *scenes_.create({"projects/p/scenes/" + id});
+    EXPECT_TRUE(scene->apply({tests::put_node(-1, 0, upload(mesh))}, std::nullopt, compute_));
+    return scene;
+  }
+  void build(StoredScene& scene) {
+    const accel::geometry::Ray ray{{5, 5, 9}, {0, 0, -1}};
+    accel::geometry::Hit hit;
+    scene.touch();
+    EXPECT_TRUE(scenegraph::trace(*scene.snapshot(), {&ray, 1}, {&hit, 1},
+                                  {.growth = scenegraph::Growth::kFull}));
+  }
+  /// Until the tasks that free what updates have replaced are done.
+  void await_background() {
+    std::promise<void> done;
+    compute_.enqueue_background([&] { done.set_value(); });
+    done.get_future().wait();
+  }
+  static std::uint64_t built(const StoredScene& scene) {
+    return scenegraph::revision::summarize_build(*scene.snapshot()).triangles_built;
+  }
+  /// Bytes that reclaim() must drop exactly `bytes` for.
+  std::uint64_t bytes_to_drop(std::uint64_t bytes) {
+    accel::kdtree::reclaim();
+    reclaimer_.measure();
+    return memory_.budget() - memory_.used() + bytes;
+  }
+
+  exec::MemoryAccount memory_{std::uint64_t{1} << 30};
+  SceneStore scenes_{memory_};
+  blobs::BlobStore blobs_{memory_, {.fresh = std::chrono::seconds(0)}};
+  Reclaimer reclaimer_{memory_, scenes_, blobs_};
+  exec::Compute compute_{1};
+};
+
+TEST_F(ReclaimerTest, MeasuresTrees) {
+  const auto scene = make_scene("a", 1);
+  reclaimer_.measure();
+  const std::uint64_t before = memory_.used(Held::kTrees);
+  build(*scene);
+  reclaimer_.measure();
+  EXPECT_GT(memory_.used(Held::kTrees), before + 80 * 80 * 2 * 8);
+}
+
+TEST_F(ReclaimerTest, DropsTheTreesOfTheScenesCastAtLongestAgo) {
+  const auto first = make_scene("a", 1), second = make_scene("b", 2);
+  for (const auto& scene : {second, first}) {
+    build(*scene);
+    scene->drop_old_revisions();
+  }
+  reclaimer_.reclaim(bytes_to_drop(1));
+  EXPECT_EQ(built(*second), 0u);
+  EXPECT_GT(built(*first), 0u);
+  reclaimer_.reclaim(memory_.budget());
+  EXPECT_EQ(built(*first), 0u);
+  EXPECT_EQ(first->snapshot()->revision(), 1u);
+  build(*first);
+  EXPECT_GT(built(*first), 0u);
+}
+
+TEST_F(ReclaimerTest, DropsOldRevisionsAndUnusedMeshesBeforeTrees) {
+  const auto scene = make_scene("a", 1);
+  for (int i = 0; i < 5; ++i)
+    ASSERT_TRUE(scene->apply({PatchVertices{{1}, 0, {{0, 0, 1}}}}, std::nullopt, compute_));
+  build(*scene);
+  await_background();
+  const std::uint64_t patches = memory_.used(Held::kPatches);
+  ASSERT_TRUE(scene->at(3));
+  reclaimer_.reclaim(bytes_to_drop(1));
+  EXPECT_FALSE(scene->at(3));
+  EXPECT_LT(memory_.used(Held::kPatches), patches);
+  EXPECT_GT(built(*scene), 0u);
+
+  const std::uint64_t meshes = memory_.used(Held::kMeshes);
+  reclaimer_.reclaim(bytes_to_drop(1));
+  EXPECT_LT(memory_.used(Held::kMeshes), meshes)
+      << "the scene has its own copy since it was patched";
+  EXPECT_GT(built(*scene), 0u);
+}
+
+TEST_F(ReclaimerTest, KeepsTheNewestUpdates) {
+  const auto scene = make_scene("a", 1);
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(scene->apply({}, std::nullopt, compute_));
+  reclaimer_.reclaim(memory_.budget());
+  EXPECT_FALSE(scene->log().find(41 - kMinLogged));
+  EXPECT_TRUE(scene->log().find(42 - kMinLogged));
+}
+
+}  // namespace
+}  // namespace sightline::server::scenes
