@@ -100,6 +100,25 @@ std::optional<Slot> KdTree::make_leaf(std::span<const Reference> refs) {
   return Slot::leaf(refs.size(), static_cast<std::uint32_t>(first));
 }
 
+KdTree::NewNodes::NewNodes(KdTree& tree)
+    : tree_(tree),
+      alone_(tree.makers_.fetch_add(1) == 0),
+      turn_(tree.turn_.fetch_add(1) + 1),
+      pairs_(tree.pairs_used_.load()),
+      ids_(tree.ids_used_.load()) {}
+
+/// A thread that begins after the turn is read has made nothing if the counts are still the same.
+KdTree::NewNodes::~NewNodes() {
+  if (!kept_ && alone_) {
+    std::uint64_t pairs = tree_.pairs_used_.load(), ids = tree_.ids_used_.load();
+    if (tree_.turn_.load() == turn_) {
+      tree_.pairs_used_.compare_exchange_strong(pairs, pairs_);
+      tree_.ids_used_.compare_exchange_strong(ids, ids_);
+    }
+  }
+  tree_.makers_.fetch_sub(1);
+}
+
 Slot KdTree::defer(std::unique_ptr<DeferredCell> cell) {
   if (cell->size == 0) return Slot::empty_leaf();
   cell->account = lists_;

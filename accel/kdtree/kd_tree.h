@@ -79,6 +79,24 @@ class KdTree {
   /// Frees the deferred cells at and below a slot that was never published.
   void discard(Slot slot);
 
+  /// The nodes and leaves that a thread, and those that help it, make while this lives. Unless they
+  /// are kept, they are given back; not if another thread makes some at the same time.
+  class NewNodes {
+   public:
+    explicit NewNodes(KdTree& tree);
+    ~NewNodes();
+    NewNodes(const NewNodes&) = delete;
+    NewNodes& operator=(const NewNodes&) = delete;
+    void keep() { kept_ = true; }
+
+   private:
+    KdTree& tree_;
+    const bool alone_;
+    const std::uint64_t turn_;
+    const std::uint64_t pairs_, ids_;
+    bool kept_ = false;
+  };
+
   /// Bytes of nodes, ids, and deferred cells with their lists.
   std::uint64_t bytes() const;
 
@@ -112,6 +130,8 @@ class KdTree {
   // read.
   alignas(64) std::atomic<std::uint64_t> pairs_used_{0};
   alignas(64) std::atomic<std::uint64_t> ids_used_{0};
+  std::atomic<int> makers_{0};          ///< NewNodes that live.
+  std::atomic<std::uint64_t> turn_{0};  ///< Of the last NewNodes.
   std::shared_ptr<ListBytes> lists_ = std::make_shared<ListBytes>();
   std::atomic<std::uint64_t> peak_{0};
   /// Retired bytes from which on they are freed as soon as the thread leaves its pin.

@@ -59,9 +59,11 @@ ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_
 #ifdef SIGHTLINE_SCALABLE_MALLOC
 void* reallocate_cell_memory(void* old, std::size_t bytes) { return scalable_realloc(old, bytes); }
 void free_cell_memory(void* memory) { scalable_free(memory); }
+void trim_cell_memory() { (void)scalable_allocation_command(TBBMALLOC_CLEAN_ALL_BUFFERS, nullptr); }
 #else
 void* reallocate_cell_memory(void* old, std::size_t bytes) { return std::realloc(old, bytes); }
 void free_cell_memory(void* memory) { std::free(memory); }
+void trim_cell_memory() {}
 #endif
 
 }  // namespace sightline::accel::kdtree

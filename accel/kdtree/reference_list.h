@@ -21,6 +21,9 @@ namespace sightline::accel::kdtree {
 /// library's, which sanitizers check.
 void* reallocate_cell_memory(void* old, std::size_t bytes);
 void free_cell_memory(void* memory);
+/// Gives memory that was freed, and that the allocator keeps for later, back to the system. Takes
+/// as long as some passes over a long list.
+void trim_cell_memory();
 
 /// An owned array of references whose unused end can be freed.
 class ReferenceList {

@@ -72,9 +72,7 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
 
 /// Whether one thread makes the root's list, which is then no cell's: not if a sample of it, or
 /// runs of triangles, may divide it better.
-bool LazyTree::may_list_root(const kdtree::DeferredCell& cell,
-                             kdtree::BuildCounters& counters) const {
-  if (cell.whole) return true;
+bool LazyTree::may_list_root(kdtree::BuildCounters& counters) const {
   const ReferenceSource::Coarsest coarsest = source_.coarsest(counters);
   return !coarsest.openable && (!rule_->takes_samples() || coarsest.slots < kSampleFrom);
 }
@@ -91,8 +89,9 @@ LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& c
     mark_whole(slot, cell);
     return Step::kAgain;
   }
-  if (cell.weight > kSerialBelow || (!cell.has_list && !may_list_root(cell, counters))) {
-    const ExpandResult expanded = expand_now(slot, false, WhenPending::kWait, counters, cancelled);
+  const bool is_serial = cell.weight <= kSerialBelow && (cell.has_list || may_list_root(counters));
+  if (!cell.whole && !is_serial) {
+    const ExpandResult expanded = expand_now(slot, WhenPending::kWait, counters, cancelled);
     return expanded == ExpandResult::kScanList ? Step::kWait : Step::kAgain;
   }
   if (!claim(slot, cell)) return Step::kWait;

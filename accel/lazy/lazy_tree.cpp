@@ -30,6 +30,12 @@ bool is_set(const std::atomic<bool>* cancelled) {
   return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
 }
 
+/// References of a list whose memory counts in the memory of a process.
+constexpr std::size_t kTrimFrom = 65536;
+
+/// Bytes of lists that matter in no mesh; small meshes divide their cells as others do.
+constexpr std::uint64_t kSpare = 4096;
+
 /// The list of a root, made by one thread. Throws Cancelled.
 kdtree::ReferenceList list_source(const ReferenceSource& source, bool& openable,
                                   kdtree::BuildCounters& counters,
@@ -86,11 +92,11 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                               kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   const Timed timed(counters);
-  return expand_now(slot, true, when_pending, counters, cancelled);
+  return expand_now(slot, when_pending, counters, cancelled);
 }
 
-ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, bool bound_lists,
-                                  WhenPending when_pending, kdtree::BuildCounters& counters,
+ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
+                                  kdtree::BuildCounters& counters,
                                   const std::atomic<bool>* cancelled) {
   const kdtree::Slot now = kdtree::load(slot);
   if (!now.is_deferred()) return ExpandResult::kRetry;
@@ -101,8 +107,8 @@ ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, bool bound_lists,
     return wait_for_owner(slot, cell, when_pending, cancelled);
   try {
     return is_large(cell) && !cell.whole
-               ? expand_large(slot, cell, bound_lists, when_pending, counters, cancelled)
-               : expand_claimed(slot, cell, bound_lists, counters, cancelled);
+               ? expand_large(slot, cell, when_pending, counters, cancelled)
+               : expand_claimed(slot, cell, counters, cancelled);
   } catch (const Cancelled&) {
     return ExpandResult::kScanList;
   } catch (const std::bad_alloc&) {
@@ -118,10 +124,7 @@ bool LazyTree::holds_all(const kdtree::DeferredCell& cell) const {
   return !cell.openable && cell.size == primitive_count_;
 }
 
-std::uint64_t LazyTree::most_list_bytes() const {
-  constexpr std::uint64_t kSpare = 4096;  // for meshes so small that single cells count
-  return kListBytes * primitive_count_ + kSpare;
-}
+std::uint64_t LazyTree::most_list_bytes() const { return kListBytes * primitive_count_ + kSpare; }
 
 /// Whether the new cells may wait in place of `cell`, beside all others: not if they are too long,
 /// nor if a large cell has a share of straddlers that those below will have.
@@ -133,7 +136,7 @@ bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& ce
     size += fresh.part.list.size();
     bytes += fresh.part.list.bytes();
   }
-  if (!cell.openable && cell.size * kLargePart >= primitive_count_ &&
+  if (bytes > kSpare && !cell.openable && cell.size * kLargePart >= primitive_count_ &&
       size * kStraddleShare >= cell.size * (kStraddleShare + 1)) {
     return false;
   }
@@ -189,7 +192,7 @@ void LazyTree::count(const kdtree::AtomicSlot& slot, kdtree::Slot built,
 /// By one thread: divides a cell with a short list, or builds a whole subtree. The cell's own list
 /// is never written, because other threads may be searching it.
 ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                      bool bound_lists, kdtree::BuildCounters& counters,
+                                      kdtree::BuildCounters& counters,
                                       const std::atomic<bool>* cancelled) {
   if (!claim(slot, cell))
     return kdtree::load(slot) == kdtree::Slot::expanding(&cell) ? ExpandResult::kScanList
@@ -197,7 +200,7 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
   if (!cell.whole && cell.weight > kEagerBelow) {
     try {
       Division division = divide_short(context_, cell, counters);
-      if (!bound_lists || may_wait(division, cell)) {
+      if (may_wait(division, cell)) {
         publish(slot, cell, make_slot(std::move(division), cell), counters);
         return ExpandResult::kRetry;
       }
@@ -206,7 +209,7 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
       throw;
     }
   }
-  if (bound_lists && cell.size >= grow::kForkFrom && lists_are_left_over()) {
+  if (cell.size >= grow::kForkFrom && lists_are_left_over()) {
     slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
     if (build_left_over(&slot, counters, cancelled)) return ExpandResult::kRetry;
     if (!claim(slot, cell)) return ExpandResult::kRetry;
@@ -221,33 +224,31 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
 }
 
 ExpandResult LazyTree::expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                    bool bound_lists, WhenPending when_pending,
-                                    kdtree::BuildCounters& counters,
+                                    WhenPending when_pending, kdtree::BuildCounters& counters,
                                     const std::atomic<bool>* cancelled) {
   CellTask& task = task_of(cell, source_);
   const CellTask::Wanted wanted(task);
   if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
-  if (wanted.is_first()) return run_all_passes(slot, cell, task, bound_lists, counters, cancelled);
+  if (wanted.is_first()) return run_all_passes(slot, cell, task, counters, cancelled);
   for (StallDetector stall_detector;;) {
     const bool helped = task.help(counters, cancelled);
     if (kdtree::load(slot) != kdtree::Slot::deferred(&cell)) return ExpandResult::kRetry;
     if (helped) continue;
     if (when_pending == WhenPending::kReturn) return ExpandResult::kPending;
     if (!stall_detector.wait(task.progress()))
-      return run_all_passes(slot, cell, task, bound_lists, counters, cancelled);
+      return run_all_passes(slot, cell, task, counters, cancelled);
   }
 }
 
 /// Runs the passes to their end. Several threads may do so if the first one seemed to be stopped;
 /// then the first result is published and the others are discarded.
 ExpandResult LazyTree::run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                                      CellTask& task, bool bound_lists,
-                                      kdtree::BuildCounters& counters,
+                                      CellTask& task, kdtree::BuildCounters& counters,
                                       const std::atomic<bool>* cancelled) {
   tree_.reserve(primitive_count_, capacity_of(*rule_));
   Division division =
       divide_long(context_, cell, PassSequence(task, counters, cancelled), counters);
-  if (bound_lists && !may_wait(division, cell)) {
+  if (!may_wait(division, cell)) {
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
   }
@@ -276,6 +277,13 @@ kdtree::Slot LazyTree::defer(NewCell now) {
 }
 
 kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& cell) {
+  kdtree::KdTree::NewNodes nodes(tree_);
+  const kdtree::Slot made = make_unkept(division, cell);
+  nodes.keep();
+  return made;
+}
+
+kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCell& cell) {
   if (!division.cuts.empty()) return make_slot(division, division.cuts[0]);
   if (!division.cells.empty()) return defer(std::move(division.cells[0]));
   const kdtree::ReferenceList whole = cell.list.copy();
@@ -311,6 +319,8 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
+    // The passes before have freed as much as the whole subtree will take.
+    if (cell.whole && cell.size >= kTrimFrom) kdtree::trim_cell_memory();
     tree_.reserve(primitive_count_, capacity_of(*rule_));
     bool openable = cell.openable;
     kdtree::ReferenceList list = cell.has_list
@@ -321,8 +331,11 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
     if (cell.has_list)
       path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
     const grow::GrowingBytes held(tree_, list.bytes());
+    kdtree::KdTree::NewNodes nodes(tree_);
     const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
-    publish(slot, cell, grow::grow(context, list.all(), cell.box, path, counters), counters);
+    const kdtree::Slot built = grow::grow(context, list.all(), cell.box, path, counters);
+    nodes.keep();
+    publish(slot, cell, built, counters);
   } catch (const Cancelled&) {
     slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
     throw;

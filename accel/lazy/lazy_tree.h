@@ -63,20 +63,19 @@ class LazyTree {
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
 
  private:
-  ExpandResult expand_now(kdtree::AtomicSlot& slot, bool bound_lists, WhenPending when_pending,
+  ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   ExpandResult wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
                               WhenPending when_pending, const std::atomic<bool>* cancelled);
   ExpandResult expand_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
-                              bool bound_lists, kdtree::BuildCounters& counters,
-                              const std::atomic<bool>* cancelled);
-  ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, bool bound_lists,
+                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
+  ExpandResult expand_large(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                             WhenPending when_pending, kdtree::BuildCounters& counters,
                             const std::atomic<bool>* cancelled);
   ExpandResult run_all_passes(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell, CellTask& task,
-                              bool bound_lists, kdtree::BuildCounters& counters,
-                              const std::atomic<bool>* cancelled);
+                              kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   kdtree::Slot make_slot(Division division, const kdtree::DeferredCell& cell);
+  kdtree::Slot make_unkept(Division& division, const kdtree::DeferredCell& cell);
   kdtree::Slot make_slot(Division& division, const SplitTree::Node& node);
   kdtree::Slot defer(NewCell now);
   void complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
@@ -88,7 +87,7 @@ class LazyTree {
   bool build_left_over(const kdtree::AtomicSlot* before, kdtree::BuildCounters& counters,
                        const std::atomic<bool>* cancelled);
   std::uint64_t most_list_bytes() const;
-  bool may_list_root(const kdtree::DeferredCell& cell, kdtree::BuildCounters& counters) const;
+  bool may_list_root(kdtree::BuildCounters& counters) const;
   void complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
                         kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   bool may_wait(const Division& division, const kdtree::DeferredCell& cell) const;

@@ -1,5 +1,6 @@
 // Without memory a ray gets an error, and the tree is as it was: the same ray succeeds later.
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cstdlib>
 #include <new>
@@ -70,6 +71,19 @@ TEST(OutOfMemory, IsAnErrorOfAFullBuildThatSucceedsLater) {
     EXPECT_EQ(tree.metrics().deferred_cells, 0u);
     EXPECT_EQ(tree.metrics().references, undisturbed.metrics().references);
   }
+}
+
+TEST(OutOfMemory, FailedBuildsTakeNoNodes) {
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
+  const TestMesh mesh = slivers(20'000, 1);
+  AskedTree tree(mesh, "scan-fast"), undisturbed(mesh, "scan-fast");
+  int failures = 0;
+  for (int allocations = 0; allocations < 200; ++allocations)
+    failures += fails_after(allocations % 20, [&] { tree.build(); }) ? 1 : 0;
+  tree.build();
+  undisturbed.build();
+  EXPECT_GT(failures, 0);
+  EXPECT_EQ(tree.metrics().bytes, undisturbed.metrics().bytes);
 }
 
 }  // namespace
