@@ -84,11 +84,11 @@ class Growth {
     kdtree::Reference* right = lists.top(refs.size());
     std::optional<split::ChildScans> scans = sides.first_scans();
     kdtree::PartitionCounts n;
-    const std::size_t sifted = sift(sides, refs, right, scans, n);
+    const std::size_t done = sift(sides, refs, right, scans, n);
     lists.written(n.right);
-    counters.touches += sifted;
-    if (sifted < refs.size()) {
-      put_back({right, n.right}, cut->plane, refs.subspan(n.left, sifted - n.left));
+    counters.touches += done;
+    if (done < refs.size()) {
+      put_back({right, n.right}, cut->plane, refs.subspan(n.left, done - n.left));
       return defer(refs, cell, path, Waits::kLeftOver);
     }
     const std::size_t straddlers = n.left + n.right - refs.size();
@@ -121,7 +121,7 @@ class Growth {
     return context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
   }
 
-  /// Adds to n. Returns how many references are sifted: all, or those until it was cancelled.
+  /// Adds to n. Returns how many references are done: all, or those until it was cancelled.
   std::size_t sift(const CellCut& sides, std::span<kdtree::Reference> refs,
                    kdtree::Reference* right, std::optional<split::ChildScans>& scans,
                    kdtree::PartitionCounts& n) const {

@@ -71,7 +71,7 @@ TEST_P(Cancelled, RaysLeaveSoonAndKeepTheBound) {
   expect_bounded(tree, mesh, "built");
 }
 
-TEST_P(Cancelled, FullBuildsGoOnWhereTheyWereLeft) {
+TEST_P(Cancelled, FullBuildsAdvanceEachTime) {
   const TestMesh mesh = find_clustered_mesh(GetParam())->make(20'000, 3);
   Cancellation cancellation;
   AskedTree tree(mesh, cancellation.builder());
