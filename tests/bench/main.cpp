@@ -232,6 +232,19 @@ Verb add_verb_stability(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_stability(common, *options); };
 }
 
+Verb add_verb_clusters(CLI::App& app) {
+  auto options = std::make_shared<ClusterOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "clusters", "Bytes of trees over clustered triangles, and the work of rays in them");
+  verb.add_option("--kind", options->kind, "This, beside the compact mesh; default: all");
+  verb.add_option("--triangles", options->triangles, "Of each kind, about")
+      ->check(CLI::Range(std::uint64_t{100}, std::uint64_t{10'000'000}));
+  verb.add_option("--count", options->rays, "How many rays a kind")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}));
+  verb.add_option("--builder", options->builder, "One of ours (default: scan-fast)");
+  return [options](const CommonOptions& common) { return run_clusters(common, *options); };
+}
+
 Verb add_verb_answers(CLI::App& app) {
   auto options = std::make_shared<AnswersOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -280,13 +293,14 @@ int main_checked(int argc, char** argv) {
   CommonOptions common;
   add_common(app, common);
   const std::map<std::string, Verb> verbs{
-      {"rays", add_verb_rays(app)},       {"build", add_verb_build(app)},
-      {"trace", add_verb_trace(app)},     {"lazy", add_verb_lazy(app)},
-      {"law", add_verb_law(app)},         {"kernel", add_verb_kernel(app)},
-      {"curve", add_verb_curve(app)},     {"exactness", add_verb_exactness(app)},
-      {"robust", add_verb_robust(app)},   {"answers", add_verb_answers(app)},
-      {"dynamic", add_verb_dynamic(app)}, {"two-trees", add_verb_two_trees(app)},
-      {"chart", add_verb_chart(app)},     {"stability", add_verb_stability(app)}};
+      {"rays", add_verb_rays(app)},        {"build", add_verb_build(app)},
+      {"trace", add_verb_trace(app)},      {"lazy", add_verb_lazy(app)},
+      {"law", add_verb_law(app)},          {"kernel", add_verb_kernel(app)},
+      {"curve", add_verb_curve(app)},      {"exactness", add_verb_exactness(app)},
+      {"robust", add_verb_robust(app)},    {"answers", add_verb_answers(app)},
+      {"dynamic", add_verb_dynamic(app)},  {"two-trees", add_verb_two_trees(app)},
+      {"chart", add_verb_chart(app)},      {"stability", add_verb_stability(app)},
+      {"clusters", add_verb_clusters(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

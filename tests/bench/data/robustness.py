@@ -3,7 +3,10 @@ from bench import Failed
 
 ROBUST = "scan-fast", "scan-best", "bvh-binned", "sbvh"
 STABILITY = ("family", "builder", "triangles", "ok", "wrong", "references_per_triangle", "max_depth", "touches_per_triangle",
-             "steps_per_ray", "tests_per_ray", "relative_work", "failures", "failed_by_design")
+             "bytes_peak_per_triangle", "steps_per_ray", "tests_per_ray", "relative_work", "failures", "failed_by_design")
+CLUSTERS = ("kind", "builder", "triangles", "wrong", "final", "peak_full", "peak_growing", "resident_peak_full",
+            "resident_peak_growing", "references_per_triangle", "touches_per_triangle", "steps_per_ray", "tests_per_ray",
+            "relative_work")
 
 
 def robust(bench, options):
@@ -19,6 +22,16 @@ def robust(bench, options):
 def stability(bench, options):
     rows = bench.rows("stability", "--triangles", 3000, "--threads", 1, "--repeat", 1)
     return {"stability": [{key: row.get(key) for key in STABILITY} for row in rows]}
+
+
+def clusters(bench, options):
+    rows = []
+    for triangles in 1000, 30_000, 1_000_000:
+        rows += bench.rows("clusters", "--triangles", triangles, "--threads", 1)
+    wrong = [row for row in rows if row["wrong"]]
+    if wrong:
+        raise Failed(f"growing and full trees disagree: {wrong[0]}")
+    return {"clusters": [{key: row.get(key) for key in CLUSTERS} for row in rows]}
 
 
 def exactness(bench, options):

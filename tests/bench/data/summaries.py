@@ -168,6 +168,15 @@ def hard_families(folder):
                  [[family, *(rows[family, builder].get(key) for builder in ("scan-fast", "scan-best") for key in keys)] for family in HARD])
 
 
+def clusters(folder):
+    sizes = groups(read_csv(folder / "clusters.csv"), "triangles")
+    rows = {(row["kind"], size): row for size, of in sizes.items() for row in of}
+    kinds = dict.fromkeys(kind for kind, _ in rows)
+    keys = ("final", "final"), ("peak, full", "peak_full"), ("peak, growing", "peak_growing"), ("work", "relative_work")
+    return table(["kind", *(f"{size:,.0f}: {name}" if i == 0 else name for size in sizes for i, (name, _) in enumerate(keys))],
+                 [[kind, *(rows[kind, size].get(key) for size in sizes for _, key in keys)] for kind in kinds])
+
+
 def exactness(folder):
     return table(["scene", *KINDS],
                  [[scene, *(f"{row['exact_over_float']:.2f} ({row['product_over_float']:.2f})" for row in of)]

@@ -88,6 +88,13 @@ struct StabilityOptions {
   std::vector<std::string> builders{};  ///< Empty: all of ours.
 };
 
+struct ClusterOptions {
+  std::string kind{};                 ///< Empty: all.
+  std::uint64_t triangles = 30'000;   ///< Of each kind.
+  std::size_t rays = 60;              ///< For each kind.
+  std::string builder = "scan-fast";  ///< One of ours.
+};
+
 struct AnswersOptions {
   std::vector<std::string> kinds{"random", "aimed"};
   std::size_t count = 10'000;           ///< Of each kind.

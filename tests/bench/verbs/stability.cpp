@@ -151,6 +151,7 @@ Row make_row(const StabilityFamily& family, const std::string& builder, const Bu
   row["given_up_cells"] = built.metrics.deferred_cells;
   row["touches_per_triangle"] = touches;
   row["relative_touches"] = cost.touches;
+  row["bytes_peak_per_triangle"] = over(static_cast<double>(built.metrics.bytes_peak), n);
   row["build_ms"] = built.ms;
   row["relative_time"] = over(over(built.ms, n), compact.ms);
   row["steps_per_ray"] = over(static_cast<double>(built.traced.traversal_steps), rays);

@@ -30,11 +30,26 @@ TEST(VerbStability, HasARowForEveryFamilyAndBuilder) {
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   ASSERT_EQ(rows->size(), 2 * tests::hard_meshes().size());
   for (const Row& row : *rows) {
-    for (const char* key :
-         {"family", "rows", "builder", "triangles", "ok", "wrong", "references_per_triangle",
-          "max_depth", "given_up_cells", "touches_per_triangle", "relative_touches", "build_ms",
-          "relative_time", "steps_per_ray", "tests_per_ray", "relative_work", "sah_cost",
-          "failures", "failed_by_design"}) {
+    for (const char* key : {"family",
+                            "rows",
+                            "builder",
+                            "triangles",
+                            "ok",
+                            "wrong",
+                            "references_per_triangle",
+                            "max_depth",
+                            "given_up_cells",
+                            "touches_per_triangle",
+                            "relative_touches",
+                            "bytes_peak_per_triangle",
+                            "build_ms",
+                            "relative_time",
+                            "steps_per_ray",
+                            "tests_per_ray",
+                            "relative_work",
+                            "sah_cost",
+                            "failures",
+                            "failed_by_design"}) {
       EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
     }
     EXPECT_EQ(row["wrong"], 0) << row.dump();

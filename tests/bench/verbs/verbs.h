@@ -63,6 +63,11 @@ Result<std::vector<Row>> run_chart(const CommonOptions& common, const ChartOptio
 Result<std::vector<Row>> run_stability(const CommonOptions& common,
                                        const StabilityOptions& options);
 
+/// Bytes and rays' work of trees over clustered triangles (tests/support/hard_clusters.h), full and
+/// growing, one row for each kind; the first is a compact mesh, and work is over that one's.
+/// `wrong` are rays whose hits differ between both trees.
+Result<std::vector<Row>> run_clusters(const CommonOptions& common, const ClusterOptions& options);
+
 /// One hash of all answer columns of all kinds of query for every way to answer the same rays: all
 /// builders and SIMD targets, full and growing trees, numbers of threads, orders and batches.
 /// Error: kDataLoss, naming the ways whose hashes differ from the first.
