@@ -17,6 +17,11 @@ struct Priority {
   std::chrono::milliseconds time_slice{0};
 };
 
+/// Gives all threads of the process its own niceness again. Before the process ends: a thread with
+/// a high one must get a processor to end too, which takes seconds on a busy machine. Allocates
+/// nothing.
+void restore_niceness();
+
 /// Gives threads a priority while they are in the arena, which must outlive this. oneTBB's threads
 /// move between arenas. Where RLIMIT_NICE does not let them return from a higher niceness, they
 /// keep that of the process. The destructor waits until the threads have left the arena, which must

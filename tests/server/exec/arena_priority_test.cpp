@@ -6,9 +6,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <thread>
 
 namespace sightline::server::exec {
 namespace {
@@ -30,6 +32,25 @@ TEST(ArenaPriority, NoThreadKeepsItAfterItsEnd) {
   const int expected = getpriority(PRIO_PROCESS, static_cast<id_t>(getpid()));
   for (const pid_t thread : threads)
     EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(thread)), expected);
+}
+
+TEST(ArenaPriority, NicenessIsRestoredForAllThreads) {
+  const int expected = getpriority(PRIO_PROCESS, static_cast<id_t>(getpid()));
+  std::atomic<pid_t> thread{0};
+  std::atomic<bool> done{false};
+  std::thread nicer([&] {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), expected + 5);
+    thread = gettid();
+    thread.notify_one();
+    done.wait(false);
+  });
+  thread.wait(0);
+  restore_niceness();
+  const int now = getpriority(PRIO_PROCESS, static_cast<id_t>(thread.load()));
+  done = true;
+  done.notify_one();
+  nicer.join();
+  if (geteuid() == 0) EXPECT_EQ(now, expected);
 }
 
 }  // namespace
