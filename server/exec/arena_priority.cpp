@@ -56,10 +56,20 @@ ArenaPriority::ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& pri
   if (priority_.nice != 0 || priority_.time_slice.count() != 0) observe(true);
 }
 
-ArenaPriority::~ArenaPriority() { observe(false); }
+ArenaPriority::~ArenaPriority() {
+  // A thread that left later would not be observed, and would keep the priority.
+  while (const int inside = inside_.load()) inside_.wait(inside);
+  observe(false);
+}
 
-void ArenaPriority::on_scheduler_entry(bool) { set(priority_); }
+void ArenaPriority::on_scheduler_entry(bool) {
+  ++inside_;
+  set(priority_);
+}
 
-void ArenaPriority::on_scheduler_exit(bool) { set({}); }
+void ArenaPriority::on_scheduler_exit(bool) {
+  set({});
+  if (--inside_ == 0) inside_.notify_all();
+}
 
 }  // namespace sightline::server::exec
