@@ -40,19 +40,17 @@ std::shared_ptr<const revision::Snapshot> Scene::snapshot() const {
 }
 
 Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
-                             std::optional<std::uint64_t> expected_revision,
-                             const std::function<void(const Applied&)>& before_publish,
-                             const model::ChargeBytes& charge, const std::atomic<bool>* cancelled) {
+                             const ApplyOptions& options) {
   std::shared_ptr<const revision::Snapshot> base;  // released outside the lock
   const std::lock_guard writer(writer_);
   base = snapshot();
-  if (expected_revision && *expected_revision != base->revision()) {
+  if (options.expected_revision && *options.expected_revision != base->revision()) {
     return Error{Code::kAborted,
-                 "expected revision " + std::to_string(*expected_revision) +
+                 "expected revision " + std::to_string(*options.expected_revision) +
                      ", but the scene is at " + std::to_string(base->revision()),
                  "REVISION_MISMATCH"};
   }
-  revision::Draft draft(*base, next_id_, charge, cancelled);
+  revision::Draft draft(*base, next_id_, options.charge, options.cancelled);
   for (std::size_t i = 0; i < updates.size(); ++i) {
     if (const Status status = draft.apply(updates[i]); !status) {
       Error error = status.error();
@@ -67,7 +65,7 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
   std::vector<model::NodeId> changed = draft.changed();
   std::shared_ptr<const revision::Snapshot> next = std::move(draft).publish(applied.revision);
   applied.rebuild_static = settle_policy_.add(*next, std::move(changed));
-  if (before_publish) before_publish(applied);
+  if (options.before_publish) options.before_publish(applied);
   next_id_ = next_id;
   publish(std::move(next));
   return applied;

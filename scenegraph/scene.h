@@ -28,6 +28,19 @@ struct Applied {
   bool rebuild_static = false;       ///< Scene::rebuild_static() is worth its cost now.
 };
 
+struct ApplyOptions {
+  /// Refuse (kAborted) unless this is the current revision.
+  std::optional<std::uint64_t> expected_revision = std::nullopt;
+  /// Called with the result when nothing can fail any more but itself. If it throws, the scene is
+  /// as it was.
+  std::function<void(const Applied&)> before_publish = {};
+  /// Called with the bytes of each mesh that the patches make, before it is made; the charge lives
+  /// as long as that mesh.
+  model::ChargeBytes charge = {};
+  /// Once it is true, the batch soon ends with kCancelled and is not applied. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
+};
+
 class Scene {
  public:
   Scene();
@@ -36,21 +49,12 @@ class Scene {
   std::shared_ptr<const revision::Snapshot> snapshot() const;
 
   /// Applies the whole batch, or leaves the scene as it was. Threads: any; one writer at a time.
-  /// `expected_revision`: refuse (kAborted) unless this is the current revision.
-  /// `before_publish`: called with the result when nothing can fail any more but itself. If it
-  /// throws, the scene is as it was.
-  /// `charge`: called with the bytes of each mesh that the patches make, before it is made; the
-  /// charge lives as long as that mesh.
-  /// `cancelled`: looked at for every node. Null: never.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
   /// counts that disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
   /// those of the charge.
   Result<Applied> apply(const std::vector<model::Update>& updates,
-                        std::optional<std::uint64_t> expected_revision = std::nullopt,
-                        const std::function<void(const Applied&)>& before_publish = {},
-                        const model::ChargeBytes& charge = {},
-                        const std::atomic<bool>* cancelled = nullptr);
+                        const ApplyOptions& options = {});
 
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the

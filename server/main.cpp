@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "server/config.h"
+#include "server/exec/arena_priority.h"
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/watchdog.h"
@@ -43,7 +44,7 @@ sigset_t block_signals() {
 }
 
 /// How long the process may live after the drain: cancelled calls and tasks end meanwhile.
-constexpr std::chrono::milliseconds kEndAfterDrain{700};
+constexpr std::chrono::milliseconds kEndAfterDrain{500};
 
 /// Runs the server until a signal arrives. Returns the program's exit code.
 int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
@@ -75,6 +76,7 @@ int main(int argc, char** argv) try {
   spdlog::shutdown();
   // oneTBB's workers still live, and are not joined: tbb::finalize never returns on some machines
   // of one core. What they use must not be destroyed.
+  exec::restore_niceness();
   _exit(code);
 } catch (const std::exception& thrown) {
   std::fprintf(stderr, "sightlined: %s\n", thrown.what());

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <thread>
 
+#include "server/exec/arena_priority.h"
+
 namespace sightline::server {
 namespace {
 
@@ -33,6 +35,7 @@ void Watchdog::watch() {
   armed_.acquire();
   std::this_thread::sleep_for(limit_);
   say_why();
+  exec::restore_niceness();
   _exit(0);
 }
 

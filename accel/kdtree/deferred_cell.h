@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/plane_counts.h"
@@ -31,13 +30,6 @@ struct alignas(8) DeferredCell : Retirable {
   ~DeferredCell() {
     if (RefCounted* work = task.load(std::memory_order_acquire)) work->leave();
   }
-
-  static void* operator new(std::size_t bytes) {
-    void* const memory = reallocate_cell_memory(nullptr, bytes);
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-  }
-  static void operator delete(void* memory) { free_cell_memory(memory); }
 
   geometry::Aabb box;
   CellPath path;

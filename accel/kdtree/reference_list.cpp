@@ -1,13 +1,7 @@
-// Divides long lists into slices, and allocates the memory of lists.
+// Divides long lists into slices.
 #include "accel/kdtree/reference_list.h"
 
 #include <cassert>
-
-#ifdef SIGHTLINE_SCALABLE_MALLOC
-#include <tbb/scalable_allocator.h>
-#else
-#include <cstdlib>
-#endif
 
 namespace sightline::accel::kdtree {
 
@@ -55,15 +49,5 @@ ReferenceList join(std::span<const std::span<const Reference>> spans, std::size_
     out = std::copy(part.begin(), part.end(), out);
   return list;
 }
-
-#ifdef SIGHTLINE_SCALABLE_MALLOC
-void* reallocate_cell_memory(void* old, std::size_t bytes) { return scalable_realloc(old, bytes); }
-void free_cell_memory(void* memory) { scalable_free(memory); }
-void trim_cell_memory() { (void)scalable_allocation_command(TBBMALLOC_CLEAN_ALL_BUFFERS, nullptr); }
-#else
-void* reallocate_cell_memory(void* old, std::size_t bytes) { return std::realloc(old, bytes); }
-void free_cell_memory(void* memory) { std::free(memory); }
-void trim_cell_memory() {}
-#endif
 
 }  // namespace sightline::accel::kdtree

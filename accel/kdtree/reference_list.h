@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <new>
 #include <span>
@@ -14,16 +15,6 @@
 #include "accel/kdtree/reference.h"
 
 namespace sightline::accel::kdtree {
-
-/// Memory of deferred cells and their lists. One thread allocates it and another frees it, all the
-/// time; the C library's allocator would make threads wait for each other. As std::realloc and
-/// std::free, with oneTBB's allocator. Builds with sanitizers use the C
-/// library's, which sanitizers check.
-void* reallocate_cell_memory(void* old, std::size_t bytes);
-void free_cell_memory(void* memory);
-/// Gives memory that was freed, and that the allocator keeps for later, back to the system. Takes
-/// as long as some passes over a long list.
-void trim_cell_memory();
 
 /// An owned array of references whose unused end can be freed.
 class ReferenceList {
@@ -50,10 +41,10 @@ class ReferenceList {
 
  private:
   struct Free {
-    void operator()(Reference* p) const { free_cell_memory(p); }
+    void operator()(Reference* p) const { std::free(p); }
   };
   static Reference* allocate(Reference* old, std::size_t size) {
-    void* p = reallocate_cell_memory(old, (size > 0 ? size : 1) * sizeof(Reference));
+    void* p = std::realloc(old, (size > 0 ? size : 1) * sizeof(Reference));
     if (p == nullptr) throw std::bad_alloc();
     return static_cast<Reference*>(p);
   }

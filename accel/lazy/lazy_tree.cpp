@@ -30,9 +30,6 @@ bool is_set(const std::atomic<bool>* cancelled) {
   return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
 }
 
-/// References of a list whose memory counts in the memory of a process.
-constexpr std::size_t kTrimFrom = 65536;
-
 /// Bytes of lists that matter in no mesh; small meshes divide their cells as others do.
 constexpr std::uint64_t kSpare = 4096;
 
@@ -319,8 +316,6 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
-    // The passes before have freed as much as the whole subtree will take.
-    if (cell.whole && cell.size >= kTrimFrom) kdtree::trim_cell_memory();
     tree_.reserve(primitive_count_, capacity_of(*rule_));
     bool openable = cell.openable;
     kdtree::ReferenceList list = cell.has_list

@@ -23,7 +23,7 @@ model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& no
   return compose(world_from_local(hierarchy, *hierarchy.find(node.parent)), node.parent_from_local);
 }
 
-const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId group) {
+const model::ChildList& children_of(const Hierarchy& in, model::NodeId group) {
   return group == 0 ? *in.roots : in.find(group)->children;
 }
 
@@ -72,15 +72,17 @@ bool SummaryUpdate::is_parent(model::NodeId id) const {
   return node != nullptr && !node->children.empty();
 }
 
-void SummaryUpdate::finish() {
+bool SummaryUpdate::finish(const std::atomic<bool>* cancelled) {
   for (std::size_t d = changes_.size(); d-- > 0;) {
     for (const auto& [group, children] : changes_[d]) {
+      if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return false;
       update(group, children);
       if (group == 0) continue;
       const model::NodeId parent = after_.find(group)->parent;
       changes_[d - 1][parent].push_back(group);
     }
   }
+  return true;
 }
 
 /// Remembers the last answer: a hierarchy that is loaded has many edits under one parent.
@@ -95,7 +97,7 @@ std::size_t SummaryUpdate::depth(model::NodeId id) {
 
 void SummaryUpdate::update(model::NodeId group, const Children& changed) {
   NodeSummary sum;
-  const std::vector<model::NodeId>& children = children_of(after_, group);
+  const model::ChildList& children = children_of(after_, group);
   if (children.size() > SummaryTree::kWide) {
     sum = tree_sum(group, changed);
   } else {
@@ -112,7 +114,8 @@ NodeSummary SummaryUpdate::tree_sum(model::NodeId group, const Children& changed
       known == nullptr ? std::make_shared<SummaryTree>() : std::make_shared<SummaryTree>(**known);
   std::vector<model::NodeId> ids;
   if (known == nullptr) {
-    ids = children_of(after_, group);
+    const model::ChildList& children_now = children_of(after_, group);
+    ids.assign(children_now.begin(), children_now.end());
   } else {
     ids.assign(changed.begin(), changed.end());
   }
@@ -144,8 +147,7 @@ bool SummaryUpdate::adjust(model::NodeId group, const Children& changed, NodeSum
   return true;
 }
 
-NodeSummary SummaryUpdate::sum_of(model::NodeId group,
-                                  const std::vector<model::NodeId>& children) const {
+NodeSummary SummaryUpdate::sum_of(model::NodeId group, const model::ChildList& children) const {
   NodeSummary sum;
   add(sum, own_summary(after_, group));
   for (const model::NodeId child : children) add(sum, summary_of_child(after_, group, child));

@@ -1,6 +1,7 @@
 // Updates summaries: visits edited nodes and the nodes above them only.
 #pragma once
 
+#include <atomic>
 #include <memory_resource>
 #include <unordered_map>
 #include <vector>
@@ -17,8 +18,7 @@ class SummaryTree;
 struct Hierarchy {
   NodeMap nodes;
   /// Shared among revisions, as nodes are. Never null.
-  std::shared_ptr<const std::vector<model::NodeId>> roots =
-      std::make_shared<const std::vector<model::NodeId>>();
+  std::shared_ptr<const model::ChildList> roots = std::make_shared<const model::ChildList>();
   SummaryMap summaries;
   /// For groups with more than SummaryTree::kWide children (0: the scene's roots).
   model::PersistentMap<std::shared_ptr<const SummaryTree>> summary_trees;
@@ -48,7 +48,7 @@ bool any_upward(const Hierarchy& hierarchy, model::NodeId id, const Test& test) 
 model::Affine world_from_local(const Hierarchy& hierarchy, const model::Node& node);
 
 /// 0: the roots.
-const std::vector<model::NodeId>& children_of(const Hierarchy& in, model::NodeId group);
+const model::ChildList& children_of(const Hierarchy& in, model::NodeId group);
 
 /// What the child adds to the group's summary; empty if it is not one of its children.
 NodeSummary summary_of_child(const Hierarchy& in, model::NodeId group, model::NodeId child);
@@ -67,8 +67,9 @@ class SummaryUpdate {
   /// To be called for each node that was made, changed or deleted, once.
   void edited(model::NodeId id);
 
-  /// After the last: brings after.summaries up to date.
-  void finish();
+  /// After the last: brings after.summaries up to date. Returns false soon after `cancelled` is
+  /// true; the summaries are then not all up to date.
+  bool finish(const std::atomic<bool>* cancelled = nullptr);
 
  private:
   /// Of the groups at one depth, the children that bring something else than before.
@@ -81,7 +82,7 @@ class SummaryUpdate {
   void update(model::NodeId group, const Children& changed);
   NodeSummary tree_sum(model::NodeId group, const Children& changed);
   bool adjust(model::NodeId group, const Children& changed, NodeSummary& sum) const;
-  NodeSummary sum_of(model::NodeId group, const std::vector<model::NodeId>& children) const;
+  NodeSummary sum_of(model::NodeId group, const model::ChildList& children) const;
 
   const Hierarchy& before_;
   Hierarchy& after_;

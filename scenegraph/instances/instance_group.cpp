@@ -171,10 +171,8 @@ class SliceBuilder {
   std::unique_ptr<OpenedSlice> slice_ = std::make_unique<OpenedSlice>();
 };
 
-std::span<const model::NodeId> slice_of(const std::vector<model::NodeId>& children,
-                                        std::size_t slice) {
-  const std::size_t begin = slice * kChildrenPerSlice;
-  return std::span(children).subspan(begin, std::min(kChildrenPerSlice, children.size() - begin));
+std::vector<model::NodeId> slice_of(const model::ChildList& children, std::size_t slice) {
+  return children.slice(slice * kChildrenPerSlice, kChildrenPerSlice);
 }
 
 std::unique_ptr<const Opened::Siblings> collect_siblings(const Group& group, const Opened& opened) {
@@ -239,13 +237,13 @@ Opened::Opened(std::size_t children)
     : numbers((children - std::min<std::size_t>(children, 1)) / kChildrenPerSlice),
       slices(numbers.size() + 1) {}
 
-const std::vector<model::NodeId>& children_of(const MobilityView& view, const Group& group) {
+const model::ChildList& children_of(const MobilityView& view, const Group& group) {
   return group.node == nullptr ? view.roots() : group.node->children;
 }
 
 void open_group(const MobilityView& view, const Group& group, const accel::geometry::Vec3d& center,
                 unsigned shift, Opened& opened) {
-  const std::vector<model::NodeId>& children = children_of(view, group);
+  const model::ChildList& children = children_of(view, group);
   const bool own = group.node != nullptr && hierarchy::is_instance(*group.node);
   // Opening a few children takes less time than waiting. A slice of many children may take longer
   // than one stall.

@@ -90,7 +90,7 @@ std::unique_ptr<Group> root_group(const MobilityView& view, const accel::geometr
 unsigned weight_shift(std::uint64_t total_cost);
 
 /// The group's children, those in the other tree too; for the root group, the view's roots.
-const std::vector<model::NodeId>& children_of(const MobilityView& view, const Group& group);
+const model::ChildList& children_of(const MobilityView& view, const Group& group);
 
 /// Returns when `opened` is complete, which is a pure function of the other arguments. Throws
 /// std::bad_alloc.

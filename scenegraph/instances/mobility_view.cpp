@@ -43,7 +43,9 @@ std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hie
 }
 
 MobilityView::MobilityView(MobilitySide side, const hierarchy::Hierarchy& hierarchy)
-    : hierarchy_(hierarchy), side_(side), dynamic_roots_(topmost_dynamic_roots(hierarchy)) {
+    : hierarchy_(hierarchy),
+      side_(side),
+      dynamic_roots_(std::span<const model::NodeId>(topmost_dynamic_roots(hierarchy))) {
   if (side == MobilitySide::kDynamic) {
     for (const model::NodeId id : dynamic_roots_)
       add(all_, summary_in_world(hierarchy, *hierarchy.find(id)));

@@ -22,7 +22,7 @@ class MobilityView {
 
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
   /// Where the side begins: the scene's roots, or the topmost dynamic roots.
-  const std::vector<model::NodeId>& roots() const {
+  const model::ChildList& roots() const {
     return side_ == MobilitySide::kStatic ? *hierarchy_.roots : dynamic_roots_;
   }
   /// Sum over the side, in world space.
@@ -42,7 +42,7 @@ class MobilityView {
 
   const hierarchy::Hierarchy& hierarchy_;
   MobilitySide side_;
-  std::vector<model::NodeId> dynamic_roots_;  // the topmost, ascending
+  model::ChildList dynamic_roots_;  // the topmost, ascending
   std::unordered_map<model::NodeId, hierarchy::NodeSummary>
       without_dynamic_;  // of the static side: groups above dynamic roots
   hierarchy::NodeSummary all_;

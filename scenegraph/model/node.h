@@ -5,16 +5,18 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "accel/geometry/ray.h"
 #include "scenegraph/model/affine.h"
 #include "scenegraph/model/mesh.h"
+#include "scenegraph/model/persistent_list.h"
 
 namespace sightline::scenegraph::model {
 
 /// Given by the scene, from 1 upward, never used again within a scene. 0 means "none".
 using NodeId = std::uint64_t;
+
+using ChildList = PersistentList<NodeId>;
 
 /// How a node is expected to change, with all nodes below it. Chooses the tree that the node begins
 /// in; later changes may move it to the other tree (see Scene).
@@ -33,7 +35,7 @@ struct Node {
   bool patched = false;     ///< The mesh's vertices have been changed since.
   Mobility mobility = Mobility::kStatic;
   std::uint32_t mask = accel::geometry::kAllMasks;
-  std::vector<NodeId> children;  ///< In order of creation.
+  ChildList children;  ///< In the order in which they came.
   /// Set once rays have entered the mesh; carried over from revision to revision. Null without a
   /// mesh.
   std::shared_ptr<std::atomic<bool>> entered;

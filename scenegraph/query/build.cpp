@@ -144,7 +144,8 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
 Result<std::vector<const model::Node*>> mesh_nodes_under(const revision::Snapshot& snapshot,
                                                          std::span<const model::NodeId> roots,
                                                          std::span<const model::NodeId> excluded) {
-  const auto from = known_ids(snapshot, roots.empty() ? snapshot.roots() : roots, "root");
+  const std::vector<model::NodeId> all(snapshot.roots().begin(), snapshot.roots().end());
+  const auto from = known_ids(snapshot, roots.empty() ? all : roots, "root");
   if (!from) return from.error();
   const auto without = known_ids(snapshot, excluded, "excluded");
   if (!without) return without.error();

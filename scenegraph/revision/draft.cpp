@@ -23,19 +23,13 @@ Error too_deep(const std::string& what, int depth) {
                    std::to_string(model::kMaxDepth));
 }
 
-/// Drops the first `counts[id]` of each id from the list.
-template <class Counts>
-void drop_first(std::vector<model::NodeId>& ids, Counts counts) {
-  std::size_t kept = 0;
-  for (const model::NodeId id : ids) {
-    const auto left = counts.find(id);
-    if (left != counts.end() && left->second > 0) {
-      --left->second;
-    } else {
-      ids[kept++] = id;
-    }
-  }
-  ids.resize(kept);
+/// Also for children that come and leave several times: the last to come is the last in the list.
+template <class Changes>
+void change(model::ChildList& children, const Changes& joined, const Changes& left,
+            model::NodeId parent) {
+  if (const auto found = joined.find(parent); found != joined.end()) children.append(found->second);
+  if (const auto found = left.find(parent); found != left.end())
+    children.erase_first(found->second);
 }
 
 }  // namespace
@@ -140,6 +134,7 @@ Status Draft::remove(const model::DeleteNode& removal) {
     doomed.pop_back();
     const std::vector<model::NodeId> below = children_now(*find(id));
     doomed.insert(doomed.end(), below.begin(), below.end());
+    joined_.erase(id);
     left_.erase(id);
     edited_[id] = nullptr;
     moved_.erase(id);
@@ -194,28 +189,27 @@ model::Node& Draft::edit(model::NodeId id) {
   return *node;
 }
 
-std::vector<model::NodeId>& Draft::siblings(model::NodeId parent) {
-  if (parent != 0) return edit(parent).children;
-  if (roots_ == nullptr) roots_ = std::make_shared<std::vector<model::NodeId>>(base_.roots());
-  return *roots_;
-}
+void Draft::join(model::NodeId id, model::NodeId parent) { joined_[parent].push_back(id); }
 
-void Draft::join(model::NodeId id, model::NodeId parent) { siblings(parent).push_back(id); }
+void Draft::leave(model::NodeId id, model::NodeId parent) { left_[parent].push_back(id); }
 
-void Draft::leave(model::NodeId id, model::NodeId parent) { ++left_[parent][id]; }
-
-/// Without those that have left.
 std::vector<model::NodeId> Draft::children_now(const model::Node& node) const {
-  std::vector<model::NodeId> children = node.children;
-  if (const auto left = left_.find(node.id); left != left_.end())
-    drop_first(children, left->second);
-  return children;
+  model::ChildList children = node.children;
+  change(children, joined_, left_, node.id);
+  return {children.begin(), children.end()};
 }
 
-/// Lists may be long: each is scanned once for all that have left.
-void Draft::drop_left() {
-  for (const auto& [parent, left] : left_) drop_first(siblings(parent), left);
-  left_.clear();
+void Draft::update_children() {
+  const auto update = [this](model::NodeId parent) {
+    if (parent != 0) return change(edit(parent).children, joined_, left_, parent);
+    auto roots = std::make_shared<model::ChildList>(base_.roots());
+    change(*roots, joined_, left_, parent);
+    hierarchy_.roots = std::move(roots);
+  };
+  for (const auto& [parent, children] : joined_) update(parent);
+  for (const auto& [parent, children] : left_) {
+    if (!joined_.contains(parent)) update(parent);
+  }
 }
 
 /// The node may be a child of this parent: no cycle, and not deeper than kMaxDepth. What hangs
@@ -251,10 +245,9 @@ model::Affine Draft::world_from_local(const model::Node& node) const {
 
 Status Draft::finish() {
   if (Status deformed = deform(); !deformed) return deformed;
-  drop_left();
+  update_children();
   if (Status shallow = check_depths(); !shallow) return shallow;
-  if (Status wanted = check_cancelled(); !wanted) return wanted;
-  change_ = classify_changes(base_, edited_);
+  change_ = classify_changes(base_, edited_, cancelled_);
   if (Status wanted = check_cancelled(); !wanted) return wanted;
   hierarchy_.dynamic_roots = change_.dynamic_roots;
   {
@@ -264,13 +257,12 @@ Status Draft::finish() {
       nodes.set(id, node);
     }
   }
-  if (roots_ != nullptr) hierarchy_.roots = roots_;
   hierarchy::SummaryUpdate update(base_.hierarchy(), hierarchy_);
   for (const auto& [id, node] : edited_) {
     if (Status wanted = check_cancelled(); !wanted) return wanted;
     update.edited(id);
   }
-  update.finish();
+  if (!update.finish(cancelled_)) return check_cancelled();
   const auto deepest = static_cast<int>(hierarchy_.summary(0).height) - 1;
   if (deepest > model::kMaxDepth) return too_deep("the hierarchy", deepest);
   return check_transforms();

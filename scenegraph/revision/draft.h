@@ -55,11 +55,10 @@ class Draft {
   const model::Node* find(model::NodeId id) const;
   /// The node for editing: copied from the base the first time.
   model::Node& edit(model::NodeId id);
-  std::vector<model::NodeId>& siblings(model::NodeId parent);
   void join(model::NodeId id, model::NodeId parent);
   void leave(model::NodeId id, model::NodeId parent);
   std::vector<model::NodeId> children_now(const model::Node& node) const;
-  void drop_left();
+  void update_children();
   Status deform();
   Status check_parent(model::NodeId node, model::NodeId parent) const;
   Status check_depths() const;
@@ -72,15 +71,14 @@ class Draft {
   std::pmr::monotonic_buffer_resource memory_;
   const Snapshot& base_;
   const std::atomic<bool>* const cancelled_;
-  hierarchy::Hierarchy hierarchy_;                     // of the base, until finish()
-  std::shared_ptr<std::vector<model::NodeId>> roots_;  // null: as in the base
+  hierarchy::Hierarchy hierarchy_;  // of the base, until finish()
   model::NodeId next_id_;
   std::pmr::unordered_map<model::NodeRef, model::NodeId> aliases_{&memory_};
   EditedNodes edited_{&memory_};
-  /// By parent: how often each child has left it. finish() drops as many from the front of the
-  /// parent's list, where a child that came back is once more at the end.
-  using Leavings = std::pmr::unordered_map<model::NodeId, std::size_t>;
-  std::pmr::unordered_map<model::NodeId, Leavings> left_{&memory_};
+  /// By parent: the children that have come, and those that have left; a child may come and leave
+  /// several times. finish() changes each parent's list once.
+  using Children = std::pmr::unordered_map<model::NodeId, std::pmr::vector<model::NodeId>>;
+  Children joined_{&memory_}, left_{&memory_};
   MobilityChange change_;
   std::pmr::unordered_set<model::NodeId> moved_{&memory_};
   Deformations deformations_;

@@ -14,9 +14,11 @@ bool differs(const model::Node* old, const model::Node* node) {
 
 class ChangeClassifier {
  public:
-  ChangeClassifier(const Snapshot& base, const EditedNodes& edited)
+  ChangeClassifier(const Snapshot& base, const EditedNodes& edited,
+                   const std::atomic<bool>* cancelled)
       : base_(base.hierarchy()),
         edited_(edited),
+        cancelled_(cancelled),
         opened_(base.shared_trees().static_tree->instances_so_far() != nullptr) {
     change_.dynamic_roots = base_.dynamic_roots;
     if (base.shared_trees().removed != nullptr)
@@ -31,6 +33,7 @@ class ChangeClassifier {
     instances::NodeSet::Edit dynamic_roots(change_.dynamic_roots);
     instances::NodeSet::Edit removed(change_.removed);
     for (const model::NodeId id : change_.changed) {
+      if (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed)) break;
       leave(id, removed);
       arrive(id, dynamic_roots);
     }
@@ -86,6 +89,7 @@ class ChangeClassifier {
 
   const hierarchy::Hierarchy& base_;
   const EditedNodes& edited_;
+  const std::atomic<bool>* const cancelled_;
   const bool opened_;
   std::unordered_map<model::NodeId, bool> known_;
   MobilityChange change_;
@@ -93,8 +97,9 @@ class ChangeClassifier {
 
 }  // namespace
 
-MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited) {
-  return ChangeClassifier(base, edited).classify();
+MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited,
+                                const std::atomic<bool>* cancelled) {
+  return ChangeClassifier(base, edited, cancelled).classify();
 }
 
 instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,

@@ -1,6 +1,7 @@
 // Which nodes go into the dynamic tree, and which are removed from the static one, by a revision.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <memory_resource>
 #include <span>
@@ -25,8 +26,10 @@ struct MobilityChange {
 
 /// Before rays open the static tree, a node is in the tree that its mobility says. From then on, a
 /// new or changed node goes into the dynamic tree with all nodes below it, and what the static tree
-/// holds of it is removed. Cost: the edited nodes and those above them.
-MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited);
+/// holds of it is removed. Cost: the edited nodes and those above them. Returns soon after
+/// `cancelled` is true; the change is then incomplete.
+MobilityChange classify_changes(const Snapshot& base, const EditedNodes& edited,
+                                const std::atomic<bool>* cancelled = nullptr);
 
 /// The nodes that exist and have none of the others above them.
 instances::NodeSet topmost_of(const hierarchy::Hierarchy& hierarchy,

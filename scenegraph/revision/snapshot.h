@@ -30,7 +30,7 @@ class Snapshot {
   /// Null if there is no such node in this revision.
   const model::Node* find(model::NodeId id) const { return hierarchy_.find(id); }
   const hierarchy::NodeMap& nodes() const { return hierarchy_.nodes; }
-  const std::vector<model::NodeId>& roots() const { return *hierarchy_.roots; }
+  const model::ChildList& roots() const { return *hierarchy_.roots; }
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
 
   /// The instances in world space and the kd-trees over them. The first call opens them; no thread

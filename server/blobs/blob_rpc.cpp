@@ -197,6 +197,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     reply_.set_digest(digest_text_);
     const grpc::Status answer = exec::to_grpc(status);
     exec::log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
+    // Before the client knows, which may then begin the next upload. A call that the registry ends
+    // does not count any more.
+    if (status.ok()) uploads_.leave(this);
     Finish(answer);
   }
 

@@ -1,11 +1,16 @@
 // How threads share the processors while they work in an arena.
 #include "server/exec/arena_priority.h"
 
+#include <dirent.h>
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <thread>
 
 namespace sightline::server::exec {
@@ -49,6 +54,23 @@ bool may_return_from_nice() {
 
 }  // namespace
 
+void restore_niceness() {
+  const int tasks = open("/proc/self/task", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (tasks < 0) return;
+  alignas(dirent64) std::array<char, 4096> entries;
+  for (;;) {
+    const auto read = getdents64(tasks, entries.data(), entries.size());
+    if (read <= 0) break;
+    for (std::size_t at = 0; at < static_cast<std::size_t>(read);) {
+      const auto* entry = reinterpret_cast<const dirent64*>(entries.data() + at);
+      const auto thread = static_cast<id_t>(std::strtoul(entry->d_name, nullptr, 10));
+      if (thread != 0) setpriority(PRIO_PROCESS, thread, process_nice());
+      at += entry->d_reclen;
+    }
+  }
+  close(tasks);
+}
+
 ArenaPriority::ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& priority)
     : task_scheduler_observer(arena),
       priority_{.nice = may_return_from_nice() ? priority.nice : 0,
@@ -56,10 +78,20 @@ ArenaPriority::ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& pri
   if (priority_.nice != 0 || priority_.time_slice.count() != 0) observe(true);
 }
 
-ArenaPriority::~ArenaPriority() { observe(false); }
+ArenaPriority::~ArenaPriority() {
+  // A thread that left later would not be observed, and would keep the priority.
+  while (const int inside = inside_.load()) inside_.wait(inside);
+  observe(false);
+}
 
-void ArenaPriority::on_scheduler_entry(bool) { set(priority_); }
+void ArenaPriority::on_scheduler_entry(bool) {
+  ++inside_;
+  set(priority_);
+}
 
-void ArenaPriority::on_scheduler_exit(bool) { set({}); }
+void ArenaPriority::on_scheduler_exit(bool) {
+  set({});
+  if (--inside_ == 0) inside_.notify_all();
+}
 
 }  // namespace sightline::server::exec

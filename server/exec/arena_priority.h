@@ -4,6 +4,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_scheduler_observer.h>
 
+#include <atomic>
 #include <chrono>
 
 namespace sightline::server::exec {
@@ -16,9 +17,15 @@ struct Priority {
   std::chrono::milliseconds time_slice{0};
 };
 
+/// Gives all threads of the process its own niceness again. Before the process ends: a thread with
+/// a high one must get a processor to end too, which takes seconds on a busy machine. Allocates
+/// nothing.
+void restore_niceness();
+
 /// Gives threads a priority while they are in the arena, which must outlive this. oneTBB's threads
 /// move between arenas. Where RLIMIT_NICE does not let them return from a higher niceness, they
-/// keep that of the process.
+/// keep that of the process. The destructor waits until the threads have left the arena, which must
+/// have no tasks any more.
 class ArenaPriority : public oneapi::tbb::task_scheduler_observer {
  public:
   ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& priority);
@@ -31,6 +38,7 @@ class ArenaPriority : public oneapi::tbb::task_scheduler_observer {
 
  private:
   const Priority priority_;
+  std::atomic<int> inside_{0};  ///< Threads that have been given the priority.
 };
 
 }  // namespace sightline::server::exec

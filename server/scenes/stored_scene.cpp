@@ -78,10 +78,9 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory)
       info_(std::move(info)),
       nodes_(memory.record(exec::Held::kNodes, kBytesPerScene)) {}
 
-Result<scenegraph::Applied> StoredScene::apply(
-    std::vector<scenegraph::model::Update> updates, std::optional<std::uint64_t> expected_revision,
-    exec::Compute& compute, const std::function<void(const scenegraph::Applied&)>& record,
-    const std::atomic<bool>* cancelled) {
+Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
+                                               exec::Compute& compute,
+                                               const scenegraph::ApplyOptions& options) {
   if (removed()) return removed_error();
   auto before = scene_.snapshot();
   const auto needed = needed_by(*before, updates);
@@ -106,11 +105,14 @@ Result<scenegraph::Applied> StoredScene::apply(
     reserve_patched(updates);
     entry = log_.prepare(std::move(updates));
     logged = entry.updates;
-    if (record) record(next);
+    if (options.before_publish) options.before_publish(next);
   };
   const auto charge = [this](std::uint64_t bytes) { return charge_patch(bytes); };
   // Nothing below throws: what is published is in the log.
-  auto applied = scene_.apply(updates, expected_revision, prepare, charge, cancelled);
+  auto applied = scene_.apply(updates, {.expected_revision = options.expected_revision,
+                                        .before_publish = prepare,
+                                        .charge = charge,
+                                        .cancelled = options.cancelled});
   if (applied) {
     auto kept = memory_.record(exec::Held::kLogs, replaced.bytes - replaced.meshes);
     dropped = recent_.account(replaced.bytes, std::move(kept));

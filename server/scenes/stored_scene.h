@@ -81,14 +81,11 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   /// Applies a batch. When it returns, the new revision is in the log and listeners have been
   /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
   /// needed_by; kResourceExhausted where the memory budget has no room for it; kNotFound after
-  /// remove().
-  /// `record`: called with the result before it is published, so that the caller can record it.
-  /// If it throws, or memory runs out, nothing has changed. `cancelled`: as for Scene::apply.
-  Result<scenegraph::Applied> apply(
-      std::vector<scenegraph::model::Update> updates,
-      std::optional<std::uint64_t> expected_revision, exec::Compute& compute,
-      const std::function<void(const scenegraph::Applied&)>& record = {},
-      const std::atomic<bool>* cancelled = nullptr);
+  /// remove(). If memory runs out, nothing has changed.
+  /// `options`: as for Scene::apply, but the scene itself charges for patches.
+  Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
+                                    exec::Compute& compute,
+                                    const scenegraph::ApplyOptions& options = {});
   RequestAnswers& answers() { return answers_; }
   Producers& producers() { return producers_; }
 

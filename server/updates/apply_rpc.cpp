@@ -84,8 +84,9 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
       answer(next);
       if (!id.empty()) entry = scene_->answers().prepare(id, content_, next);
     };
-    auto applied =
-        scene_->apply(std::move(**updates_), expected(), services_.compute, record, &cancelled_);
+    auto applied = scene_->apply(
+        std::move(**updates_), services_.compute,
+        {.expected_revision = expected(), .before_publish = record, .cancelled = &cancelled_});
     if (!applied) return applied.error();
     if (!id.empty()) scene_->answers().retain(std::move(entry));
     log(applied->revision, count);

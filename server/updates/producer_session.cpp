@@ -8,10 +8,10 @@
 namespace sightline::server::updates {
 namespace {
 
-/// Whether the server failed, not the batch. The batch may then succeed when it is sent again.
-bool is_our_fault(const Error& error) {
-  return error.code == Code::kInternal || error.reason == "OUT_OF_MEMORY" ||
-         error.reason == exec::kMemoryBudget;
+/// Whether the server failed or the call ended. The batch may succeed when it is sent again.
+bool says_nothing_of_the_batch(const Error& error) {
+  return error.code == Code::kInternal || error.code == Code::kCancelled ||
+         error.reason == "OUT_OF_MEMORY" || error.reason == exec::kMemoryBudget;
 }
 
 }  // namespace
@@ -22,22 +22,27 @@ Error taken_over() {
 }
 
 void ProducerSession::take_over() {
-  if (producer_.call.exchange(call_) != nullptr) scene_.events().notify();
+  if (producer_.call.exchange(call_.id) != nullptr) scene_.events().notify();
 }
 
 void ProducerSession::leave() {
-  const void* mine = call_;
+  const void* mine = call_.id;
   producer_.call.compare_exchange_strong(mine, nullptr);
 }
 
 Result<std::vector<BatchOutcome>> ProducerSession::apply_some(std::deque<UpdateBatch>& batches) {
   if (scene_.removed()) return scene_.removed_error();
-  if (producer_.call.load() != call_) return taken_over();
+  if (producer_.call.load() != call_.id) return taken_over();
   std::vector<BatchOutcome> outcomes;
-  if (latest_wins_ && alone_ == 0 && apply_together(batches, outcomes)) return outcomes;
+  if (call_.latest_wins && alone_ == 0 && apply_together(batches, outcomes)) return outcomes;
   if (alone_ > 0) --alone_;
   if (const Status done = apply_first(batches, outcomes); !done) return done.error();
   return outcomes;
+}
+
+scenegraph::ApplyOptions ProducerSession::options(
+    std::function<void(const scenegraph::Applied&)> record) const {
+  return {.before_publish = std::move(record), .cancelled = call_.cancelled};
 }
 
 /// Returns false and changes nothing if fewer than two batches can be merged, or if the merged
@@ -50,7 +55,7 @@ bool ProducerSession::apply_together(std::deque<UpdateBatch>& batches,
   const auto record = [&](const scenegraph::Applied& next) {
     puts = prepare(batches, count, next, outcomes);
   };
-  if (!scene_.apply(coalesce(batches, count), std::nullopt, compute_, record)) {
+  if (!scene_.apply(coalesce(batches, count), compute_, options(record))) {
     alone_ = count;
     return false;
   }
@@ -69,8 +74,8 @@ Status ProducerSession::apply_first(std::deque<UpdateBatch>& batches,
   if (batch.bad) {
     record(*batch.bad);
   } else {
-    const auto applied = scene_.apply(std::move(batch.updates), std::nullopt, compute_, record);
-    if (!applied && is_our_fault(applied.error())) return applied.error();
+    const auto applied = scene_.apply(std::move(batch.updates), compute_, options(record));
+    if (!applied && says_nothing_of_the_batch(applied.error())) return applied.error();
     if (!applied) record(applied.error());
   }
   commit(batches, std::move(puts));

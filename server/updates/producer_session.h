@@ -1,8 +1,10 @@
 // Applies the batches of one producer, on the scene's write queue.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,30 +27,33 @@ struct BatchOutcome {
 /// Used only by tasks of the scene's write queue.
 class ProducerSession {
  public:
-  /// `producer` belongs to `scene`. `call` identifies the call. All arguments outlive this object.
-  ProducerSession(scenes::StoredScene& scene, scenes::Producer& producer, const void* call,
-                  exec::Compute& compute, bool latest_wins)
-      : scene_(scene),
-        producer_(producer),
-        call_(call),
-        compute_(compute),
-        latest_wins_(latest_wins) {}
+  struct Call {
+    const void* id = nullptr;
+    const std::atomic<bool>* cancelled = nullptr;  ///< Null: never.
+    bool latest_wins = false;
+  };
 
-  /// Makes `call` the owner of the producer and notifies the previous owner.
+  /// `producer` belongs to `scene`. All arguments, and what `call` points to, outlive this object.
+  ProducerSession(scenes::StoredScene& scene, scenes::Producer& producer, const Call& call,
+                  exec::Compute& compute)
+      : scene_(scene), producer_(producer), call_(call), compute_(compute) {}
+
+  /// Makes the call the owner of the producer and notifies the previous owner.
   void take_over();
-  /// Gives the producer up if `call` still owns it.
+  /// Gives the producer up if the call still owns it.
   void leave();
 
   /// Applies the first batch, or several first batches as one, and removes them from `batches`.
   /// Returns an outcome for each. Errors end the call and leave all batches unapplied: kNotFound
   /// (the scene is removed), kAborted (another call has taken over), kResourceExhausted (no
-  /// memory).
+  /// memory), kCancelled.
   Result<std::vector<BatchOutcome>> apply_some(std::deque<UpdateBatch>& batches);
 
   /// Batches that were merged with newer ones.
   std::uint64_t coalesced() const { return coalesced_; }
 
  private:
+  scenegraph::ApplyOptions options(std::function<void(const scenegraph::Applied&)> record) const;
   bool apply_together(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
   Status apply_first(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
   using Puts = std::vector<scenes::Producer::Put>;
@@ -58,9 +63,8 @@ class ProducerSession {
 
   scenes::StoredScene& scene_;
   scenes::Producer& producer_;
-  const void* const call_;
+  const Call call_;
   exec::Compute& compute_;
-  const bool latest_wins_;
   std::size_t alone_ = 0;  // first batches that must be applied one by one
   std::uint64_t coalesced_ = 0;
 };

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -162,7 +163,10 @@ class UpdateStream final
     const auto producer = scene_->producers().open(name);
     if (!producer) return producer.error();
     producer_ = *producer;
-    session_.emplace(*scene_, *producer_, this, services_.compute, latest_wins);
+    session_.emplace(
+        *scene_, *producer_,
+        ProducerSession::Call{.id = this, .cancelled = &aborting_, .latest_wins = latest_wins},
+        services_.compute);
     session_->take_over();
     batches_.begin(producer_->last_committed);
     answered_ = producer_->last_committed;
@@ -213,6 +217,7 @@ class UpdateStream final
     if (state_ < State::kDraining || status_.ok()) status_ = status;
     state_ = next;
     if (state_ != State::kAborting) return;
+    aborting_.store(true, std::memory_order_relaxed);
     waiting_.clear();
     answers_.clear();
   }
@@ -306,6 +311,7 @@ class UpdateStream final
   scenes::Producer* producer_ = nullptr;
   std::uint64_t listener_ = 0;
   std::optional<ProducerSession> session_;  // used on the write queue
+  std::atomic<bool> aborting_{false};       // the state has reached kAborting
 
   std::mutex mutex_;  // protects all members below
   State state_ = State::kAwaitingOpen;

@@ -145,6 +145,18 @@ Verb add_verb_two_trees(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_two_trees(common, *options); };
 }
 
+Verb add_verb_updates(CLI::App& app) {
+  auto options = std::make_shared<UpdatesOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "updates", "What a batch of updates costs, by kind, over the size of the scene");
+  verb.add_option("--nodes", options->nodes, "Sizes of the scene")
+      ->delimiter(',')
+      ->check(CLI::Range(std::size_t{10}, std::size_t{10'000'000}));
+  verb.add_option("--items", options->items, "Nodes that the larger batches name")
+      ->check(CLI::Range(std::size_t{2}, std::size_t{65'536}));
+  return [options](const CommonOptions& common) { return run_updates(common, *options); };
+}
+
 Verb add_verb_law(CLI::App& app) {
   auto options = std::make_shared<LawOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -292,15 +304,22 @@ int main_checked(int argc, char** argv) {
   app.footer("Generated scenes, with their defaults:\n" + list_generators());
   CommonOptions common;
   add_common(app, common);
-  const std::map<std::string, Verb> verbs{
-      {"rays", add_verb_rays(app)},        {"build", add_verb_build(app)},
-      {"trace", add_verb_trace(app)},      {"lazy", add_verb_lazy(app)},
-      {"law", add_verb_law(app)},          {"kernel", add_verb_kernel(app)},
-      {"curve", add_verb_curve(app)},      {"exactness", add_verb_exactness(app)},
-      {"robust", add_verb_robust(app)},    {"answers", add_verb_answers(app)},
-      {"dynamic", add_verb_dynamic(app)},  {"two-trees", add_verb_two_trees(app)},
-      {"chart", add_verb_chart(app)},      {"stability", add_verb_stability(app)},
-      {"clusters", add_verb_clusters(app)}};
+  const std::map<std::string, Verb> verbs{{"rays", add_verb_rays(app)},
+                                          {"build", add_verb_build(app)},
+                                          {"trace", add_verb_trace(app)},
+                                          {"lazy", add_verb_lazy(app)},
+                                          {"law", add_verb_law(app)},
+                                          {"kernel", add_verb_kernel(app)},
+                                          {"curve", add_verb_curve(app)},
+                                          {"exactness", add_verb_exactness(app)},
+                                          {"robust", add_verb_robust(app)},
+                                          {"answers", add_verb_answers(app)},
+                                          {"dynamic", add_verb_dynamic(app)},
+                                          {"two-trees", add_verb_two_trees(app)},
+                                          {"updates", add_verb_updates(app)},
+                                          {"chart", add_verb_chart(app)},
+                                          {"stability", add_verb_stability(app)},
+                                          {"clusters", add_verb_clusters(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

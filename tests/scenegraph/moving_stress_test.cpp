@@ -64,7 +64,7 @@ class Actor {
   void update() {
     const auto now = stress_.history.latest();
     RandomEdit edit = edits_.next(*now);
-    const auto applied = stress_.scene.apply(edit.updates, now->revision());
+    const auto applied = stress_.scene.apply(edit.updates, {.expected_revision = now->revision()});
     if (!applied && applied.error().code == Code::kAborted) {
       ++stress_.outrun;
       return;

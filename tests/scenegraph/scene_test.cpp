@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "accel/kdtree/epoch.h"
 #include "scenegraph/trace.h"
 #include "tests/scenegraph/put_node.h"
 #include "tests/support/watched_rule.h"
@@ -186,6 +187,19 @@ TEST(Scene, MovesManySiblingsToAndFroInABatch) {
   EXPECT_EQ(scene.snapshot()->find(1)->children.front(), 3u);
 }
 
+/// A change below a node with many children costs little more than one below a node with few.
+TEST(Scene, RevisionsShareListsOfChildren) {
+  Scene scene;
+  std::vector<model::Update> nodes{put(-1, 0, "many")};
+  for (int i = 2; i <= 5'000; ++i) nodes.push_back(put(-i, -1, "n"));
+  ASSERT_TRUE(scene.apply(nodes));
+  const auto before = scene.snapshot();
+  ASSERT_TRUE(scene.apply({put(-1, 1, "n"), put(1, 0, "renamed"), model::DeleteNode{4'000}}));
+  const model::ChildList& after = scene.snapshot()->find(1)->children;
+  EXPECT_EQ(after.size(), 4'999u);
+  EXPECT_EQ(&after.front(), &before->find(1)->children.front());
+}
+
 TEST(Scene, RefusesSingularTransforms) {
   Scene scene;
   model::PutNode flat = put(-1, 0, "flat");
@@ -219,7 +233,8 @@ TEST(Scene, ACancelledBatchChangesNothing) {
   const std::atomic<bool> cancelled{true};
   bool published = false;
   const auto applied = scene.apply(
-      {put(-1, 0, "b")}, std::nullopt, [&](const Applied&) { published = true; }, {}, &cancelled);
+      {put(-1, 0, "b")},
+      {.before_publish = [&](const Applied&) { published = true; }, .cancelled = &cancelled});
   EXPECT_EQ(applied.error().code, Code::kCancelled);
   EXPECT_FALSE(published);
   EXPECT_EQ(scene.snapshot()->revision(), 1u);
@@ -228,8 +243,8 @@ TEST(Scene, ACancelledBatchChangesNothing) {
 
 TEST(Scene, ChecksTheExpectedRevision) {
   Scene scene;
-  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}, 0));
-  const auto late = scene.apply({put(-1, 0, "b")}, 0);
+  ASSERT_TRUE(scene.apply({put(-1, 0, "a")}, {.expected_revision = 0}));
+  const auto late = scene.apply({put(-1, 0, "b")}, {.expected_revision = 0});
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, Code::kAborted);
   EXPECT_EQ(late.error().message, "expected revision 0, but the scene is at 1");
@@ -287,7 +302,7 @@ TEST(Scene, TreesMayBeDroppedWhileRaysUseThem) {
   std::thread dropping([&] {
     while (!done) scene.drop_trees();
   });
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 10; ++round) {
     std::vector<accel::geometry::Hit> hits(rays.size());
     const Growth growth = round % 2 == 0 ? Growth::kFull : Growth::kFirstTouch;
     ASSERT_TRUE(trace(*scene.snapshot(), rays, hits, {.growth = growth}));
@@ -295,6 +310,7 @@ TEST(Scene, TreesMayBeDroppedWhileRaysUseThem) {
   }
   done = true;
   dropping.join();
+  accel::kdtree::reclaim();  // LeakSanitizer does not see the cells of trees that wait to be freed
 }
 
 /// The mesh drops its tree whenever a cell is cut.

@@ -62,15 +62,23 @@ Result<importer::ImportedScene> read_file(const ImportArguments& arguments) {
   return import_scene(arguments.file, options, [&](double part) { bar.update(part); });
 }
 
+bool is_about_the_file(const Error& error) {
+  return error.code == Code::kInvalidArgument || error.code == Code::kResourceExhausted;
+}
+
 Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
                        const importer::ImportedScene& scene, const std::stop_token& stop) {
   ProgressBar bar("uploading");
   const SceneUploadOptions options{
       .mobility = kMobilities.at(arguments.mobility), .replace = arguments.replace, .stop = stop};
-  return upload_scene(client, arguments.scene, scene, options,
-                      [&](std::uint64_t done, std::uint64_t total) {
-                        bar.update(static_cast<double>(done) / static_cast<double>(total));
-                      });
+  auto sent = upload_scene(client, arguments.scene, scene, options,
+                           [&](std::uint64_t done, std::uint64_t total) {
+                             bar.update(static_cast<double>(done) / static_cast<double>(total));
+                           });
+  if (sent || !is_about_the_file(sent.error())) return sent;
+  Error error = sent.error();
+  error.message = fmt::format("{}: {}", arguments.file, error.message);
+  return error;
 }
 
 // Asked before the file is read, because big files take long to read.

@@ -202,5 +202,17 @@ TEST(VerbTwoTrees, ComparesTwoTreesWithOne) {
   EXPECT_NE((*rows)[0]["hit_hash"], (*rows)[4]["hit_hash"]);
 }
 
+TEST(VerbUpdates, HasARowForEachKindAndSize) {
+  CommonOptions options = common();
+  options.repeat = 2;
+  const auto rows = run_updates(options, {.nodes = {1'000}, .items = 10});
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), 28u);  // 6 kinds in batches of both sizes, 2 in one, 2 layouts
+  for (const Row& row : *rows) {
+    expect_keys(row,
+                {"nodes", "layout", "kind", "items", "updates", "us", "us_min", "us_per_item"});
+  }
+}
+
 }  // namespace
 }  // namespace sightline::bench

@@ -118,6 +118,11 @@ struct TwoTreesOptions {
   std::size_t parts = 500;  ///< Number of parts in the scene.
 };
 
+struct UpdatesOptions {
+  std::vector<std::size_t> nodes{1'000, 100'000, 1'000'000};  ///< Nodes with a mesh in the scene.
+  std::size_t items = 100;  ///< Nodes that the larger batches name.
+};
+
 struct ChartOptions {
   std::string out{};                  ///< The folder of the CSV and the plots.
   std::vector<std::string> scenes{};  ///< Empty: six from SIGHTLINE_SCENES.

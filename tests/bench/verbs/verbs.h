@@ -33,6 +33,10 @@ Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicO
 /// before. Ways take turns within each repeat.
 Result<std::vector<Row>> run_two_trees(const CommonOptions& common, const TwoTreesOptions& options);
 
+/// The time of a batch of updates, one row for each size of the scene, layout, kind and size of the
+/// batch.
+Result<std::vector<Row>> run_updates(const CommonOptions& common, const UpdatesOptions& options);
+
 /// Touches of trees that windows of rays grow on gen:terrain, over triangles and triangles seen,
 /// and the law fitted to them. With --scene: runs compared with the soup on that scene.
 Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& options);

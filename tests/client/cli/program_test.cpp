@@ -183,6 +183,18 @@ TEST_F(Program, AFileThatKillsItsReaderIsOneLineAndExitCode1) {
   EXPECT_NE(outcome.err.find("self.dae: "), std::string::npos) << outcome.err;
 }
 
+TEST_F(Program, ASceneThatIsRefusedIsRefusedByTheNameOfItsFile) {
+  const std::string flat = dir_.write("flat.gltf", R"({"asset":{"version":"2.0"},"scene":0,
+"scenes":[{"nodes":[0]}],"nodes":[{"name":"crushed","mesh":0,"scale":[0,1,1]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":
+"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  const Outcome outcome = run({"scene", "import", "new", flat.c_str()});
+  EXPECT_EQ(outcome.exit, 1);
+  EXPECT_NE(outcome.err.find(flat + ": node 'crushed'"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Program, WarningsOfAnImportAreShown) {
   const std::string cut = dir_.write("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3");
   const Outcome outcome = run({"scene", "import", "new", cut.c_str(), "--json"});

@@ -115,7 +115,7 @@ std::vector<FuzzCall> casts() {
        {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ANY, v1::QUERY_KIND_COUNT, v1::QUERY_KIND_ALL})
     made.push_back(call("CastRays", {query(kind).SerializeAsString()}));
   std::vector<std::string> stream;
-  for (std::uint64_t chunk : {1, 2}) {
+  for (const std::uint64_t chunk : {1u, 2u}) {
     stream.push_back(message<v1::StreamCastRaysRequest>([&](auto& request) {
       request.set_chunk(chunk);
       *request.mutable_request() = query(v1::QUERY_KIND_ALL);

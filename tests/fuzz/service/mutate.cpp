@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -34,7 +33,9 @@ std::uint64_t any_integer(Random& random) {
 }
 
 double any_number(Random& random) {
-  constexpr std::array<double, 8> kOdd{0, -0.0, 1, -1, 1e300, 5e-324, INFINITY, NAN};
+  using Limits = std::numeric_limits<double>;
+  constexpr std::array<double, 8> kOdd{
+      0, -0.0, 1, -1, 1e300, 5e-324, Limits::infinity(), Limits::quiet_NaN()};
   return random.below(2) == 0 ? random.uniform(-10, 10) : kOdd[random.below(kOdd.size())];
 }
 

@@ -1,5 +1,7 @@
 // libFuzzer targets: a whole server (service_fuzzer), or its decoders alone (decoder_fuzzer). Built
 // and run by tests/fuzz/run.
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -13,6 +15,12 @@
 using namespace sightline::tests;
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+
+/// Without protobuf's line for every string that is not UTF-8.
+extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
+  google::protobuf::SetLogHandler(nullptr);
+  return 0;
+}
 
 /// Mostly changes fields of messages, and now and then bytes as libFuzzer does.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,

@@ -245,7 +245,7 @@ TEST(Instances, ThatCannotBeReachedAreNotListed) {
   add(3, 1, {}, tests::some_mesh(0));
   add(4, 1, singular, nullptr);
   add(5, 4, {}, tests::some_mesh(0));
-  hierarchy.roots = std::make_shared<const std::vector<model::NodeId>>(1, 1);
+  hierarchy.roots = std::make_shared<const model::ChildList>(model::ChildList{1});
   const hierarchy::Hierarchy nothing;
   hierarchy::SummaryUpdate update(nothing, hierarchy);
   for (model::NodeId id = 1; id <= 5; ++id) update.edited(id);

@@ -113,12 +113,12 @@ TEST(Deformations, AreChargedForEachNewMesh) {
   const auto patches = [](std::vector<model::NodeRef> nodes) {
     return model::PatchVertices{std::move(nodes), 0, {{0, 0, 1}}};
   };
-  ASSERT_TRUE(scene.apply({patches({1}), patches({1}), patches({2})}, {}, {}, charge));
+  ASSERT_TRUE(scene.apply({patches({1}), patches({1}), patches({2})}, {.charge = charge}));
   ASSERT_EQ(charges.size(), 2u) << "patches of one node make one mesh";
   EXPECT_GE(charged, 2 * 3 * sizeof(Vec3f));
   EXPECT_FALSE(charges[0].expired());
 
-  const auto refused = scene.apply({patches({1})}, {}, {}, charge);
+  const auto refused = scene.apply({patches({1})}, {.charge = charge});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kResourceExhausted);
   EXPECT_EQ(scene.snapshot()->revision(), 3u);

@@ -47,6 +47,10 @@ TEST(MemoryAccount, CallsHaveAPartForThemselves) {
   EXPECT_TRUE(mesh);
   EXPECT_FALSE(memory.charge(Held::kNodes, 1));
   EXPECT_TRUE(memory.charge(Held::kCalls, 200));
+  memory.set_trees(900);
+  const auto part = memory.charge(Held::kCalls, 200);
+  EXPECT_TRUE(part) << "whatever others hold";
+  EXPECT_FALSE(memory.charge(Held::kCalls, 1));
 }
 
 TEST(MemoryAccount, ReclaimsOnlyWhereItIsNeededAndCanHelp) {

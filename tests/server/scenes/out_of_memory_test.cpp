@@ -31,8 +31,7 @@ TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
   exec::Compute compute(1);
   const auto scene =
       std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"}, memory);
-  ASSERT_TRUE(
-      scene->apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()))}, std::nullopt, compute));
+  ASSERT_TRUE(scene->apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()))}, compute));
   std::uint64_t revision = 1, failures = 0;
   bool failed = true;
   for (int allocations = 0; failed; ++allocations) {
@@ -45,9 +44,9 @@ TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
       failed = false;
       allocations_left = allocations;
       try {
-        const auto applied =
-            scene->apply(std::move(updates), std::nullopt, compute,
-                         [&](const scenegraph::Applied& next) { recorded = next.revision; });
+        const auto applied = scene->apply(
+            std::move(updates), compute,
+            {.before_publish = [&](const scenegraph::Applied& next) { recorded = next.revision; }});
         allocations_left = -1;
         ASSERT_TRUE(applied);
         EXPECT_EQ(applied->revision, ++revision);

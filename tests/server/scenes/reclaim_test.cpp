@@ -31,7 +31,7 @@ class ReclaimerTest : public testing::Test {
   }
   std::shared_ptr<StoredScene> make_scene(const std::string& id, std::uint32_t mesh) {
     const auto scene = *scenes_.create({"projects/p/scenes/" + id});
-    EXPECT_TRUE(scene->apply({tests::put_node(-1, 0, upload(mesh))}, std::nullopt, compute_));
+    EXPECT_TRUE(scene->apply({tests::put_node(-1, 0, upload(mesh))}, compute_));
     return scene;
   }
   void build(StoredScene& scene) {
@@ -92,7 +92,7 @@ TEST_F(ReclaimerTest, DropsTheTreesOfTheScenesCastAtLongestAgo) {
 TEST_F(ReclaimerTest, DropsOldRevisionsAndUnusedMeshesBeforeTrees) {
   const auto scene = make_scene("a", 1);
   for (int i = 0; i < 5; ++i)
-    ASSERT_TRUE(scene->apply({PatchVertices{{1}, 0, {{0, 0, 1}}}}, std::nullopt, compute_));
+    ASSERT_TRUE(scene->apply({PatchVertices{{1}, 0, {{0, 0, 1}}}}, compute_));
   build(*scene);
   await_background();
   const std::uint64_t patches = memory_.used(Held::kPatches);
@@ -111,7 +111,7 @@ TEST_F(ReclaimerTest, DropsOldRevisionsAndUnusedMeshesBeforeTrees) {
 
 TEST_F(ReclaimerTest, KeepsTheNewestUpdates) {
   const auto scene = make_scene("a", 1);
-  for (int i = 0; i < 40; ++i) ASSERT_TRUE(scene->apply({}, std::nullopt, compute_));
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(scene->apply({}, compute_));
   reclaimer_.reclaim(memory_.budget());
   EXPECT_FALSE(scene->log().find(41 - kMinLogged));
   EXPECT_TRUE(scene->log().find(42 - kMinLogged));

@@ -27,7 +27,7 @@ class RevisionWaitTest : public testing::Test {
   std::shared_ptr<RevisionWait> wait() {
     return std::make_shared<RevisionWait>(compute_, admission_, waits_);
   }
-  void publish() { ASSERT_TRUE(scene_->apply({}, std::nullopt, compute_)); }
+  void publish() { ASSERT_TRUE(scene_->apply({}, compute_)); }
 
   static constexpr std::chrono::hours kLong{1};
   int connections_ = 0;

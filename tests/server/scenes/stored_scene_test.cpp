@@ -16,7 +16,7 @@ using scenegraph::model::Update;
 class StoredSceneTest : public testing::Test {
  protected:
   Result<scenegraph::Applied> apply(std::vector<Update> updates) {
-    return scene_->apply(std::move(updates), std::nullopt, compute_);
+    return scene_->apply(std::move(updates), compute_);
   }
 
   exec::MemoryAccount memory_{std::uint64_t{1} << 30};
@@ -60,8 +60,8 @@ TEST_F(StoredSceneTest, KeepsRevisionsWithinALimitOfBytes) {
 
 TEST_F(StoredSceneTest, AnUpdateThatCannotBeRecordedIsNotApplied) {
   ASSERT_TRUE(apply({tests::put_node(-1, 0, nullptr)}));
-  EXPECT_THROW(scene_->apply({tests::put_node(-1, 1, nullptr)}, std::nullopt, compute_,
-                             [](const scenegraph::Applied&) { throw std::bad_alloc(); }),
+  const auto fail = [](const scenegraph::Applied&) { throw std::bad_alloc(); };
+  EXPECT_THROW(scene_->apply({tests::put_node(-1, 1, nullptr)}, compute_, {.before_publish = fail}),
                std::bad_alloc);
   EXPECT_EQ(scene_->snapshot()->revision(), 1u);
   EXPECT_EQ(scene_->log().last(), 1u);

@@ -20,7 +20,7 @@ class ProducerSessionTest : public testing::Test {
   void SetUp() override {
     std::vector<Update> nodes;
     for (NodeRef i = 1; i <= 3; ++i) nodes.push_back(tests::put_node(-i, 0, nullptr));
-    ASSERT_TRUE(scene_->apply(nodes, std::nullopt, compute_));
+    ASSERT_TRUE(scene_->apply(nodes, compute_));
   }
 
   void add(std::vector<Update> updates) {
@@ -57,8 +57,23 @@ class ProducerSessionTest : public testing::Test {
   std::deque<UpdateBatch> batches_;
 };
 
+TEST_F(ProducerSessionTest, ACancelledCallLeavesItsBatchesUnapplied) {
+  const std::atomic<bool> cancelled{true};
+  for (const bool latest_wins : {false, true}) {
+    ProducerSession session(*scene_, producer_,
+                            {.id = &call_, .cancelled = &cancelled, .latest_wins = latest_wins},
+                            compute_);
+    session.take_over();
+    add_pose(1, 5);
+    add_pose(1, 6);
+    EXPECT_EQ(session.apply_some(batches_).error().code, Code::kCancelled);
+    EXPECT_EQ(producer_.last_committed, 0u);
+    EXPECT_EQ(x(1), 0);
+  }
+}
+
 TEST_F(ProducerSessionTest, MakesARevisionOfEachBatch) {
-  ProducerSession session(*scene_, producer_, &call_, compute_, false);
+  ProducerSession session(*scene_, producer_, {.id = &call_}, compute_);
   session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1, i);
   const auto outcomes = apply_all(session);
@@ -69,7 +84,7 @@ TEST_F(ProducerSessionTest, MakesARevisionOfEachBatch) {
 }
 
 TEST_F(ProducerSessionTest, TheLatestPosesWin) {
-  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
   session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1 + i % 2, i);
   add({DeleteNode{3}});
@@ -91,7 +106,7 @@ TEST_F(ProducerSessionTest, TheLatestPosesWin) {
 }
 
 TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
-  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
   session.take_over();
   add_pose(1, 1);
   add_pose(99, 2);
@@ -112,7 +127,7 @@ TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
 }
 
 TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
-  ProducerSession session(*scene_, producer_, &call_, compute_, true);
+  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
   session.take_over();
   add_pose(1, 1);
   add({});
@@ -125,11 +140,11 @@ TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
 }
 
 TEST_F(ProducerSessionTest, EndsWhenAnotherCallTakesOver) {
-  ProducerSession older(*scene_, producer_, &call_, compute_, false);
+  ProducerSession older(*scene_, producer_, {.id = &call_}, compute_);
   older.take_over();
   int newer_call = 0, events = 0;
   const auto listener = scene_->events().subscribe([&] { ++events; });
-  ProducerSession newer(*scene_, producer_, &newer_call, compute_, false);
+  ProducerSession newer(*scene_, producer_, {.id = &newer_call}, compute_);
   newer.take_over();
   EXPECT_EQ(events, 1);
   scene_->events().unsubscribe(listener);

@@ -141,7 +141,8 @@ TEST(Sandbox, LimitsProcessorTime) {
   EXPECT_TRUE(holds(error_of(outcome), "takes more than the 1 s")) << error_of(outcome);
 }
 
-// A sanitizer's allocator ends the process by itself.
+// A sanitizer reports the end of memory itself, which takes memory, or never ends.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(Sandbox, LimitsMemory) {
   const TempDir dir;
   const auto outcome = run_on(dir.write("a.obj", ""),
@@ -153,10 +154,9 @@ TEST(Sandbox, LimitsMemory) {
                               },
                               {.memory = {.fixed = std::uint64_t{64} << 20, .per_byte = 1}});
   ASSERT_FALSE(outcome);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_TRUE(holds(error_of(outcome), "takes more than the 64 MiB")) << error_of(outcome);
-#endif
 }
+#endif
 
 TEST(Sandbox, LimitsTheResult) {
   const TempDir dir;
