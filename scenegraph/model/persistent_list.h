@@ -29,15 +29,12 @@ class PersistentList {
 
   class Iterator {
    public:
-    using iterator_category = std::forward_iterator_tag;
     using value_type = T;
     using difference_type = std::ptrdiff_t;
-    using pointer = const T*;
-    using reference = const T&;
 
     Iterator() = default;
     Iterator(const ChunkPointer* chunk, std::size_t index) : chunk_(chunk), index_(index) {}
-    reference operator*() const { return (*chunk_)->entries[index_]; }
+    const T& operator*() const { return (*chunk_)->entries[index_]; }
     Iterator& operator++() {
       if (++index_ == (*chunk_)->entries.size()) {
         ++chunk_;
@@ -56,7 +53,6 @@ class PersistentList {
     const ChunkPointer* chunk_ = nullptr;
     std::size_t index_ = 0;
   };
-  using const_iterator = Iterator;
 
   PersistentList() = default;
   PersistentList(std::initializer_list<T> entries) { append(entries); }

@@ -28,7 +28,7 @@ Error mismatch(std::string message) {
 std::string path_of(const importer::ImportedScene& scene, std::uint32_t node) {
   std::string path = scene.nodes[node].name;
   while ((node = scene.nodes[node].parent) != importer::kNone) {
-    path = scene.nodes[node].name + "/" + path;
+    path.insert(0, scene.nodes[node].name + "/");
   }
   return path;
 }

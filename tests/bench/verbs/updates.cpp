@@ -67,8 +67,9 @@ class UpdatedScene {
     if (!applied.ok()) return applied.error();
     const std::size_t now = scene_.snapshot()->node_count();
     if (now != before + static_cast<std::size_t>(more_nodes)) {
-      return Error{
-          Code::kDataLoss, fmt::format("{} nodes of {} became {}", more_nodes, before, now), {}};
+      return Error{Code::kDataLoss,
+                   fmt::format("a batch that adds {} nodes made {} of {}", more_nodes, now, before),
+                   {}};
     }
     return seconds.count();
   }

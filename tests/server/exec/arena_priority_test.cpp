@@ -50,7 +50,9 @@ TEST(ArenaPriority, NicenessIsRestoredForAllThreads) {
   done = true;
   done.notify_one();
   nicer.join();
-  if (geteuid() == 0) EXPECT_EQ(now, expected);
+  if (geteuid() == 0) {
+    EXPECT_EQ(now, expected);
+  }
 }
 
 }  // namespace
