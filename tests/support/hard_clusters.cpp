@@ -13,11 +13,11 @@ namespace {
 
 using accel::geometry::Vec3d;
 using Count = std::uint32_t;
-using Seed = std::uint64_t;
 
 /// One random triangle after the other: `corner(random, center)` for each of three corners.
 template <class Center, class Corner>
-TestMesh random_triangles(Count triangles, Seed seed, const Center& center, const Corner& corner) {
+TestMesh random_triangles(Count triangles, std::uint64_t seed, const Center& center,
+                          const Corner& corner) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; i < triangles; ++i) {
@@ -42,7 +42,7 @@ Vec3d nowhere(Random&) { return {}; }
 
 /// Corners anywhere in the unit square, at the height that `height(random, x, y)` gives.
 template <class Height>
-TestMesh sheets(Count triangles, Seed seed, const Height& height) {
+TestMesh sheets(Count triangles, std::uint64_t seed, const Height& height) {
   return random_triangles(triangles, seed, nowhere, [&](Random& random, const Vec3d&) {
     Vec3d p = in_square(random);
     p.z = height(random, p);
@@ -50,26 +50,26 @@ TestMesh sheets(Count triangles, Seed seed, const Height& height) {
   });
 }
 
-TestMesh flat(Count n, Seed seed) {
+TestMesh flat(Count n, std::uint64_t seed) {
   return sheets(n, seed, [](Random&, const Vec3d&) { return 0.0; });
 }
 
-TestMesh flat_small(Count n, Seed seed) {
+TestMesh flat_small(Count n, std::uint64_t seed) {
   return random_triangles(n, seed, in_square, [](Random& random, const Vec3d& at) {
     constexpr double kWidth = 0.1;
     return at + in_square(random) * kWidth;
   });
 }
 
-TestMesh tilted(Count n, Seed seed) {
+TestMesh tilted(Count n, std::uint64_t seed) {
   return sheets(n, seed, [](Random&, const Vec3d& p) { return 0.3 * p.x + 0.2 * p.y; });
 }
 
-TestMesh jittered(Count n, Seed seed) {
+TestMesh jittered(Count n, std::uint64_t seed) {
   return sheets(n, seed, [](Random& random, const Vec3d&) { return 1e-3 * random.uniform(); });
 }
 
-TestMesh layers(Count n, Seed seed) {
+TestMesh layers(Count n, std::uint64_t seed) {
   const auto layer = [](Random& random) {
     return Vec3d{0, 0, 0.1 * static_cast<double>(random.below(8))};
   };
@@ -77,7 +77,7 @@ TestMesh layers(Count n, Seed seed) {
                           [](Random& random, const Vec3d& at) { return at + in_square(random); });
 }
 
-TestMesh star(Count n, Seed seed) {
+TestMesh star(Count n, std::uint64_t seed) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; i < n; ++i) {
@@ -87,7 +87,7 @@ TestMesh star(Count n, Seed seed) {
   return mesh;
 }
 
-TestMesh needles_in_line(Count n, Seed seed) {
+TestMesh needles_in_line(Count n, std::uint64_t seed) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; i < n; ++i) {
@@ -97,7 +97,7 @@ TestMesh needles_in_line(Count n, Seed seed) {
   return mesh;
 }
 
-TestMesh concentric(Count n, Seed seed) {
+TestMesh concentric(Count n, std::uint64_t seed) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; i < n; ++i) {
@@ -108,7 +108,7 @@ TestMesh concentric(Count n, Seed seed) {
   return mesh;
 }
 
-TestMesh crossing_planes(Count n, Seed seed) {
+TestMesh crossing_planes(Count n, std::uint64_t seed) {
   const auto normal = [](Random& random) {
     Vec3d axis{};
     axis[random.below(3)] = 1;
@@ -122,7 +122,7 @@ TestMesh crossing_planes(Count n, Seed seed) {
 }
 
 /// Eight clusters of eight clusters of eight, each a thousandth as wide as the next larger one.
-TestMesh clusters_of_clusters(Count n, Seed seed) {
+TestMesh clusters_of_clusters(Count n, std::uint64_t seed) {
   std::array<std::array<Vec3d, 8>, 3> positions;
   Random where(seed + 1);
   double width = 1;
@@ -142,13 +142,13 @@ TestMesh clusters_of_clusters(Count n, Seed seed) {
 }
 
 /// Floats near 1 are about 1e-7 apart, so corners have few positions.
-TestMesh one_point(Count n, Seed seed) {
+TestMesh one_point(Count n, std::uint64_t seed) {
   return random_triangles(n, seed, nowhere, [](Random& random, const Vec3d&) {
     return Vec3d{1, 1, 1} + in_cube(random, 1e-6);
   });
 }
 
-TestMesh bundle(Count n, Seed seed) {
+TestMesh bundle(Count n, std::uint64_t seed) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; i < n; ++i) {
@@ -158,13 +158,13 @@ TestMesh bundle(Count n, Seed seed) {
   return mesh;
 }
 
-TestMesh far_clusters(Count n, Seed seed) {
+TestMesh far_clusters(Count n, std::uint64_t seed) {
   const auto center = [](Random& random) { return Vec3d{random.below(2) == 0 ? 0.0 : 1e4, 0, 0}; };
   return random_triangles(n, seed, center,
                           [](Random& random, const Vec3d& at) { return at + in_cube(random, 1); });
 }
 
-TestMesh overlapping_quads(Count n, Seed seed) {
+TestMesh overlapping_quads(Count n, std::uint64_t seed) {
   TestMesh mesh;
   Random random(seed);
   for (Count i = 0; mesh.faces.size() < n; ++i) {
@@ -187,7 +187,8 @@ const std::vector<ClusteredMesh>& clustered_meshes() {
       {"tilted", "one tilted plane", tilted},
       {"jittered", "one plane, a thousandth thick", jittered},
       {"layers", "eight planes", layers},
-      {"copies", "one triangle, again and again", [](Count n, Seed) { return duplicates(n); }},
+      {"copies", "one triangle, again and again",
+       [](Count n, std::uint64_t) { return duplicates(n); }},
       {"star", "all share a vertex, in all directions", star},
       {"needles-in-line", "needles on one line, each with its own ends", needles_in_line},
       {"concentric", "all around one centre, in all directions", concentric},

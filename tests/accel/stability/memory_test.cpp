@@ -14,7 +14,7 @@
 namespace sightline::tests {
 namespace {
 
-constexpr std::uint64_t kSeed = 7;
+constexpr std::uint64_t kClusterSeed = 7;
 constexpr std::string_view kBuilders[] = {"scan-fast", "scan-best"};
 /// Bytes a triangle, at any time.
 constexpr double kMostBytes = 160;
@@ -44,8 +44,8 @@ void expect_bounded(const AskedTree& tree, std::size_t triangles, const std::str
 
 TEST_P(ClusteredMemory, IsBoundedAtAnyTime) {
   for (const std::uint32_t size : {1000u, 10'000u}) {
-    const TestMesh mesh = GetParam().make(size, kSeed);
-    const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 60, kSeed);
+    const TestMesh mesh = GetParam().make(size, kClusterSeed);
+    const std::vector<accel::geometry::Ray> rays = rays_at(mesh, 60, kClusterSeed);
     for (const std::string_view builder : kBuilders) {
       const std::string what = std::string(builder) + ", " + std::to_string(size);
       AskedTree full(mesh, builder), growing(mesh, builder);
