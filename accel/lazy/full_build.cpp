@@ -44,9 +44,7 @@ void collect_deferred(const kdtree::KdTree& tree, kdtree::AtomicSlot& slot, Defe
 void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
   if (is_complete()) return;
   const Timed timed(counters);
-  while (!(cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) &&
-         build_left_over(nullptr, counters, cancelled))
-    continue;
+  while (!is_set(cancelled) && build_left_over(nullptr, counters, cancelled)) continue;
   // A round completes the cells that were deferred when it began, except those that rays claimed.
   for (;;) {
     Deferred deferred;
@@ -56,9 +54,7 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
     }
     if (deferred.slots.empty() && !deferred.some_failed)
       complete_.store(true, std::memory_order_release);
-    if (deferred.slots.empty() ||
-        (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)))
-      return;
+    if (deferred.slots.empty() || is_set(cancelled)) return;
     counters += tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, deferred.slots.size()), kdtree::BuildCounters{},
         [&](const tbb::blocked_range<std::size_t>& range, kdtree::BuildCounters sum) {
@@ -105,7 +101,7 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
                         const std::atomic<bool>* cancelled) {
   StallDetector stall_detector;
   for (;;) {
-    if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) return;
+    if (is_set(cancelled)) return;
     kdtree::DeferredCell* claimed = nullptr;
     const Step done = step(slot, counters, cancelled, claimed);
     if (done == Step::kBuilt) break;

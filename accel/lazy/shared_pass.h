@@ -20,6 +20,11 @@ namespace sightline::accel::lazy {
 /// Thrown by a thread that leaves a pass because its query is cancelled.
 struct Cancelled {};
 
+/// Whether the query is cancelled. Null: it never is.
+inline bool is_set(const std::atomic<bool>* cancelled) {
+  return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
+}
+
 /// The result of one slice. Each kind of pass sets its members.
 struct PassSlice {
   split::PassResult sums;  ///< Scanning.

@@ -41,9 +41,7 @@ struct LazyQuery {
   /// means nothing. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
 
-  bool is_cancelled() const {
-    return cancelled != nullptr && cancelled->load(std::memory_order_relaxed);
-  }
+  bool is_cancelled() const { return is_set(cancelled); }
 
   void renew_pin() {
     if (pin == nullptr || searches_list) return;

@@ -1,0 +1,134 @@
+// Cells whose subtrees are built at once, because the lists of their children would take too long
+// to search or too much memory.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "accel/grow/grow.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/opening.h"
+
+namespace sightline::accel::lazy {
+namespace {
+
+/// Bytes of lists that matter in no mesh; small meshes divide their cells as others do.
+constexpr std::uint64_t kSpare = 4096;
+
+/// The list of a root, made by one thread. Throws Cancelled.
+kdtree::ReferenceList list_source(const ReferenceSource& source, bool& openable,
+                                  kdtree::BuildCounters& counters,
+                                  const std::atomic<bool>* cancelled) {
+  const ReferenceSource::Coarsest coarsest = source.coarsest(counters);
+  openable = coarsest.openable;
+  kdtree::ReferenceList list(coarsest.slots);
+  std::size_t size = 0;
+  for (std::size_t slot = 0; slot < coarsest.slots; slot += kdtree::kReferencesPerSlice) {
+    if (is_set(cancelled)) throw Cancelled();
+    const std::size_t end = std::min(slot + kdtree::kReferencesPerSlice, coarsest.slots);
+    size += source.list(slot, end, list.all().data() + size, counters);
+  }
+  list.shrink(size);
+  return list;
+}
+
+/// A copy in one piece. Throws Cancelled.
+kdtree::ReferenceList copy(const kdtree::CellList& list, const std::atomic<bool>* cancelled) {
+  kdtree::ReferenceList all(list.size());
+  kdtree::Reference* end = all.all().data();
+  list.any_part([&](std::span<const kdtree::Reference> part) {
+    if (is_set(cancelled)) throw Cancelled();
+    end = std::copy(part.begin(), part.end(), end);
+    return false;
+  });
+  return all;
+}
+
+}  // namespace
+
+/// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
+/// small subtrees, which have none.
+void LazyTree::reserve() {
+  if (rule_->budget() == 0) return tree_.reserve(primitive_count_, {});
+  const auto budget = static_cast<std::size_t>(std::ceil(rule_->budget()));
+  tree_.reserve(primitive_count_, {.pairs = budget, .ids = budget + budget / 2});
+}
+
+/// Whether the source can list the cell again: no cut above has separated anything. Its boxes are
+/// then those before clipping.
+bool LazyTree::holds_all(const kdtree::DeferredCell& cell) const {
+  return !cell.openable && cell.size == primitive_count_;
+}
+
+std::uint64_t LazyTree::most_list_bytes() const { return kListBytes * primitive_count_ + kSpare; }
+
+/// Whether the new cells may wait in place of `cell`, beside all others: not if they are too long,
+/// nor if a large cell has a share of straddlers that those below will have.
+bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& cell) const {
+  constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
+  if (rule_->budget() == 0 || division.cuts.empty()) return true;
+  std::uint64_t size = 0, bytes = 0;
+  for (const NewCell& fresh : division.cells) {
+    size += fresh.part.list.size();
+    bytes += fresh.part.list.bytes();
+  }
+  if (bytes > kSpare && !cell.openable && cell.size * kLargePart >= primitive_count_ &&
+      size * kStraddleShare >= cell.size * (kStraddleShare + 1)) {
+    return false;
+  }
+  return tree_.deferred_bytes() + bytes - cell.list.bytes() <= most_list_bytes();
+}
+
+/// Builds the subtree of a claimed cell; if cancelled, a part, whose cells wait with their lists.
+/// Throws std::bad_alloc, and Cancelled if it has not begun; then the cell is deferred again.
+void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell,
+                                kdtree::BuildCounters& counters,
+                                const std::atomic<bool>* cancelled) {
+  try {
+    reserve();
+    bool openable = cell.openable;
+    kdtree::ReferenceList list = cell.has_list
+                                     ? copy(cell.list, cancelled)
+                                     : list_source(source_, openable, counters, cancelled);
+    if (openable) list = open_all(source_, std::move(list), cell.box, counters);
+    kdtree::CellPath path = cell.path;
+    if (cell.has_list)
+      path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
+    const grow::GrowingBytes held(tree_, list.bytes());
+    kdtree::KdTree::NewNodes nodes(tree_);
+    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
+    const kdtree::Slot built = grow::grow(context, list.all(), cell.box, path, counters);
+    nodes.keep();
+    publish(slot, cell, built, counters);
+  } catch (const Cancelled&) {
+    slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
+    throw;
+  } catch (const std::bad_alloc&) {
+    release_claim(slot, cell);
+    throw;
+  }
+}
+
+/// Puts a cell in the place of `cell` that will be built at once, without what passes over the list
+/// of `cell` have made. A list of everything is made again: it takes as much memory as all else.
+void LazyTree::mark_whole(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
+  auto fresh = std::make_unique<kdtree::DeferredCell>();
+  fresh->box = cell.box;
+  fresh->path = cell.path;
+  fresh->has_list = !holds_all(cell);
+  fresh->openable = cell.openable;
+  fresh->size = cell.size;
+  fresh->weight = cell.weight;
+  fresh->whole = true;
+  if (fresh->has_list) fresh->list = kdtree::CellList(cell.list.sliced());
+  const kdtree::Slot marked = tree_.defer(std::move(fresh));
+  std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();
+  if (slot.compare_exchange_strong(expected, marked.bits(), std::memory_order_acq_rel)) {
+    tree_.retire_cell(cell);
+  } else {
+    tree_.discard(marked);
+  }
+}
+
+}  // namespace sightline::accel::lazy
