@@ -175,7 +175,8 @@ struct Server::Parts {
     return {};
   }
 
-  InfoRpc info_rpc{config};
+  const std::size_t max_connections = net::connection_limit();
+  InfoRpc info_rpc{config, max_connections};
   std::uint16_t port = 0;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
@@ -208,7 +209,7 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
 void Server::Parts::accept(net::ListeningSockets listening) {
   port = listening.port;
   acceptor = std::make_unique<net::Acceptor>(
-      std::move(listening.sockets), net::connection_limit(),
+      std::move(listening.sockets), max_connections,
       net::Acceptor::Events{
           .accepted =
               [this](int listener, net::Descriptor connection) {

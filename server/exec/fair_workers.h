@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <deque>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -22,8 +23,10 @@ struct WorkersOptions {
   Priority priority{};
 };
 
-/// Runs jobs slice by slice, in the order of a FairQueue. Parallel loops of a slice are helped by
-/// workers that have no slice.
+/// Runs jobs slice by slice, in the order of a FairQueue. A worker is a thread that sleeps while it
+/// has no slice. oneTBB's threads help with the parallel loops of slices, in place of workers that
+/// have none. They do not run slices: they look for work for some time before they sleep, and give
+/// their processor away again and again meanwhile, so the system lets them wait longest.
 ///
 /// Not all work can be cut into short slices: the first ray of a large mesh reads all of it. When
 /// all workers have been at their slices for long, as many others begin, in an arena of their own,
@@ -38,11 +41,11 @@ class FairWorkers {
   /// Waits until every job has ended.
   ~FairWorkers();
 
-  /// Runs the job on workers, never in the calling thread.
+  /// Runs the job on workers, never in the calling thread. Throws std::bad_alloc; std::system_error
+  /// if there is no thread and none can be made.
   void push(const FlowKey& key, Slice slice);
 
  private:
-  /// An arena that has slots for workers only.
   class Arena;
   /// One turn on a worker.
   struct Running {
@@ -54,21 +57,26 @@ class FairWorkers {
   };
   using Position = std::list<Running>::iterator;
 
-  void start_turns();
+  void start_turns(std::size_t takers);
   void begin_turn(Arena& arena);
-  void run(Position position);
+  void wake_for_turns(std::size_t takers);
+  void work();
+  void run(Position position, std::unique_lock<std::mutex>& lock);
   void watch();
   void charge(Running& running);
 
   const WorkersOptions options_;
   std::vector<std::unique_ptr<Arena>> arenas_;
   std::mutex mutex_;  // protects all members below
-  std::condition_variable idle_, all_busy_;
+  std::condition_variable idle_, all_busy_, turns_;
   FairQueue queue_;
   std::list<Running> running_;
-  std::size_t jobs_ = 0;   // waiting or running
-  std::size_t short_ = 0;  // turns that are not long
+  std::deque<Position> begun_;  // turns that no thread has taken
+  std::size_t jobs_ = 0;        // waiting or running
+  std::size_t short_ = 0;       // turns that are not long
+  std::size_t asleep_ = 0;      // threads that wait for a turn
   bool stopping_ = false;
+  std::vector<std::thread> threads_;
   std::thread watcher_;  // marks long turns
 };
 

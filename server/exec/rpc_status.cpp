@@ -2,6 +2,7 @@
 #include "server/exec/rpc_status.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -82,8 +83,8 @@ grpc::Status to_grpc(const Error& error) {
   status.add_details()->PackFrom(info);
   if (info.reason() == kQueueFull) {
     google::rpc::RetryInfo retry;
-    const std::chrono::nanoseconds delay = kRetryDelay;
-    retry.mutable_retry_delay()->set_nanos(static_cast<std::int32_t>(delay.count()));
+    *retry.mutable_retry_delay() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
+        std::chrono::milliseconds(kRetryDelay).count());
     status.add_details()->PackFrom(retry);
   }
   return {code, status.message(), status.SerializeAsString()};

@@ -16,7 +16,7 @@ namespace sightline::server::exec {
 
 inline constexpr const char* kErrorDomain = "sightline";
 /// A client that is refused because others have filled a queue is told to come back after this.
-inline constexpr std::chrono::milliseconds kRetryDelay{500};
+inline constexpr std::chrono::milliseconds kRetryDelay{1000};
 /// Bytes. Longer messages are cut: a status travels in HTTP/2 trailers, and peers limit their size.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 

@@ -25,7 +25,7 @@ TEST(RefusalPace, ABurstIsAnsweredAtOnceAndTheRestOverTheDelay) {
   EXPECT_EQ(pace.due("b", kStart), kStart) << "another connection has a pace of its own";
 }
 
-TEST(RefusalPace, WhoComesBackAsToldNeverWaits) {
+TEST(RefusalPace, AClientThatObeysNeverWaits) {
   RefusalPace pace(kBurst);
   for (int round = 0; round < 50; ++round) {
     const auto now = kStart + round * kRetryDelay;
@@ -63,7 +63,7 @@ TEST(RefusalPace, StopAnswersAllThatWait) {
 namespace sightline::tests {
 namespace {
 
-server::ServerConfig with_room_for_few_rays() {
+server::ServerConfig with_capacity_for_few_rays() {
   server::ServerConfig config = test_config();
   config.admission.rays = 1000;
   return config;
@@ -71,7 +71,7 @@ server::ServerConfig with_room_for_few_rays() {
 
 class RefusedTest : public LiveServer {
  protected:
-  RefusedTest() : LiveServer(with_room_for_few_rays()) {}
+  RefusedTest() : LiveServer(with_capacity_for_few_rays()) {}
 
   grpc::Status cast(std::size_t rays) {
     v1::CastRaysResponse reply;
