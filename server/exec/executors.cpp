@@ -20,7 +20,10 @@ Compute::Compute(int threads)
       management_(threads, 0),
       background_({.threads = threads, .priority = kBackgroundPriority}),
       queries_({.threads = threads, .priority = kQueryPriority}),
-      small_({.threads = threads, .long_after = kSmallLongAfter, .priority = kPrompt}) {}
+      small_({.threads = threads,
+              .long_after = kSmallLongAfter,
+              .priority = kPrompt,
+              .prompt = true}) {}
 
 Compute::~Compute() {
   std::unique_lock lock(mutex_);

@@ -13,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 class FairWorkers::Arena {
  public:
   explicit Arena(const WorkersOptions& options)
-      : tasks(options.threads, 0), priority_(tasks, options.priority) {}
+      : tasks(options.threads, options.prompt ? 1 : 0), priority_(tasks, options.priority) {}
 
   oneapi::tbb::task_arena tasks;
   int turns = 0;
@@ -42,7 +42,7 @@ FairWorkers::~FairWorkers() {
 
 void FairWorkers::push(const FlowKey& key, Slice slice) {
   const std::lock_guard lock(mutex_);
-  if (threads_.empty()) threads_.emplace_back([this] { work(); });
+  if (options_.prompt && threads_.empty()) threads_.emplace_back([this] { work(); });
   queue_.push(key, std::move(slice));
   ++jobs_;
   start_turns(0);
@@ -68,14 +68,19 @@ void FairWorkers::start_turns(std::size_t takers) {
 
 void FairWorkers::begin_turn(Arena& arena) {
   const Position position = running_.insert(running_.end(), Running{});
+  position->turn = queue_.take();
+  position->arena = &arena;
   try {
-    begun_.push_back(position);
+    if (options_.prompt) {
+      begun_.push_back(position);
+    } else {
+      arena.tasks.enqueue([this, position] { run(position); });
+    }
   } catch (...) {
+    queue_.end(std::move(position->turn), false, true);
     running_.erase(position);
     throw;
   }
-  position->turn = queue_.take();
-  position->arena = &arena;
   ++arena.turns;
   ++short_;
 }
@@ -83,6 +88,7 @@ void FairWorkers::begin_turn(Arena& arena) {
 /// As many threads are made as there are turns. If that fails, turns wait for the threads there
 /// are.
 void FairWorkers::wake_for_turns(std::size_t takers) {
+  if (!options_.prompt) return;
   const std::size_t left = begun_.size() - std::min(takers, begun_.size());
   for (std::size_t i = 0; i < std::min(left, asleep_); ++i) turns_.notify_one();
   try {
@@ -92,7 +98,7 @@ void FairWorkers::wake_for_turns(std::size_t takers) {
   }
 }
 
-/// What each thread does.
+/// What each thread of a prompt lane does.
 void FairWorkers::work() {
   set_priority(permitted(options_.priority));
   std::unique_lock lock(mutex_);
@@ -100,7 +106,9 @@ void FairWorkers::work() {
     if (!begun_.empty()) {
       const Position position = begun_.front();
       begun_.pop_front();
-      run(position, lock);
+      lock.unlock();
+      run_in_arena(position);
+      lock.lock();
       continue;
     }
     if (stopping_) return;
@@ -110,18 +118,27 @@ void FairWorkers::work() {
   }
 }
 
-void FairWorkers::run(Position position, std::unique_lock<std::mutex>& lock) {
-  position->begun = true;
-  position->charged = Clock::now();
-  lock.unlock();
-  bool again = false;
+void FairWorkers::run_in_arena(Position position) {
+  bool entered = false;
   try {
-    position->arena->tasks.execute([&] { again = position->turn.run(); });
-  } catch (const std::bad_alloc&) {  // oneTBB could not enter the arena
-    again = position->turn.run();
+    position->arena->tasks.execute([&] {
+      entered = true;
+      run(position);
+    });
+  } catch (const std::bad_alloc&) {
+    if (!entered) run(position);  // in an arena of the thread's own
   }
+}
+
+void FairWorkers::run(Position position) {
+  {
+    const std::lock_guard lock(mutex_);
+    position->begun = true;
+    position->charged = Clock::now();
+  }
+  const bool again = position->turn.run();
   if (!again) position->turn.job.front() = nullptr;  // before ~FairWorkers() may return
-  lock.lock();
+  const std::lock_guard lock(mutex_);
   charge(*position);
   short_ -= position->is_long ? 0 : 1;
   --position->arena->turns;

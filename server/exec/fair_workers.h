@@ -21,12 +21,14 @@ struct WorkersOptions {
   /// A slice that runs for longer is long: it no longer counts as one of the workers.
   std::chrono::milliseconds long_after{50};
   Priority priority{};
+  /// For short work: the workers are threads that sleep while they have no slice. Those of oneTBB
+  /// look for work for some time before they sleep, and yield meanwhile. The system takes a yield
+  /// as a time slice used, so on a busy machine they begin later.
+  bool prompt = false;
 };
 
-/// Runs jobs slice by slice, in the order of a FairQueue. A worker is a thread that sleeps while it
-/// has no slice. oneTBB's threads help with the parallel loops of slices, in place of workers that
-/// have none. They do not run slices: they look for work for some time before they sleep, and give
-/// their processor away again and again meanwhile, so the system lets them wait longest.
+/// Runs jobs slice by slice, in the order of a FairQueue. Parallel loops of a slice are helped by
+/// workers that have no slice.
 ///
 /// Not all work can be cut into short slices: the first ray of a large mesh reads all of it. When
 /// all workers have been at their slices for long, as many others begin, in an arena of their own,
@@ -61,7 +63,8 @@ class FairWorkers {
   void begin_turn(Arena& arena);
   void wake_for_turns(std::size_t takers);
   void work();
-  void run(Position position, std::unique_lock<std::mutex>& lock);
+  void run_in_arena(Position position);
+  void run(Position position);
   void watch();
   void charge(Running& running);
 
@@ -71,7 +74,7 @@ class FairWorkers {
   std::condition_variable idle_, all_busy_, turns_;
   FairQueue queue_;
   std::list<Running> running_;
-  std::deque<Position> begun_;  // turns that no thread has taken
+  std::deque<Position> begun_;  // turns that no thread of a prompt lane has taken
   std::size_t jobs_ = 0;        // waiting or running
   std::size_t short_ = 0;       // turns that are not long
   std::size_t asleep_ = 0;      // threads that wait for a turn
