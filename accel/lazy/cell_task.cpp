@@ -8,14 +8,6 @@
 #include <tbb/task_arena.h>
 
 namespace sightline::accel::lazy {
-namespace {
-
-bool is_set(const std::atomic<bool>* flag) {
-  return flag != nullptr && flag->load(std::memory_order_relaxed);
-}
-
-}  // namespace
-
 /// A task for an idle thread: helps with one pass. It may run late, when all is done.
 struct CellTask::Call {
   CellTask* task;
