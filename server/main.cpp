@@ -48,16 +48,19 @@ constexpr std::chrono::milliseconds kEndAfterDrain{500};
 
 /// Runs the server until a signal arrives. Returns the program's exit code.
 int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
-  const auto server = Server::start(config);
-  if (!server) {
-    std::fprintf(stderr, "sightlined: %s\n", server.error().message.c_str());
-    return server.error().reason == "INSECURE_ADDRESS" ? kUsageExit : 1;
+  auto started = Server::start(config);
+  if (!started) {
+    std::fprintf(stderr, "sightlined: %s\n", started.error().message.c_str());
+    return started.error().reason == "INSECURE_ADDRESS" ? kUsageExit : 1;
   }
+  // Not destroyed: that waits until oneTBB's threads have left the server's arenas. They yield
+  // while they look for work, and on a busy core that takes seconds.
+  Server* const server = started->release();
   int caught = 0;
   sigwait(&ending, &caught);
   spdlog::info("event=signal signal={}", caught);
   watchdog.arm(config.drain + kEndAfterDrain);
-  (*server)->drain();
+  server->drain();
   return 0;
 }
 

@@ -13,7 +13,8 @@ using Clock = std::chrono::steady_clock;
 class FairWorkers::Arena {
  public:
   explicit Arena(const WorkersOptions& options)
-      : tasks(options.threads, options.prompt ? 1 : 0), priority_(tasks, options.priority) {}
+      : tasks(options.threads, options.prompt ? 1 : 0),
+        priority_(tasks, options.prompt ? Priority{} : options.priority) {}
 
   oneapi::tbb::task_arena tasks;
   int turns = 0;
