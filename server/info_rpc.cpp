@@ -11,6 +11,7 @@
 #include "server/blobs/blob_rpc.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
+#include "server/exec/rpc_status.h"
 #include "server/exec/unread_replies.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
@@ -77,6 +78,7 @@ void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info)
   info.set_reply_timeout_ms(milliseconds(exec::kReplyTimeout));
   info.set_watch_progress_ms(milliseconds(updates::kWatchProgress));
   info.set_drain_ms(milliseconds(config.drain));
+  info.set_retry_delay_ms(milliseconds(exec::kRetryDelay));
 }
 
 void describe_requests(v1::GetServerInfoResponse& info) {
@@ -92,7 +94,7 @@ void describe_requests(v1::GetServerInfoResponse& info) {
   info.set_max_id_bytes(scenes::kMaxId);
 }
 
-v1::GetServerInfoResponse describe(const ServerConfig& config) {
+v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_connections) {
   v1::GetServerInfoResponse info;
   info.set_version(SIGHTLINE_VERSION);
   for (const char* feature : {"closest",
@@ -142,6 +144,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
   describe_memory(config, info);
   describe_calls(config, info);
   describe_requests(info);
+  info.set_max_connections(static_cast<std::uint32_t>(max_connections));
   info.set_policy(policy_name(config.policy));
   info.set_threads(static_cast<std::uint32_t>(config.threads));
   info.set_simd_target(std::string(accel::split::simd_target()));
@@ -150,7 +153,8 @@ v1::GetServerInfoResponse describe(const ServerConfig& config) {
 
 }  // namespace
 
-InfoRpc::InfoRpc(const ServerConfig& config) : info_(describe(config)) {}
+InfoRpc::InfoRpc(const ServerConfig& config, std::size_t max_connections)
+    : info_(describe(config, max_connections)) {}
 
 grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* context,
                                                  const v1::GetServerInfoRequest*,

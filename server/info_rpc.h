@@ -1,6 +1,8 @@
 // ServerService: what the server is, what it can do, and its limits.
 #pragma once
 
+#include <cstddef>
+
 #include "server/config.h"
 #include "sightline/v1/server.grpc.pb.h"
 
@@ -8,7 +10,8 @@ namespace sightline::server {
 
 class InfoRpc final : public v1::ServerService::CallbackService {
  public:
-  explicit InfoRpc(const ServerConfig& config);
+  /// `max_connections`: that are open at a time.
+  InfoRpc(const ServerConfig& config, std::size_t max_connections);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,

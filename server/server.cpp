@@ -25,6 +25,7 @@
 #include "server/exec/malformed.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/open_rpcs.h"
+#include "server/exec/refusal_pace.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/ticker.h"
 #include "server/exec/unread_replies.h"
@@ -126,6 +127,7 @@ struct Server::Parts {
   exec::Admission admission, all_hits_admission, small_admission, batch_admission;
   exec::UnreadReplies unread;
   exec::OpenRpcs open_rpcs;
+  exec::RefusalPace refusal_pace{ServerConfig::kMaxCallsPerConnection};
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
   scenes::SceneStore scenes;
   blobs::BlobStore blobs;
@@ -152,6 +154,7 @@ struct Server::Parts {
   /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
   /// Streams of rays end by themselves when their clients close them.
   void stop_waiting() {
+    refusal_pace.stop();
     prefetches.stop();
     waiting_reads.stop();
     update_streams.stop();
@@ -172,7 +175,8 @@ struct Server::Parts {
     return {};
   }
 
-  InfoRpc info_rpc{config};
+  const std::size_t max_connections = net::connection_limit();
+  InfoRpc info_rpc{config, max_connections};
   std::uint16_t port = 0;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
@@ -195,6 +199,7 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(exec::count_calls(open_rpcs));
   interceptors.push_back(exec::refuse_malformed());
+  interceptors.push_back(exec::pace_refusals(refusal_pace));
   experimental.SetInterceptorCreators(std::move(interceptors));
   connections =
       experimental.AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
@@ -204,7 +209,7 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
 void Server::Parts::accept(net::ListeningSockets listening) {
   port = listening.port;
   acceptor = std::make_unique<net::Acceptor>(
-      std::move(listening.sockets), net::connection_limit(),
+      std::move(listening.sockets), max_connections,
       net::Acceptor::Events{
           .accepted =
               [this](int listener, net::Descriptor connection) {

@@ -23,6 +23,10 @@ struct Session {
 
 using Json = nlohmann::ordered_json;
 
+/// The document, indented by `indent` characters a level; on one line if that is below 0. Without
+/// effect on a terminal: all control characters are escaped, those that JSON allows too.
+std::string json_text(const Json& document, int indent);
+
 /// Prints one document on stdout.
 void print_json(const Json& document);
 

@@ -76,7 +76,10 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     if (!ok) return end(exec::end_of_reads(chunk_));
     // The ticket ends with the chunk.
     auto ticket = parts_.admission.admit(caller_, 0, chunk_.SpaceUsedLong());
-    if (!ticket) return end(ticket.error());
+    if (!ticket) {
+      chunk_ = {};  // a refusal may wait: see RefusalPace
+      return end(ticket.error());
+    }
     ticket_ = std::move(*ticket);
     parts_.compute.enqueue_work(caller_, [this] {
       const Status accepted = exec::to_status([this] { return accept(); });

@@ -34,8 +34,18 @@ int process_nice() {
   return kNice;
 }
 
-/// Of the calling thread.
-bool set(const Priority& priority) {
+bool may_return_from_nice() {
+  static const bool kMay = [] {
+    bool returned = false;
+    std::thread([&] { returned = set_priority({.nice = 1}) && set_priority({}); }).join();
+    return returned;
+  }();
+  return kMay;
+}
+
+}  // namespace
+
+bool set_priority(const Priority& priority) {
   SchedulingAttributes attributes;
   attributes.nice = process_nice() + priority.nice;
   attributes.runtime = static_cast<std::uint64_t>(
@@ -43,16 +53,9 @@ bool set(const Priority& priority) {
   return syscall(SYS_sched_setattr, 0, &attributes, 0) == 0;
 }
 
-bool may_return_from_nice() {
-  static const bool kMay = [] {
-    bool returned = false;
-    std::thread([&] { returned = set({.nice = 1}) && set({}); }).join();
-    return returned;
-  }();
-  return kMay;
+Priority permitted(const Priority& priority) {
+  return {.nice = may_return_from_nice() ? priority.nice : 0, .time_slice = priority.time_slice};
 }
-
-}  // namespace
 
 void restore_niceness() {
   const int tasks = open("/proc/self/task", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -72,9 +75,7 @@ void restore_niceness() {
 }
 
 ArenaPriority::ArenaPriority(oneapi::tbb::task_arena& arena, const Priority& priority)
-    : task_scheduler_observer(arena),
-      priority_{.nice = may_return_from_nice() ? priority.nice : 0,
-                .time_slice = priority.time_slice} {
+    : task_scheduler_observer(arena), priority_(permitted(priority)) {
   if (priority_.nice != 0 || priority_.time_slice.count() != 0) observe(true);
 }
 
@@ -84,13 +85,15 @@ ArenaPriority::~ArenaPriority() {
   observe(false);
 }
 
-void ArenaPriority::on_scheduler_entry(bool) {
+void ArenaPriority::on_scheduler_entry(bool is_worker) {
+  if (!is_worker) return;
   ++inside_;
-  set(priority_);
+  set_priority(priority_);
 }
 
-void ArenaPriority::on_scheduler_exit(bool) {
-  set({});
+void ArenaPriority::on_scheduler_exit(bool is_worker) {
+  if (!is_worker) return;
+  set_priority({});
   if (--inside_ == 0) inside_.notify_all();
 }
 

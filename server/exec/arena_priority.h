@@ -14,17 +14,27 @@ struct Priority {
   int nice = 0;
   /// A thread that wakes up, with a shorter time slice, runs at once instead of a thread with this
   /// one (Linux 6.12 and later). 0: that of the system, some milliseconds.
-  std::chrono::milliseconds time_slice{0};
+  std::chrono::microseconds time_slice{0};
 };
+
+/// Of the threads that serve calls and small queries: most of what runs has longer slices, and
+/// gives way to them when they wake up.
+inline constexpr Priority kPrompt{.time_slice = std::chrono::microseconds(500)};
+
+/// The priority, without the niceness where RLIMIT_NICE does not let threads return from it.
+Priority permitted(const Priority& priority);
+
+/// Of the calling thread, for good; threads that it starts inherit it. Returns whether the system
+/// allows it.
+bool set_priority(const Priority& priority);
 
 /// Gives all threads of the process its own niceness again. Before the process ends: a thread with
 /// a high one must get a processor to end too, which takes seconds on a busy machine. Allocates
 /// nothing.
 void restore_niceness();
 
-/// Gives threads a priority while they are in the arena, which must outlive this. oneTBB's threads
-/// move between arenas. Where RLIMIT_NICE does not let them return from a higher niceness, they
-/// keep that of the process. The destructor waits until the threads have left the arena, which must
+/// Gives oneTBB's threads a priority while they are in the arena, which must outlive this. They
+/// move between arenas. The destructor waits until the threads have left the arena, which must
 /// have no tasks any more.
 class ArenaPriority : public oneapi::tbb::task_scheduler_observer {
  public:

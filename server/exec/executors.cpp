@@ -6,7 +6,6 @@
 namespace sightline::server::exec {
 namespace {
 
-/// Threads of calls and small queries have shorter slices, and need not wait for the end of these.
 constexpr Priority kQueryPriority{.nice = 0, .time_slice = std::chrono::milliseconds(8)};
 constexpr Priority kBackgroundPriority{.nice = 5, .time_slice = std::chrono::milliseconds(8)};
 constexpr std::chrono::milliseconds kSmallLongAfter{10};
@@ -21,7 +20,10 @@ Compute::Compute(int threads)
       management_(threads, 0),
       background_({.threads = threads, .priority = kBackgroundPriority}),
       queries_({.threads = threads, .priority = kQueryPriority}),
-      small_({.threads = threads, .long_after = kSmallLongAfter}) {}
+      small_({.threads = threads,
+              .long_after = kSmallLongAfter,
+              .priority = kPrompt,
+              .prompt = true}) {}
 
 Compute::~Compute() {
   std::unique_lock lock(mutex_);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <list>
 #include <utility>
 
 namespace sightline::server::exec {
@@ -10,7 +11,7 @@ namespace sightline::server::exec {
 /// The root, a principal, a connection or, at the bottom, the flow of a scene.
 class FairQueue::Flow {
  public:
-  Flow(Flow* parent, std::string name) : above(parent), key(std::move(name)) {}
+  Flow(Flow* parent, std::string name) : above(parent), key(std::move(name)), unlisted{this} {}
 
   Flow& below(const std::string& child) {
     std::unique_ptr<Flow>& flow = children[child];
@@ -33,8 +34,7 @@ class FairQueue::Flow {
   /// Has a place in the order of turns while jobs wait or it owes.
   void enlist() {
     for (Flow* at = this; at->above != nullptr; at = at->above) {
-      if (!at->listed) at->above->turns.push_back(at);
-      at->listed = true;
+      at->above->turns.splice(at->above->turns.end(), at->unlisted);
     }
   }
 
@@ -48,20 +48,19 @@ class FairQueue::Flow {
         first.deficit += kQuantum;
       }
       first.has_quantum = false;
-      turns.pop_front();
       if (first.waiting > 0 || first.deficit < Cost::zero()) {
-        turns.push_back(&first);
+        turns.splice(turns.end(), turns, turns.begin());
         continue;
       }
+      first.unlisted.splice(first.unlisted.end(), turns, turns.begin());
       first.deficit = Cost::zero();
-      first.listed = false;
       first.remove_if_idle();
     }
   }
 
   /// With all below it, whose debts among themselves are forgotten.
   void remove_if_idle() {
-    if (above == nullptr || listed || running > 0) return;
+    if (above == nullptr || unlisted.empty() || running > 0) return;
     Flow* parent = above;
     parent->children.erase(parent->children.find(key));
     parent->remove_if_idle();
@@ -70,13 +69,14 @@ class FairQueue::Flow {
   Flow* const above;
   const std::string key;
   std::map<std::string, std::unique_ptr<Flow>> children;
-  std::deque<Flow*> turns;  // of children
-  std::deque<Slice> jobs;
+  // Elements move between lists, so that a worker needs no memory to take a job and to return it.
+  std::list<Flow*> turns;     // of children
+  std::list<Flow*> unlisted;  // this flow, unless it is in above->turns
+  std::list<Slice> jobs;
   std::size_t waiting = 0, ready = 0;  // jobs here and below: all, and those not held below
   std::size_t running = 0;             // turns
   std::size_t long_turns = 0;
   Cost deficit{0};
-  bool listed = false;       // in above->turns
   bool has_quantum = false;  // of its turn
   bool held = false;
 };
@@ -101,8 +101,8 @@ void FairQueue::push(const FlowKey& key, Slice slice) {
 FairQueue::Turn FairQueue::take() {
   Flow* flow = root_.get();
   while (flow->jobs.empty()) flow = &flow->next();
-  Turn turn{flow, std::move(flow->jobs.front())};
-  flow->jobs.pop_front();
+  Turn turn{flow};
+  turn.job.splice(turn.job.end(), flow->jobs, flow->jobs.begin());
   for (Flow* at = flow; at != nullptr; at = at->above) {
     --at->waiting;
     ++at->running;
@@ -118,8 +118,9 @@ void FairQueue::charge(Flow& flow, Cost cost) {
 }
 
 void FairQueue::mark_long(Flow& flow) {
+  std::size_t& of_scene = long_scenes_[flow.key];  // may throw
+  if (++of_scene >= long_turns_) hold_scene(flow.key, true);
   if (++flow.above->long_turns >= long_turns_) flow.above->set_held(true);
-  if (++long_scenes_[flow.key] >= long_turns_) hold_scene(flow.key, true);
 }
 
 void FairQueue::end(Turn turn, bool was_long, bool again) {
@@ -135,7 +136,7 @@ void FairQueue::end(Turn turn, bool was_long, bool again) {
     at->waiting += again ? 1 : 0;
   }
   if (again) {
-    flow.jobs.push_front(std::move(turn.slice));
+    flow.jobs.splice(flow.jobs.begin(), turn.job);
     flow.add_ready(1);
     flow.enlist();
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
@@ -45,11 +46,12 @@ class FairQueue {
 
   class Flow;
   struct Turn {
-    Flow* flow = nullptr;  ///< Valid until end().
-    Slice slice{};
+    Flow* flow = nullptr;    ///< Valid until end().
+    std::list<Slice> job{};  ///< One.
+    bool run() { return job.front()(); }
   };
 
-  /// Appends a job to its flow.
+  /// Appends a job to its flow. Throws std::bad_alloc, as mark_long() does, and no other member.
   void push(const FlowKey& key, Slice slice);
   /// Whether a job waits that is not held.
   bool ready() const;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <deque>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -20,6 +21,10 @@ struct WorkersOptions {
   /// A slice that runs for longer is long: it no longer counts as one of the workers.
   std::chrono::milliseconds long_after{50};
   Priority priority{};
+  /// For short work: the workers are threads that sleep while they have no slice. Those of oneTBB
+  /// look for work for some time before they sleep, and yield meanwhile. The system takes a yield
+  /// as a time slice used, so on a busy machine they begin later.
+  bool prompt = false;
 };
 
 /// Runs jobs slice by slice, in the order of a FairQueue. Parallel loops of a slice are helped by
@@ -38,11 +43,11 @@ class FairWorkers {
   /// Waits until every job has ended.
   ~FairWorkers();
 
-  /// Runs the job on workers, never in the calling thread.
+  /// Runs the job on workers, never in the calling thread. Throws std::bad_alloc; std::system_error
+  /// if there is no thread and none can be made.
   void push(const FlowKey& key, Slice slice);
 
  private:
-  /// An arena that has slots for workers only.
   class Arena;
   /// One turn on a worker.
   struct Running {
@@ -54,8 +59,11 @@ class FairWorkers {
   };
   using Position = std::list<Running>::iterator;
 
-  void start_turns();
+  void start_turns(std::size_t takers);
   void begin_turn(Arena& arena);
+  void wake_for_turns(std::size_t takers);
+  void work();
+  void run_in_arena(Position position);
   void run(Position position);
   void watch();
   void charge(Running& running);
@@ -63,12 +71,15 @@ class FairWorkers {
   const WorkersOptions options_;
   std::vector<std::unique_ptr<Arena>> arenas_;
   std::mutex mutex_;  // protects all members below
-  std::condition_variable idle_, all_busy_;
+  std::condition_variable idle_, all_busy_, turns_;
   FairQueue queue_;
   std::list<Running> running_;
-  std::size_t jobs_ = 0;   // waiting or running
-  std::size_t short_ = 0;  // turns that are not long
+  std::deque<Position> begun_;  // turns that no thread of a prompt lane has taken
+  std::size_t jobs_ = 0;        // waiting or running
+  std::size_t short_ = 0;       // turns that are not long
+  std::size_t asleep_ = 0;      // threads that wait for a turn
   bool stopping_ = false;
+  std::vector<std::thread> threads_;
   std::thread watcher_;  // marks long turns
 };
 

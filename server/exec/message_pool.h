@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace sightline::server::exec {
@@ -30,20 +31,23 @@ class MessagePool final : public grpc::MessageAllocator<Request, Reply> {
   class Messages final : public grpc::MessageHolder<Request, Reply> {
    public:
     explicit Messages(MessagePool& pool) : pool_(pool) {
-      this->set_request(&request_);
+      this->set_request(&request_.emplace());
       this->set_response(&reply_);
     }
     void Release() override { pool_.take_back(std::unique_ptr<Messages>(this)); }
-    std::size_t bytes() const { return request_.SpaceUsedLong() + reply_.SpaceUsedLong(); }
+    void FreeRequest() override { request_.reset(); }
+    /// Whether the request is not freed.
+    bool is_whole() const { return request_.has_value(); }
+    std::size_t bytes() const { return request_->SpaceUsedLong() + reply_.SpaceUsedLong(); }
 
    private:
     MessagePool& pool_;
-    Request request_;
+    std::optional<Request> request_;
     Reply reply_;
   };
 
   void take_back(std::unique_ptr<Messages> messages) {
-    if (messages->bytes() > kMaxPooledBytes) return;
+    if (!messages->is_whole() || messages->bytes() > kMaxPooledBytes) return;
     const std::lock_guard lock(mutex_);
     if (pooled_.size() < kMaxPooled) pooled_.push_back(std::move(messages));
   }

@@ -2,8 +2,11 @@
 #include "server/exec/rpc_status.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -13,8 +16,6 @@
 
 namespace sightline::server::exec {
 namespace {
-
-constexpr int kRetryDelayNanos = 100'000'000;
 
 struct GrpcCode {
   grpc::StatusCode code;
@@ -82,10 +83,20 @@ grpc::Status to_grpc(const Error& error) {
   status.add_details()->PackFrom(info);
   if (info.reason() == kQueueFull) {
     google::rpc::RetryInfo retry;
-    retry.mutable_retry_delay()->set_nanos(kRetryDelayNanos);
+    *retry.mutable_retry_delay() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
+        std::chrono::milliseconds(kRetryDelay).count());
     status.add_details()->PackFrom(retry);
   }
   return {code, status.message(), status.SerializeAsString()};
+}
+
+bool asks_to_retry(const grpc::Status& status) {
+  if (status.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED) return false;
+  google::rpc::Status details;
+  return details.ParseFromString(status.error_details()) &&
+         std::any_of(details.details().begin(), details.details().end(), [](const auto& detail) {
+           return detail.template Is<google::rpc::RetryInfo>();
+         });
 }
 
 grpc::Status to_grpc(const Status& status) {

@@ -15,6 +15,8 @@
 namespace sightline::server::exec {
 
 inline constexpr const char* kErrorDomain = "sightline";
+/// A client that is refused because others have filled a queue is told to come back after this.
+inline constexpr std::chrono::milliseconds kRetryDelay{1000};
 /// Bytes. Longer messages are cut: a status travels in HTTP/2 trailers, and peers limit their size.
 inline constexpr std::size_t kMaxStatusMessage = 1024;
 
@@ -39,8 +41,12 @@ Status to_status(Work&& work) {
 std::string reason_of(const Error& error);
 
 /// The status with the error's code and message, and with a google.rpc.Status in its details that
-/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline".
+/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline". If a queue is full,
+/// also a google.rpc.RetryInfo with kRetryDelay.
 grpc::Status to_grpc(const Error& error);
+
+/// Whether the status tells its client when to come back.
+bool asks_to_retry(const grpc::Status& status);
 
 /// OK, or the error.
 grpc::Status to_grpc(const Status& status);

@@ -151,8 +151,10 @@ class CastStream final
   void cast() {
     if (const Status accepted =
             exec::to_status([this] { return job_.accept(request_.request().rays()); });
-        !accepted)
+        !accepted) {
+      request_ = {};  // a refusal may wait: see RefusalPace
       return end(accepted);
+    }
     answer();
   }
 

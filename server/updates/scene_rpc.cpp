@@ -159,6 +159,10 @@ Status SceneRpc::stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStat
   return {};
 }
 
+SceneRpc::SceneRpc(const scenes::Services& services) : services_(services) {
+  SetMessageAllocatorFor_ApplyUpdates(&batches_);
+}
+
 grpc::ServerUnaryReactor* SceneRpc::CreateScene(grpc::CallbackServerContext* context,
                                                 const v1::CreateSceneRequest* request,
                                                 v1::CreateSceneResponse* reply) {
@@ -198,6 +202,7 @@ grpc::ServerUnaryReactor* SceneRpc::BatchGetNodes(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* SceneRpc::ApplyUpdates(grpc::CallbackServerContext* context,
                                                  const v1::ApplyUpdatesRequest* request,
                                                  v1::ApplyUpdatesResponse* reply) {
+  reply->Clear();  // it may be of an earlier call
   return start_apply(services_, *context, *request, *reply);
 }
 

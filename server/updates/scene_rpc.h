@@ -1,6 +1,7 @@
 // SceneService: reads and deletes scenes, and starts the calls that change and watch them.
 #pragma once
 
+#include "server/exec/message_pool.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
 
@@ -13,7 +14,7 @@ inline constexpr int kMaxNodesPerRequest = 512;
 
 class SceneRpc final : public v1::SceneService::CallbackService {
  public:
-  explicit SceneRpc(const scenes::Services& services) : services_(services) {}
+  explicit SceneRpc(const scenes::Services& services);
 
   grpc::ServerUnaryReactor* CreateScene(grpc::CallbackServerContext* context,
                                         const v1::CreateSceneRequest* request,
@@ -49,6 +50,7 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
 
   const scenes::Services services_;
+  exec::MessagePool<v1::ApplyUpdatesRequest, v1::ApplyUpdatesResponse> batches_;
 };
 
 }  // namespace sightline::server::updates

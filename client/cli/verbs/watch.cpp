@@ -27,7 +27,7 @@ bool print_line(const SceneChange& change, bool positions) {
   for (const Update& update : change.updates) updates.push_back(files::json_of(update, positions));
   const Json line{
       {"revision", change.revision}, {"token", change.token}, {"updates", std::move(updates)}};
-  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = json_text(line, -1) + "\n";
   return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
          std::fflush(stdout) == 0;
 }

@@ -29,19 +29,20 @@ class UpdatedScene {
  public:
   UpdatedScene(std::size_t nodes, bool grouped)
       : mesh_(*scenegraph::model::Mesh::make({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}})) {
-    const std::size_t groups = grouped ? (nodes + kPerGroup - 1) / kPerGroup : 0;
+    const std::size_t group_count = grouped ? (nodes + kPerGroup - 1) / kPerGroup : 0;
     std::vector<Update> puts{put(-1, 0, false), put(-2, 0, false)};
-    for (std::size_t g = 0; g < groups; ++g) puts.push_back(put(-3 - ref(g), -1, false));
+    for (std::size_t g = 0; g < group_count; ++g) puts.push_back(put(-3 - ref(g), -1, false));
     for (std::size_t i = 0; i < nodes; ++i) {
       const NodeRef parent = grouped ? -3 - ref(i / kPerGroup) : NodeRef{-1};
-      puts.push_back(put(-3 - ref(groups + i), parent, true));
+      puts.push_back(put(-3 - ref(group_count + i), parent, true));
     }
     const auto applied = scene_.apply(puts);
     top = ref(applied->nodes[0]);
     other = ref(applied->nodes[1]);
-    for (std::size_t g = 0; g < groups; ++g) this->groups.push_back(ref(applied->nodes[2 + g]));
-    for (std::size_t i = 0; i < nodes; ++i) leaves.push_back(ref(applied->nodes[2 + groups + i]));
-    if (!grouped) this->groups.push_back(top);
+    for (std::size_t g = 0; g < group_count; ++g) groups.push_back(ref(applied->nodes[2 + g]));
+    for (std::size_t i = 0; i < nodes; ++i)
+      leaves.push_back(ref(applied->nodes[2 + group_count + i]));
+    if (!grouped) groups.push_back(top);
     // From now on, what changes is removed from the static tree.
     const std::vector<accel::geometry::Ray> ray{{{0.2, 0.2, 5}, {0, 0, -1}}};
     std::vector<accel::geometry::Hit> hit(1);

@@ -34,7 +34,7 @@ class FairQueueTest : public testing::Test {
   /// Runs one slice, as a worker does.
   void run() {
     FairQueue::Turn turn = queue_.take();
-    const bool again = turn.slice();
+    const bool again = turn.run();
     queue_.charge(*turn.flow, costs_.at(order_.back()));
     queue_.end(std::move(turn), false, again);
   }
@@ -88,7 +88,7 @@ std::map<std::string, FairQueue::Cost> shares(
   }
   for (FairQueue::Cost sum{0}; sum < total;) {
     FairQueue::Turn turn = queue.take();
-    const bool again = turn.slice();
+    const bool again = turn.run();
     const FairQueue::Cost cost = jobs.at(ran).second;
     queue.charge(*turn.flow, cost);
     queue.end(std::move(turn), false, again);

@@ -64,8 +64,12 @@ TEST(RpcStatus, SaysWhenToRetryAFullQueue) {
   ASSERT_EQ(details(kQueueFull).size(), 2);
   google::rpc::RetryInfo retry;
   ASSERT_TRUE(details(kQueueFull)[1].UnpackTo(&retry));
-  EXPECT_GT(retry.retry_delay().nanos(), 0);
+  EXPECT_EQ(retry.retry_delay().seconds() * 1000 + retry.retry_delay().nanos() / 1'000'000,
+            std::chrono::milliseconds(kRetryDelay).count());
   EXPECT_EQ(details("TOO_MANY_NODES").size(), 1) << "a retry would not help";
+  EXPECT_TRUE(asks_to_retry(to_grpc(Error{Code::kResourceExhausted, "full", kQueueFull})));
+  EXPECT_FALSE(asks_to_retry(to_grpc(Error{Code::kResourceExhausted, "full", "TOO_MANY_NODES"})));
+  EXPECT_FALSE(asks_to_retry(grpc::Status::OK));
 }
 
 TEST(RpcStatus, CutsLongMessagesBetweenCharacters) {

@@ -1,9 +1,11 @@
-// Every allocation fails once while a batch is applied: it is applied and in the log, or neither.
+// Memory runs out while a batch is applied: it is applied and in the log, or neither. And while a
+// worker takes a job and gives it back: it needs none.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <new>
 
+#include "server/exec/fair_queue.h"
 #include "server/scenes/stored_scene.h"
 #include "tests/scenegraph/put_node.h"
 
@@ -23,14 +25,14 @@ thread_local int allocations_left = -1;
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace sightline::server::scenes {
+namespace sightline::server {
 namespace {
 
 TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
   exec::MemoryAccount memory(std::uint64_t{1} << 30);
   exec::Compute compute(1);
-  const auto scene =
-      std::make_shared<StoredScene>(SceneInfo{.name = "projects/p/scenes/s"}, memory);
+  const auto scene = std::make_shared<scenes::StoredScene>(
+      scenes::SceneInfo{.name = "projects/p/scenes/s"}, memory);
   ASSERT_TRUE(scene->apply({tests::put_node(-1, 0, tests::mesh_of(tests::cube()))}, compute));
   std::uint64_t revision = 1, failures = 0;
   bool failed = true;
@@ -66,5 +68,21 @@ TEST(OutOfMemory, ABatchIsAppliedAndInTheLogOrNeither) {
   EXPECT_GT(revision, 70u);
 }
 
+TEST(OutOfMemory, AWorkerTakesItsJobAndGivesItBack) {
+  exec::FairQueue queue(1);
+  int slices = 0;
+  for (const char* scene : {"a", "b", "c"})
+    queue.push({"principal", "connection", scene}, [&slices] { return ++slices < 30; });
+  allocations_left = 0;
+  while (queue.ready()) {
+    exec::FairQueue::Turn turn = queue.take();
+    const bool again = turn.run();
+    queue.charge(*turn.flow, exec::FairQueue::kQuantum);
+    queue.end(std::move(turn), false, again);
+  }
+  allocations_left = -1;
+  EXPECT_EQ(slices, 32);
+}
+
 }  // namespace
-}  // namespace sightline::server::scenes
+}  // namespace sightline::server
