@@ -159,8 +159,8 @@ TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   expect_end({"--listen", taken}, 1, taken);
 }
 
-// The address sanitizer keeps freed memory.
-#ifdef __SANITIZE_ADDRESS__
+// The address sanitizer keeps freed memory; the thread sanitizer keeps a shadow of it.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kMemoryIsPlain = false;
 #else
 constexpr bool kMemoryIsPlain = true;
