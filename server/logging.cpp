@@ -15,8 +15,12 @@ namespace {
 /// Says before a line how many lines were dropped since the last one.
 class Sink final : public spdlog::sinks::stderr_sink_st {
  public:
+  /// `writer`: the pool whose thread calls log(). It outlives its thread.
+  explicit Sink(spdlog::details::thread_pool& writer) : writer_(writer) {}
+
   void log(const spdlog::details::log_msg& message) override {
-    const std::size_t dropped = spdlog::thread_pool()->overrun_counter();
+    // Not spdlog::thread_pool(): spdlog::shutdown() holds its lock until the last line is written.
+    const std::size_t dropped = writer_.overrun_counter();
     if (dropped != reported_) {
       const std::string text = fmt::format("event=log_dropped lines={}", dropped - reported_);
       reported_ = dropped;
@@ -27,6 +31,7 @@ class Sink final : public spdlog::sinks::stderr_sink_st {
   }
 
  private:
+  spdlog::details::thread_pool& writer_;
   std::size_t reported_ = 0;
 };
 
@@ -41,9 +46,10 @@ void log_grpc(gpr_log_func_args* args) {
 
 void start_logging(spdlog::level::level_enum level) {
   spdlog::init_thread_pool(kLogQueue, 1);
-  spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
-      "sightlined", std::make_shared<Sink>(), spdlog::thread_pool(),
-      spdlog::async_overflow_policy::overrun_oldest));
+  const auto writer = spdlog::thread_pool();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::async_logger>("sightlined", std::make_shared<Sink>(*writer), writer,
+                                             spdlog::async_overflow_policy::overrun_oldest));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");
   spdlog::set_level(level);
   gpr_set_log_function(log_grpc);

@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/socket.h>
 
 #include <atomic>
 #include <cstdint>
@@ -126,6 +127,28 @@ TEST_F(Sightlined, EndsWhileItsLogIsNotRead) {
   fill_log(api);
   child.signal(SIGTERM);
   EXPECT_EQ(child.wait(), 0);
+}
+
+/// Waits until the server has closed this connection, which never sent anything.
+void wait_for_end(const server::net::Descriptor& connection) {
+  char byte = 0;
+  while (recv(connection.number(), &byte, 1, 0) > 0) {
+  }
+}
+
+TEST_F(Sightlined, WritesTheLinesThatAreLeftWhenItEnds) {
+  ChildServer child({"--listen", "127.0.0.1:0", "--log-level", "debug"});
+  const int port = child.port();
+  const server::net::Descriptor connection = connect_tcp(port);
+  Api api(connect(port));
+  child.stop_reading();
+  fill_log(api);
+  child.signal(SIGTERM);
+  wait_for_end(connection);
+  child.read_on();
+  EXPECT_EQ(child.wait(), 0);
+  EXPECT_NE(child.output().find("event=stopped"), std::string::npos);
+  EXPECT_EQ(child.output().find("watchdog"), std::string::npos);
 }
 
 TEST_F(Sightlined, AcceptsAgainAfterMoreConnectionsThanFileDescriptors) {
