@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <new>
 #include <thread>
 
@@ -145,7 +146,8 @@ class Growth {
     for (std::size_t i = 0; i < list.size(); i += kStep) {
       const auto part = list.subspan(i, std::min(kStep, list.size() - i));
       const auto clipped = part.first(is_cancelled() ? part.size() : clip_part(part));
-      if (kept < i) std::copy(clipped.begin(), clipped.end(), list.begin() + kept);
+      if (kept < i)
+        std::copy(clipped.begin(), clipped.end(), list.begin() + static_cast<std::ptrdiff_t>(kept));
       kept += clipped.size();
     }
     return kept;

@@ -78,7 +78,7 @@ std::shared_ptr<const SplitTree> grow_cuts(const split::SplitSearch& rule, int m
   constexpr double kMostPerLevel = 1.1;
   const auto size = static_cast<double>(source.size());
   for (int levels = SplitTree::kMostLevels;; --levels) {
-    const auto cuts =
+    auto cuts =
         std::make_shared<const SplitTree>(rule, sample, box, path, levels, max_depth, counters);
     const double duplication = cuts->duplication();
     const bool separates = duplication <= std::pow(kMostPerLevel, levels);
