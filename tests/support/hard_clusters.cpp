@@ -1,10 +1,10 @@
 // Flat, coincident and clustered triangles.
 #include "tests/support/hard_clusters.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "tests/support/find_named.h"
 #include "tests/support/hard_parts.h"
 #include "tests/support/hard_shapes.h"
 
@@ -203,10 +203,7 @@ const std::vector<ClusteredMesh>& clustered_meshes() {
 }
 
 const ClusteredMesh* find_clustered_mesh(std::string_view name) {
-  const auto& table = clustered_meshes();
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [&](const ClusteredMesh& mesh) { return mesh.name == name; });
-  return found == table.end() ? nullptr : &*found;
+  return find_named(clustered_meshes(), name);
 }
 
 }  // namespace sightline::tests

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "tests/support/find_named.h"
 #include "tests/support/hard_shapes.h"
 
 namespace sightline::tests {
@@ -97,12 +98,7 @@ const std::vector<HardMesh>& hard_meshes() {
   return kTable;
 }
 
-const HardMesh* find_hard_mesh(std::string_view name) {
-  const auto& table = hard_meshes();
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [&](const HardMesh& mesh) { return mesh.name == name; });
-  return found == table.end() ? nullptr : &*found;
-}
+const HardMesh* find_hard_mesh(std::string_view name) { return find_named(hard_meshes(), name); }
 
 double levels_beyond_good(int depth, std::uint64_t triangles) {
   const double good = 8 + 1.3 * std::log2(std::max(1.0, static_cast<double>(triangles)));
