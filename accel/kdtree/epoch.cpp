@@ -115,10 +115,6 @@ void try_to_free(Domain& d) {
   d.reclaiming.clear(std::memory_order_release);
 }
 
-}  // namespace
-
-namespace {
-
 void enter(ThisThread& t) {
   const Domain& d = domain();
   // The epoch is read again after the pin is published. A thread that frees without seeing this pin

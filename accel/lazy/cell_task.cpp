@@ -8,6 +8,7 @@
 #include <tbb/task_arena.h>
 
 namespace sightline::accel::lazy {
+
 /// A task for an idle thread: helps with one pass. It may run late, when all is done.
 struct CellTask::Call {
   CellTask* task;
