@@ -11,9 +11,6 @@
 namespace sightline::accel::geometry {
 namespace {
 
-// Where |N . d| is below this share of |e1| |e2|, t is computed exactly: see kHitError.
-constexpr double kEdgeOn = 0x1p-16;
-
 std::array<ExactSum, 3> difference(const Vec3d& a, const Vec3d& b) {
   return {ExactSum::difference(a.x, b.x), ExactSum::difference(a.y, b.y),
           ExactSum::difference(a.z, b.z)};

@@ -37,6 +37,9 @@ Barycentric barycentric(const LocalRay& ray, double t, const Vec3f& a, const Vec
 // and six terms of at most |d| |p| |q| (maximum norm); |d| < 2. 6 * 2 * 7.1 * 2^-53 < 2^-46.
 inline constexpr double kSignError = 0x1p-46;
 
+/// Where |N . d| is below this share of |b - a| |c - a|, t is computed exactly: see kHitError.
+inline constexpr double kEdgeOn = 0x1p-16;
+
 inline double max_norm(const Vec3d& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }

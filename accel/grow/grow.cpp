@@ -7,6 +7,7 @@
 #include <new>
 #include <thread>
 
+#include "accel/grow/block_subtrees.h"
 #include "accel/grow/cell_cut.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/list_stack.h"
@@ -63,50 +64,29 @@ class Growth {
   explicit Growth(const GrowContext& context)
       : context_(context), rule_(context.rule), small_(context.rule.small_rule()) {}
 
+  /// What one task writes to.
+  struct Task {
+    ReferenceStack& lists;
+    BlockSubtrees* blocks;  ///< Null: cells become leaves of the kd-tree.
+    kdtree::BuildCounters& counters;
+  };
+
   /// `first`: what the first pass over the list would find, or null.
-  kdtree::Slot grow(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
-                    const kdtree::CellPath& path, const kdtree::ChildScan* first,
-                    ReferenceStack& lists, kdtree::BuildCounters& counters) {
+  Grown grow(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
+             const kdtree::CellPath& path, const kdtree::ChildScan* first, const Task& task) {
     if (refs.size() >= kForkFrom && is_cancelled())
-      return defer(refs, cell, path, Waits::kLeftOver);
-    if (small_ && is_small(refs)) return grow_small(context_, *small_, refs, cell, path, counters);
-    const std::optional<kdtree::Split> cut =
-        path.depth < context_.max_depth ? choose(refs, cell, path, first, counters) : std::nullopt;
+      return {defer(refs, cell, path, Waits::kLeftOver)};
+    if (task.blocks != nullptr) {
+      if (refs.size() <= kBlockCell) return task.blocks->finish(refs, cell);
+    } else if (small_ && is_small(refs)) {
+      return {grow_small(context_, *small_, refs, cell, path, task.counters)};
+    }
+    const std::optional<kdtree::Split> cut = path.depth < context_.max_depth
+                                                 ? choose(refs, cell, path, first, task.counters)
+                                                 : std::nullopt;
     if (refs.size() >= kForkFrom && is_cancelled())
-      return defer(refs, cell, path, Waits::kLeftOver);
-    if (!cut) return leaf(refs, cell, path);
-
-    // Before the list is divided: without room for the children it stays as it is.
-    const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
-    if (!pair) return give_up(refs, cell, path);
-
-    const CellCut sides(rule_, context_.mesh, cell, path, refs.size(), *cut);
-    const ReferenceStack::Mark mark = lists.mark();
-    kdtree::Reference* right = lists.top(refs.size());
-    std::optional<split::ChildScans> scans = sides.first_scans();
-    kdtree::PartitionCounts n;
-    const std::size_t done = sift(sides, refs, right, scans, n);
-    lists.written(n.right);
-    counters.touches += done;
-    if (done < refs.size()) {
-      put_back({right, n.right}, cut->plane, refs.subspan(n.left, done - n.left));
-      return defer(refs, cell, path, Waits::kLeftOver);
-    }
-    const std::size_t straddlers = n.left + n.right - refs.size();
-    if (!sides.is_made(straddlers)) {
-      put_back({right, n.right}, cut->plane, refs.subspan(n.left));
-      return leaf(refs, cell, path);
-    }
-    if (sides.clips(straddlers, refs.size())) {
-      n.left = clip(refs.first(n.left), [&](auto part) { return sides.clip(part, {}).left; });
-      n.right = clip({right, n.right}, [&](auto part) { return sides.clip({}, part).right; });
-      scans.reset();
-    }
-    lists.take(n.right);
-    grow_children(sides, {refs, refs.first(n.left), {right, n.right}, mark}, scans,
-                  context_.tree.children(kdtree::Slot::binary(cut->plane, *pair)), lists, counters);
-    lists.release(mark);
-    return kdtree::Slot::binary(cut->plane, *pair);
+      return {defer(refs, cell, path, Waits::kLeftOver)};
+    return cut ? divide(refs, cell, path, *cut, task) : leaf(refs, cell, path, task);
   }
 
  private:
@@ -114,9 +94,60 @@ class Growth {
     std::span<kdtree::Reference> parent, left, right;
     ReferenceStack::Mark below_right;
   };
+  struct Halves {
+    Grown left, right;
+  };
 
   /// References between two looks at `cancelled`.
   static constexpr std::size_t kStep = kdtree::kReferencesPerSlice;
+
+  Grown divide(std::span<kdtree::Reference> refs, const geometry::Aabb& cell,
+               const kdtree::CellPath& path, const kdtree::Split& cut, const Task& task) {
+    // Before the list is divided: without room for the children it stays as it is.
+    std::optional<std::uint32_t> pair;
+    if (task.blocks == nullptr) {
+      pair = context_.tree.allocate_pair();
+      if (!pair) return {give_up(refs, cell, path)};
+    }
+    const CellCut sides(rule_, context_.mesh, cell, path, refs.size(), cut);
+    ReferenceStack& lists = task.lists;
+    const ReferenceStack::Mark mark = lists.mark();
+    kdtree::Reference* right = lists.top(refs.size());
+    std::optional<split::ChildScans> scans = sides.first_scans();
+    kdtree::PartitionCounts n;
+    const std::size_t done = sift(sides, refs, right, scans, n);
+    lists.written(n.right);
+    task.counters.touches += done;
+    if (done < refs.size()) {
+      put_back({right, n.right}, cut.plane, refs.subspan(n.left, done - n.left));
+      return {defer(refs, cell, path, Waits::kLeftOver)};
+    }
+    const std::size_t straddlers = n.left + n.right - refs.size();
+    if (!sides.is_made(straddlers)) {
+      put_back({right, n.right}, cut.plane, refs.subspan(n.left));
+      return leaf(refs, cell, path, task);
+    }
+    if (sides.clips(straddlers, refs.size())) {
+      n.left = clip(refs.first(n.left), [&](auto part) { return sides.clip(part, {}).left; });
+      n.right = clip({right, n.right}, [&](auto part) { return sides.clip({}, part).right; });
+      scans.reset();
+    }
+    lists.take(n.right);
+    const Halves grown =
+        grow_children(sides, {refs, refs.first(n.left), {right, n.right}, mark}, scans, task);
+    lists.release(mark);
+    return join(cut.plane, pair, grown, task);
+  }
+
+  Grown join(const kdtree::Plane& cut, std::optional<std::uint32_t> pair, const Halves& grown,
+             const Task& task) const {
+    if (task.blocks != nullptr) return task.blocks->join(cut, grown.left, grown.right);
+    const kdtree::Slot slot = kdtree::Slot::binary(cut, *pair);
+    kdtree::AtomicSlot* children = context_.tree.children(slot);
+    set(children[0], grown.left.slot);
+    set(children[1], grown.right.slot);
+    return {slot};
+  }
 
   bool is_cancelled() const {
     return context_.cancelled != nullptr && context_.cancelled->load(std::memory_order_relaxed);
@@ -168,25 +199,25 @@ class Growth {
     return refs.parent.first(refs.right.size());
   }
 
-  void grow_children(const CellCut& sides, const Lists& refs,
-                     const std::optional<split::ChildScans>& scans, kdtree::AtomicSlot* children,
-                     ReferenceStack& lists, kdtree::BuildCounters& counters) {
+  Halves grow_children(const CellCut& sides, const Lists& refs,
+                       const std::optional<split::ChildScans>& scans, const Task& task) {
     const HalvedPath below = sides.paths({refs.left.size(), refs.right.size()});
+    Halves grown;
     const auto grow_left = [&] {
-      set(children[0], grow(refs.left, sides.halves().left, below.left,
-                            scans ? &scans->left : nullptr, lists, counters));
+      grown.left = grow(refs.left, sides.halves().left, below.left, scans ? &scans->left : nullptr,
+                        task);
     };
-    const auto grow_right = [&](std::span<kdtree::Reference> list, ReferenceStack& stack,
-                                kdtree::BuildCounters& sum) {
-      set(children[1], grow(list, sides.halves().right, below.right,
-                            scans ? &scans->right : nullptr, stack, sum));
+    const auto grow_right = [&](std::span<kdtree::Reference> list, const Task& by) {
+      grown.right =
+          grow(list, sides.halves().right, below.right, scans ? &scans->right : nullptr, by);
     };
-    if (std::min(refs.left.size(), refs.right.size()) < kForkFrom || is_dense(refs, lists)) {
+    if (std::min(refs.left.size(), refs.right.size()) < kForkFrom || is_dense(refs, task.lists)) {
       grow_left();
-      grow_right(right_list(refs, lists), lists, counters);
-      return;
+      grow_right(right_list(refs, task.lists), task);
+      return grown;
     }
     kdtree::BuildCounters right_counters;
+    std::optional<BlockSubtrees> right_blocks;  // of another thread
     bool left_is_grown = false;
     const auto left = [&] {
       grow_left();
@@ -194,12 +225,15 @@ class Growth {
     };
     fork(left, [&, thread = std::this_thread::get_id()] {
       if (std::this_thread::get_id() == thread && left_is_grown)
-        return grow_right(right_list(refs, lists), lists, right_counters);
+        return grow_right(right_list(refs, task.lists), {task.lists, task.blocks, right_counters});
       ReferenceStack own(context_.tree, refs.right.size(),
                          waiting_below(refs.right.size(), below.right));
-      grow_right(refs.right, own, right_counters);
+      if (task.blocks != nullptr) right_blocks.emplace(context_);
+      grow_right(refs.right, {own, right_blocks ? &*right_blocks : nullptr, right_counters});
     });
-    counters += right_counters;
+    if (right_blocks) task.blocks->take_over(*right_blocks);
+    task.counters += right_counters;
+    return grown;
   }
 
   /// Whether lists are long and overlap so much that the room for them is for one path at a time.
@@ -244,10 +278,11 @@ class Growth {
     return rule_.choose(list, counters);
   }
 
-  kdtree::Slot leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
-                    const kdtree::CellPath& path) {
+  Grown leaf(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
+             const kdtree::CellPath& path, const Task& task) {
+    if (task.blocks != nullptr) return task.blocks->finish(refs, cell);
     const std::optional<kdtree::Slot> slot = context_.tree.make_leaf(refs);
-    return slot ? *slot : give_up(refs, cell, path);
+    return {slot ? *slot : give_up(refs, cell, path)};
   }
 
   /// The tree's arrays are full. With a budget that is no fault of the mesh.
@@ -287,7 +322,11 @@ kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
   if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
     return *grown;
   ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
-  return Growth(context).grow(refs, cell, path, nullptr, lists, counters);
+  std::optional<BlockSubtrees> blocks;
+  if (context.center != nullptr) blocks.emplace(context);
+  const Grown grown =
+      Growth(context).grow(refs, cell, path, nullptr, {lists, blocks ? &*blocks : nullptr, counters});
+  return blocks ? blocks->compile(grown) : grown.slot;
 }
 
 }  // namespace sightline::accel::grow

@@ -13,13 +13,14 @@
 
 namespace sightline::accel::kdtree {
 
-/// The bytes of a tree's cells and lists. Cells share it with their tree, because retired ones may
+/// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree, because retired ones may
 /// outlive it.
 struct ListBytes {
   std::atomic<std::uint64_t> deferred{0};   ///< Deferred cells with their lists.
   std::atomic<std::uint64_t> left_over{0};  ///< Of those, DeferredCell::left_over.
   std::atomic<std::uint64_t> retired{0};    ///< Retired cells that are not freed yet.
   std::atomic<std::uint64_t> growing{0};    ///< Lists of the subtrees that are built at once.
+  std::atomic<std::uint64_t> finished{0};   ///< Subtrees in another form than slots.
 };
 
 /// Immutable except for the atomics, until it is retired. Readers are pinned to an epoch.

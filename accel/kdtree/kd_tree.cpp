@@ -27,12 +27,13 @@ void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
   if (cell.left_over) lists.left_over.fetch_add(bytes, std::memory_order_relaxed);
 }
 
-void delete_cells(const KdTree& tree, Slot slot) {
+void delete_below(const KdTree& tree, Slot slot) {
   if (slot.is_deferred()) delete slot.cell();
+  if (slot.is_finished()) delete slot.finished();
   if (!slot.is_binary()) return;
   const AtomicSlot* children = tree.children(slot);
-  delete_cells(tree, load(children[0]));
-  delete_cells(tree, load(children[1]));
+  delete_below(tree, load(children[0]));
+  delete_below(tree, load(children[1]));
 }
 
 }  // namespace
@@ -52,7 +53,7 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
 }
 
 KdTree::~KdTree() {
-  delete_cells(*this, load(root_));
+  delete_below(*this, load(root_));
   delete arrays_.load(std::memory_order_acquire);
 }
 
@@ -139,6 +140,12 @@ Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath
   return defer(std::move(cell));
 }
 
+Slot KdTree::finish(std::unique_ptr<const FinishedSubtree> subtree) {
+  lists_->finished.fetch_add(subtree->bytes(), std::memory_order_relaxed);
+  update_peak();
+  return Slot::finished(subtree.release());
+}
+
 void KdTree::retire_cell(DeferredCell& cell) {
   const std::uint64_t bytes = cell.size_in_bytes();
   count_waiting(cell, *lists_, false);
@@ -165,6 +172,10 @@ void KdTree::discard(Slot slot) {
     count_waiting(*slot.cell(), *lists_, false);
     delete slot.cell();
   }
+  if (slot.is_finished()) {
+    lists_->finished.fetch_sub(slot.finished()->bytes(), std::memory_order_relaxed);
+    delete slot.finished();
+  }
   if (!slot.is_binary()) return;
   AtomicSlot* pair = children(slot);
   discard(load(pair[0]));
@@ -173,6 +184,7 @@ void KdTree::discard(Slot slot) {
 
 std::uint64_t KdTree::bytes() const {
   return lists_->deferred.load(std::memory_order_relaxed) +
+         lists_->finished.load(std::memory_order_relaxed) +
          pairs_used_.load(std::memory_order_relaxed) * 2 * sizeof(AtomicSlot) +
          ids_used_.load(std::memory_order_relaxed) * sizeof(std::uint32_t);
 }

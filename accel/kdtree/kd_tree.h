@@ -10,6 +10,7 @@
 
 #include "accel/geometry/aabb.h"
 #include "accel/kdtree/deferred_cell.h"
+#include "accel/kdtree/finished_subtree.h"
 #include "accel/kdtree/reserved_array.h"
 #include "accel/kdtree/slot.h"
 
@@ -73,10 +74,13 @@ class KdTree {
   Slot defer(ReferenceList list, const geometry::Aabb& box, const CellPath& path,
              Waits why = Waits::kForRays);
 
+  /// The slot of a finished subtree, which belongs to the tree from now on. Threads: any.
+  Slot finish(std::unique_ptr<const FinishedSubtree> subtree);
+
   /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
 
-  /// Frees the deferred cells at and below a slot that was never published.
+  /// Frees the deferred cells and finished subtrees at and below a slot that was never published.
   void discard(Slot slot);
 
   /// The nodes and leaves that a thread, and those that help it, make while this lives. Unless they
@@ -97,7 +101,7 @@ class KdTree {
     bool kept_ = false;
   };
 
-  /// Bytes of nodes, ids, and deferred cells with their lists.
+  /// Bytes of nodes, ids, finished subtrees, and deferred cells with their lists.
   std::uint64_t bytes() const;
 
   /// Bytes of deferred cells with their lists.

@@ -11,6 +11,7 @@
 namespace sightline::accel::kdtree {
 
 struct DeferredCell;
+class FinishedSubtree;
 
 /// A child slot of 64 bits, always read and written as one atomic word:
 ///
@@ -18,6 +19,7 @@ struct DeferredCell;
 ///     deferred, expanding   the address of a DeferredCell (8-byte aligned)
 ///     leaf                  count                the reference if count is 1, else the index
 ///                                                of the first in the id array
+///     finished              the address of a FinishedSubtree (8-byte aligned)
 ///     binary x, y, z        index of the pair    the plane's position, a float
 ///                           of child slots
 ///
@@ -29,6 +31,7 @@ class Slot {
     kDeferred = 0,
     kExpanding = 1,
     kLeaf = 2,
+    kFinished = 3,
     kBinaryX = 4,
     kBinaryY = 5,
     kBinaryZ = 6
@@ -42,6 +45,7 @@ class Slot {
 
   static Slot deferred(const DeferredCell* cell) { return of(cell, Tag::kDeferred); }
   static Slot expanding(const DeferredCell* cell) { return of(cell, Tag::kExpanding); }
+  static Slot finished(const FinishedSubtree* subtree) { return of(subtree, Tag::kFinished); }
   static constexpr Slot empty_leaf() { return Slot(); }
   static constexpr Slot single(std::uint32_t reference) { return leaf(1, reference); }
   static constexpr Slot leaf(std::uint64_t count, std::uint32_t first) {
@@ -62,6 +66,7 @@ class Slot {
   constexpr Tag tag() const { return static_cast<Tag>(bits_ & 7); }
   constexpr bool is_binary() const { return (bits_ & 4) != 0; }
   constexpr bool is_leaf() const { return tag() == Tag::kLeaf; }
+  constexpr bool is_finished() const { return tag() == Tag::kFinished; }
   /// Deferred or expanding: the slot holds a cell.
   constexpr bool is_deferred() const { return (bits_ & 7) <= 1; }
 
@@ -71,10 +76,13 @@ class Slot {
   std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(bits_) >> 3; }
   std::uint32_t leaf_first() const { return static_cast<std::uint32_t>(bits_ >> 32); }
   DeferredCell* cell() const { return std::bit_cast<DeferredCell*>(bits_ & ~std::uint64_t{7}); }
+  const FinishedSubtree* finished() const {
+    return std::bit_cast<const FinishedSubtree*>(bits_ & ~std::uint64_t{7});
+  }
 
  private:
-  static Slot of(const DeferredCell* cell, Tag tag) {
-    const auto address = std::bit_cast<std::uint64_t>(cell);
+  static Slot of(const void* pointed, Tag tag) {
+    const auto address = std::bit_cast<std::uint64_t>(pointed);
     assert((address & 7) == 0);
     return Slot(address | static_cast<std::uint64_t>(tag));
   }

@@ -88,6 +88,7 @@ inline bool may_meet(const TreeRay& ray, const geometry::Aabb& box, double limit
 ///
 /// `visit` supplies:
 ///   bool leaf(span<const uint32_t> references)          true: stop the walk
+///   bool finished(const FinishedSubtree&)               true: stop the walk
 ///   DeferredAction deferred(AtomicSlot&, const DeferredCell&)   what to do at a deferred slot
 ///   double limit()                                      t beyond which nothing matters any more,
 ///                                                       widened by the slack
@@ -136,6 +137,8 @@ void walk(const KdTree& tree, const TreeRay& ray, AtomicSlot& root, WalkCounters
     if (slot.is_leaf()) {
       std::uint32_t storage;
       if (slot.leaf_count() > 0 && visit.leaf(tree.leaf(slot, storage))) return;
+    } else if (slot.is_finished()) {
+      if (visit.finished(*slot.finished())) return;
     } else {
       const DeferredAction next = visit.deferred(*at, *slot.cell());
       if (next == DeferredAction::kRetry) continue;

@@ -15,6 +15,7 @@ void measure_below(const KdTree& tree, Slot slot, const geometry::Aabb& cell, in
     m.failed_cells += slot.cell()->failed.load(std::memory_order_relaxed) ? 1 : 0;
     return;
   }
+  if (slot.is_finished()) return slot.finished()->measure(root_area, depth, m);
   ++m.nodes;
   if (slot.is_leaf()) {
     ++m.leaves;
@@ -37,6 +38,7 @@ void grow_below(const KdTree& tree, Slot slot, std::vector<bool>& seen, GrowthMe
     ++g.cells_deferred;
     return;
   }
+  if (slot.is_finished()) return slot.finished()->measure_growth(seen, g);
   ++g.cells_built;
   if (slot.is_leaf()) {
     if (slot.leaf_count() == 0) return;

@@ -81,7 +81,7 @@ LazyTree::Step LazyTree::step(kdtree::AtomicSlot& slot, kdtree::BuildCounters& c
   if (!now.is_deferred()) return Step::kBuilt;
   kdtree::DeferredCell& cell = *now.cell();
   if (cell.failed.load(std::memory_order_relaxed)) return Step::kFailed;
-  if (cell.has_list && cell.weight <= kSerialBelow && rule_->budget() != 0 && holds_all(cell)) {
+  if (cell.has_list && cell.weight <= kSerialBelow && budget() != 0 && holds_all(cell)) {
     mark_whole(slot, cell);
     return Step::kAgain;
   }
@@ -123,7 +123,7 @@ void LazyTree::complete(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counter
 
 /// Whether a cancelled build has left the lists of its path, which take the room of others.
 bool LazyTree::lists_are_left_over() const {
-  return rule_->budget() != 0 &&
+  return budget() != 0 &&
          (tree_.left_over_bytes() > 0 || tree_.deferred_bytes() > most_list_bytes());
 }
 

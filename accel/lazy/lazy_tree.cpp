@@ -6,6 +6,8 @@
 #include <new>
 #include <utility>
 
+#include "accel/blocks/frame.h"
+#include "accel/grow/block_subtrees.h"
 #include "accel/grow/fork.h"
 #include "accel/grow/grow.h"
 #include "accel/grow/reference_budget.h"
@@ -30,15 +32,47 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
   return static_cast<CellTask&>(*work);
 }
 
+/// Nothing if floats are too coarse or too short for the sizes of the tree.
+std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
+  const geometry::Vec3f center = blocks::frame_center(bounds);
+  wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
+  const float size = wide::largest_coordinate(frame.bounds);
+  if (!(size >= wide::kLeastSize && size <= wide::kLargestSize)) return std::nullopt;
+  return frame;
+}
+
+/// What the cuts of the rule may add, and the cuts above leaf blocks.
+double budget_of(const split::SplitSearch& rule, bool makes_blocks) {
+  const double budget = rule.budget();
+  if (!makes_blocks) return budget;
+  return budget == 0 ? kBlockBudget : std::min(budget, kBlockBudget);
+}
+
+bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
+                     const geometry::Aabb& bounds) {
+  return rule.makes_blocks() && mesh != nullptr && !bounds.empty() && frame_of(bounds);
+}
+
 }  // namespace
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
                    ReferenceSource source, const geometry::MeshView* mesh)
-    : tree_(bounds, primitive_count, grow::root_path(rule->budget(), primitive_count)),
+    : tree_(bounds, primitive_count,
+            grow::root_path(budget_of(*rule, may_make_blocks(*rule, mesh, bounds)),
+                            primitive_count)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
-      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)} {}
+      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)} {
+  if (may_make_blocks(*rule_, mesh, bounds)) frame_ = frame_of(bounds);
+}
+
+double LazyTree::budget() const { return budget_of(*rule_, makes_blocks()); }
+
+bool LazyTree::is_eager(const kdtree::DeferredCell& cell) const {
+  if (!makes_blocks()) return cell.weight <= kEagerBelow;
+  return cell.weight <= (cell.size == primitive_count_ ? kWholeMesh : grow::kBlockCell);
+}
 
 ExpandResult LazyTree::expand(kdtree::AtomicSlot& slot, WhenPending when_pending,
                               kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled) {
@@ -57,13 +91,14 @@ ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pen
   if (now.tag() == kdtree::Slot::Tag::kExpanding)
     return wait_for_owner(slot, cell, when_pending, cancelled);
   try {
-    return is_large(cell) && !cell.whole
+    const bool whole = cell.whole || (makes_blocks() && !cell.has_list && is_eager(cell));
+    return is_large(cell) && !whole
                ? expand_large(slot, cell, when_pending, counters, cancelled)
                : expand_claimed(slot, cell, counters, cancelled);
   } catch (const Cancelled&) {
     return ExpandResult::kScanList;
   } catch (const std::bad_alloc&) {
-    if (rule_->budget() != 0) throw;
+    if (budget() != 0) throw;
     cell.failed.store(true, std::memory_order_relaxed);
     return ExpandResult::kScanList;
   }
@@ -96,7 +131,7 @@ bool LazyTree::claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
 }
 
 void LazyTree::release_claim(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) {
-  if (rule_->budget() == 0) cell.failed.store(true, std::memory_order_relaxed);
+  if (budget() == 0) cell.failed.store(true, std::memory_order_relaxed);
   slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
 }
 
@@ -123,7 +158,7 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
   if (!claim(slot, cell))
     return kdtree::load(slot) == kdtree::Slot::expanding(&cell) ? ExpandResult::kScanList
                                                                 : ExpandResult::kRetry;
-  if (!cell.whole && cell.weight > kEagerBelow) {
+  if (!cell.whole && !is_eager(cell)) {
     try {
       Division division = divide_short(context_, cell, counters);
       if (may_wait(division, cell)) {
@@ -140,7 +175,7 @@ ExpandResult LazyTree::expand_claimed(kdtree::AtomicSlot& slot, kdtree::Deferred
     if (build_left_over(&slot, counters, cancelled)) return ExpandResult::kRetry;
     if (!claim(slot, cell)) return ExpandResult::kRetry;
   }
-  if (cell.has_list && holds_all(cell) && cell.weight > kEagerBelow) {
+  if (cell.has_list && holds_all(cell) && !is_eager(cell)) {
     slot.store(kdtree::Slot::deferred(&cell).bits(), std::memory_order_release);
     mark_whole(slot, cell);
     return ExpandResult::kRetry;
@@ -213,6 +248,12 @@ kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCel
   if (!division.cuts.empty()) return make_slot(division, division.cuts[0]);
   if (!division.cells.empty()) return defer(std::move(division.cells[0]));
   const kdtree::ReferenceList whole = cell.list.copy();
+  if (makes_blocks()) {
+    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, nullptr,
+                                    center()};
+    grow::BlockSubtrees blocks(context);
+    return blocks.compile(blocks.finish(whole.all(), cell.box));
+  }
   const std::optional<kdtree::Slot> leaf = tree_.make_leaf(whole.all());
   if (!leaf) throw std::bad_alloc();
   return *leaf;

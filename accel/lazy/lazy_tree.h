@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/divide.h"
+#include "accel/wide/float_rays.h"
 
 namespace sightline::accel::lazy {
 
@@ -41,8 +43,8 @@ class LazyTree {
   /// Called by a ray that meets a deferred slot.
   ///
   /// First touch: one cell is divided (Division), and the new cells are deferred. The subtree of a
-  /// cell of at most kEagerBelow triangles, by weight, is built at once, and that of a cell whose
-  /// lists would exceed kListBytes. Throws std::bad_alloc; a later call may succeed.
+  /// small cell (is_eager()) is built at once, and that of a cell whose lists would exceed
+  /// kListBytes. Throws std::bad_alloc; a later call may succeed.
   ///
   /// Once `cancelled` is true, a thread leaves a large cell after a slice of it, with kScanList,
   /// and a subtree that is built at once soon. What is done remains for the next ray.
@@ -62,7 +64,16 @@ class LazyTree {
   /// returns at once.
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
 
+  /// Whether finished cells become leaf blocks: the rule makes them, and floats can tell the mesh's
+  /// triangles from each other (wide::kLeastSize).
+  bool makes_blocks() const { return frame_.has_value(); }
+  /// With makes_blocks(): what its wide trees are relative to.
+  const wide::Frame& frame() const { return *frame_; }
+
  private:
+  bool is_eager(const kdtree::DeferredCell& cell) const;
+  const geometry::Vec3f* center() const { return frame_ ? &frame_->center : nullptr; }
+  double budget() const;
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
   ExpandResult wait_for_owner(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
@@ -105,12 +116,20 @@ class LazyTree {
   ReferenceSource source_;
   std::size_t primitive_count_;
   DivideContext context_;
+  std::optional<wide::Frame> frame_;
   std::atomic<bool> complete_{false};
 };
 
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
-/// would cost more work than it defers.
+/// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
 inline constexpr std::size_t kEagerBelow = 64;
+
+/// A mesh of at most so many triangles becomes leaf blocks at once.
+inline constexpr std::size_t kWholeMesh = 1000;
+
+/// Most references for each triangle above leaf blocks. More make trees larger, and those of
+/// architecture slower (docs/decisions/0033-leaf-blocks.md).
+inline constexpr double kBlockBudget = 1.3;
 
 /// Most bytes of deferred cells and their lists for each reference of the root, in a tree with a
 /// budget of references. A cell whose division exceeds it is not divided: its subtree is built at

@@ -81,6 +81,7 @@ struct LazyVisit {
   Test& test;
 
   bool leaf(std::span<const std::uint32_t> references) { return test.leaf(references); }
+  bool finished(const kdtree::FinishedSubtree& subtree) { return test.finished(subtree); }
   double limit() { return test.limit(); }
 
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
@@ -125,6 +126,7 @@ struct LazyVisit {
 ///
 /// `test` supplies, each returning true to stop the walk:
 ///   bool leaf(span<const uint32_t> references)  a leaf that is not empty
+///   bool finished(const FinishedSubtree&)       a finished subtree
 ///   bool reference(const Reference&)               one reference of a searched list
 ///   bool everything()                           the whole tree, before its root has a list
 /// and

@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "accel/grow/block_subtrees.h"
 #include "accel/grow/grow.h"
 #include "accel/lazy/lazy_tree.h"
 #include "accel/lazy/opening.h"
@@ -50,9 +51,9 @@ kdtree::ReferenceList copy(const kdtree::CellList& list, const std::atomic<bool>
 /// A budget of references bounds what leaves hold, and with it the number of nodes; the rest is for
 /// small subtrees, which have none.
 void LazyTree::reserve() {
-  if (rule_->budget() == 0) return tree_.reserve(primitive_count_, {});
-  const auto budget = static_cast<std::size_t>(std::ceil(rule_->budget()));
-  tree_.reserve(primitive_count_, {.pairs = budget, .ids = budget + budget / 2});
+  if (budget() == 0) return tree_.reserve(primitive_count_, {});
+  const auto most = static_cast<std::size_t>(std::ceil(budget()));
+  tree_.reserve(primitive_count_, {.pairs = most, .ids = most + most / 2});
 }
 
 /// Whether the source can list the cell again: no cut above has separated anything. Its boxes are
@@ -67,7 +68,7 @@ std::uint64_t LazyTree::most_list_bytes() const { return kListBytes * primitive_
 /// nor if a large cell has a share of straddlers that those below will have.
 bool LazyTree::may_wait(const Division& division, const kdtree::DeferredCell& cell) const {
   constexpr std::uint64_t kLargePart = 8, kStraddleShare = 4;
-  if (rule_->budget() == 0 || division.cuts.empty()) return true;
+  if (budget() == 0 || division.cuts.empty()) return true;
   std::uint64_t size = 0, bytes = 0;
   for (const NewCell& fresh : division.cells) {
     size += fresh.part.list.size();
@@ -86,7 +87,7 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
                                 kdtree::BuildCounters& counters,
                                 const std::atomic<bool>* cancelled) {
   try {
-    reserve();
+    if (!makes_blocks() || cell.weight > grow::kBlockCell) reserve();
     bool openable = cell.openable;
     kdtree::ReferenceList list = cell.has_list
                                      ? copy(cell.list, cancelled)
@@ -97,7 +98,8 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
       path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
     const grow::GrowingBytes held(tree_, list.bytes());
     kdtree::KdTree::NewNodes nodes(tree_);
-    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled};
+    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, cancelled,
+                                    center()};
     const kdtree::Slot built = grow::grow(context, list.all(), cell.box, path, counters);
     nodes.keep();
     publish(slot, cell, built, counters);

@@ -15,6 +15,7 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/mesh/runs.h"
+#include "accel/wide/walk_in_doubles.h"
 
 namespace sightline::accel::mesh {
 
@@ -89,6 +90,12 @@ struct LeafTest {
       if (!ids.empty() && query.is_cancelled()) return true;
     }
     return false;
+  }
+
+  /// All blocks of a finished subtree that the ray meets.
+  bool finished(const kdtree::FinishedSubtree& subtree) {
+    const auto& tree = static_cast<const wide::WideTree&>(subtree);
+    return wide::walk_in_doubles(tree, ray, *this, walked);
   }
 
   /// Tests one reference of a list that is scanned. Returns true if the traversal ends.

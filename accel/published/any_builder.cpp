@@ -68,6 +68,7 @@ const Parameters<split::ScanSplit>& parameters(const split::ScanSplit&) {
       {"clip", [](B& b) -> bool& { return b.clip; }},
       {"clip_crowds", [](B& b) -> bool& { return b.clip_dense; }},
       {"budget", [](B& b) -> double& { return b.budget; }},
+      {"blocks", [](B& b) -> bool& { return b.blocks; }},
   };
   return kParameters;
 }

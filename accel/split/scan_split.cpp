@@ -38,6 +38,7 @@ class ScanSearch final : public SplitSearch {
   std::optional<BoundRule> small_rule() const override {
     return rule_.clip ? std::nullopt : rule_.bound_rule(kSmallList);
   }
+  bool makes_blocks() const override { return rule_.blocks; }
   double budget() const override { return rule_.budget; }
 
  private:

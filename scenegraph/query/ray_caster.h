@@ -122,6 +122,9 @@ class RayCaster::InstanceTest {
     return std::any_of(ids.begin(), ids.end(), [&](std::uint32_t id) { return instance(id); });
   }
 
+  /// The scene's trees have only leaves.
+  static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
+
   /// Opens groups whose boxes the ray may meet.
   bool reference(const accel::kdtree::Reference& ref) {
     if (!ref.openable()) return instance(ref.id);

@@ -1,0 +1,59 @@
+#include "accel/grow/block_subtrees.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "accel/wide/wide_tree.h"
+
+namespace sightline::accel::grow {
+
+BlockSubtrees::BlockSubtrees(const GrowContext& context)
+    : context_(context), builder_(*context.mesh, *context.center), held_(context.tree) {}
+
+Grown BlockSubtrees::finish(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell) {
+  if (refs.empty()) return {};
+  const blocks::Node* node = builder_.build(refs, cell, arena_);
+  held_.reach(arena_.bytes());
+  return {.node = node};
+}
+
+Grown BlockSubtrees::join(const kdtree::Plane& cut, const Grown& left, const Grown& right) {
+  if (left.is_empty()) return right;
+  if (right.is_empty()) return left;
+  if (left.node != nullptr && right.node != nullptr) {
+    const std::size_t levels = std::size_t{1} + std::max(left.node->levels, right.node->levels);
+    if (levels <= wide::kMostLevels) {
+      blocks::Node* node = arena_.node();
+      node->box = left.node->box;
+      node->box.grow(right.node->box);
+      node->levels = static_cast<std::uint16_t>(levels);
+      node->left = left.node;
+      node->right = right.node;
+      return {.node = node};
+    }
+  }
+  const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();
+  if (!pair) throw std::bad_alloc();
+  const kdtree::Slot slot = kdtree::Slot::binary(cut, *pair);
+  kdtree::AtomicSlot* children = context_.tree.children(slot);
+  children[0].store(compile(left).bits(), std::memory_order_relaxed);
+  children[1].store(compile(right).bits(), std::memory_order_relaxed);
+  return {.slot = slot};
+}
+
+kdtree::Slot BlockSubtrees::compile(const Grown& grown) {
+  if (grown.node == nullptr) return grown.slot;
+  return context_.tree.finish(
+      std::make_unique<const wide::WideTree>(*grown.node, *context_.center));
+}
+
+void BlockSubtrees::take_over(BlockSubtrees& other) {
+  arena_.append(std::move(other.arena_));
+  other.held_.shrink(0);
+  held_.reach(arena_.bytes());
+}
+
+}  // namespace sightline::accel::grow

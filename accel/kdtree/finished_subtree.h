@@ -1,0 +1,31 @@
+// A subtree that is finished and kept in another form than slots.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sightline::accel::kdtree {
+
+struct TreeMetrics;
+struct GrowthMetrics;
+
+/// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes. Threads: any.
+class alignas(8) FinishedSubtree {
+ public:
+  FinishedSubtree() = default;
+  virtual ~FinishedSubtree() = default;
+  FinishedSubtree(const FinishedSubtree&) = delete;
+  FinishedSubtree& operator=(const FinishedSubtree&) = delete;
+
+  /// All memory that it takes.
+  virtual std::uint64_t bytes() const = 0;
+
+  /// Adds its nodes and leaves. `root_area`: half the area of the tree's bounds; `depth`: of its
+  /// slot.
+  virtual void measure(double root_area, int depth, TreeMetrics& metrics) const = 0;
+
+  /// Adds its nodes and leaves, and sets `seen` for its references.
+  virtual void measure_growth(std::vector<bool>& seen, GrowthMetrics& growth) const = 0;
+};
+
+}  // namespace sightline::accel::kdtree

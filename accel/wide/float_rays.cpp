@@ -1,0 +1,215 @@
+// Rays in floats. docs/hit_rule.md, section 7, derives every constant.
+#include "accel/wide/float_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "accel/geometry/intersect.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "accel/wide/float_rays.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target.h comes before highway.h.
+#include <hwy/highway.h>
+
+#include "accel/wide/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+using Doubles = Lanes<double, kLanes>;
+using Floats = Lanes<float, kLanes>;
+
+/// From this far away on, float tests could overflow.
+constexpr double kFar = 0x1p+61;
+/// Components of a direction count as at least this.
+constexpr float kLeastDirection = 0x1p-60f;
+/// Greater than any t at which a triangle can be met from less than kFar away.
+constexpr double kLargestT = 0x1p+100;
+constexpr float kTiny = 0x1p-110f;
+
+HWY_INLINE Floats to_floats(const Doubles& x) {
+  const hn::Rebind<float, Doubles::D> part;
+  alignas(64) float all[kLanes];
+  for (std::size_t i = 0; i < Doubles::kVectors; ++i)
+    hn::StoreU(hn::DemoteTo(part, x.v[i]), part, all + i * Doubles::kPer);
+  return Floats::load(all);
+}
+
+/// By the axis of the direction's largest component.
+struct MainAxis {
+  std::uint32_t y, z;
+
+  /// v[first], v[first + 1] or v[first + 2], cyclically, for main axis x, y or z.
+  HWY_INLINE Floats pick(const std::array<Floats, 3>& v, std::size_t first) const {
+    return Floats::pick(z, v[(first + 2) % 3],
+                        Floats::pick(y, v[(first + 1) % 3], v[first]));
+  }
+};
+
+HWY_INLINE Floats widened_down(const Floats& t, float by) {
+  return neg_mul_add(abs(t), Floats::set(by), t);
+}
+HWY_INLINE Floats widened_up(const Floats& t, float by) {
+  return mul_add(abs(t), Floats::set(by), t);
+}
+
+class Preparing {
+ public:
+  HWY_INLINE Preparing(Packet& packet, const Frame& frame)
+      : packet_(packet), frame_(frame), out_(packet.floats) {}
+
+  HWY_INLINE Prepared prepare(std::uint32_t lanes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) set_axis(axis);
+    set_main_axis();
+    const std::uint32_t meet = set_limits();
+    packet_.center = frame_.center;
+    packet_.extent = largest_coordinate(frame_.bounds);
+    packet_.candidates.has_best = 0;
+    packet_.candidates.count.fill(0);
+    return {.live = lanes & meet & ~far_away_, .slow = lanes & far_away_};
+  }
+
+ private:
+  HWY_INLINE void set_axis(std::size_t axis) {
+    const Rays& rays = packet_.rays;
+    const Doubles from = Doubles::load(rays.origin[axis].data()) -
+                         Doubles::set(static_cast<double>(frame_.center[axis]));
+    const Doubles along = Doubles::load(rays.direction[axis].data());
+    far_away_ |= abs(from) > Doubles::set(kFar);
+    // A component that is zero in float keeps the sign of the double.
+    const std::uint32_t negative = Doubles::bits([&](std::size_t i) {
+      const Doubles::D d;
+      return hn::Lt(hn::CopySign(hn::Set(d, 1.0), along.v[i]), hn::Zero(d));
+    });
+    const Floats o = to_floats(from), d = to_floats(along), size = abs(o);
+    const Floats least = Floats::set(kLeastDirection);
+    const Floats bounded = Floats::pick(abs(d) < least,
+                                        Floats::pick(negative, Floats::set(-kLeastDirection), least), d);
+    const Floats inverse = Floats::set(1) / bounded;
+    const Floats lo = Floats::set(frame_.bounds.lo[axis]) - o,
+                 hi = Floats::set(frame_.bounds.hi[axis]) - o;
+    const Floats reach = max(abs(lo), abs(hi));
+    const Floats error = abs(inverse) * ((size + reach) * Floats::set(0x1.4p-22f));
+    const Floats at_origin = o * inverse;
+    const Floats zero = Floats::set(0);
+    origin_[axis] = o;
+    direction_[axis] = d;
+    o.store(out_.origin[axis].data());
+    inverse.store(out_.inverse[axis].data());
+    (zero - at_origin - error).store(out_.near[axis].data());
+    (error - at_origin).store(out_.far[axis].data());
+    most_origin_ = axis == 0 ? size : max(most_origin_, size);
+    distance_ = axis == 0 ? reach : max(distance_, reach);
+    const Floats near = mul_sub(Floats::pick(negative, hi, lo), inverse, error),
+                 far = mul_add(Floats::pick(negative, lo, hi), inverse, error);
+    t_in_ = axis == 0 ? near : max(t_in_, near);
+    t_out_ = axis == 0 ? far : min(t_out_, far);
+    octant_[axis] = negative;
+  }
+
+  HWY_INLINE void set_main_axis() {
+    const Floats x = abs(direction_[0]), y = abs(direction_[1]), z = abs(direction_[2]);
+    const std::uint32_t is_z = z > max(x, y), is_y = (y > x) & ~is_z;
+    const MainAxis main{is_y, is_z};
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const auto bit = [i](std::uint32_t bits) { return bits >> i & 1u; };
+      out_.key[i] = bit(octant_[0]) | bit(octant_[1]) << 1 | bit(octant_[2]) << 2 |
+                    bit(is_y) << 3 | bit(is_z) << 4;
+    }
+    const Floats along = main.pick(direction_, 0), one = Floats::set(1);
+    depth_ = abs(along);
+    backward_ = along < Floats::set(0);
+    const Floats sign = Floats::pick(backward_, Floats::set(-1), one), per = one / depth_;
+    sign.store(out_.sign.data());
+    (main.pick(origin_, 0) * sign).store(out_.z.data());
+    main.pick(origin_, 1).store(out_.x.data());
+    main.pick(origin_, 2).store(out_.y.data());
+    (main.pick(direction_, 1) * per).store(out_.shear_x.data());
+    (main.pick(direction_, 2) * per).store(out_.shear_y.data());
+    (per * Floats::set(1 + 0x1p-21f)).store(out_.per_depth.data());
+    mul_add(most_origin_, Floats::set(0x1.1p-23f), Floats::set(kTiny)).store(out_.error.data());
+    set_culling(sign);
+  }
+
+  /// Of (N . d): negative at the front; the determinants have its sign times that of the main
+  /// component.
+  HWY_INLINE void set_culling(const Floats& sign) {
+    const geometry::Culling culling = packet_.culling;
+    const float turned = culling == geometry::Culling::kNone   ? 0.0f
+                         : culling == geometry::Culling::kBack ? 1.0f
+                                                               : -1.0f;
+    (sign * Floats::set(turned)).store(out_.cull.data());
+  }
+
+  /// Returns the rays that may meet the bounds.
+  HWY_INLINE std::uint32_t set_limits() {
+    const Rays& rays = packet_.rays;
+    const Doubles most = Doubles::set(kLargestT), least = Doubles::set(-kLargestT);
+    const Doubles per_unit = Doubles::set(1) / Doubles::load(rays.unit.data());
+    const auto local = [&](const Doubles& t) {
+      return to_floats(max(least, min(most, t * per_unit)));
+    };
+    const Doubles tmax = Doubles::load(rays.tmax.data());
+    const Floats begin = local(Doubles::load(rays.tmin.data())), end = local(tmax);
+    const Floats best = local(min(tmax, Doubles::load(packet_.best.t.data())));
+    const Floats slack = distance_ * Floats::set(0x1.1p-28f);
+    t_in_ = max(t_in_, widened_down(begin, 0x1p-23f) - slack);
+    t_out_ = min(t_out_, widened_up(best, 0x1p-23f) + slack);
+    t_in_.store(out_.t_in.data());
+    t_out_.store(out_.t_out.data());
+    const Floats depth_slack =
+        mul_add(distance_, Floats::set(0x1p-21f),
+                mul_add(most_origin_, Floats::set(0x1p-22f), Floats::set(kTiny)));
+    depth_slack.store(out_.slack.data());
+    constexpr float kRounding = 0x1p-21f;
+    (widened_down(t_in_ * depth_, kRounding) - depth_slack).store(out_.low.data());
+    (widened_up(t_out_ * depth_, kRounding) + depth_slack).store(out_.high.data());
+    (widened_up(begin * depth_, kRounding) + depth_slack).store(out_.sure_low.data());
+    (widened_down(end * depth_, kRounding) - depth_slack).store(out_.sure_high.data());
+    return t_in_ <= t_out_;
+  }
+
+  Packet& packet_;
+  const Frame& frame_;
+  FloatRays& out_;
+  std::array<Floats, 3> origin_, direction_;
+  std::array<std::uint32_t, 3> octant_{};
+  Floats most_origin_, distance_, t_in_, t_out_, depth_;
+  std::uint32_t far_away_ = 0, backward_ = 0;
+};
+
+Prepared prepare_packet(Packet& packet, const Frame& frame, std::uint32_t lanes) {
+  return Preparing(packet, frame).prepare(lanes);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sightline::accel::wide {
+
+HWY_EXPORT(prepare_packet);
+
+Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
+  return HWY_DYNAMIC_DISPATCH(prepare_packet)(packet, frame, lanes);
+}
+
+void tighten(Packet& packet, std::size_t lane) {
+  FloatRays& floats = packet.floats;
+  const double t = packet.best.t[lane] / packet.rays.unit[lane];
+  // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that of
+  // depths.
+  const auto out = static_cast<float>(t);
+  const float t_out = out + std::fabs(out) * 0x1p-23f + floats.slack[lane] * 0x1p-6f;
+  floats.t_out[lane] = std::min(floats.t_out[lane], t_out);
+  const float depth = t_out / floats.per_depth[lane];
+  floats.high[lane] = std::min(floats.high[lane],
+                               depth + std::fabs(depth) * 0x1p-20f + floats.slack[lane]);
+}
+
+}  // namespace sightline::accel::wide
+#endif  // HWY_ONCE

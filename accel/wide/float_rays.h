@@ -1,0 +1,43 @@
+// Preparing a packet of rays for float tests in one tree.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/wide/packet.h"
+
+namespace sightline::accel::wide {
+
+/// What a tree's bounds are to floats. The bounds are minus the center.
+struct Frame {
+  geometry::Vec3f center;
+  geometry::Aabb bounds;
+};
+
+/// The maximum norm of a box.
+inline float largest_coordinate(const geometry::Aabb& box) {
+  float size = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size = std::max({size, std::fabs(box.lo[axis]), std::fabs(box.hi[axis])});
+  return size;
+}
+
+/// A tree within these sizes (largest coordinate of its bounds minus the center) may be compiled:
+/// float tests neither overflow nor lose what counts to underflow.
+inline constexpr float kLeastSize = 0x1p-40f, kLargestSize = 0x1p+60f;
+
+struct Prepared {
+  std::uint32_t live = 0;  ///< The rays that may meet the bounds within their limits.
+  std::uint32_t slow = 0;  ///< Those of them whose origin is too far away for floats.
+};
+
+/// Sets packet.floats from its rays, best hits and culling, for rays in `lanes`. Forgets the
+/// candidates.
+Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes);
+
+/// Lowers the depths that matter to the ray's best hit, after that has changed.
+void tighten(Packet& packet, std::size_t lane);
+
+}  // namespace sightline::accel::wide

@@ -1,0 +1,404 @@
+// Rays that run alike, together: their boxes as one, then each ray; triangles that none can meet are
+// left out.
+#if defined(SIGHTLINE_WIDE_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_GROUP_INL
+#undef SIGHTLINE_WIDE_GROUP_INL
+#else
+#define SIGHTLINE_WIDE_GROUP_INL
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "accel/wide/single-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// The least and the greatest of a number over a group of rays.
+struct Range {
+  float lo, hi;
+};
+
+HWY_INLINE Range range_of(const Column<float>& column, std::uint32_t group) {
+  const Floats all = Floats::load(column.data());
+  const float infinity = std::numeric_limits<float>::infinity();
+  return {Floats::pick(group, all, Floats::set(infinity)).least(),
+          Floats::pick(group, all, Floats::set(-infinity)).greatest()};
+}
+
+/// A box test for all rays of a group at once: bounds of the planes' t.
+class GroupBoxes {
+ public:
+  HWY_INLINE GroupBoxes(const Packet& packet, std::uint32_t group, float extent) {
+    const FloatRays& rays = packet.floats;
+    const std::uint32_t key = rays.key[static_cast<std::size_t>(std::countr_zero(group))];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Range origin = range_of(rays.origin[axis], group),
+                  inverse = range_of(rays.inverse[axis], group);
+      const float size = std::max(std::fabs(origin.lo), std::fabs(origin.hi));
+      const float error = (2 * size + extent) * 0x1.4p-22f;
+      backward_[axis] = (key >> axis & 1) != 0;
+      row_[axis] = 2 * axis + (key >> axis & 1);
+      lo_[axis] = Boxes::set(origin.lo - error);
+      hi_[axis] = Boxes::set(origin.hi + error);
+      least_[axis] = Boxes::set(inverse.lo);
+      greatest_[axis] = Boxes::set(inverse.hi);
+    }
+    t_in_ = Boxes::set(range_of(rays.t_in, group).lo);
+  }
+
+  /// The children that a ray may meet before t_out, and where the first one may enter.
+  HWY_INLINE std::uint32_t met(const WideNode& node, float t_out, Boxes& in) const {
+    in = max(max(near(node, 0), near(node, 1)), max(near(node, 2), t_in_));
+    const Boxes out = min(min(far(node, 0), far(node, 1)), min(far(node, 2), Boxes::set(t_out)));
+    return in <= out;
+  }
+
+ private:
+  HWY_INLINE Boxes near(const WideNode& node, std::size_t axis) const {
+    const Boxes x = Boxes::load(node.bounds[row_[axis]].data()) -
+                    (backward_[axis] ? lo_[axis] : hi_[axis]);
+    return min(x * least_[axis], x * greatest_[axis]);
+  }
+  HWY_INLINE Boxes far(const WideNode& node, std::size_t axis) const {
+    const Boxes x = Boxes::load(node.bounds[row_[axis] ^ 1].data()) -
+                    (backward_[axis] ? hi_[axis] : lo_[axis]);
+    return max(x * least_[axis], x * greatest_[axis]);
+  }
+
+  std::array<Boxes, 3> lo_, hi_, least_, greatest_;
+  Boxes t_in_;
+  std::array<std::size_t, 3> row_;
+  std::array<bool, 3> backward_;
+};
+
+/// Finds the triangles of a block that no ray of a group can meet: seen from all of them, they lie to
+/// one side.
+class GroupView {
+ public:
+  HWY_INLINE GroupView(const Packet& packet, std::uint32_t group) {
+    const FloatRays& rays = packet.floats;
+    const Range x = range_of(rays.x, group), y = range_of(rays.y, group),
+                z = range_of(rays.z, group), shear_x = range_of(rays.shear_x, group),
+                shear_y = range_of(rays.shear_y, group), error = range_of(rays.error, group);
+    x_ = {Floats::set(x.lo), Floats::set(x.hi)};
+    y_ = {Floats::set(y.lo), Floats::set(y.hi)};
+    z_ = {Floats::set(z.lo), Floats::set(z.hi)};
+    shear_x_ = {Floats::set(shear_x.lo), Floats::set(shear_x.hi)};
+    shear_y_ = {Floats::set(shear_y.lo), Floats::set(shear_y.hi)};
+    error_ = Floats::set(8 * error.hi);
+    sign_ = Floats::set(rays.sign[static_cast<std::size_t>(std::countr_zero(group))]);
+  }
+
+  /// A bit for each triangle that some ray may meet. The axes are those of FloatRays::x, y and z.
+  HWY_INLINE std::uint32_t possible(const blocks::Block& block, const float* x, const float* y,
+                                    const float* z) const {
+    const Floats depth = Floats::load_unaligned(z) * sign_;
+    const Interval seen_z{depth - z_.hi, depth - z_.lo};
+    Interval seen_x = seen(Floats::load_unaligned(x), x_, shear_x_, seen_z),
+             seen_y = seen(Floats::load_unaligned(y), y_, shear_y_, seen_z);
+    const Floats largest = max(max(size(seen_x), size(seen_y)), Floats::set(2) * size(seen_z));
+    const Floats error = mul_add(largest, Floats::set(0x1p-19f), error_);
+    const Floats zero = Floats::set(0);
+    const std::uint32_t beside = to_one_side(block, widened(seen_x, error), zero) |
+                                 to_one_side(block, widened(seen_y, error), zero);
+    return ((2u << (block.triangles - 1)) - 1) & ~beside;
+  }
+
+ private:
+  struct Interval {
+    Floats lo, hi;
+  };
+  static HWY_INLINE Floats size(const Interval& i) { return max(abs(i.lo), abs(i.hi)); }
+  static HWY_INLINE Interval widened(const Interval& i, const Floats& by) {
+    return {i.lo - by, i.hi + by};
+  }
+  /// v minus the origin minus shear times depth.
+  static HWY_INLINE Interval seen(const Floats& v, const Interval& origin, const Interval& shear,
+                                  const Interval& depth) {
+    const Floats a = shear.lo * depth.lo, b = shear.lo * depth.hi, c = shear.hi * depth.lo,
+                 d = shear.hi * depth.hi;
+    return {v - origin.hi - max(max(a, b), max(c, d)), v - origin.lo - min(min(a, b), min(c, d))};
+  }
+  static HWY_INLINE std::uint32_t to_one_side(const blocks::Block& block, const Interval& seen,
+                                              const Floats& zero) {
+    alignas(64) std::array<float, 16> lo, hi;
+    if constexpr (Floats::kVectors > 1) {
+      seen.lo.store(lo.data());
+      seen.hi.store(hi.data());
+    }
+    const Gather a(block.corner(0)), b(block.corner(1)), c(block.corner(2));
+    const Floats least_lo = least(a(seen.lo, lo.data()), b(seen.lo, lo.data()), c(seen.lo, lo.data()));
+    const Floats most_hi = most(a(seen.hi, hi.data()), b(seen.hi, hi.data()), c(seen.hi, hi.data()));
+    return (least_lo > zero) | (most_hi < zero);
+  }
+
+  Interval x_, y_, z_, shear_x_, shear_y_;
+  Floats error_, sign_;
+};
+
+template <bool kAny>
+class Group {
+ public:
+  /// Below `together` rays at a node go on alone.
+  HWY_INLINE Group(const Walked& walked, std::uint32_t group, int together)
+      : walked_(walked),
+        packet_(walked.packet),
+        group_(group),
+        together_(together),
+        boxes_(packet_, group, packet_.extent),
+        view_(packet_, group) {
+    const FloatRays& rays = packet_.floats;
+    const std::uint32_t key = rays.key[static_cast<std::size_t>(std::countr_zero(group))];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      row_[axis] = 2 * axis + (key >> axis & 1);
+      inverse_[axis] = Floats::load(rays.inverse[axis].data());
+      near_[axis] = Floats::load(rays.near[axis].data());
+      far_[axis] = Floats::load(rays.far[axis].data());
+    }
+    t_in_ = Floats::load(rays.t_in.data());
+    z_ = key >> 3;
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    read_limits();
+  }
+
+  void walk(Child at) {
+    std::uint32_t lanes = group_;
+    std::size_t top = 0;
+    do {
+      go_down(at, lanes, top);
+    } while (!packet_.stopped && pop(at, lanes, top));
+  }
+
+ private:
+  struct Waiting {
+    float t;
+    std::uint32_t lanes;
+    Child at;
+  };
+
+  HWY_INLINE void go_down(Child at, std::uint32_t lanes, std::size_t& top) {
+    for (;;) {
+      if (std::popcount(lanes) < together_) return go_alone(at, lanes);
+      if (at.is_node()) {
+        if (!visit_node(*at.node(), at, lanes, top)) return;
+      } else if (at.is_block()) {
+        return visit_block(at.block(), lanes);
+      } else if (!enter_slot(at, lanes)) {
+        return;
+      }
+    }
+  }
+
+  void go_alone(Child at, std::uint32_t lanes) {
+    for (; lanes != 0 && !packet_.stopped; lanes &= lanes - 1)
+      Single<kAny>(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
+    read_limits();
+  }
+
+  /// Takes over what single rays have found.
+  HWY_INLINE void read_limits() {
+    t_out_ = Floats::load(packet_.floats.t_out.data());
+    farthest_ = range_of(packet_.floats.t_out, group_).hi;
+  }
+
+  HWY_INLINE void count(std::uint32_t lanes, std::uint32_t work) {
+    using Counts = Lanes<std::uint32_t, kLanes>;
+    const Counts before = Counts::load(packet_.work.data());
+    Counts::pick(lanes, before + Counts::set(work), before).store(packet_.work.data());
+  }
+
+  HWY_INLINE bool visit_node(const WideNode& node, Child& at, std::uint32_t& lanes,
+                             std::size_t& top) {
+    walked_.totals.nodes += static_cast<std::uint64_t>(std::popcount(lanes));
+    count(lanes, 1);
+    Boxes in;
+    std::uint32_t met = boxes_.met(node, farthest_, in);
+    alignas(64) std::array<float, kWidth> t;
+    in.store(t.data());
+    const std::size_t base = top;
+    for (; met != 0; met &= met - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(met));
+      const std::uint32_t those = lanes & meeting(node, i);
+      if (those == 0) continue;
+      std::size_t k = top++;
+      if constexpr (!kAny) {
+        for (; k > base && stack_[k - 1].t < t[i]; --k) stack_[k] = stack_[k - 1];
+      }
+      stack_[k] = {t[i], those, node.children[i]};
+    }
+    if (top == base) return false;
+    --top;
+    at = stack_[top].at;
+    lanes = stack_[top].lanes;
+    return true;
+  }
+
+  /// The rays that meet one child.
+  HWY_INLINE std::uint32_t meeting(const WideNode& node, std::size_t i) const {
+    const auto near = [&](std::size_t axis) {
+      return mul_add(Floats::set(node.bounds[row_[axis]][i]), inverse_[axis], near_[axis]);
+    };
+    const auto far = [&](std::size_t axis) {
+      return mul_add(Floats::set(node.bounds[row_[axis] ^ 1][i]), inverse_[axis], far_[axis]);
+    };
+    const Floats in = max(max(near(0), near(1)), max(near(2), t_in_));
+    const Floats out = min(min(far(0), far(1)), min(far(2), t_out_));
+    return in <= out;
+  }
+
+  HWY_INLINE bool pop(Child& at, std::uint32_t& lanes, std::size_t& top) {
+    while (top > 0) {
+      const Waiting& next = stack_[--top];
+      if (next.t > farthest_) continue;
+      lanes = kAny ? next.lanes & ~packet_.best.found
+                   : next.lanes & (Floats::set(next.t) <= t_out_);
+      if (lanes == 0) continue;
+      at = next.at;
+      return true;
+    }
+    return false;
+  }
+
+  bool enter_slot(Child& at, std::uint32_t lanes) {
+    kdtree::AtomicSlot& slot = *at.slot();
+    for (;;) {
+      const kdtree::Slot now = kdtree::load(slot);
+      if (now.is_finished()) {
+        at = static_cast<const WideTree*>(now.finished())->root();
+        return true;
+      }
+      const bool again = walked_.slots.visit(slot, lanes);
+      read_limits();
+      if (!again) return false;
+    }
+  }
+
+  void visit_block(const std::uint32_t* words, std::uint32_t lanes) {
+    const blocks::Block block(words);
+    walked_.totals.triangles +=
+        block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
+    count(lanes, block.triangles);
+    const float *x = block.x + x_ * block.vertices, *y = block.x + y_ * block.vertices,
+                *z = block.x + z_ * block.vertices;
+    // For fewer, finding those to leave out takes as long as testing them.
+    constexpr unsigned kMany = 3;
+    std::uint32_t left = block.triangles < kMany ? (2u << (block.triangles - 1)) - 1
+                                                 : view_.possible(block, x, y, z);
+    bool lowered = false;
+    for (; left != 0 && lanes != 0; left &= left - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+      std::array<Corner, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t v = block.corner(k)[i];
+        corners[k] = seen(x[v], y[v], z[v]);
+      }
+      const FloatRays& rays = packet_.floats;
+      const auto load = [](const Column<float>& column) { return Floats::load(column.data()); };
+      Verdict verdict;
+      if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
+                 lanes, verdict))
+        continue;
+      if constexpr (kAny) {
+        find(words, i, verdict);
+        lanes &= ~packet_.best.found;
+      } else {
+        lowered |= keep(words, i, verdict);
+      }
+    }
+    if (lowered) lower_t_out();
+  }
+
+  HWY_INLINE Corner seen(float x, float y, float z) const {
+    const FloatRays& rays = packet_.floats;
+    const auto load = [](const Column<float>& column) { return Floats::load(column.data()); };
+    Corner corner;
+    corner.z = mul_sub(Floats::set(z), load(rays.sign), load(rays.z));
+    corner.x = neg_mul_add(load(rays.shear_x), corner.z, Floats::set(x) - load(rays.x));
+    corner.y = neg_mul_add(load(rays.shear_y), corner.z, Floats::set(y) - load(rays.y));
+    return corner;
+  }
+
+  HWY_INLINE std::uint32_t certain(const Verdict& verdict, const Floats& low,
+                                   const Floats& high) const {
+    const FloatRays& rays = packet_.floats;
+    return verdict.certain & (low >= Floats::load(rays.sure_low.data())) &
+           (high <= Floats::load(rays.sure_high.data()));
+  }
+
+  void find(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
+    const std::uint32_t found =
+        certain(verdict, verdict.depth - verdict.off, verdict.depth + verdict.off);
+    packet_.best.found |= found;
+    for (std::uint32_t left = verdict.possible & ~found; left != 0; left &= left - 1)
+      decide(packet_, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
+  }
+
+  /// Remembers what may be the nearest. True: some ray has a nearer certain hit now.
+  bool keep(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
+    FloatRays& rays = packet_.floats;
+    Candidates& all = packet_.candidates;
+    const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off,
+                 slack = Floats::load(rays.slack.data()), before = Floats::load(rays.high.data());
+    const std::uint32_t nearer = certain(verdict, low, high) & (high + slack < before);
+    const Floats limit = Floats::pick(nearer, high + slack, before), least = low - slack;
+    limit.store(rays.high.data());
+    // What was the best so far, and may still be; and what is neither certain nor too far.
+    std::uint32_t best_before =
+        nearer & all.has_best & (Floats::load(all.best_low.data()) <= limit);
+    std::uint32_t open = verdict.possible & ~nearer & (least <= limit);
+    for (; best_before != 0; best_before &= best_before - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(best_before));
+      remember(packet_, lane, all.best_block[lane], all.best_triangle[lane], all.best_low[lane]);
+    }
+    alignas(64) std::array<float, kLanes> depth;
+    if ((open | nearer) != 0) least.store(depth.data());
+    for (; open != 0; open &= open - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(open));
+      remember(packet_, lane, words, triangle, depth[lane]);
+    }
+    all.has_best |= nearer;
+    for (std::uint32_t left = nearer; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      all.best_block[lane] = words;
+      all.best_triangle[lane] = triangle;
+      all.best_low[lane] = depth[lane];
+    }
+    return nearer != 0;
+  }
+
+  void lower_t_out() {
+    FloatRays& rays = packet_.floats;
+    const Floats t = Floats::load(rays.high.data()) * Floats::load(rays.per_depth.data());
+    t_out_ = min(t_out_, mul_add(abs(t), Floats::set(0x1p-20f), t));
+    t_out_.store(rays.t_out.data());
+    farthest_ = range_of(rays.t_out, group_).hi;
+  }
+
+  const Walked& walked_;
+  Packet& packet_;
+  const std::uint32_t group_;
+  const int together_;
+  const GroupBoxes boxes_;
+  const GroupView view_;
+  std::array<Floats, 3> inverse_, near_, far_;
+  Floats t_in_, t_out_;
+  float farthest_ = 0;
+  std::array<std::size_t, 3> row_;  // of the bounds that the rays meet first, by axis
+  std::size_t x_, y_, z_;
+  std::array<Waiting, kStack> stack_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

@@ -1,0 +1,96 @@
+// Sixteen rays in one frame, in columns: as they are, as floats see them, and the best hits so far.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "accel/geometry/aabb.h"
+#include "accel/geometry/facing.h"
+
+namespace sightline::accel::wide {
+
+inline constexpr std::size_t kLanes = 16;
+
+template <class T>
+using Column = std::array<T, kLanes>;
+
+/// The rays as LocalRays have them: the direction is scaled by `unit`. tmin and tmax are in units of
+/// the caller's direction.
+struct alignas(64) Rays {
+  std::array<Column<double>, 3> origin, direction;
+  Column<double> unit;
+  Column<double> tmin, tmax;
+};
+
+/// The best hits, by (t, node, primitive); t in units of the caller's direction. `found` has a bit
+/// for each ray with a hit. Others have the greatest t and node, so that any hit is better.
+struct alignas(64) BestHits {
+  Column<double> t;
+  Column<std::uint64_t> node;
+  Column<std::uint32_t> primitive, instance;
+  std::uint32_t found = 0;
+
+  void clear() {
+    t.fill(std::numeric_limits<double>::max());
+    node.fill(~std::uint64_t{0});
+    primitive.fill(0);
+    found = 0;
+  }
+};
+
+/// What floats know of the rays, relative to a tree's center. docs/hit_rule.md, section 7, has the
+/// bounds on all errors.
+struct alignas(64) FloatRays {
+  std::array<Column<float>, 3> origin, inverse;
+  /// A plane at b is passed at b * inverse + near, or earlier; and at b * inverse + far, or later.
+  std::array<Column<float>, 3> near, far;
+  Column<float> t_in, t_out;  ///< Where the ray may meet the tree within its limits.
+  /// Bits 0..2: the signs of the direction. Bits 3 and up: the axis of its largest component.
+  Column<std::uint32_t> key;
+  /// The origin in the order of axes that begins behind the largest; `z` is turned to grow along the
+  /// ray, by `sign`.
+  Column<float> x, y, z, sign;
+  Column<float> shear_x, shear_y;  ///< How the ray is sheared to run along z.
+  Column<float> error;             ///< Twice the error of the origin.
+  Column<float> slack;             ///< Bounds the error of a depth, as far as it is the ray's.
+  Column<float> low, high;         ///< Depths outside are certain not to matter.
+  Column<float> sure_low, sure_high;  ///< Depths inside are certain to be within the ray's limits.
+  Column<float> per_depth;            ///< t (local) for a unit of depth.
+  Column<float> cull;  ///< 1 or -1: the sign of a determinant on the ignored side; 0: none is.
+};
+
+/// Pairs of a ray and a triangle that floats leave undecided.
+inline constexpr std::size_t kCandidates = 8;
+struct Candidates {
+  /// The best certain hit by floats, and the least depth that it may have.
+  Column<const std::uint32_t*> best_block;
+  Column<std::uint32_t> best_triangle;
+  alignas(64) Column<float> best_low;
+  std::uint32_t has_best = 0;
+  /// Others that may be better.
+  std::array<std::array<const std::uint32_t*, kCandidates>, kLanes> block;
+  std::array<std::array<float, kCandidates>, kLanes> low;
+  std::array<std::array<std::uint8_t, kCandidates>, kLanes> triangle;
+  Column<std::uint8_t> count;
+};
+
+/// A packet on its way through one mesh's tree.
+struct Packet {
+  Rays rays;
+  BestHits best;
+  FloatRays floats;
+  Candidates candidates;
+  // The question; equal for all rays.
+  bool any = false;  ///< Only whether there is a hit.
+  geometry::Culling culling = geometry::Culling::kNone;
+  std::uint64_t node = 0;
+  std::uint32_t instance = 0;
+  geometry::Vec3f center;  ///< Of the tree.
+  float extent = 0;  ///< The largest coordinate of the tree's bounds, relative to the center.
+  Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
+  bool stopped = false;        ///< Suspended or cancelled: the answers mean nothing.
+};
+
+}  // namespace sightline::accel::wide

@@ -1,0 +1,259 @@
+// One ray at a time: eight boxes at once, then the triangles of a block at once.
+#if defined(SIGHTLINE_WIDE_SINGLE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_SINGLE_INL
+#undef SIGHTLINE_WIDE_SINGLE_INL
+#else
+#define SIGHTLINE_WIDE_SINGLE_INL
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/blocks/block.h"
+#include "accel/wide/exact.h"
+#include "accel/wide/verdict-inl.h"
+#include "accel/wide/walk.h"
+#include "accel/wide/wide_tree.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+using Boxes = Lanes<float, kWidth>;
+
+/// What waits on the stack of a walk: a tree of slots above trees, both of at most kMostLevels.
+inline constexpr std::size_t kStack = 2 * kMostLevels * (kWidth - 1) + kWidth;
+
+/// Numbers of a column of vertices, one for each triangle.
+class Gather {
+ public:
+  HWY_INLINE explicit Gather(const std::uint8_t* corners) {
+    for (std::size_t i = 0; i < Floats::kVectors; ++i) {
+      const hn::Rebind<std::uint8_t, Floats::D> bytes;
+      index_[i] = hn::PromoteTo(kInts, hn::LoadU(bytes, corners + i * Floats::kPer));
+    }
+  }
+
+  HWY_INLINE Floats operator()(const Floats& vertices, const float* stored) const {
+    if constexpr (Floats::kVectors == 1) {
+      (void)stored;
+      return Floats::each([&](std::size_t i) {
+        return hn::TableLookupLanes(vertices.v[i], hn::IndicesFromVec(typename Floats::D(), index_[i]));
+      });
+    } else {
+      return Floats::each([&](std::size_t i) {
+        return hn::GatherIndex(typename Floats::D(), stored, index_[i]);
+      });
+    }
+  }
+
+ private:
+  static constexpr hn::RebindToSigned<Floats::D> kInts{};
+  hn::Vec<hn::RebindToSigned<Floats::D>> index_[Floats::kVectors];
+};
+
+template <bool kAny>
+class Single {
+ public:
+  HWY_INLINE Single(const Walked& walked, std::size_t lane)
+      : walked_(walked), packet_(walked.packet), lane_(lane) {
+    const FloatRays& rays = packet_.floats;
+    const std::uint32_t key = rays.key[lane];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      inverse_[axis] = Boxes::set(rays.inverse[axis][lane]);
+      near_[axis] = Boxes::set(rays.near[axis][lane]);
+      far_[axis] = Boxes::set(rays.far[axis][lane]);
+      first_[axis] = 2 * axis + (key >> axis & 1);
+    }
+    t_in_ = Boxes::set(rays.t_in[lane]);
+    z_ = key >> 3;
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+  }
+
+  void walk(Child at) {
+    const std::uint64_t before = nodes_ + triangles_;
+    std::size_t top = 0;
+    do {
+      go_down(at, top);
+    } while (!is_done() && pop(at, top));
+    walked_.totals.nodes += nodes_;
+    walked_.totals.triangles += triangles_;
+    packet_.work[lane_] += static_cast<std::uint32_t>(nodes_ + triangles_ - before);
+  }
+
+ private:
+  struct Waiting {
+    float t;
+    Child at;
+  };
+
+  HWY_INLINE bool is_done() const {
+    return packet_.stopped || (kAny && (packet_.best.found >> lane_ & 1) != 0);
+  }
+
+  /// Visits nodes, nearest children first, and what is not a node at the end of that path.
+  HWY_INLINE void go_down(Child at, std::size_t& top) {
+    for (;;) {
+      if (at.is_node()) {
+        if (!visit_node(*at.node(), at, top)) return;
+      } else if (at.is_block()) {
+        return visit_block(at.block());
+      } else if (!enter_slot(at)) {
+        return;
+      }
+    }
+  }
+
+  /// Sets `next` to the nearest child that the ray meets; false if there is none.
+  HWY_INLINE bool visit_node(const WideNode& node, Child& next, std::size_t& top) {
+    ++nodes_;
+    const auto near = [&](std::size_t axis) {
+      return mul_add(Boxes::load(node.bounds[first_[axis]].data()), inverse_[axis], near_[axis]);
+    };
+    const auto far = [&](std::size_t axis) {
+      return mul_add(Boxes::load(node.bounds[first_[axis] ^ 1].data()), inverse_[axis], far_[axis]);
+    };
+    const Boxes in = max(max(near(0), near(1)), max(near(2), t_in_));
+    const Boxes out =
+        min(min(far(0), far(1)), min(far(2), Boxes::set(packet_.floats.t_out[lane_])));
+    std::uint32_t met = in <= out;
+    if (met == 0) return false;
+    const auto first = static_cast<std::size_t>(std::countr_zero(met));
+    met &= met - 1;
+    next = node.children[first];
+    if (met == 0) return true;
+    alignas(64) std::array<float, kWidth> t;
+    in.store(t.data());
+    push_others(node, t, first, met, next, top);
+    return true;
+  }
+
+  HWY_INLINE void push_others(const WideNode& node, const std::array<float, kWidth>& t,
+                              std::size_t first, std::uint32_t others, Child& next,
+                              std::size_t& top) {
+    const std::size_t base = top;
+    float nearest = t[first];
+    for (; others != 0; others &= others - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(others));
+      Waiting waiting{t[i], node.children[i]};
+      if (waiting.t < nearest) {
+        std::swap(waiting.t, nearest);
+        std::swap(waiting.at, next);
+      }
+      std::size_t k = top++;
+      if constexpr (!kAny) {
+        for (; k > base && stack_[k - 1].t < waiting.t; --k) stack_[k] = stack_[k - 1];
+      }
+      stack_[k] = waiting;
+    }
+  }
+
+  HWY_INLINE bool pop(Child& at, std::size_t& top) {
+    const float limit = packet_.floats.t_out[lane_];
+    do {
+      if (top == 0) return false;
+      --top;
+    } while (stack_[top].t > limit);
+    at = stack_[top].at;
+    return true;
+  }
+
+  /// Sets `at` to the root of a finished subtree; false if there is nothing to go on with.
+  bool enter_slot(Child& at) {
+    kdtree::AtomicSlot& slot = *at.slot();
+    for (;;) {
+      const kdtree::Slot now = kdtree::load(slot);
+      if (now.is_finished()) {
+        at = static_cast<const WideTree*>(now.finished())->root();
+        return true;
+      }
+      if (!walked_.slots.visit(slot, 1u << lane_)) return false;
+    }
+  }
+
+  void visit_block(const std::uint32_t* words) {
+    const blocks::Block block(words);
+    triangles_ += block.triangles;
+    const FloatRays& rays = packet_.floats;
+    const auto set = [&](const Column<float>& column) { return Floats::set(column[lane_]); };
+    const auto axis = [&](std::size_t k) {
+      return Floats::load_unaligned(block.x + k * block.vertices);
+    };
+    const Floats z = mul_sub(axis(z_), set(rays.sign), set(rays.z));
+    const Floats x = neg_mul_add(set(rays.shear_x), z, axis(x_) - set(rays.x));
+    const Floats y = neg_mul_add(set(rays.shear_y), z, axis(y_) - set(rays.y));
+    alignas(64) std::array<std::array<float, 16>, 3> stored;
+    if constexpr (Floats::kVectors > 1) {
+      x.store(stored[0].data());
+      y.store(stored[1].data());
+      z.store(stored[2].data());
+    }
+    std::array<Corner, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Gather of(block.corner(k));
+      corners[k] = {of(x, stored[0].data()), of(y, stored[1].data()), of(z, stored[2].data())};
+    }
+    const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
+    Verdict verdict;
+    if (judge(corners, {set(rays.error), set(rays.low), set(rays.high), set(rays.cull)}, all,
+              verdict))
+      keep(words, verdict);
+  }
+
+  void keep(const std::uint32_t* words, const Verdict& verdict) {
+    FloatRays& rays = packet_.floats;
+    const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off;
+    const std::uint32_t certain = verdict.certain & (low >= Floats::set(rays.sure_low[lane_])) &
+                                  (high <= Floats::set(rays.sure_high[lane_]));
+    if constexpr (kAny) {
+      if (certain != 0) {
+        packet_.best.found |= 1u << lane_;
+        return;
+      }
+      for (std::uint32_t left = verdict.possible; left != 0 && !is_done(); left &= left - 1)
+        decide(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
+    } else {
+      const float slack = rays.slack[lane_];
+      if (certain != 0) {
+        const Floats none = Floats::set(rays.high[lane_]);
+        lower(Floats::pick(certain, high, none).least() + slack);
+      }
+      alignas(64) std::array<float, 16> depth;
+      low.store(depth.data());
+      for (std::uint32_t left = verdict.possible; left != 0; left &= left - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(left));
+        if (depth[i] - slack <= rays.high[lane_])
+          remember(packet_, lane_, words, static_cast<std::uint32_t>(i), depth[i] - slack);
+      }
+    }
+  }
+
+  /// There is a hit at this depth or before.
+  void lower(float high) {
+    FloatRays& rays = packet_.floats;
+    if (!(high < rays.high[lane_])) return;
+    rays.high[lane_] = high;
+    const float t = high * rays.per_depth[lane_];
+    rays.t_out[lane_] = std::min(rays.t_out[lane_], t + std::fabs(t) * 0x1p-20f);
+  }
+
+  const Walked& walked_;
+  Packet& packet_;
+  std::size_t lane_;
+  std::array<Boxes, 3> inverse_, near_, far_;
+  Boxes t_in_;
+  std::array<std::size_t, 3> first_;  // row of the bounds that the ray meets first, by axis
+  std::size_t x_, y_, z_;
+  std::uint64_t nodes_ = 0, triangles_ = 0;
+  std::array<Waiting, kStack> stack_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

@@ -1,0 +1,38 @@
+// The walk of rays through wide trees and the slots below them.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/kdtree/kd_tree.h"
+#include "accel/wide/packet.h"
+#include "accel/wide/wide_node.h"
+
+namespace sightline::accel::wide {
+
+/// What to do at slots that are not finished.
+class SlotVisitor {
+ public:
+  virtual ~SlotVisitor() = default;
+  /// Takes these rays through what lies below the slot. True: it is finished now, go on there. May
+  /// set Packet::stopped.
+  virtual bool visit(kdtree::AtomicSlot& slot, std::uint32_t lanes) = 0;
+};
+
+/// Work of a walk.
+struct WalkTotals {
+  std::uint64_t nodes = 0;      ///< Visits of nodes, by each ray.
+  std::uint64_t triangles = 0;  ///< Of blocks visited, for each ray.
+};
+
+/// What all walks of a packet share.
+struct Walked {
+  Packet& packet;
+  SlotVisitor& slots;
+  WalkTotals& totals;
+};
+
+/// Takes the rays in `lanes`, which prepare() has found live, through the tree below `root`. Remembers
+/// pairs that may be hits (settle()); with Packet::any, finds whether there is one.
+void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, WalkTotals& totals);
+
+}  // namespace sightline::accel::wide

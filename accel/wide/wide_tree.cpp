@@ -1,0 +1,237 @@
+// Compiling binary hierarchies into wide trees: first what becomes a node, then the nodes.
+#include "accel/wide/wide_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include <sys/mman.h>
+
+#include "accel/blocks/block.h"
+#include "accel/blocks/frame.h"
+#include "accel/kdtree/tree_metrics.h"
+
+namespace sightline::accel::wide {
+namespace {
+
+using blocks::Node;
+
+constexpr std::size_t kTail = blocks::kBlockSlack;
+
+/// The children of what will be one wide node.
+struct Collapsed {
+  std::array<const Node*, kWidth> children{};
+  /// Of the children that are inner nodes: the index of their own entry.
+  std::array<std::uint32_t, kWidth> index{};
+};
+
+float area(const geometry::Aabb& box) {
+  const float x = box.hi.x - box.lo.x, y = box.hi.y - box.lo.y, z = box.hi.z - box.lo.z;
+  return x * y + y * z + z * x;
+}
+
+/// Opens the largest inner child until there are kWidth.
+std::array<const Node*, kWidth> open_largest(const Node& node) {
+  std::array<const Node*, kWidth> children{node.left, node.right};
+  std::array<float, kWidth> size{};
+  const auto size_of = [](const Node& child) {
+    return child.leaf() ? -1.0f : area(child.box);
+  };
+  size[0] = size_of(*children[0]);
+  size[1] = size_of(*children[1]);
+  for (std::size_t count = 2; count < kWidth; ++count) {
+    const auto largest = static_cast<std::size_t>(
+        std::max_element(size.begin(), size.begin() + static_cast<std::ptrdiff_t>(count)) -
+        size.begin());
+    if (size[largest] < 0) break;
+    const Node& opened = *children[largest];
+    children[largest] = opened.left;
+    children[count] = opened.right;
+    size[largest] = size_of(*opened.left);
+    size[count] = size_of(*opened.right);
+  }
+  return children;
+}
+
+class Collapse {
+ public:
+  explicit Collapse(const Node& root) {
+    if (root.leaf()) {
+      words_ = root.words;
+    } else {
+      add(root);
+    }
+  }
+
+  const std::vector<Collapsed>& nodes() const { return nodes_; }
+  std::size_t words() const { return words_; }
+
+ private:
+  std::uint32_t add(const Node& node) {
+    const std::size_t at = nodes_.size();
+    nodes_.push_back({open_largest(node)});
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      const Node* child = nodes_[at].children[i];
+      if (child == nullptr) break;
+      words_ += child->words;
+      if (child->leaf()) continue;
+      const std::uint32_t index = add(*child);
+      nodes_[at].index[i] = index;
+    }
+    return static_cast<std::uint32_t>(at);
+  }
+
+  std::vector<Collapsed> nodes_;
+  std::size_t words_ = 0;
+};
+
+/// Aligned to huge pages where they save address translations.
+std::byte* allocate(std::size_t bytes) {
+  constexpr std::size_t kHugePage = std::size_t{1} << 21;
+  const bool huge = bytes >= 4 * kHugePage;
+  const std::size_t alignment = huge ? kHugePage : alignof(WideNode);
+  void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  if (huge) madvise(memory, bytes, MADV_HUGEPAGE);
+  return static_cast<std::byte*>(memory);
+}
+
+/// Copies blocks one behind the other.
+class Blocks {
+ public:
+  explicit Blocks(std::uint32_t* memory) : next_(memory) {}
+
+  Child copy(const Node& leaf) {
+    std::uint32_t* to = next_;
+    std::memcpy(to, leaf.block, leaf.words * sizeof(std::uint32_t));
+    next_ += leaf.words;
+    return Child::block(to);
+  }
+
+ private:
+  std::uint32_t* next_;
+};
+
+/// Exact: the bounds of the tree are within a factor of two of the center, or that is 0.
+void set_box(WideNode& node, std::size_t i, const geometry::Aabb& box,
+             const geometry::Vec3f& center) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    node.bounds[2 * axis][i] = blocks::relative(box.lo[axis], center[axis]);
+    node.bounds[2 * axis + 1][i] = blocks::relative(box.hi[axis], center[axis]);
+  }
+}
+
+void set_no_box(WideNode& node, std::size_t i) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    node.bounds[2 * axis][i] = std::numeric_limits<float>::infinity();
+    node.bounds[2 * axis + 1][i] = -std::numeric_limits<float>::infinity();
+  }
+}
+
+/// Calls visit(block) for every block below.
+template <class Visit>
+void each_block(Child at, const Visit& visit) {
+  if (at.is_block()) return visit(blocks::Block(at.block()));
+  for (const Child child : at.node()->children) {
+    if (child) each_block(child, visit);
+  }
+}
+
+double half_area(const WideNode& node, std::size_t i) {
+  std::array<double, 3> size;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    size[axis] = static_cast<double>(node.bounds[2 * axis + 1][i]) -
+                 static_cast<double>(node.bounds[2 * axis][i]);
+  }
+  return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+}
+
+/// `share`: of the random lines that meet the tree's bounds, those that meet this box.
+void measure_below(Child at, double share, double root_area, int depth, kdtree::TreeMetrics& m) {
+  ++m.nodes;
+  if (at.is_block()) {
+    const std::size_t triangles = blocks::Block(at.block()).triangles;
+    ++m.leaves;
+    ++m.nonempty_leaves;
+    m.references += triangles;
+    m.max_depth = std::max(m.max_depth, depth);
+    m.expected_leaves += share;
+    m.expected_intersections += share * static_cast<double>(triangles);
+    return;
+  }
+  m.expected_traversals += share;
+  const WideNode& node = *at.node();
+  for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {
+    const double part = root_area > 0 ? half_area(node, i) / root_area : 1;
+    measure_below(node.children[i], part, root_area, depth + 1, m);
+  }
+}
+
+}  // namespace
+
+void WideTree::Free::operator()(std::byte* memory) const { std::free(memory); }
+
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center) : center_(center) {
+  assert(root.levels <= kMostLevels);
+  const Collapse collapse(root);
+  node_count_ = collapse.nodes().size();
+  bytes_ = node_count_ * sizeof(WideNode) + collapse.words() * sizeof(std::uint32_t) + kTail;
+  memory_.reset(allocate(bytes_));
+  auto* nodes = reinterpret_cast<WideNode*>(memory_.get());
+  std::memset(memory_.get() + bytes_ - kTail, 0, kTail);
+  Blocks blocks(reinterpret_cast<std::uint32_t*>(nodes + node_count_));
+  if (root.leaf()) {
+    root_ = blocks.copy(root);
+    return;
+  }
+  root_ = Child::node(nodes);
+  for (std::size_t at = 0; at < node_count_; ++at) {
+    const Collapsed& from = collapse.nodes()[at];
+    auto* node = new (nodes + at) WideNode;
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      const Node* child = from.children[i];
+      if (child == nullptr) {
+        set_no_box(*node, i);
+        node->children[i] = Child{};
+        continue;
+      }
+      set_box(*node, i, child->box, center);
+      node->children[i] =
+          child->leaf() ? blocks.copy(*child) : Child::node(nodes + from.index[i]);
+    }
+  }
+}
+
+std::uint64_t WideTree::bytes() const { return sizeof(*this) + bytes_; }
+
+void WideTree::measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const {
+  double share = 1;
+  if (root_.is_node() && root_area > 0) {
+    geometry::Aabb box;
+    for (std::size_t i = 0; i < kWidth && root_.node()->children[i]; ++i) {
+      const auto& b = root_.node()->bounds;
+      box.grow(geometry::Aabb{{b[0][i], b[2][i], b[4][i]}, {b[1][i], b[3][i], b[5][i]}});
+    }
+    share = geometry::half_area(box) / root_area;
+  }
+  measure_below(root_, share, root_area, depth, metrics);
+}
+
+void WideTree::measure_growth(std::vector<bool>& seen, kdtree::GrowthMetrics& growth) const {
+  growth.cells_built += node_count_;
+  each_block(root_, [&](const blocks::Block& block) {
+    ++growth.cells_built;
+    for (std::size_t i = 0; i < block.triangles; ++i) {
+      const std::uint32_t id = block.id(i);
+      if (seen[id]) continue;
+      seen[id] = true;
+      ++growth.references_built;
+    }
+  });
+}
+
+}  // namespace sightline::accel::wide

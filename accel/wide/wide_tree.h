@@ -1,0 +1,42 @@
+// A finished subtree as wide nodes over leaf blocks, in one allocation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/blocks/hierarchy.h"
+#include "accel/geometry/aabb.h"
+#include "accel/kdtree/finished_subtree.h"
+#include "accel/wide/wide_node.h"
+
+namespace sightline::accel::wide {
+
+/// Never changes. Threads: any.
+class WideTree final : public kdtree::FinishedSubtree {
+ public:
+  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`. The
+  /// largest child is opened until a node is full (Wald et al. 2008). Throws std::bad_alloc.
+  WideTree(const blocks::Node& root, const geometry::Vec3f& center);
+
+  Child root() const { return root_; }
+  const geometry::Vec3f& center() const { return center_; }
+
+  std::uint64_t bytes() const override;
+  void measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const override;
+  void measure_growth(std::vector<bool>& seen, kdtree::GrowthMetrics& growth) const override;
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const;
+  };
+
+  geometry::Vec3f center_;
+  std::size_t node_count_ = 0, bytes_ = 0;
+  std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then the words of the blocks.
+  Child root_{};
+};
+
+}  // namespace sightline::accel::wide
