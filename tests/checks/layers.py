@@ -11,6 +11,7 @@ ROOMS = """
 accel/result
 accel/geometry
 accel/kdtree                accel/geometry
+accel/blocks                accel/geometry accel/kdtree
 accel/split                 accel/result accel/geometry accel/kdtree
 accel/grow                  accel/geometry accel/kdtree accel/split
 accel/lazy                  accel/geometry accel/kdtree accel/split accel/grow
