@@ -28,8 +28,8 @@ void count_waiting(const DeferredCell& cell, ListBytes& lists, bool waits) {
 }
 
 void delete_below(const KdTree& tree, Slot slot) {
-  if (slot.is_deferred()) delete slot.cell();
-  if (slot.is_finished()) delete slot.finished();
+  if (slot.is_deferred()) return delete slot.cell();
+  if (slot.is_finished()) return delete slot.finished();
   if (!slot.is_binary()) return;
   const AtomicSlot* children = tree.children(slot);
   delete_below(tree, load(children[0]));
@@ -171,10 +171,12 @@ void KdTree::discard(Slot slot) {
   if (slot.is_deferred()) {
     count_waiting(*slot.cell(), *lists_, false);
     delete slot.cell();
+    return;
   }
   if (slot.is_finished()) {
     lists_->finished.fetch_sub(slot.finished()->bytes(), std::memory_order_relaxed);
     delete slot.finished();
+    return;
   }
   if (!slot.is_binary()) return;
   AtomicSlot* pair = children(slot);

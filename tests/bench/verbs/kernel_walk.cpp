@@ -11,6 +11,7 @@
 #include "accel/geometry/intersect.h"
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/traverse.h"
+#include "accel/wide/walk_in_doubles.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/verbs/plain_float.h"
 #include "tests/support/all_instances.h"
@@ -105,17 +106,24 @@ struct MeshVisit {
 
   double limit() const { return answer.tmax() / ray.local->unit + ray.slack; }
 
-  void test(std::uint32_t id) {
+  /// False: the walk goes on.
+  bool test(std::uint32_t id) {
     ++walked.tests;
     const accel::geometry::Face& f = mesh.faces[id];
     const std::optional<double> local =
         triangle(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
     if (local) answer.offer(*local * ray.local->unit, node, id);
+    return false;
   }
 
   bool leaf(std::span<const std::uint32_t> ids) {
     for (const std::uint32_t id : ids) test(id);
     return false;
+  }
+
+  bool finished(const accel::kdtree::FinishedSubtree& subtree) {
+    return accel::wide::walk_in_doubles(static_cast<const accel::wide::WideTree&>(subtree), ray,
+                                        *this, walked);
   }
 
   DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
@@ -155,6 +163,8 @@ struct SceneVisit {
     for (const std::uint32_t id : ids) enter(id);
     return false;
   }
+
+  static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
 
   DeferredAction deferred(AtomicSlot&, const DeferredCell&) {
     for (const Instance& instance : tests::all_instances(instances)) enter(instance.index);
