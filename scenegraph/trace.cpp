@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bitset>
 #include <string>
 
+#include "scenegraph/query/packet_caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
 
@@ -25,7 +27,7 @@ using query::RayBlock;
 using query::RayCaster;
 using query::TreeEntry;
 
-/// Runs answer(RayCaster, RayBlock) for every block of a batch.
+/// Runs answer(OpenTrees, RayBlock), which returns its TraceStats, for every block of a batch.
 template <class Answer>
 Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t rays,
                                 std::size_t rays_per_block, const TraceOptions& options,
@@ -36,11 +38,8 @@ Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t 
   if (!built) return built;
   const instances::OpenTrees trees = snapshot.trees();
   const auto answer_all = [&] {
-    return query::run_blocks(rays, rays_per_block, options.cancelled, [&](const RayBlock& block) {
-      RayCaster caster(trees, options);
-      answer(caster, block);
-      return caster.stats();
-    });
+    return query::run_blocks(rays, rays_per_block, options.cancelled,
+                             [&](const RayBlock& block) { return answer(trees, block); });
   };
   Result<TraceStats> traced = query::or_out_of_memory(answer_all);
   if (traced) *traced += *built;
@@ -60,17 +59,52 @@ bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending whe
   return caster.end();
 }
 
-/// Casts every ray and calls keep(i, caster) where the answer to rays[i] is in the caster.
+/// The rays of a block that packets have answered.
+using Answered = std::bitset<kRaysPerBlock>;
+
+/// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
+/// is in the caster.
+template <class Keep>
+TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, std::span<const Ray> rays,
+                      const RayBlock& block, const Answered& answered, const TraceOptions& options,
+                      const Keep& keep) {
+  RayCaster caster(trees, options);
+  answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
+    if (answered[i - block.first]) return true;
+    const bool done = cast_ray(caster, kind, rays[i], when_pending);
+    if (done) keep(i, caster);
+    return done;
+  });
+  return caster.stats();
+}
+
+/// Casts the rays of a block in packets; those that packets leave, alone.
+TraceStats cast_in_packets(const instances::OpenTrees& trees, std::span<const Ray> rays,
+                           const RayBlock& block, std::span<Hit> hits,
+                           const TraceOptions& options) {
+  query::PacketCaster caster(trees, options);
+  Answered answered;
+  for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
+       i += accel::wide::kLanes) {
+    const std::size_t count = std::min(accel::wide::kLanes, block.end - i);
+    const std::uint32_t done = caster.cast(rays.subspan(i, count), hits.subspan(i, count));
+    answered |= Answered(done) << (i - block.first);
+  }
+  TraceStats stats = caster.stats();
+  if (answered.count() < block.end - block.first) {
+    stats += cast_alone(trees, options.kind, rays, block, answered, options,
+                        [&](std::size_t i, const RayCaster& one) { hits[i] = one.hit(); });
+  }
+  return stats;
+}
+
+/// Casts every ray alone and calls keep(i, caster) where the answer to rays[i] is in the caster.
 template <class Keep>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              std::span<const Ray> rays, const TraceOptions& options,
                              const Keep& keep) {
-  const auto answer = [&](RayCaster& caster, const RayBlock& block) {
-    answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
-      const bool done = cast_ray(caster, kind, rays[i], when_pending);
-      if (done) keep(i, caster);
-      return done;
-    });
+  const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
+    return cast_alone(trees, kind, rays, block, {}, options, keep);
   };
   return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }
@@ -89,8 +123,14 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  return cast_rays(snapshot, options.kind, rays, options,
-                   [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
+  if (!query::PacketCaster::takes(options)) {
+    return cast_rays(snapshot, options.kind, rays, options,
+                     [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
+  }
+  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options,
+                      [&](const instances::OpenTrees& trees, const RayBlock& block) {
+                        return cast_in_packets(trees, rays, block, hits, options);
+                      });
 }
 
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
@@ -109,8 +149,9 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
   std::vector<std::vector<Hit>> of_blocks((rays.size() + rays_per_block - 1) / rays_per_block);
   // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};
-  const auto answer = [&](RayCaster& caster, const RayBlock&) {
-    if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return;
+  const auto answer = [&](const instances::OpenTrees& trees, const RayBlock&) -> TraceStats {
+    if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return {};
+    RayCaster caster(trees, options);
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
     const std::size_t end = std::min(first + rays_per_block, rays.size());
@@ -119,6 +160,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
       tallies[i] = caster.list(of_blocks[block]);
     }
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
+    return caster.stats();
   };
   auto traced = trace_blocks(snapshot, rays.size(), rays_per_block, options, answer);
   if (!traced) return traced;

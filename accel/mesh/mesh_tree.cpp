@@ -2,9 +2,11 @@
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
+#include "accel/mesh/packet_query.h"
 
 namespace sightline::accel::mesh {
 
@@ -33,6 +35,25 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
     walk_lazily(*lazy, ray, query, walked, built, test);
   } else {
     query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
+  }
+}
+
+void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery& lazy,
+                     std::uint32_t& saw_deferred, kdtree::WalkCounters& walked,
+                     kdtree::BuildCounters& built) {
+  auto* tree = std::get_if<lazy::LazyTree>(&tree_);
+  if (tree != nullptr && tree->makes_blocks())
+    lanes = query_packet({*tree, mesh_, lazy, saw_deferred, walked, built}, packet, lanes);
+  for (; lanes != 0 && !packet.stopped; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const std::uint64_t before = walked.steps + walked.tests;
+    LaneQuery alone(packet, lane, lazy);
+    query(alone.query, walked, built);
+    alone.give_back();
+    packet.work[lane] += static_cast<std::uint32_t>(walked.steps + walked.tests - before);
+    if (alone.query.saw_deferred) saw_deferred |= 1u << lane;
+    lazy = alone.query;
+    packet.stopped = lazy.suspended || lazy.is_cancelled();
   }
 }
 

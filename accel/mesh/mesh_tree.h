@@ -17,6 +17,7 @@
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
 #include "accel/split/scan_split.h"
+#include "accel/wide/packet.h"
 
 namespace sightline::accel::mesh {
 
@@ -71,6 +72,12 @@ class MeshTree {
 
   /// Finds hits and updates the query.
   void query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
+
+  /// As query() for those rays of the packet, for the nearest or any hit. `saw_deferred` gets a bit
+  /// for each ray that met a cell which was skipped or searched.
+  void query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery& lazy,
+             std::uint32_t& saw_deferred, kdtree::WalkCounters& walked,
+             kdtree::BuildCounters& built);
 
   /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
   /// cancelled.

@@ -153,8 +153,7 @@ class Batch {
       if ((verdicts.hit >> i & 1) == 0 || packet_.culling != geometry::Culling::kNone) {
         decide_alone(i);
       } else {
-        offer(packet_, pairs_.lane[i], verdicts.t[i],
-              Block(pairs_.block[i]).id(pairs_.triangle[i]));
+        offer(packet_, pairs_.lane[i], verdicts.t[i], pairs_.block[i], pairs_.triangle[i]);
       }
     }
   }
@@ -188,7 +187,7 @@ void decide(Packet& packet, std::size_t lane, const std::uint32_t* words, std::u
                         c = corner_of(packet, block, 2, triangle);
   const std::optional<double> local = geometry::intersect(ray, a, b, c);
   if (!local || geometry::is_culled(packet.culling, ray, a, b, c)) return;
-  if (offer(packet, lane, *local * ray.unit, block.id(triangle))) tighten(packet, lane);
+  if (offer(packet, lane, *local * ray.unit, words, triangle)) tighten(packet, lane);
 }
 
 void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std::uint32_t triangle,

@@ -4,14 +4,17 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "accel/blocks/block.h"
 #include "accel/wide/packet.h"
 
 namespace sightline::accel::wide {
 
 /// Keeps a hit if it is within the ray's limits and less than the best by (t, node, primitive). t is
 /// in units of the caller's direction. Culling is the caller's.
-inline bool offer(Packet& packet, std::size_t lane, double t, std::uint32_t primitive) {
-  BestHits& best = packet.best;
+inline bool offer(Packet& packet, std::size_t lane, double t, const std::uint32_t* block,
+                  std::uint32_t triangle) {
+  const std::uint32_t primitive = blocks::Block(block).id(triangle);
+  BestHits& best = *packet.best;
   if (!(t >= packet.rays.tmin[lane] && t <= packet.rays.tmax[lane])) return false;
   if (t > best.t[lane]) return false;
   if (t == best.t[lane]) {
@@ -22,6 +25,9 @@ inline bool offer(Packet& packet, std::size_t lane, double t, std::uint32_t prim
   best.node[lane] = packet.node;
   best.primitive[lane] = primitive;
   best.instance[lane] = packet.instance;
+  best.block[lane] = block;
+  best.triangle[lane] = static_cast<std::uint8_t>(triangle);
+  best.center[lane] = packet.center;
   best.found |= 1u << lane;
   return true;
 }

@@ -154,7 +154,7 @@ class Preparing {
     };
     const Doubles tmax = Doubles::load(rays.tmax.data());
     const Floats begin = local(Doubles::load(rays.tmin.data())), end = local(tmax);
-    const Floats best = local(min(tmax, Doubles::load(packet_.best.t.data())));
+    const Floats best = local(min(tmax, Doubles::load(packet_.best->t.data())));
     const Floats slack = distance_ * Floats::set(0x1.1p-28f);
     t_in_ = max(t_in_, widened_down(begin, 0x1p-23f) - slack);
     t_out_ = min(t_out_, widened_up(best, 0x1p-23f) + slack);
@@ -200,7 +200,7 @@ Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
 
 void tighten(Packet& packet, std::size_t lane) {
   FloatRays& floats = packet.floats;
-  const double t = packet.best.t[lane] / packet.rays.unit[lane];
+  const double t = packet.best->t[lane] / packet.rays.unit[lane];
   // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that of
   // depths.
   const auto out = static_cast<float>(t);

@@ -259,7 +259,7 @@ class Group {
     while (top > 0) {
       const Waiting& next = stack_[--top];
       if (next.t > farthest_) continue;
-      lanes = kAny ? next.lanes & ~packet_.best.found
+      lanes = kAny ? next.lanes & ~packet_.best->found
                    : next.lanes & (Floats::set(next.t) <= t_out_);
       if (lanes == 0) continue;
       at = next.at;
@@ -309,7 +309,7 @@ class Group {
         continue;
       if constexpr (kAny) {
         find(words, i, verdict);
-        lanes &= ~packet_.best.found;
+        lanes &= ~packet_.best->found;
       } else {
         lowered |= keep(words, i, verdict);
       }
@@ -337,7 +337,7 @@ class Group {
   void find(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
     const std::uint32_t found =
         certain(verdict, verdict.depth - verdict.off, verdict.depth + verdict.off);
-    packet_.best.found |= found;
+    packet_.best->found |= found;
     for (std::uint32_t left = verdict.possible & ~found; left != 0; left &= left - 1)
       decide(packet_, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
   }

@@ -13,12 +13,13 @@ namespace sightline::accel::wide {
 
 inline constexpr std::size_t kLanes = 16;
 
+/// A number of each ray, aligned for vectors.
 template <class T>
-using Column = std::array<T, kLanes>;
+struct alignas(64) Column : std::array<T, kLanes> {};
 
 /// The rays as LocalRays have them: the direction is scaled by `unit`. tmin and tmax are in units of
 /// the caller's direction.
-struct alignas(64) Rays {
+struct Rays {
   std::array<Column<double>, 3> origin, direction;
   Column<double> unit;
   Column<double> tmin, tmax;
@@ -26,10 +27,14 @@ struct alignas(64) Rays {
 
 /// The best hits, by (t, node, primitive); t in units of the caller's direction. `found` has a bit
 /// for each ray with a hit. Others have the greatest t and node, so that any hit is better.
-struct alignas(64) BestHits {
+struct BestHits {
   Column<double> t;
   Column<std::uint64_t> node;
   Column<std::uint32_t> primitive, instance;
+  /// Where the triangle is in a block, relative to this center; null: not known.
+  Column<const std::uint32_t*> block;
+  Column<std::uint8_t> triangle;
+  Column<geometry::Vec3f> center;
   std::uint32_t found = 0;
 
   void clear() {
@@ -42,7 +47,7 @@ struct alignas(64) BestHits {
 
 /// What floats know of the rays, relative to a tree's center. docs/hit_rule.md, section 7, has the
 /// bounds on all errors.
-struct alignas(64) FloatRays {
+struct FloatRays {
   std::array<Column<float>, 3> origin, inverse;
   /// A plane at b is passed at b * inverse + near, or earlier; and at b * inverse + far, or later.
   std::array<Column<float>, 3> near, far;
@@ -67,7 +72,7 @@ struct Candidates {
   /// The best certain hit by floats, and the least depth that it may have.
   Column<const std::uint32_t*> best_block;
   Column<std::uint32_t> best_triangle;
-  alignas(64) Column<float> best_low;
+  Column<float> best_low;
   std::uint32_t has_best = 0;
   /// Others that may be better.
   std::array<std::array<const std::uint32_t*, kCandidates>, kLanes> block;
@@ -79,7 +84,7 @@ struct Candidates {
 /// A packet on its way through one mesh's tree.
 struct Packet {
   Rays rays;
-  BestHits best;
+  BestHits* best = nullptr;  ///< Shared by the packets of the same rays in other frames.
   FloatRays floats;
   Candidates candidates;
   // The question; equal for all rays.

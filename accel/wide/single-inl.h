@@ -92,7 +92,7 @@ class Single {
   };
 
   HWY_INLINE bool is_done() const {
-    return packet_.stopped || (kAny && (packet_.best.found >> lane_ & 1) != 0);
+    return packet_.stopped || (kAny && (packet_.best->found >> lane_ & 1) != 0);
   }
 
   /// Visits nodes, nearest children first, and what is not a node at the end of that path.
@@ -211,7 +211,7 @@ class Single {
                                   (high <= Floats::set(rays.sure_high[lane_]));
     if constexpr (kAny) {
       if (certain != 0) {
-        packet_.best.found |= 1u << lane_;
+        packet_.best->found |= 1u << lane_;
         return;
       }
       for (std::uint32_t left = verdict.possible; left != 0 && !is_done(); left &= left - 1)

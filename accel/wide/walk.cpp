@@ -48,6 +48,21 @@ void walk_lanes(const Walked& walked, Child root, std::uint32_t lanes) {
   }
 }
 
+std::uint32_t meeting_box(const Packet& packet, const geometry::Aabb& box) {
+  const FloatRays& rays = packet.floats;
+  Floats in = Floats::load(rays.t_in.data()), out = Floats::load(rays.t_out.data());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Floats inverse = Floats::load(rays.inverse[axis].data()), zero = Floats::set(0);
+    const std::uint32_t backward = inverse < zero;
+    const Floats lo = Floats::set(box.lo[axis]), hi = Floats::set(box.hi[axis]);
+    in = max(in, mul_add(Floats::pick(backward, hi, lo), inverse,
+                         Floats::load(rays.near[axis].data())));
+    out = min(out, mul_add(Floats::pick(backward, lo, hi), inverse,
+                           Floats::load(rays.far[axis].data())));
+  }
+  return in <= out;
+}
+
 void walk_packet(const Walked& walked, Child root, std::uint32_t lanes) {
   if (walked.packet.any) {
     walk_lanes<true>(walked, root, lanes);
@@ -64,9 +79,23 @@ HWY_AFTER_NAMESPACE();
 namespace sightline::accel::wide {
 
 HWY_EXPORT(walk_packet);
+HWY_EXPORT(meeting_box);
+
+std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes) {
+  return lanes & HWY_DYNAMIC_DISPATCH(meeting_box)(packet, box);
+}
 
 void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots,
           WalkTotals& totals) {
+  // Before the rays part into groups.
+  while (lanes != 0 && !root.is_node() && !root.is_block()) {
+    const kdtree::Slot now = kdtree::load(*root.slot());
+    if (now.is_finished()) {
+      root = static_cast<const WideTree*>(now.finished())->root();
+    } else if (!slots.visit(*root.slot(), lanes)) {
+      return;
+    }
+  }
   HWY_DYNAMIC_DISPATCH(walk_packet)({packet, slots, totals}, root, lanes);
 }
 

@@ -84,7 +84,6 @@ class RayCaster {
   bool enter_bounds(TreeEntry& tree) const;
   bool is_seen(const TreeEntry& tree, std::uint32_t id) const;
   accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed) const;
-  void set_surface(const instances::Instance& instance, accel::geometry::Hit& hit) const;
   std::uint32_t work() const;
 
   accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again

@@ -1,0 +1,27 @@
+// Carrying a packet of rays into the frame of an instance.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "accel/wide/packet.h"
+
+namespace sightline::accel::wide {
+
+/// Rays as they were asked, in columns.
+struct GivenRays {
+  std::array<Column<double>, 3> origin, direction;
+};
+
+/// A 3x4 matrix by rows, as of an affine transform.
+using Matrix = std::array<double, 12>;
+
+/// Sets origin, direction and unit of `out`, as geometry::set_local_ray does for each transformed
+/// ray, bit for bit. Returns those of `lanes` for which that succeeds.
+std::uint32_t carry(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes, Rays& out);
+
+/// As carry() for a translation by -center.
+std::uint32_t center(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes,
+                     Rays& out);
+
+}  // namespace sightline::accel::wide

@@ -1,0 +1,24 @@
+// Weights and normals of the hits of a packet.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/wide/carry.h"
+#include "accel/wide/packet.h"
+
+namespace sightline::accel::wide {
+
+struct Surfaces {
+  Column<float> u, v;  ///< As geometry::Barycentric.
+  /// Of length 1, in the frame that `matrix` leads from; where it has none, `no_normal` has a bit.
+  std::array<Column<float>, 3> normal;
+  std::uint32_t no_normal = 0;
+};
+
+/// Sets weights and normals for hits in `lanes`, all in one instance and with blocks. `matrix` leads
+/// into the instance's frame, which `mirrored` says reverses windings. The numbers are those of
+/// geometry::barycentric, and of one hit at a time, bit for bit.
+void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& matrix,
+                   bool mirrored, std::uint32_t lanes, Surfaces& out);
+
+}  // namespace sightline::accel::wide

@@ -1,0 +1,315 @@
+#include "scenegraph/query/packet_caster.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "accel/blocks/frame.h"
+#include "accel/mesh/mesh_tree.h"
+#include "accel/wide/surface.h"
+#include "scenegraph/query/selection.h"
+#include "scenegraph/query/surface.h"
+
+namespace sightline::scenegraph::query {
+namespace {
+
+using accel::geometry::Hit;
+using accel::geometry::HitState;
+using accel::geometry::Ray;
+using accel::wide::kLanes;
+
+std::uint32_t first_lanes(std::size_t count) {
+  return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+}
+
+}  // namespace
+
+/// What a walk of one of the two trees does at its slots.
+class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
+ public:
+  SceneSlots(PacketCaster& caster, const instances::Instances& tree, std::uint32_t first,
+             const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built)
+      : caster_(caster), tree_(tree), first_(first), removed_(removed), built_(built) {}
+
+  bool visit(accel::kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
+    const accel::kdtree::Slot now = accel::kdtree::load(slot);
+    if (now.is_leaf()) {
+      std::uint32_t storage;
+      visit_leaf(now.leaf_count() > 0 ? tree_.tree().tree().leaf(now, storage)
+                                      : std::span<const std::uint32_t>{},
+                 lanes);
+      return false;
+    }
+    if (now.is_deferred()) return expand(slot, lanes);
+    for (; lanes != 0 && !caster_.scene_.stopped; lanes &= lanes - 1)
+      go_alone(slot, static_cast<std::size_t>(std::countr_zero(lanes)));
+    return false;
+  }
+
+ private:
+  /// What a single ray does on its way through the kd-tree.
+  struct LaneVisit {
+    SceneSlots& slots;
+    std::size_t lane;
+
+    double limit() const {
+      return static_cast<double>(slots.caster_.scene_.floats.t_out[lane]);
+    }
+    bool leaf(std::span<const std::uint32_t> ids) {
+      slots.visit_leaf(ids, 1u << lane);
+      return is_done();
+    }
+    static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
+    accel::kdtree::DeferredAction deferred(accel::kdtree::AtomicSlot& slot,
+                                           const accel::kdtree::DeferredCell&) {
+      if (slots.expand(slot, 1u << lane)) return accel::kdtree::DeferredAction::kRetry;
+      return accel::kdtree::DeferredAction::kStop;
+    }
+    bool is_done() const {
+      const PacketCaster& caster = slots.caster_;
+      return caster.scene_.stopped ||
+             (caster.scene_.any && (caster.best_.found >> lane & 1) != 0);
+    }
+  };
+
+  /// True: the slot has changed. False: these rays must be cast alone.
+  bool expand(accel::kdtree::AtomicSlot& slot, std::uint32_t lanes) {
+    const accel::lazy::ExpandResult expanded = tree_.tree().expand(
+        slot, accel::lazy::WhenPending::kReturn, built_, caster_.options_.cancelled);
+    if (expanded == accel::lazy::ExpandResult::kRetry) return true;
+    caster_.alone_ |= lanes;
+    return false;
+  }
+
+  void go_alone(accel::kdtree::AtomicSlot& slot, std::size_t lane) {
+    const accel::wide::Rays& rays = caster_.scene_.rays;
+    const accel::geometry::LocalRay ray{
+        {rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
+        {rays.direction[0][lane], rays.direction[1][lane], rays.direction[2][lane]},
+        rays.unit[lane]};
+    accel::kdtree::TreeRay in_tree;
+    const accel::kdtree::KdTree& tree = tree_.tree().tree();
+    if (!accel::kdtree::enter(ray, tree.bounds(), rays.tmin[lane] / ray.unit,
+                              std::min(rays.tmax[lane], caster_.best_.t[lane]) / ray.unit, in_tree))
+      return;
+    const std::uint64_t before = caster_.walked_.steps;
+    LaneVisit visit{*this, lane};
+    accel::kdtree::walk(tree, in_tree, slot, caster_.walked_, visit);
+    caster_.scene_.work[lane] += static_cast<std::uint32_t>(caster_.walked_.steps - before);
+  }
+
+  void visit_leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
+    for (const std::uint32_t id : ids) {
+      if (caster_.scene_.any) lanes &= ~caster_.best_.found;
+      if (lanes == 0 || caster_.scene_.stopped) return;
+      visit_instance(id, lanes);
+    }
+  }
+
+  void visit_instance(std::uint32_t id, std::uint32_t lanes) {
+    const instances::Instance& instance = tree_[id];
+    lanes = caster_.seeing(instance.mask, recent_.add(id, lanes));
+    if (lanes == 0) return;
+    if (removed_ != nullptr && removed_->has(id)) return;
+    const Selection* selection = caster_.options_.selection;
+    if (selection != nullptr && !selection->selects(first_ + id)) return;
+    const accel::geometry::Vec3f& center = caster_.scene_.center;
+    lanes = accel::wide::meeting(caster_.scene_,
+                                 {instance.box.lo - center, instance.box.hi - center}, lanes);
+    if (lanes != 0) caster_.enter(instance, first_ + id, lanes, built_);
+  }
+
+  PacketCaster& caster_;
+  const instances::Instances& tree_;
+  const std::uint32_t first_;
+  const instances::RemovedFilter* removed_;
+  accel::kdtree::BuildCounters& built_;
+  RecentLanes recent_;
+};
+
+PacketCaster::PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options)
+    : trees_(trees), options_(options) {
+  for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
+    packet->best = &best_;
+    packet->any = options.kind == QueryKind::kAny;
+  }
+}
+
+/// Sets the columns. Returns a bit for each ray.
+std::uint32_t PacketCaster::read(std::span<const Ray> rays) {
+  see_all_ = true;
+  std::uint32_t limited = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Ray& ray = rays[std::min(i, rays.size() - 1)];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      given_.origin[axis][i] = ray.origin[axis];
+      given_.direction[axis][i] = ray.direction[axis];
+    }
+    mesh_.rays.tmin[i] = scene_.rays.tmin[i] = ray.tmin;
+    mesh_.rays.tmax[i] = scene_.rays.tmax[i] = ray.tmax;
+    masks_[i] = ray.mask;
+    see_all_ &= ray.mask == accel::geometry::kAllMasks;
+    limited |= static_cast<std::uint32_t>(!std::isnan(ray.tmin) && !std::isnan(ray.tmax)) << i;
+  }
+  best_.clear();
+  scene_.work.fill(0);
+  mesh_.work.fill(0);
+  scene_.stopped = mesh_.stopped = false;
+  alone_ = saw_deferred_ = 0;
+  frame_ = nullptr;
+  lazy_ = {};
+  lazy_.when_pending = accel::lazy::WhenPending::kReturn;
+  lazy_.pin = &pin_;
+  lazy_.cancelled = options_.cancelled;
+  return limited & first_lanes(rays.size());
+}
+
+std::uint32_t PacketCaster::cast(std::span<const Ray> rays, std::span<Hit> hits) {
+  pin_.renew();
+  valid_ = read(rays);
+  valid_ = accel::wide::center(given_, trees_.static_tree.center(), valid_, scene_.rays);
+  if (trees_.static_tree.size() > 0)
+    walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
+  if (trees_.dynamic_tree.size() > 0 && !scene_.stopped) {
+    const std::uint32_t in_range = accel::wide::center(given_, trees_.dynamic_tree.center(), valid_,
+                                                       scene_.rays);
+    alone_ |= valid_ & ~in_range;
+    walk_tree(trees_.dynamic_tree, static_cast<std::uint32_t>(trees_.static_tree.size()), nullptr,
+              dynamic_built_);
+  }
+  if (scene_.stopped) return 0;
+  write(rays, hits);
+  return first_lanes(rays.size()) & ~alone_;
+}
+
+void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t first,
+                             const instances::RemovedFilter* removed,
+                             accel::kdtree::BuildCounters& built) {
+  const accel::geometry::Aabb& bounds = tree.tree().tree().bounds();
+  if (bounds.empty()) return;
+  const accel::geometry::Vec3f center = accel::blocks::frame_center(bounds);
+  const accel::wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
+  std::uint32_t lanes = valid_ & ~alone_;
+  if (scene_.any) lanes &= ~best_.found;
+  const float size = accel::wide::largest_coordinate(frame.bounds);
+  if (!(size >= accel::wide::kLeastSize && size <= accel::wide::kLargestSize)) {
+    alone_ |= lanes;
+    return;
+  }
+  const accel::wide::Prepared prepared = accel::wide::prepare(scene_, frame, lanes);
+  alone_ |= prepared.slow;
+  SceneSlots slots(*this, tree, first, removed, built);
+  accel::wide::WalkTotals totals;
+  accel::wide::walk(scene_, accel::wide::Child::slot(&tree.tree().root()), prepared.live, slots,
+                    totals);
+  walked_.steps += totals.nodes;
+}
+
+std::uint32_t PacketCaster::seeing(std::uint32_t mask, std::uint32_t lanes) const {
+  if (see_all_) return mask != 0 ? lanes : 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if ((masks_[i] & mask) == 0) lanes &= ~(1u << i);
+  }
+  return lanes;
+}
+
+void PacketCaster::enter(const instances::Instance& instance, std::uint32_t index,
+                         std::uint32_t lanes, accel::kdtree::BuildCounters& built) {
+  if (frame_ == nullptr || *frame_ != instance.local_from_world) {
+    frame_ = &instance.local_from_world;
+    in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
+  }
+  lanes &= in_frame_;
+  if (lanes == 0) return;
+  stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
+  if (!instance.entered->load(std::memory_order_relaxed))
+    instance.entered->store(true, std::memory_order_relaxed);
+  mesh_.node = instance.node;
+  mesh_.instance = index;
+  mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
+  const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
+  const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
+  mesh.tree.query(mesh_, lanes, lazy_, saw_deferred_, walked_, built);
+  if (mesh_.stopped) {
+    scene_.stopped = true;
+    return;
+  }
+  if (scene_.any) return;
+  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1)
+    accel::wide::tighten(scene_, static_cast<std::size_t>(std::countr_zero(hit)));
+}
+
+void PacketCaster::write(std::span<const Ray> rays, std::span<Hit> hits) {
+  const std::uint32_t answered = first_lanes(rays.size()) & ~alone_;
+  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
+  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
+  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Hit hit;
+    if ((valid_ >> i & 1) == 0) {
+      hit.t = std::numeric_limits<double>::quiet_NaN();
+      hit.state = HitState::kInvalid;
+      hits[i] = hit;
+      continue;
+    }
+    if ((best_.found >> i & 1) != 0) {
+      hit.state = HitState::kHit;
+      if (!scene_.any) {
+        hit.t = best_.t[i];
+        hit.node = best_.node[i];
+        hit.primitive = best_.primitive[i];
+      }
+    }
+    hit.work = std::min(scene_.work[i] + mesh_.work[i], accel::geometry::kWorkDeferred - 1) |
+               ((saw_deferred_ >> i & 1) != 0 ? accel::geometry::kWorkDeferred : 0);
+    hits[i] = hit;
+  }
+  if (options_.surface && !scene_.any) set_surfaces(rays, hits);
+}
+
+/// Together for all hits in one instance.
+void PacketCaster::set_surfaces(std::span<const Ray> rays, std::span<Hit> hits) {
+  std::uint32_t left = best_.found & first_lanes(rays.size()) & ~alone_;
+  while (left != 0) {
+    const auto first = static_cast<std::size_t>(std::countr_zero(left));
+    const instances::Instance& instance = trees_[best_.instance[first]];
+    if (best_.block[first] == nullptr) {
+      set_surface(instance, rays[first], hits[first]);
+      left &= left - 1;
+      continue;
+    }
+    std::uint32_t same = 0;
+    for (std::size_t i = first; i < rays.size(); ++i) {
+      const bool here = best_.instance[i] == best_.instance[first] && best_.block[i] != nullptr;
+      same |= static_cast<std::uint32_t>(here) << i;
+    }
+    same &= left;
+    left &= ~same;
+    accel::wide::Surfaces surfaces;
+    accel::wide::find_surfaces(given_, best_, instance.local_from_world.m, instance.mirrored, same,
+                               surfaces);
+    for (; same != 0; same &= same - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(same));
+      hits[i].u = surfaces.u[i];
+      hits[i].v = surfaces.v[i];
+      if ((surfaces.no_normal >> i & 1) == 0)
+        hits[i].normal = {surfaces.normal[0][i], surfaces.normal[1][i], surfaces.normal[2][i]};
+    }
+  }
+}
+
+TraceStats PacketCaster::stats() const {
+  TraceStats stats = stats_;
+  stats.traversal_steps = walked_.steps;
+  stats.triangle_tests = walked_.tests;
+  stats.cells_expanded = static_built_.cells_expanded + dynamic_built_.cells_expanded;
+  stats.trees_begun = static_built_.trees_begun + dynamic_built_.trees_begun;
+  stats.touches = static_built_.touches + dynamic_built_.touches;
+  stats.touches_prepare = static_built_.touches_prepare + dynamic_built_.touches_prepare;
+  stats.dynamic_touches = dynamic_built_.touches + dynamic_built_.touches_prepare;
+  stats.build_seconds = static_built_.seconds + dynamic_built_.seconds;
+  return stats;
+}
+
+}  // namespace sightline::scenegraph::query

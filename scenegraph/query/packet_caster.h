@@ -1,0 +1,99 @@
+// Rays in packets on their way through a revision: the static and the dynamic tree, their instances,
+// the meshes of those. For the nearest hit, or whether there is any.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "accel/kdtree/epoch.h"
+#include "accel/lazy/walk_lazily.h"
+#include "accel/wide/carry.h"
+#include "accel/wide/float_rays.h"
+#include "accel/wide/packet.h"
+#include "accel/wide/walk.h"
+#include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/trace_options.h"
+
+namespace sightline::scenegraph::query {
+
+/// The instances that the rays of a packet entered last: an instance lies in several cells. A
+/// forgotten one costs only time.
+class RecentLanes {
+ public:
+  void clear() { entries_.fill({}); }
+
+  /// Those of `lanes` that have not entered the instance, which they do now.
+  std::uint32_t add(std::uint32_t id, std::uint32_t lanes) {
+    for (Entry& entry : entries_) {
+      if (entry.lanes == 0 || entry.id != id) continue;
+      const std::uint32_t fresh = lanes & ~entry.lanes;
+      entry.lanes |= lanes;
+      return fresh;
+    }
+    entries_[next_++ % entries_.size()] = {id, lanes};
+    return lanes;
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t id = 0, lanes = 0;
+  };
+  std::array<Entry, 16> entries_;
+  std::size_t next_ = 0;
+};
+
+/// For one block of rays, on one thread, which it pins to an epoch.
+class PacketCaster {
+ public:
+  /// Whether packets answer such a batch.
+  static bool takes(const TraceOptions& options) {
+    return options.growth == Growth::kFirstTouch || options.growth == Growth::kFull;
+  }
+
+  PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options);
+  PacketCaster(const PacketCaster&) = delete;
+  PacketCaster& operator=(const PacketCaster&) = delete;
+
+  /// Answers rays, at most wide::kLanes of them. Returns a bit for each that is answered; the others
+  /// must be cast alone: they need a cell that others build, or lie beyond the range of floats.
+  std::uint32_t cast(std::span<const accel::geometry::Ray> rays,
+                     std::span<accel::geometry::Hit> hits);
+
+  /// Of all rays answered.
+  TraceStats stats() const;
+
+ private:
+  class SceneSlots;
+
+  std::uint32_t read(std::span<const accel::geometry::Ray> rays);
+  void walk_tree(const instances::Instances& tree, std::uint32_t first,
+                 const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
+  void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
+             accel::kdtree::BuildCounters& built);
+  std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
+  void write(std::span<const accel::geometry::Ray> rays, std::span<accel::geometry::Hit> hits);
+  void set_surfaces(std::span<const accel::geometry::Ray> rays,
+                    std::span<accel::geometry::Hit> hits);
+
+  accel::kdtree::EpochPin pin_;  // renewed for each packet
+  const instances::OpenTrees trees_;
+  const TraceOptions options_;
+  accel::kdtree::BuildCounters static_built_, dynamic_built_;
+  accel::kdtree::WalkCounters walked_;
+  TraceStats stats_;
+  // The current packet.
+  accel::wide::GivenRays given_;
+  accel::wide::BestHits best_;
+  accel::wide::Packet scene_, mesh_;  // the rays in the frame of a tree, and of an instance
+  std::array<std::uint32_t, accel::wide::kLanes> masks_;
+  bool see_all_ = true;      // all bits of all masks are set
+  std::uint32_t valid_ = 0;  // rays that are not invalid
+  std::uint32_t alone_ = 0;  // rays that must be cast alone
+  std::uint32_t saw_deferred_ = 0;
+  const model::Affine* frame_ = nullptr;  // of the instance that was entered last
+  std::uint32_t in_frame_ = 0;            // the rays that are in range there
+  accel::lazy::LazyQuery lazy_;
+};
+
+}  // namespace sightline::scenegraph::query
