@@ -10,6 +10,8 @@
 #include "accel/blocks/block_writer.h"
 #include "accel/blocks/workspace.h"
 
+#include <hwy/cache_control.h>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/blocks/block_builder.cpp"
 #include <hwy/foreach_target.h>
@@ -69,8 +71,11 @@ class Growth {
       orders.own[a] = work_.orders[0][a];
       orders.other[a] = work_.orders[1][a];
     }
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < count; ++i) {
       orders.own[0][i] = static_cast<std::uint64_t>(i) << kIndexShift;
+      for (const std::uint32_t v : mesh_.faces.data()[work_.ids.data()[indices_[i]]])
+        hwy::Prefetch(mesh_.vertices.data() + v);
+    }
     quantize(orders, count);
     return grow_orders(orders, count, levels);
   }
@@ -156,7 +161,8 @@ class Growth {
 };
 
 /// Clips the boxes. A reference has its corners in the lanes of a box, and integers in the others.
-void load(Workspace& work, std::span<const kdtree::Reference> refs, const geometry::Aabb& cell) {
+void load(Workspace& work, const geometry::MeshView& mesh, std::span<const kdtree::Reference> refs,
+          const geometry::Aabb& cell) {
   static_assert(offsetof(kdtree::Reference, lo) == 0 &&
                 offsetof(kdtree::Reference, hi) == 4 * sizeof(float));
   namespace hn = hwy::HWY_NAMESPACE;
@@ -180,6 +186,7 @@ void load(Workspace& work, std::span<const kdtree::Reference> refs, const geomet
     }
     min(max(box, lower), upper).store(boxes[i].lanes);
     ids[i] = refs[i].id;
+    hwy::Prefetch(mesh.faces.data() + refs[i].id);
     indices[i] = static_cast<std::uint32_t>(i);
   }
 }
@@ -187,7 +194,7 @@ void load(Workspace& work, std::span<const kdtree::Reference> refs, const geomet
 const Node* build(Workspace& work, const geometry::MeshView& mesh, const geometry::Vec3f& center,
                   std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                   Arena& arena) {
-  load(work, refs, cell);
+  load(work, mesh, refs, cell);
   return Growth(work, mesh, center, arena).grow(0, refs.size(), kMostLevels);
 }
 
