@@ -78,9 +78,10 @@ HWY_INLINE Records lesser(Records a, Records b) {
   return hn::BitCast(RecordTag(), hn::Min(hn::BitCast(halves, a), hn::BitCast(halves, b)));
 }
 HWY_INLINE std::uint64_t least_lane(Records keys) {
-  std::uint64_t lanes[kRecordLanes];
-  hwy::HWY_NAMESPACE::StoreU(keys, RecordTag(), lanes);
-  return *std::min_element(lanes, lanes + kRecordLanes);
+  namespace hn = hwy::HWY_NAMESPACE;
+  const hn::Repartition<std::uint32_t, RecordTag> halves;
+  const Records upper = hn::Set(RecordTag(), ~std::uint64_t{0} << 32);
+  return hn::GetLane(hn::MinOfLanes(halves, hn::BitCast(halves, hn::Or(keys, upper))));
 }
 
 #endif
