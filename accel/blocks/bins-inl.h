@@ -137,7 +137,8 @@ class Bins {
     return x * y + y * z + z * x;
   }
   HWY_INLINE float cost(const Pack<8>& box, std::uint32_t count) const {
-    return area(box) * static_cast<float>((count + 3) / 4);
+    const std::uint32_t groups = (count + 3) / 4;
+    return area(box) * static_cast<float>(groups);
   }
 
   HWY_INLINE void search_axis(std::size_t a, float& least) {
