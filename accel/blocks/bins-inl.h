@@ -60,15 +60,17 @@ class Bins {
   HWY_INLINE std::size_t partition(std::uint32_t* indices, std::uint32_t* moved) const {
     std::size_t left = 0, right = 0;
     const float least = least_.lanes[axis_], scale = scale_.lanes[axis_];
-    for (std::size_t i = 0; i < count_; ++i) {
+    const BoxLanes* const boxes = boxes_;
+    const std::size_t axis = axis_, count = count_;
+    const int plane = plane_;
+    for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t index = indices[i];
-      const BoxLanes& box = boxes_[index];
-      const float center = box.lanes[axis_ + 4] - box.lanes[axis_];
-      const bool goes_left = static_cast<int>((center - least) * scale) <= plane_;
+      const float center = boxes[index].lanes[axis + 4] - boxes[index].lanes[axis];
+      const std::size_t goes_left = static_cast<int>((center - least) * scale) <= plane ? 1 : 0;
       indices[left] = index;
       moved[right] = index;
-      left += goes_left ? 1 : 0;
-      right += goes_left ? 0 : 1;
+      left += goes_left;
+      right += 1 - goes_left;
     }
     std::copy(moved, moved + right, indices + left);
     return left;
@@ -135,7 +137,8 @@ class Bins {
     return x * y + y * z + z * x;
   }
   HWY_INLINE float cost(const Pack<8>& box, std::uint32_t count) const {
-    return area(box) * static_cast<float>((count + 3) / 4);
+    const std::uint32_t groups = (count + 3) / 4;
+    return area(box) * static_cast<float>(groups);
   }
 
   HWY_INLINE void search_axis(std::size_t a, float& least) {

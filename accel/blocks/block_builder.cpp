@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "accel/blocks/block.h"
 #include "accel/blocks/block_writer.h"
 #include "accel/blocks/workspace.h"
+
+#include <hwy/cache_control.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "accel/blocks/block_builder.cpp"
@@ -63,10 +66,18 @@ class Growth {
 
  private:
   const Node* grow_swept(std::size_t count, unsigned levels) {
-    for (std::size_t i = 0; i < count; ++i)
-      work_.orders[0][i] = static_cast<std::uint64_t>(i) << kIndexShift;
-    quantize(0, count);
-    return grow_orders(0, count, levels);
+    Orders orders;
+    for (std::size_t a = 0; a < 3; ++a) {
+      orders.own[a] = work_.orders[0][a];
+      orders.other[a] = work_.orders[1][a];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      orders.own[0][i] = static_cast<std::uint64_t>(i) << kIndexShift;
+      for (const std::uint32_t v : mesh_.faces.data()[work_.ids.data()[indices_[i]]])
+        hwy::Prefetch(mesh_.vertices.data() + v);
+    }
+    quantize(orders, count);
+    return grow_orders(orders, count, levels);
   }
 
   const BoxLanes& box(std::uint64_t record) const {
@@ -81,34 +92,33 @@ class Growth {
     return b;
   }
 
-  /// Quantizes the boxes of a part of the orders relative to their union, and sorts them.
-  HWY_NOINLINE void quantize(std::size_t first, std::size_t count) {
+  /// Quantizes the boxes of a set relative to their union, and sorts them.
+  HWY_NOINLINE void quantize(const Orders& orders, std::size_t count) {
     std::uint64_t records[kSweptSet];
-    const Quantizer quantizer(box_of(work_.orders[0] + first, count));
+    const Quantizer quantizer(box_of(orders.own[0], count));
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint64_t old = work_.orders[0][first + i];
-      const std::uint64_t index = old & kIndexMask << kIndexShift;
-      records[i] = quantizer.record(box(old)) | index;
+      const std::uint64_t old = orders.own[0][i];
+      records[i] = quantizer.record(box(old)) | (old & kIndexMask << kIndexShift);
     }
-    for (std::size_t a = 0; a < 3; ++a) sort_records(records, count, a, work_.orders[a] + first);
+    for (std::size_t a = 0; a < 3; ++a) sort_records(records, count, a, orders.own[a]);
   }
 
-  /// The subtree of a part of the orders. What is behind the part is not needed any more and may be
-  /// overwritten, so the right side of a split grows first.
-  HWY_NOINLINE const Node* grow_orders(std::size_t first, std::size_t count, unsigned levels) {
-    if (count == 1) return leaf(first, count);
-    OrderSplit split = sweep(work_, first, count);
+  /// The right side of a split grows first, as it may overwrite what is behind it.
+  HWY_NOINLINE const Node* grow_orders(const Orders& orders, std::size_t count, unsigned levels) {
+    if (count == 1) return leaf(orders.own[0], count);
+    OrderSplit split = sweep(orders, count);
     if (split.extent < kCoarseExtent && count > kBlockTriangles) {
-      quantize(first, count);
-      split = sweep(work_, first, count);
+      quantize(orders, count);
+      split = sweep(orders, count);
     }
     if (count <= kBlockTriangles && leaf_pays(split, count)) {
-      if (const Node* const node = leaf(first, count)) return node;
+      if (const Node* const node = leaf(orders.own[0], count)) return node;
     }
     if (!fits(std::max(split.left, count - split.left), levels - 1)) split.left = count / 2;
-    divide(work_, first, count, split);
-    const Node* const right = grow_orders(first + split.left, count - split.left, levels - 1);
-    return join(grow_orders(first, split.left, levels - 1), right);
+    const Orders divided = divide(orders, count, split);
+    const Node* const right =
+        grow_orders(divided.behind(split.left), count - split.left, levels - 1);
+    return join(grow_orders(divided, split.left, levels - 1), right);
   }
 
   static bool leaf_pays(const OrderSplit& split, std::size_t count) {
@@ -119,8 +129,7 @@ class Growth {
   }
 
   /// Null if the triangles have too many vertices.
-  const Node* leaf(std::size_t first, std::size_t count) {
-    const std::uint64_t* const records = work_.orders[0] + first;
+  const Node* leaf(const std::uint64_t* records, std::size_t count) {
     std::uint32_t ids[kBlockTriangles];
     for (std::size_t i = 0; i < count; ++i)
       ids[i] = work_.ids.data()[indices_[index_of(records[i])]];
@@ -151,26 +160,41 @@ class Growth {
   const std::uint32_t* indices_ = nullptr;  ///< Of the swept set.
 };
 
-/// Clips the boxes.
-void load(Workspace& work, std::span<const kdtree::Reference> refs, const geometry::Aabb& cell) {
+/// Clips the boxes. A reference has its corners in the lanes of a box, and integers in the others.
+void load(Workspace& work, const geometry::MeshView& mesh, std::span<const kdtree::Reference> refs,
+          const geometry::Aabb& cell) {
+  static_assert(offsetof(kdtree::Reference, lo) == 0 &&
+                offsetof(kdtree::Reference, hi) == 4 * sizeof(float));
   namespace hn = hwy::HWY_NAMESPACE;
   using P = Pack<8>;
+  const hn::RebindToUnsigned<P::D> bits;
   const BoxLanes least = {{-cell.hi.x, -cell.hi.y, -cell.hi.z, 0, cell.lo.x, cell.lo.y, cell.lo.z}};
   const BoxLanes most = {{-cell.lo.x, -cell.lo.y, -cell.lo.z, 0, cell.hi.x, cell.hi.y, cell.hi.z}};
+  constexpr std::uint32_t kSign = 0x80000000, kAll = 0xffffffff;
+  alignas(32) constexpr std::uint32_t kSigns[8] = {kSign, kSign, kSign},
+                                      kUsed[8] = {kAll, kAll, kAll, 0, kAll, kAll, kAll, 0};
   const P lower = P::load(least.lanes), upper = P::load(most.lanes);
+  BoxLanes* const boxes = work.boxes.data();
+  std::uint32_t *const ids = work.ids.data(), *const indices = work.indices.data();
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    const kdtree::Reference& r = refs[i];
-    const BoxLanes box = {{-r.lo.x, -r.lo.y, -r.lo.z, 0, r.hi.x, r.hi.y, r.hi.z}};
-    min(max(P::load(box.lanes), lower), upper).store(work.boxes[i].lanes);
-    work.ids[i] = r.id;
-    work.indices[i] = static_cast<std::uint32_t>(i);
+    P box = P::load(&refs[i].lo.x);
+    for (std::size_t p = 0; p < P::kParts; ++p) {
+      const auto signs = hn::Load(bits, kSigns + p * P::kLanes);
+      const auto used = hn::Load(bits, kUsed + p * P::kLanes);
+      const auto lanes = hn::And(hn::Xor(hn::BitCast(bits, box.part[p]), signs), used);
+      box.part[p] = hn::BitCast(P::D(), lanes);
+    }
+    min(max(box, lower), upper).store(boxes[i].lanes);
+    ids[i] = refs[i].id;
+    hwy::Prefetch(mesh.faces.data() + refs[i].id);
+    indices[i] = static_cast<std::uint32_t>(i);
   }
 }
 
 const Node* build(Workspace& work, const geometry::MeshView& mesh, const geometry::Vec3f& center,
                   std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                   Arena& arena) {
-  load(work, refs, cell);
+  load(work, mesh, refs, cell);
   return Growth(work, mesh, center, arena).grow(0, refs.size(), kMostLevels);
 }
 

@@ -27,10 +27,11 @@ namespace HWY_NAMESPACE {
 class Quantizer {
  public:
   explicit Quantizer(const BoxLanes& all) {
+    constexpr float kMost = std::numeric_limits<float>::max();
     float extent = 0;
     for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, all.lanes[a] + all.lanes[a + 4]);
-    const float scale =
-        extent > 0 ? std::min(255.0f / extent, std::numeric_limits<float>::max()) : 0.0f;
+    // What overflows saturates below.
+    const float scale = extent > 0 ? std::min(255.0f / std::min(extent, kMost), kMost) : 0.0f;
     BoxLanes zero{}, steps{};
     for (std::size_t a = 0; a < 3; ++a) {
       zero.lanes[a] = all.lanes[a];

@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -77,9 +78,10 @@ HWY_INLINE Records lesser(Records a, Records b) {
   return hn::BitCast(RecordTag(), hn::Min(hn::BitCast(halves, a), hn::BitCast(halves, b)));
 }
 HWY_INLINE std::uint64_t least_lane(Records keys) {
-  std::uint64_t lanes[kRecordLanes];
-  hwy::HWY_NAMESPACE::StoreU(keys, RecordTag(), lanes);
-  return *std::min_element(lanes, lanes + kRecordLanes);
+  namespace hn = hwy::HWY_NAMESPACE;
+  const hn::Repartition<std::uint32_t, RecordTag> halves;
+  const Records upper = hn::Set(RecordTag(), ~std::uint64_t{0} << 32);
+  return hn::GetLane(hn::MinOfLanes(halves, hn::BitCast(halves, hn::Or(keys, upper))));
 }
 
 #endif
@@ -143,8 +145,41 @@ HWY_INLINE Records running_union_down(Records r) {
   if constexpr (kRecordLanes > 4) r = unite(r, pick_lanes(r, kLaneTable<4>.later));
   return r;
 }
+/// Lane i: lane i + 1; the last one: of `behind`.
+HWY_INLINE Records next_lanes(Records r, Records behind) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  if constexpr (kRecordLanes == 1) return behind;
+  const hn::RebindToSigned<RecordTag> s;
+  const auto last = hn::Set(s, static_cast<std::int64_t>(kRecordLanes - 1));
+  const auto is_last = hn::RebindMask(RecordTag(), hn::Eq(hn::Iota(s, 0), last));
+  return hn::IfThenElse(is_last, behind, pick_lanes(r, kLaneTable<1>.later));
+}
 HWY_INLINE Records all_first(Records r) { return pick_lanes(r, kLaneTable<kRecordLanes>.earlier); }
 HWY_INLINE Records all_last(Records r) { return pick_lanes(r, kLaneTable<kRecordLanes>.later); }
+
+/// For every set of lanes, a bit each: the numbers of its lanes, four bits each from the lowest on,
+/// and then 0. Not hn::Compress, whose table g++ copies to the stack at every call.
+inline constexpr auto kLaneSets = [] {
+  std::array<std::uint64_t, std::size_t{1} << kRecordLanes> sets{};
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    int shift = 0;
+    for (std::size_t lane = 0; lane < kRecordLanes; ++lane) {
+      if ((set >> lane & 1) == 0) continue;
+      sets[set] |= static_cast<std::uint64_t>(lane) << shift;
+      shift += 4;
+    }
+  }
+  return sets;
+}();
+
+/// Moves the lanes of a set to the front.
+HWY_INLINE Records compress(Records r, std::size_t set) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const RecordTag d;
+  const Records shifts = hn::ShiftLeft<2>(hn::Iota(d, 0));
+  const Records lanes = hn::And(hn::Shr(hn::Set(d, kLaneSets[set]), shifts), hn::Set(d, 7));
+  return hn::TableLookupLanes(r, hn::IndicesFromVec(d, lanes));
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace sightline::accel::blocks

@@ -10,8 +10,10 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "accel/blocks/record-inl.h"
 #include "accel/blocks/workspace.h"
@@ -33,19 +35,44 @@ struct OrderSplit {
 /// split and of equals the most balanced.
 inline constexpr int kAxisShift = 7, kCostShift = 9;
 
+/// A set of records, sorted along each axis, and where the parts of an order can be written. What
+/// is behind the set in any of the lists may be overwritten.
+struct Orders {
+  std::uint64_t* own[3];
+  std::uint64_t* other[3];
+
+  Orders behind(std::size_t count) const {
+    Orders o = *this;
+    for (std::size_t a = 0; a < 3; ++a) {
+      o.own[a] += count;
+      o.other[a] += count;
+    }
+    return o;
+  }
+};
+
+/// The records from i on, and empty boxes behind the end.
+HWY_INLINE Records load_records(const std::uint64_t* order, std::size_t i, std::size_t count) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const RecordTag d;
+  const hn::RebindToSigned<RecordTag> s;
+  const auto left = hn::Set(s, static_cast<std::int64_t>(count - i));
+  const auto in_set = hn::RebindMask(d, hn::Lt(hn::Iota(s, 0), left));
+  return hn::IfThenElseZero(in_set, hn::LoadU(d, order + i));
+}
+
 /// Writes area * groups of four for the first 1, 2, ... records. Returns the union of all.
-HWY_INLINE std::uint64_t sweep_up(const std::uint64_t* order, std::size_t count,
-                                  std::uint64_t* costs) {
+HWY_INLINE Records sweep_up(const std::uint64_t* order, std::size_t count, std::uint64_t* costs) {
   namespace hn = hwy::HWY_NAMESPACE;
   const RecordTag d;
   Records before = hn::Zero(d), sizes = hn::Iota(d, 4);
   for (std::size_t i = 0; i < count; i += kRecordLanes) {
-    const Records boxes = unite(running_union(hn::LoadU(d, order + i)), before);
+    const Records boxes = unite(running_union(load_records(order, i, count)), before);
     before = all_last(boxes);
     hn::Store(multiply(area(boxes), hn::ShiftRight<2>(sizes)), d, costs + i);
     sizes = hn::Add(sizes, hn::Set(d, kRecordLanes));
   }
-  return hn::GetLane(before);
+  return before;
 }
 
 /// The least key of the splits along an order. `costs`: of the left sides.
@@ -53,47 +80,43 @@ HWY_INLINE Records sweep_down(const std::uint64_t* order, std::size_t count, std
                               const std::uint64_t* costs) {
   namespace hn = hwy::HWY_NAMESPACE;
   const RecordTag d;
+  const hn::RebindToSigned<RecordTag> s;
   const std::size_t last = (count - 1) / kRecordLanes * kRecordLanes;
   const Records none = hn::Set(d, 0xffffffff), tag = hn::Set(d, axis << kAxisShift);
+  const auto size = hn::Set(s, static_cast<std::int64_t>(count)),
+             middle = hn::Set(s, static_cast<std::int64_t>(count / 2));
   Records best = none, behind = hn::Zero(d);
   for (std::size_t i = last + kRecordLanes; i > 0;) {
     i -= kRecordLanes;
-    const Records boxes = unite(running_union_down(hn::LoadU(d, order + i + 1)), behind);
+    const Records boxes = unite(running_union_down(load_records(order, i, count)), behind);
+    const Records right = next_lanes(boxes, behind);
     behind = all_first(boxes);
     const Records left = hn::Add(hn::Iota(d, 1), hn::Set(d, i));
     const Records groups = hn::ShiftRight<2>(hn::Sub(hn::Set(d, count + 3), left));
-    const Records cost = hn::Add(multiply(area(boxes), groups), hn::Load(d, costs + i));
-    // Twice the distance to the middle, plus 1 on the left of it.
-    const hn::RebindToSigned<RecordTag> s;
-    const auto off =
-        hn::Sub(hn::BitCast(s, left), hn::Set(s, static_cast<std::int64_t>(count / 2)));
+    const Records cost = hn::Add(multiply(area(right), groups), hn::Load(d, costs + i));
+    // Twice the distance to the middle; on the left of it, its complement.
+    const auto off = hn::Sub(hn::BitCast(s, left), middle);
     const auto distance = hn::Xor(hn::Add(off, off), hn::BroadcastSignBit(off));
     const Records key =
         hn::Or(hn::Or(hn::ShiftLeft<kCostShift>(cost), tag), hn::BitCast(d, distance));
-    const auto split = hn::Lt(hn::BitCast(s, left), hn::Set(s, static_cast<std::int64_t>(count)));
-    best = lesser(best, hn::IfThenElse(hn::RebindMask(d, split), key, none));
+    const auto is_split = hn::RebindMask(d, hn::Lt(hn::BitCast(s, left), size));
+    best = lesser(best, hn::IfThenElse(is_split, key, none));
   }
   return best;
 }
 
-/// The cheapest split of `count` records, 2 to kSweptSet, from `first` on in all orders. Clears
-/// what is behind them.
-HWY_INLINE OrderSplit sweep(Workspace& work, std::size_t first, std::size_t count) {
+/// The cheapest split of `count` records, 2 to kSweptSet.
+HWY_INLINE OrderSplit sweep(const Orders& orders, std::size_t count) {
   namespace hn = hwy::HWY_NAMESPACE;
   const RecordTag d;
   alignas(64) std::uint64_t costs[3][kSweptSet];
-  std::uint64_t all = 0;
-  Records best = hn::Set(d, 0xffffffff);
+  Records whole = hn::Zero(d), best = hn::Set(d, 0xffffffff);
   for (std::size_t a = 0; a < 3; ++a) {
-    std::uint64_t* const order = work.orders[a] + first;
-    hn::StoreU(hn::Zero(d), d, order + count);
-    hn::StoreU(hn::Zero(d), d, order + count + kSpareRecords - kRecordLanes);
-    all = sweep_up(order, count, costs[a]);
-    best = lesser(best, sweep_down(order, count, a, costs[a]));
+    whole = sweep_up(orders.own[a], count, costs[a]);
+    best = lesser(best, sweep_down(orders.own[a], count, a, costs[a]));
   }
   const std::uint64_t key = least_lane(best), zigzag = key & ((1u << kAxisShift) - 1);
   const auto off = static_cast<std::int64_t>(zigzag >> 1) ^ -static_cast<std::int64_t>(zigzag & 1);
-  const Records whole = hn::Set(d, all);
   const std::uint64_t e = hn::GetLane(extents(whole));
   OrderSplit split;
   split.axis = key >> kAxisShift & 3;
@@ -104,32 +127,45 @@ HWY_INLINE OrderSplit sweep(Workspace& work, std::size_t first, std::size_t coun
   return split;
 }
 
-/// Divides the other orders by the split, each stably. What is behind the set is overwritten.
-HWY_INLINE void divide(Workspace& work, std::size_t first, std::size_t count,
-                       const OrderSplit& split) {
+/// Writes the parts of an order one behind the other, each stably: first the records up to a key on
+/// an axis, `left` records, then the others.
+HWY_INLINE void partition(const std::uint64_t* order, std::size_t count, std::size_t axis,
+                          std::uint64_t pivot, std::size_t left, std::uint64_t* to) {
   namespace hn = hwy::HWY_NAMESPACE;
   const RecordTag d;
   const hn::RebindToSigned<RecordTag> s;
-  const std::uint64_t pivot =
-      order_key(work.orders[split.axis][first + split.left - 1], split.axis);
   const auto last_left = hn::Set(s, static_cast<std::int64_t>(pivot));
-  for (const std::size_t a : {(split.axis + 1) % 3, (split.axis + 2) % 3}) {
-    std::uint64_t* const order = work.orders[a] + first;
-    std::size_t left = 0, right = 0;
-    // Lanes behind the end go to either side, behind its last record.
-    for (std::size_t i = 0; i < count; i += kRecordLanes) {
-      const Records r = hn::LoadU(d, order + i);
-      const auto above = hn::Gt(hn::BitCast(s, order_key(r, split.axis)), last_left);
-      const auto goes_right = hn::RebindMask(d, above);
-      hn::StoreU(hn::CompressNot(r, goes_right), d, order + left);
-      hn::StoreU(hn::Compress(r, goes_right), d, work.right + right);
-      const std::size_t some = hn::CountTrue(d, goes_right);
-      left += kRecordLanes - some;
-      right += some;
-    }
-    for (std::size_t i = 0; i < count - split.left; i += kRecordLanes)
-      hn::StoreU(hn::Load(d, work.right + i), d, order + split.left + i);
+  const auto right_lanes = [&](Records r) HWY_ATTR {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(s, hn::Gt(hn::BitCast(s, order_key(r, axis)), last_left), bits);
+    return std::size_t{bits[0]};
+  };
+  constexpr std::size_t kAll = (std::size_t{1} << kRecordLanes) - 1;
+  // Lanes behind the end go to either part, behind its last record. What the left part writes too
+  // much, the right part overwrites: no vector is read again while it waits to be stored.
+  for (std::size_t i = 0, at = 0; i < count; i += kRecordLanes) {
+    const Records r = hn::LoadU(d, order + i);
+    const std::size_t lanes = right_lanes(r) ^ kAll;
+    hn::StoreU(compress(r, lanes), d, to + at);
+    at += static_cast<std::size_t>(std::popcount(lanes));
   }
+  for (std::size_t i = 0, at = left; i < count; i += kRecordLanes) {
+    const Records r = hn::LoadU(d, order + i);
+    const std::size_t lanes = right_lanes(r);
+    hn::StoreU(compress(r, lanes), d, to + at);
+    at += static_cast<std::size_t>(std::popcount(lanes));
+  }
+}
+
+/// Divides the set. The right part is behind the left one in all lists.
+HWY_INLINE Orders divide(const Orders& orders, std::size_t count, const OrderSplit& split) {
+  const std::uint64_t pivot = order_key(orders.own[split.axis][split.left - 1], split.axis);
+  Orders divided = orders;
+  for (const std::size_t a : {(split.axis + 1) % 3, (split.axis + 2) % 3}) {
+    partition(orders.own[a], count, split.axis, pivot, split.left, orders.other[a]);
+    std::swap(divided.own[a], divided.other[a]);
+  }
+  return divided;
 }
 
 }  // namespace HWY_NAMESPACE

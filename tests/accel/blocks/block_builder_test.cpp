@@ -143,6 +143,15 @@ TestMesh transformed(TestMesh mesh, float scale, const Vec3f& offset) {
   return mesh;
 }
 
+/// Finite, but its extents are not.
+TestMesh wider_than_float() {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  const TestMesh soup = tests::random_soup(300, 0.1, 1);
+  TestMesh wide = transformed(soup, kMost / 1.5f, {});
+  wide.append(transformed(soup, -kMost / 1.5f, {}));
+  return wide;
+}
+
 using Blocks = tests::OnSimdTarget;
 
 TEST_P(Blocks, HoldSoupsOfEverySize) {
@@ -185,13 +194,10 @@ TEST_P(Blocks, HoldFlatAndDegenerateTriangles) {
 
 TEST_P(Blocks, HoldExtremeCoordinates) {
   const TestMesh soup = tests::random_soup(300, 0.1, 1);
-  constexpr float kMost = std::numeric_limits<float>::max();
   for (const float scale : {0x1p-120f, 0x1p-60f, 0x1p60f, 0x1p120f})
     build_and_check(transformed(soup, scale, {}));
   build_and_check(transformed(soup, 1, {1e6f, -1e6f, 1e7f}));
-  TestMesh wide = transformed(soup, kMost / 2, {});
-  wide.append(transformed(soup, -kMost / 2, {}));
-  build_and_check(wide);
+  build_and_check(wider_than_float());
 }
 
 TEST_P(Blocks, SeeSmallTrianglesBesideALargeOne) {
@@ -232,10 +238,13 @@ TEST_P(Blocks, CostLittleMoreThanExactSweeps) {
 }
 
 TEST_P(Blocks, AreTheSameOnEveryTarget) {
-  const TestMesh soup = tests::random_soup(1000, 0.1, 8);
-  const double cost = build_and_check(soup);
-  hwy::SetSupportedTargetsForTest(hwy::SupportedAndGeneratedTargets().back());
-  EXPECT_EQ(build_and_check(soup), cost);
+  const std::int64_t portable = hwy::SupportedAndGeneratedTargets().back();
+  for (const TestMesh& mesh : {tests::random_soup(1000, 0.1, 8), wider_than_float()}) {
+    hwy::SetSupportedTargetsForTest(GetParam());
+    const double cost = build_and_check(mesh);
+    hwy::SetSupportedTargetsForTest(portable);
+    EXPECT_EQ(build_and_check(mesh), cost);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryTarget, Blocks, tests::every_simd_target(), tests::simd_target_name);
