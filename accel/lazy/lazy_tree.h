@@ -8,7 +8,7 @@
 
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/divide.h"
-#include "accel/wide/float_rays.h"
+#include "accel/wide/frame.h"
 #include "accel/wide/wide_node.h"
 
 namespace sightline::accel::lazy {

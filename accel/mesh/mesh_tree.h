@@ -17,7 +17,10 @@
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
 #include "accel/split/scan_split.h"
-#include "accel/wide/packet.h"
+
+namespace sightline::accel::wide {
+struct Packet;
+}
 
 namespace sightline::accel::mesh {
 

@@ -1,4 +1,4 @@
-// The hit rule for eight pairs at a time, in doubles that are not fused: the same bits as
+// The hit rule for a triangle of each ray at once, in doubles that are not fused: the same bits as
 // geometry::intersect, which decides what doubles leave open.
 #include "accel/wide/exact.h"
 
@@ -19,26 +19,13 @@
 
 #include "accel/wide/lanes-inl.h"
 
-#ifndef SIGHTLINE_WIDE_PAIRS
-#define SIGHTLINE_WIDE_PAIRS
+#ifndef SIGHTLINE_WIDE_LANE_VERDICTS
+#define SIGHTLINE_WIDE_LANE_VERDICTS
 namespace sightline::accel::wide {
 
-inline constexpr std::size_t kPairs = 8;
-
-template <class T>
-using PairColumn = std::array<T, kPairs>;
-
-/// Pairs of a ray and a triangle, in columns.
-struct alignas(64) Pairs {
-  std::array<PairColumn<double>, 3> a, b, c, origin, direction;
-  PairColumn<double> unit;
-  PairColumn<const std::uint32_t*> block;
-  PairColumn<std::uint8_t> triangle, lane;
-};
-
-/// By pair: bit set in `miss`: certainly none; in `hit`: certainly one, at t.
-struct alignas(64) PairVerdicts {
-  PairColumn<double> t;
+/// By lane: a bit in `miss`: certainly none; in `hit`: certainly one, at t.
+struct LaneVerdicts {
+  Column<double> t;
   std::uint32_t miss = 0, hit = 0;
 };
 
@@ -49,10 +36,10 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-using Doubles = Lanes<double, kPairs>;
+using Doubles = Lanes<double, kLanes>;
 using Vectors = std::array<Doubles, 3>;
 
-HWY_INLINE Vectors load(const std::array<PairColumn<double>, 3>& columns) {
+HWY_INLINE Vectors load(const std::array<Column<double>, 3>& columns) {
   return {Doubles::load(columns[0].data()), Doubles::load(columns[1].data()),
           Doubles::load(columns[2].data())};
 }
@@ -67,9 +54,9 @@ HWY_INLINE Doubles dot(const Vectors& a, const Vectors& b) {
 }
 HWY_INLINE Doubles max_norm(const Vectors& a) { return max(max(abs(a[0]), abs(a[1])), abs(a[2])); }
 
-void judge_pairs(const Pairs& pairs, PairVerdicts& out) {
-  const Vectors a = load(pairs.a), b = load(pairs.b), c = load(pairs.c), o = load(pairs.origin),
-                d = load(pairs.direction);
+void judge_lanes(const Rays& rays, const LaneTriangles& triangles, LaneVerdicts& out) {
+  const Vectors a = load(triangles.a), b = load(triangles.b), c = load(triangles.c),
+                o = load(rays.origin), d = load(rays.direction);
   const Vectors pa = minus(a, o), pb = minus(b, o), pc = minus(c, o);
   const Doubles ab = dot(d, cross(pa, pb)), bc = dot(d, cross(pb, pc)), ca = dot(d, cross(pc, pa));
   const Doubles n = max(max(max_norm(pa), max_norm(pb)), max_norm(pc));
@@ -81,7 +68,7 @@ void judge_pairs(const Pairs& pairs, PairVerdicts& out) {
   const Doubles along = dot(normal, d);
   const std::uint32_t certain = (least > bound) | (most < zero - bound);
   out.hit = certain & ~((abs(along) < Doubles::set(geometry::kEdgeOn) * max_norm(e1) * max_norm(e2)));
-  ((dot(normal, pa) / along + zero) * Doubles::load(pairs.unit.data())).store(out.t.data());
+  ((dot(normal, pa) / along + zero) * Doubles::load(rays.unit.data())).store(out.t.data());
 }
 
 }  // namespace HWY_NAMESPACE
@@ -91,7 +78,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sightline::accel::wide {
 
-HWY_EXPORT(judge_pairs);
+HWY_EXPORT(judge_lanes);
 
 namespace {
 
@@ -111,71 +98,62 @@ geometry::Vec3f corner_of(const Packet& packet, const Block& block, std::size_t 
   return {v.x + packet.center.x, v.y + packet.center.y, v.z + packet.center.z};
 }
 
-/// Pairs that wait for one another.
-class Batch {
- public:
-  explicit Batch(Packet& packet) : packet_(packet) {}
-
-  void add(std::size_t lane, const std::uint32_t* words, std::uint32_t triangle) {
-    const Block block(words);
-    const std::size_t i = size_++;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto corner = [&](std::size_t k) {
-        return static_cast<double>(block.x[axis * block.vertices + block.corner(k)[triangle]]) +
-               static_cast<double>(packet_.center[axis]);
-      };
-      pairs_.a[axis][i] = corner(0);
-      pairs_.b[axis][i] = corner(1);
-      pairs_.c[axis][i] = corner(2);
-      pairs_.origin[axis][i] = packet_.rays.origin[axis][lane];
-      pairs_.direction[axis][i] = packet_.rays.direction[axis][lane];
-    }
-    pairs_.unit[i] = packet_.rays.unit[lane];
-    pairs_.block[i] = words;
-    pairs_.triangle[i] = static_cast<std::uint8_t>(triangle);
-    pairs_.lane[i] = static_cast<std::uint8_t>(lane);
-    if (size_ == kPairs) flush();
+void read_triangle(const Packet& packet, const std::uint32_t* words, std::size_t triangle,
+                   std::size_t lane, LaneTriangles& out) {
+  const Block block(words);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float* column = block.x + axis * block.vertices;
+    const auto center = static_cast<double>(packet.center[axis]);
+    out.a[axis][lane] = static_cast<double>(column[block.corner(0)[triangle]]) + center;
+    out.b[axis][lane] = static_cast<double>(column[block.corner(1)[triangle]]) + center;
+    out.c[axis][lane] = static_cast<double>(column[block.corner(2)[triangle]]) + center;
   }
+}
 
-  void flush() {
-    // So few take less time one by one.
-    constexpr std::size_t kFew = 2;
-    const std::size_t size = std::exchange(size_, 0);
-    if (size <= kFew) {
-      for (std::size_t i = 0; i < size; ++i) decide_alone(i);
-      return;
-    }
-    for (std::size_t i = size; i < kPairs; ++i) repeat_first(i);
-    PairVerdicts verdicts;
-    HWY_DYNAMIC_DISPATCH(judge_pairs)(pairs_, verdicts);
-    for (std::size_t i = 0; i < size; ++i) {
-      if ((verdicts.miss >> i & 1) != 0) continue;
-      if ((verdicts.hit >> i & 1) == 0 || packet_.culling != geometry::Culling::kNone) {
-        decide_alone(i);
-      } else {
-        offer(packet_, pairs_.lane[i], verdicts.t[i], pairs_.block[i], pairs_.triangle[i]);
-      }
+/// Decides one triangle for each of `lanes`.
+void decide_together(Packet& packet, const LaneTriangles& triangles,
+                     const Column<const std::uint32_t*>& block,
+                     const Column<std::uint32_t>& triangle, std::uint32_t lanes) {
+  LaneVerdicts verdicts;
+  HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, triangles, verdicts);
+  std::uint32_t hit = verdicts.hit & ~verdicts.miss;
+  if (packet.culling != geometry::Culling::kNone) hit = 0;
+  for (std::uint32_t left = lanes & ~verdicts.miss; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    if ((hit >> lane & 1) != 0) {
+      offer(packet, lane, verdicts.t[lane], block[lane], triangle[lane]);
+    } else {
+      decide(packet, lane, block[lane], triangle[lane]);
     }
   }
+}
 
- private:
-  void decide_alone(std::size_t i) {
-    decide(packet_, pairs_.lane[i], pairs_.block[i], pairs_.triangle[i]);
+/// From here on it takes less time than one by one.
+constexpr int kTogether = 3;
+
+/// The candidates that floats have as the rays' nearest hits.
+void settle_best(Packet& packet, std::uint32_t lanes) {
+  const Candidates& all = packet.candidates;
+  lanes &= all.has_best;
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    if (all.best_low[lane] > packet.floats.high[lane]) lanes &= ~(1u << lane);
   }
-
-  /// Fills what is not used with numbers.
-  void repeat_first(std::size_t i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (auto* columns : {&pairs_.a, &pairs_.b, &pairs_.c, &pairs_.origin, &pairs_.direction})
-        (*columns)[axis][i] = (*columns)[axis][0];
+  if (std::popcount(lanes) < kTogether) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      decide(packet, lane, all.best_block[lane], all.best_triangle[lane]);
     }
-    pairs_.unit[i] = pairs_.unit[0];
+    return;
   }
-
-  Packet& packet_;
-  Pairs pairs_;
-  std::size_t size_ = 0;
-};
+  LaneTriangles triangles;
+  const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
+    read_triangle(packet, all.best_block[from], all.best_triangle[from], lane, triangles);
+  }
+  decide_together(packet, triangles, all.best_block, all.best_triangle, lanes);
+}
 
 }  // namespace
 
@@ -215,18 +193,16 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
 }
 
 void settle(Packet& packet, std::uint32_t lanes) {
+  settle_best(packet, lanes);
   const Candidates& all = packet.candidates;
-  Batch batch(packet);
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const float high = packet.floats.high[lane];
-    if ((all.has_best >> lane & 1) != 0 && all.best_low[lane] <= high)
-      batch.add(lane, all.best_block[lane], all.best_triangle[lane]);
     for (std::size_t i = 0; i < all.count[lane]; ++i) {
-      if (!(all.low[lane][i] > high)) batch.add(lane, all.block[lane][i], all.triangle[lane][i]);
+      // Also a depth that is not a number.
+      if (!(all.low[lane][i] > packet.floats.high[lane]))
+        decide(packet, lane, all.block[lane][i], all.triangle[lane][i]);
     }
   }
-  batch.flush();
 }
 
 }  // namespace sightline::accel::wide

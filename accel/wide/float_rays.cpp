@@ -30,14 +30,6 @@ constexpr float kLeastDirection = 0x1p-60f;
 constexpr double kLargestT = 0x1p+100;
 constexpr float kTiny = 0x1p-110f;
 
-HWY_INLINE Floats to_floats(const Doubles& x) {
-  const hn::Rebind<float, Doubles::D> part;
-  alignas(64) float all[kLanes];
-  for (std::size_t i = 0; i < Doubles::kVectors; ++i)
-    hn::StoreU(hn::DemoteTo(part, x.v[i]), part, all + i * Doubles::kPer);
-  return Floats::load(all);
-}
-
 /// By the axis of the direction's largest component.
 struct MainAxis {
   std::uint32_t y, z;

@@ -124,6 +124,23 @@ struct Lanes {
   }
 };
 
+/// Rounded to nearest.
+template <std::size_t N>
+HWY_INLINE Lanes<float, N> to_floats(const Lanes<double, N>& x) {
+  using From = Lanes<double, N>;
+  using To = Lanes<float, N>;
+  const hn::Rebind<float, typename From::D> part;
+#if HWY_TARGET == HWY_SCALAR
+  return To::each([&](std::size_t i) { return hn::DemoteTo(part, x.v[i]); });
+#else
+  static_assert(To::kPer == 2 * From::kPer);
+  return To::each([&](std::size_t i) {
+    return hn::Combine(typename To::D(), hn::DemoteTo(part, x.v[2 * i + 1]),
+                       hn::DemoteTo(part, x.v[2 * i]));
+  });
+#endif
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sightline::accel::wide
 HWY_AFTER_NAMESPACE();

@@ -66,6 +66,11 @@ struct FloatRays {
   Column<float> cull;  ///< 1 or -1: the sign of a determinant on the ignored side; 0: none is.
 };
 
+/// A triangle of each ray.
+struct LaneTriangles {
+  std::array<Column<double>, 3> a, b, c;
+};
+
 /// Pairs of a ray and a triangle that floats leave undecided.
 inline constexpr std::size_t kCandidates = 8;
 struct Candidates {

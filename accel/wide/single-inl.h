@@ -217,20 +217,41 @@ class Single {
       for (std::uint32_t left = verdict.possible; left != 0 && !is_done(); left &= left - 1)
         decide(packet_, lane_, words, static_cast<std::uint32_t>(std::countr_zero(left)));
     } else {
-      const float slack = rays.slack[lane_];
-      if (certain != 0) {
-        const Floats none = Floats::set(rays.high[lane_]);
-        lower(Floats::pick(certain, high, none).least() + slack);
-      }
-      alignas(64) std::array<float, 16> depth;
-      low.store(depth.data());
-      for (std::uint32_t left = verdict.possible; left != 0; left &= left - 1) {
+      alignas(64) std::array<float, 16> from, to;
+      low.store(from.data());
+      high.store(to.data());
+      std::uint32_t open = verdict.possible;
+      for (std::uint32_t left = certain; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
+        if (is_nearer(words, static_cast<std::uint32_t>(i), from[i], to[i])) open &= ~(1u << i);
+      }
+      const float slack = rays.slack[lane_];
+      for (; open != 0; open &= open - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(open));
         // Also a depth that is not a number, of a triangle of which floats know nothing.
-        if (!(depth[i] - slack > rays.high[lane_]))
-          remember(packet_, lane_, words, static_cast<std::uint32_t>(i), depth[i] - slack);
+        if (!(from[i] - slack > rays.high[lane_]))
+          remember(packet_, lane_, words, static_cast<std::uint32_t>(i), from[i] - slack);
       }
     }
+  }
+
+  /// Takes a certain hit between two depths as the nearest, if it is; what was the nearest may still
+  /// be, and is remembered.
+  bool is_nearer(const std::uint32_t* words, std::uint32_t triangle, float from, float to) {
+    FloatRays& rays = packet_.floats;
+    const float slack = rays.slack[lane_];
+    if (!(to + slack < rays.high[lane_])) return false;
+    lower(to + slack);
+    Candidates& all = packet_.candidates;
+    const std::uint32_t bit = 1u << lane_;
+    if ((all.has_best & bit) != 0 && !(all.best_low[lane_] > rays.high[lane_]))
+      remember(packet_, lane_, all.best_block[lane_], all.best_triangle[lane_],
+               all.best_low[lane_]);
+    all.has_best |= bit;
+    all.best_block[lane_] = words;
+    all.best_triangle[lane_] = triangle;
+    all.best_low[lane_] = from - slack;
+    return true;
   }
 
   /// There is a hit at this depth or before.

@@ -53,9 +53,7 @@ HWY_INLINE Doubles dot(const Vectors& a, const Vectors& b) {
 HWY_INLINE Doubles max_norm(const Vectors& a) { return max(max(abs(a[0]), abs(a[1])), abs(a[2])); }
 
 HWY_INLINE void store_floats(const Doubles& x, Column<float>& out) {
-  const hn::Rebind<float, Doubles::D> part;
-  for (std::size_t i = 0; i < Doubles::kVectors; ++i)
-    hn::StoreU(hn::DemoteTo(part, x.v[i]), part, out.data() + i * Doubles::kPer);
+  to_floats(x).store(out.data());
 }
 
 /// Between 0 and 1, without negative zero.

@@ -46,6 +46,16 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     return false;
   }
 
+  /// For a tree of one instance: its box need not be tested, as its mesh's will be.
+  void visit_only(std::uint32_t id, std::uint32_t lanes) {
+    const instances::Instance& instance = tree_[id];
+    lanes = caster_.seeing(instance.mask, lanes);
+    if (lanes == 0 || !is_seen(id)) return;
+    caster_.leads_ = false;
+    caster_.enter(instance, first_ + id, lanes, built_);
+    caster_.leads_ = true;
+  }
+
  private:
   /// What a single ray does on its way through the kd-tree.
   struct LaneVisit {
@@ -107,13 +117,16 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     }
   }
 
+  bool is_seen(std::uint32_t id) const {
+    if (removed_ != nullptr && removed_->has(id)) return false;
+    const Selection* selection = caster_.options_.selection;
+    return selection == nullptr || selection->selects(first_ + id);
+  }
+
   void visit_instance(std::uint32_t id, std::uint32_t lanes) {
     const instances::Instance& instance = tree_[id];
     lanes = caster_.seeing(instance.mask, recent_.add(id, lanes));
-    if (lanes == 0) return;
-    if (removed_ != nullptr && removed_->has(id)) return;
-    const Selection* selection = caster_.options_.selection;
-    if (selection != nullptr && !selection->selects(first_ + id)) return;
+    if (lanes == 0 || !is_seen(id)) return;
     const accel::geometry::Vec3f& center = caster_.scene_.center;
     lanes = accel::wide::meeting(caster_.scene_,
                                  {instance.box.lo - center, instance.box.hi - center}, lanes);
@@ -194,9 +207,11 @@ void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t fir
     alone_ |= lanes;
     return;
   }
+  SceneSlots slots(*this, tree, first, removed, built);
+  const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
+  if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
   const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
   alone_ |= prepared.slow;
-  SceneSlots slots(*this, tree, first, removed, built);
   accel::wide::WalkTotals totals;
   const accel::wide::Child entry = kd.entry();
   lazy_.searches_list = entry.is_node();  // no renewing of the pin while the walk is in these nodes
@@ -234,7 +249,7 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
     scene_.stopped = true;
     return;
   }
-  if (scene_.any) return;
+  if (scene_.any || !leads_) return;
   for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1)
     accel::wide::tighten(scene_, static_cast<std::size_t>(std::countr_zero(hit)));
 }
@@ -245,24 +260,21 @@ void PacketCaster::write(std::span<const Ray> rays, std::span<Hit> hits) {
   stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
   stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    Hit hit;
-    if ((valid_ >> i & 1) == 0) {
-      hit.t = std::numeric_limits<double>::quiet_NaN();
-      hit.state = HitState::kInvalid;
-      hits[i] = hit;
-      continue;
-    }
-    if ((best_.found >> i & 1) != 0) {
-      hit.state = HitState::kHit;
-      if (!scene_.any) {
-        hit.t = best_.t[i];
-        hit.node = best_.node[i];
-        hit.primitive = best_.primitive[i];
-      }
-    }
-    hit.work = std::min(scene_.work[i] + mesh_.work[i], accel::geometry::kWorkDeferred - 1) |
-               ((saw_deferred_ >> i & 1) != 0 ? accel::geometry::kWorkDeferred : 0);
-    hits[i] = hit;
+    Hit& hit = hits[i];
+    const bool valid = (valid_ >> i & 1) != 0, found = valid && (best_.found >> i & 1) != 0;
+    const bool described = found && !scene_.any;
+    hit.t = described ? best_.t[i]
+            : valid   ? accel::geometry::kInfinity
+                      : std::numeric_limits<double>::quiet_NaN();
+    hit.node = described ? best_.node[i] : 0;
+    hit.primitive = described ? best_.primitive[i] : 0;
+    hit.u = hit.v = 0;
+    hit.normal = {};
+    const std::uint32_t work =
+        std::min(scene_.work[i] + mesh_.work[i], accel::geometry::kWorkDeferred - 1);
+    const bool deferred = (saw_deferred_ >> i & 1) != 0;
+    hit.work = valid ? work | (deferred ? accel::geometry::kWorkDeferred : 0) : 0;
+    hit.state = found ? HitState::kHit : valid ? HitState::kMiss : HitState::kInvalid;
   }
   if (options_.surface && !scene_.any) set_surfaces(rays, hits);
 }
