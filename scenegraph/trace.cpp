@@ -9,8 +9,8 @@
 #include "scenegraph/trace.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <bitset>
 #include <string>
 
 #include "scenegraph/query/packet_caster.h"
@@ -59,8 +59,12 @@ bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending whe
   return caster.end();
 }
 
-/// The rays of a block that packets have answered.
-using Answered = std::bitset<kRaysPerBlock>;
+/// The rays of a block that packets have answered: a bit for each ray of a packet.
+using Answered = std::array<std::uint32_t, kRaysPerBlock / accel::wide::kLanes>;
+
+bool has(const Answered& answered, std::size_t ray) {
+  return (answered[ray / accel::wide::kLanes] >> ray % accel::wide::kLanes & 1) != 0;
+}
 
 /// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
 /// is in the caster.
@@ -70,7 +74,7 @@ TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, std::sp
                       const Keep& keep) {
   RayCaster caster(trees, options);
   answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
-    if (answered[i - block.first]) return true;
+    if (has(answered, i - block.first)) return true;
     const bool done = cast_ray(caster, kind, rays[i], when_pending);
     if (done) keep(i, caster);
     return done;
@@ -83,15 +87,17 @@ TraceStats cast_in_packets(const instances::OpenTrees& trees, std::span<const Ra
                            const RayBlock& block, std::span<Hit> hits,
                            const TraceOptions& options) {
   query::PacketCaster caster(trees, options);
-  Answered answered;
+  Answered answered{};
+  bool all = true;
   for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
        i += accel::wide::kLanes) {
     const std::size_t count = std::min(accel::wide::kLanes, block.end - i);
     const std::uint32_t done = caster.cast(rays.subspan(i, count), hits.subspan(i, count));
-    answered |= Answered(done) << (i - block.first);
+    answered[(i - block.first) / accel::wide::kLanes] = done;
+    all &= done == (std::uint64_t{1} << count) - 1;
   }
   TraceStats stats = caster.stats();
-  if (answered.count() < block.end - block.first) {
+  if (!all) {
     stats += cast_alone(trees, options.kind, rays, block, answered, options,
                         [&](std::size_t i, const RayCaster& one) { hits[i] = one.hit(); });
   }

@@ -106,11 +106,12 @@ class Preparing {
     const Floats x = abs(direction_[0]), y = abs(direction_[1]), z = abs(direction_[2]);
     const std::uint32_t is_z = z > max(x, y), is_y = (y > x) & ~is_z;
     const MainAxis main{is_y, is_z};
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const auto bit = [i](std::uint32_t bits) { return bits >> i & 1u; };
-      out_.key[i] = bit(octant_[0]) | bit(octant_[1]) << 1 | bit(octant_[2]) << 2 |
-                    bit(is_y) << 3 | bit(is_z) << 4;
-    }
+    using Keys = Lanes<std::uint32_t, kLanes>;
+    const auto bit = [](std::uint32_t lanes, std::uint32_t value) {
+      return Keys::pick(lanes, Keys::set(value), Keys::set(0));
+    };
+    (bit(octant_[0], 1) + bit(octant_[1], 2) + bit(octant_[2], 4) + bit(is_y, 8) + bit(is_z, 16))
+        .store(out_.key.data());
     const Floats along = main.pick(direction_, 0), one = Floats::set(1);
     depth_ = abs(along);
     backward_ = along < Floats::set(0);

@@ -109,6 +109,10 @@ struct Lanes {
   friend HWY_INLINE std::uint32_t operator<(const Lanes& a, const Lanes& b) {
     return bits([&](std::size_t i) { return hn::Lt(a.v[i], b.v[i]); });
   }
+  /// Not an operator ==, which would say whether all are equal.
+  friend HWY_INLINE std::uint32_t equal(const Lanes& a, const Lanes& b) {
+    return bits([&](std::size_t i) { return hn::Eq(a.v[i], b.v[i]); });
+  }
   friend HWY_INLINE std::uint32_t operator>(const Lanes& a, const Lanes& b) { return b < a; }
   friend HWY_INLINE std::uint32_t operator>=(const Lanes& a, const Lanes& b) { return b <= a; }
 

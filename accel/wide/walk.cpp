@@ -27,11 +27,9 @@ constexpr int kTogether = 4;
 
 /// The rays whose directions agree in their signs and largest component with the first one's.
 HWY_INLINE std::uint32_t alike(const Packet& packet, std::uint32_t lanes) {
+  using Keys = Lanes<std::uint32_t, kLanes>;
   const std::uint32_t key = packet.floats.key[static_cast<std::size_t>(std::countr_zero(lanes))];
-  std::uint32_t same = 0;
-  for (std::size_t i = 0; i < kLanes; ++i)
-    same |= static_cast<std::uint32_t>(packet.floats.key[i] == key) << i;
-  return lanes & same;
+  return lanes & equal(Keys::load(packet.floats.key.data()), Keys::set(key));
 }
 
 template <bool kAny>

@@ -149,45 +149,36 @@ PacketCaster::PacketCaster(const instances::OpenTrees& trees, const TraceOptions
   }
 }
 
-/// Sets the columns. Returns a bit for each ray.
-std::uint32_t PacketCaster::read(std::span<const Ray> rays) {
-  see_all_ = true;
-  std::uint32_t limited = 0;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const Ray& ray = rays[std::min(i, rays.size() - 1)];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      given_.origin[axis][i] = ray.origin[axis];
-      given_.direction[axis][i] = ray.direction[axis];
-    }
-    mesh_.rays.tmin[i] = scene_.rays.tmin[i] = ray.tmin;
-    mesh_.rays.tmax[i] = scene_.rays.tmax[i] = ray.tmax;
-    masks_[i] = ray.mask;
-    see_all_ &= ray.mask == accel::geometry::kAllMasks;
-    limited |= static_cast<std::uint32_t>(!std::isnan(ray.tmin) && !std::isnan(ray.tmax)) << i;
+void PacketCaster::read(std::span<const Ray> rays) {
+  accel::wide::read(rays, given_);
+  for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
+    packet->rays.tmin = given_.tmin;
+    packet->rays.tmax = given_.tmax;
+    packet->work.fill(0);
+    packet->stopped = false;
   }
+  std::uint32_t all = accel::geometry::kAllMasks;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    masks_[i] = rays[std::min(i, rays.size() - 1)].mask;
+    all &= masks_[i];
+  }
+  see_all_ = all == accel::geometry::kAllMasks;
   best_.clear();
-  scene_.work.fill(0);
-  mesh_.work.fill(0);
-  scene_.stopped = mesh_.stopped = false;
+  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays.size()));
   alone_ = saw_deferred_ = 0;
   frame_ = nullptr;
   lazy_ = {};
   lazy_.when_pending = accel::lazy::WhenPending::kReturn;
   lazy_.pin = &pin_;
   lazy_.cancelled = options_.cancelled;
-  return limited & first_lanes(rays.size());
 }
 
 std::uint32_t PacketCaster::cast(std::span<const Ray> rays, std::span<Hit> hits) {
   pin_.renew();
-  valid_ = read(rays);
-  valid_ = accel::wide::center(given_, trees_.static_tree.center(), valid_, scene_.rays);
+  read(rays);
   if (trees_.static_tree.size() > 0)
     walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
   if (trees_.dynamic_tree.size() > 0 && !scene_.stopped) {
-    const std::uint32_t in_range = accel::wide::center(given_, trees_.dynamic_tree.center(), valid_,
-                                                       scene_.rays);
-    alone_ |= valid_ & ~in_range;
     walk_tree(trees_.dynamic_tree, static_cast<std::uint32_t>(trees_.static_tree.size()), nullptr,
               dynamic_built_);
   }
@@ -210,7 +201,10 @@ void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t fir
   SceneSlots slots(*this, tree, first, removed, built);
   const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
   if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
-  const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
+  const std::uint32_t in_range =
+      accel::wide::center(given_, tree.center(), lanes, scene_.rays);
+  alone_ |= lanes & ~in_range;
+  const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), in_range);
   alone_ |= prepared.slow;
   accel::wide::WalkTotals totals;
   const accel::wide::Child entry = kd.entry();

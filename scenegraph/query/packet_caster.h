@@ -66,7 +66,7 @@ class PacketCaster {
  private:
   class SceneSlots;
 
-  std::uint32_t read(std::span<const accel::geometry::Ray> rays);
+  void read(std::span<const accel::geometry::Ray> rays);
   void walk_tree(const instances::Instances& tree, std::uint32_t first,
                  const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
