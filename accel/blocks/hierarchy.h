@@ -10,17 +10,19 @@
 
 namespace sightline::accel::blocks {
 
-/// An inner node with two children, or a leaf with a block (block.h).
+/// An inner node with two children, or a leaf: with a block (block.h), or with what its user knows.
 struct Node {
   geometry::Aabb box;        ///< Of the clipped references below, in mesh coordinates.
-  std::uint32_t words = 0;   ///< Of the block; 0: an inner node.
+  std::uint32_t words = 0;   ///< Of the block; 0: an inner node; kOther: a leaf without a block.
   std::uint16_t levels = 0;  ///< 0: a leaf; otherwise 1 + the larger of the children's.
   union {
     const Node* left = nullptr;
     const std::uint32_t* block;
+    std::uint64_t other;
   };
   const Node* right = nullptr;
 
+  static constexpr std::uint32_t kOther = ~std::uint32_t{0};
   bool leaf() const { return words != 0; }
 };
 

@@ -4,13 +4,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "accel/kdtree/epoch.h"
+
 namespace sightline::accel::kdtree {
 
 struct TreeMetrics;
 struct GrowthMetrics;
 
 /// Belongs to the tree whose slot leads to it (KdTree::finish). Never changes. Threads: any.
-class alignas(8) FinishedSubtree {
+class alignas(8) FinishedSubtree : public Retirable {
  public:
   FinishedSubtree() = default;
   virtual ~FinishedSubtree() = default;
@@ -18,7 +20,7 @@ class alignas(8) FinishedSubtree {
   FinishedSubtree& operator=(const FinishedSubtree&) = delete;
 
   /// All memory that it takes.
-  virtual std::uint64_t bytes() const = 0;
+  virtual std::uint64_t size_in_bytes() const = 0;
 
   /// Adds its nodes and leaves. `root_area`: half the area of the tree's bounds; `depth`: of its
   /// slot.

@@ -53,6 +53,7 @@ KdTree::KdTree(const geometry::Aabb& bounds, std::size_t references, const CellP
 }
 
 KdTree::~KdTree() {
+  delete top_.load(std::memory_order_acquire);
   delete_below(*this, load(root_));
   delete arrays_.load(std::memory_order_acquire);
 }
@@ -141,9 +142,19 @@ Slot KdTree::defer(ReferenceList list, const geometry::Aabb& box, const CellPath
 }
 
 Slot KdTree::finish(std::unique_ptr<const FinishedSubtree> subtree) {
-  lists_->finished.fetch_add(subtree->bytes(), std::memory_order_relaxed);
+  lists_->finished.fetch_add(subtree->size_in_bytes(), std::memory_order_relaxed);
   update_peak();
   return Slot::finished(subtree.release());
+}
+
+void KdTree::set_top(std::unique_ptr<FinishedSubtree> top) {
+  lists_->finished.fetch_add(top->size_in_bytes(), std::memory_order_relaxed);
+  FinishedSubtree* const before = top_.exchange(top.release(), std::memory_order_acq_rel);
+  update_peak();
+  if (before == nullptr) return;
+  const std::uint64_t bytes = before->size_in_bytes();
+  lists_->finished.fetch_sub(bytes, std::memory_order_relaxed);
+  retire(*before, [](Retirable* old) { delete static_cast<FinishedSubtree*>(old); }, bytes);
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {
@@ -174,7 +185,7 @@ void KdTree::discard(Slot slot) {
     return;
   }
   if (slot.is_finished()) {
-    lists_->finished.fetch_sub(slot.finished()->bytes(), std::memory_order_relaxed);
+    lists_->finished.fetch_sub(slot.finished()->size_in_bytes(), std::memory_order_relaxed);
     delete slot.finished();
     return;
   }

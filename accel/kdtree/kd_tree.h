@@ -77,6 +77,14 @@ class KdTree {
   /// The slot of a finished subtree, which belongs to the tree from now on. Threads: any.
   Slot finish(std::unique_ptr<const FinishedSubtree> subtree);
 
+  /// A second form of the nodes near the root, for traversals; null: there is none. It leads to slots
+  /// and finished subtrees of this tree. Replaced ones are retired. Threads: any, pinned.
+  const FinishedSubtree* top() const { return top_.load(std::memory_order_acquire); }
+  void set_top(std::unique_ptr<FinishedSubtree> top);
+
+  /// Pairs of slots made so far.
+  std::uint64_t pairs() const { return pairs_used_.load(std::memory_order_relaxed); }
+
   /// Retires a deferred cell that no slot refers to any more. Threads: any.
   void retire_cell(DeferredCell& cell);
 
@@ -126,6 +134,7 @@ class KdTree {
 
   geometry::Aabb bounds_;
   AtomicSlot root_;
+  std::atomic<FinishedSubtree*> top_{nullptr};
   std::atomic<Arrays*> arrays_{nullptr};
   // Copies of the arrays' addresses: one load less per step of a traversal.
   std::atomic<AtomicSlot*> pairs_{nullptr};

@@ -52,6 +52,7 @@ void LazyTree::expand_all(kdtree::BuildCounters& counters, const std::atomic<boo
       const kdtree::EpochPin pin;
       collect_deferred(tree_, tree_.root(), deferred);
     }
+    if (deferred.slots.empty()) compile_top();
     if (deferred.slots.empty() && !deferred.some_failed)
       complete_.store(true, std::memory_order_release);
     if (deferred.slots.empty() || is_set(cancelled)) return;

@@ -34,6 +34,7 @@ CellTask& task_of(kdtree::DeferredCell& cell, const ReferenceSource& source) {
 
 /// Nothing if floats are too coarse or too short for the sizes of the tree.
 std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
+  if (bounds.empty()) return std::nullopt;
   const geometry::Vec3f center = blocks::frame_center(bounds);
   wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
   const float size = wide::largest_coordinate(frame.bounds);
@@ -50,7 +51,7 @@ double budget_of(const split::SplitSearch& rule, bool makes_blocks) {
 
 bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
                      const geometry::Aabb& bounds) {
-  return rule.makes_blocks() && mesh != nullptr && !bounds.empty() && frame_of(bounds);
+  return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
 }
 
 }  // namespace
@@ -63,9 +64,9 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
-      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)} {
-  if (may_make_blocks(*rule_, mesh, bounds)) frame_ = frame_of(bounds);
-}
+      context_{rule_, source_, mesh, grow::depth_limit(*rule_, primitive_count)},
+      frame_(frame_of(bounds)),
+      makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {}
 
 double LazyTree::budget() const { return budget_of(*rule_, makes_blocks()); }
 

@@ -9,6 +9,7 @@
 #include "accel/kdtree/kd_tree.h"
 #include "accel/lazy/divide.h"
 #include "accel/wide/float_rays.h"
+#include "accel/wide/wide_node.h"
 
 namespace sightline::accel::lazy {
 
@@ -64,15 +65,22 @@ class LazyTree {
   /// returns at once.
   bool is_complete() const { return complete_.load(std::memory_order_acquire); }
 
-  /// Whether finished cells become leaf blocks: the rule makes them, and floats can tell the mesh's
-  /// triangles from each other (wide::kLeastSize).
-  bool makes_blocks() const { return frame_.has_value(); }
-  /// With makes_blocks(): what its wide trees are relative to.
-  const wide::Frame& frame() const { return *frame_; }
+  /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
+  bool makes_blocks() const { return makes_blocks_; }
+  /// What its wide trees are relative to; nothing if floats are too coarse or too short for the sizes
+  /// of the tree (wide::kLeastSize).
+  const std::optional<wide::Frame>& frame() const { return frame_; }
+
+  /// Where walks of packets begin: at the root, or at wide nodes over it. Pinned.
+  wide::Child entry();
+  /// Rays have made so many steps in nodes that are not wide. Compiles the nodes near the root once
+  /// that is kStepsPerNode times the number of all nodes.
+  void count_steps(std::uint64_t steps);
 
  private:
+  void compile_top();
   bool is_eager(const kdtree::DeferredCell& cell) const;
-  const geometry::Vec3f* center() const { return frame_ ? &frame_->center : nullptr; }
+  const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_->center : nullptr; }
   double budget() const;
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
                           kdtree::BuildCounters& counters, const std::atomic<bool>* cancelled);
@@ -117,12 +125,19 @@ class LazyTree {
   std::size_t primitive_count_;
   DivideContext context_;
   std::optional<wide::Frame> frame_;
+  bool makes_blocks_;
+  std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
+  std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
 };
 
 /// The subtree of a deferred cell of at most this weight is built at once: dividing it cell by cell
 /// would cost more work than it defers. In trees with leaf blocks that is grow::kBlockCell.
 inline constexpr std::size_t kEagerBelow = 64;
+
+/// Steps of rays for each node after which compiling the nodes near the root is worth its time. An
+/// assumption; the cost of compiling is amortised with any number.
+inline constexpr std::uint64_t kStepsPerNode = 8;
 
 /// A mesh of at most so many triangles becomes leaf blocks at once.
 inline constexpr std::size_t kWholeMesh = 1000;

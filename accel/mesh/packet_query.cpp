@@ -1,6 +1,7 @@
 #include "accel/mesh/packet_query.h"
 
 #include <bit>
+#include <utility>
 
 #include "accel/wide/exact.h"
 #include "accel/wide/float_rays.h"
@@ -76,7 +77,7 @@ class UnfinishedSlots final : public wide::SlotVisitor {
 
  private:
   void take_alone(kdtree::AtomicSlot& slot, std::size_t lane) {
-    const std::uint64_t before = walk_.walked.steps + walk_.walked.tests;
+    const std::uint64_t steps = walk_.walked.steps, before = steps + walk_.walked.tests;
     const std::uint32_t counted = packet_.work[lane];
     LaneQuery of_lane(packet_, lane, walk_.lazy);
     MeshQuery& query = of_lane.query;
@@ -88,6 +89,7 @@ class UnfinishedSlots final : public wide::SlotVisitor {
     LaneTest test(walk_, packet_, lane, of_lane, ray, *this);
     lazy::LazyVisit<LaneTest> visit{walk_.tree, query, walk_.built, test};
     kdtree::walk(walk_.tree.tree(), ray, slot, walk_.walked, visit);
+    walk_.tree.count_steps(walk_.walked.steps - steps);
     packet_.work[lane] = counted + static_cast<std::uint32_t>(walk_.walked.steps +
                                                               walk_.walked.tests - before);
     if (query.saw_deferred) walk_.saw_deferred |= 1u << lane;
@@ -142,10 +144,15 @@ void LaneQuery::give_back() {
 }
 
 std::uint32_t query_packet(const PacketWalk& walk, wide::Packet& packet, std::uint32_t lanes) {
-  const wide::Prepared prepared = wide::prepare(packet, walk.tree.frame(), lanes);
+  const wide::Prepared prepared = wide::prepare(packet, *walk.tree.frame(), lanes);
   UnfinishedSlots slots(walk, packet);
   wide::WalkTotals totals;
-  wide::walk(packet, wide::Child::slot(&walk.tree.root()), prepared.live, slots, totals);
+  // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
+  const wide::Child entry = walk.tree.entry();
+  const bool searched_before = std::exchange(walk.lazy.searches_list,
+                                             walk.lazy.searches_list || entry.is_node());
+  wide::walk(packet, entry, prepared.live, slots, totals);
+  walk.lazy.searches_list = searched_before;
   walk.walked.steps += totals.nodes;
   walk.walked.tests += totals.triangles;
   if (!packet.any && !packet.stopped) wide::settle(packet, prepared.live);

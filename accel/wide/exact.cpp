@@ -223,7 +223,7 @@ void settle(Packet& packet, std::uint32_t lanes) {
     if ((all.has_best >> lane & 1) != 0 && all.best_low[lane] <= high)
       batch.add(lane, all.best_block[lane], all.best_triangle[lane]);
     for (std::size_t i = 0; i < all.count[lane]; ++i) {
-      if (all.low[lane][i] <= high) batch.add(lane, all.block[lane][i], all.triangle[lane][i]);
+      if (!(all.low[lane][i] > high)) batch.add(lane, all.block[lane][i], all.triangle[lane][i]);
     }
   }
   batch.flush();

@@ -354,7 +354,8 @@ class Group {
     // What was the best so far, and may still be; and what is neither certain nor too far.
     std::uint32_t best_before =
         nearer & all.has_best & (Floats::load(all.best_low.data()) <= limit);
-    std::uint32_t open = verdict.possible & ~nearer & (least <= limit);
+    // Not "least <= limit": a depth that is not a number is one of which floats know nothing.
+    std::uint32_t open = verdict.possible & ~nearer & ~(least > limit);
     for (; best_before != 0; best_before &= best_before - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(best_before));
       remember(packet_, lane, all.best_block[lane], all.best_triangle[lane], all.best_low[lane]);

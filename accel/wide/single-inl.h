@@ -226,7 +226,8 @@ class Single {
       low.store(depth.data());
       for (std::uint32_t left = verdict.possible; left != 0; left &= left - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(left));
-        if (depth[i] - slack <= rays.high[lane_])
+        // Also a depth that is not a number, of a triangle of which floats know nothing.
+        if (!(depth[i] - slack > rays.high[lane_]))
           remember(packet_, lane_, words, static_cast<std::uint32_t>(i), depth[i] - slack);
       }
     }

@@ -30,6 +30,10 @@ class Child {
     return Child(std::bit_cast<std::uint64_t>(slot) | kSlot);
   }
 
+  /// The word of a child, and the child of a word.
+  std::uint64_t bits() const { return bits_; }
+  static Child of(std::uint64_t bits) { return Child(bits); }
+
   explicit operator bool() const { return bits_ != 0; }
   bool is_node() const { return (bits_ & kKind) == 0; }
   bool is_block() const { return (bits_ & kBlock) != 0; }

@@ -61,7 +61,7 @@ class Collapse {
  public:
   explicit Collapse(const Node& root) {
     if (root.leaf()) {
-      words_ = root.words;
+      words_ = words_of(root);
     } else {
       add(root);
     }
@@ -71,13 +71,17 @@ class Collapse {
   std::size_t words() const { return words_; }
 
  private:
+  static std::size_t words_of(const Node& node) {
+    return node.words == Node::kOther ? 0 : node.words;
+  }
+
   std::uint32_t add(const Node& node) {
     const std::size_t at = nodes_.size();
     nodes_.push_back({open_largest(node)});
     for (std::size_t i = 0; i < kWidth; ++i) {
       const Node* child = nodes_[at].children[i];
       if (child == nullptr) break;
-      words_ += child->words;
+      words_ += words_of(*child);
       if (child->leaf()) continue;
       const std::uint32_t index = add(*child);
       nodes_[at].index[i] = index;
@@ -106,6 +110,7 @@ class Blocks {
   explicit Blocks(std::uint32_t* memory) : next_(memory) {}
 
   Child copy(const Node& leaf) {
+    if (leaf.words == Node::kOther) return Child::of(leaf.other);
     std::uint32_t* to = next_;
     std::memcpy(to, leaf.block, leaf.words * sizeof(std::uint32_t));
     next_ += leaf.words;
@@ -175,7 +180,8 @@ void measure_below(Child at, double share, double root_area, int depth, kdtree::
 
 void WideTree::Free::operator()(std::byte* memory) const { std::free(memory); }
 
-WideTree::WideTree(const Node& root, const geometry::Vec3f& center) : center_(center) {
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center)
+    : center_(center), box_(root.box) {
   assert(root.levels <= kMostLevels);
   const Collapse collapse(root);
   node_count_ = collapse.nodes().size();
@@ -206,7 +212,7 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center) : center_(ce
   }
 }
 
-std::uint64_t WideTree::bytes() const { return sizeof(*this) + bytes_; }
+std::uint64_t WideTree::size_in_bytes() const { return sizeof(*this) + bytes_; }
 
 void WideTree::measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const {
   double share = 1;

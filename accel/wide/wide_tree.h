@@ -17,14 +17,17 @@ namespace sightline::accel::wide {
 /// Never changes. Threads: any.
 class WideTree final : public kdtree::FinishedSubtree {
  public:
-  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`. The
-  /// largest child is opened until a node is full (Wald et al. 2008). Throws std::bad_alloc.
+  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`; other
+  /// leaves are words of a Child. The largest child is opened until a node is full (Wald et al.
+  /// 2008). Throws std::bad_alloc.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center);
 
   Child root() const { return root_; }
   const geometry::Vec3f& center() const { return center_; }
+  /// Of all below, in mesh coordinates.
+  const geometry::Aabb& box() const { return box_; }
 
-  std::uint64_t bytes() const override;
+  std::uint64_t size_in_bytes() const override;
   void measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const override;
   void measure_growth(std::vector<bool>& seen, kdtree::GrowthMetrics& growth) const override;
 
@@ -34,6 +37,7 @@ class WideTree final : public kdtree::FinishedSubtree {
   };
 
   geometry::Vec3f center_;
+  geometry::Aabb box_;
   std::size_t node_count_ = 0, bytes_ = 0;
   std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then the words of the blocks.
   Child root_{};

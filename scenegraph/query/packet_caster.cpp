@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "accel/blocks/frame.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/surface.h"
 #include "scenegraph/query/selection.h"
@@ -96,6 +95,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     const std::uint64_t before = caster_.walked_.steps;
     LaneVisit visit{*this, lane};
     accel::kdtree::walk(tree, in_tree, slot, caster_.walked_, visit);
+    tree_.tree().count_steps(caster_.walked_.steps - before);
     caster_.scene_.work[lane] += static_cast<std::uint32_t>(caster_.walked_.steps - before);
   }
 
@@ -186,23 +186,22 @@ std::uint32_t PacketCaster::cast(std::span<const Ray> rays, std::span<Hit> hits)
 void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t first,
                              const instances::RemovedFilter* removed,
                              accel::kdtree::BuildCounters& built) {
-  const accel::geometry::Aabb& bounds = tree.tree().tree().bounds();
-  if (bounds.empty()) return;
-  const accel::geometry::Vec3f center = accel::blocks::frame_center(bounds);
-  const accel::wide::Frame frame{center, {bounds.lo - center, bounds.hi - center}};
+  accel::lazy::LazyTree& kd = tree.tree();
+  if (kd.tree().bounds().empty()) return;
   std::uint32_t lanes = valid_ & ~alone_;
   if (scene_.any) lanes &= ~best_.found;
-  const float size = accel::wide::largest_coordinate(frame.bounds);
-  if (!(size >= accel::wide::kLeastSize && size <= accel::wide::kLargestSize)) {
+  if (!kd.frame()) {
     alone_ |= lanes;
     return;
   }
-  const accel::wide::Prepared prepared = accel::wide::prepare(scene_, frame, lanes);
+  const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), lanes);
   alone_ |= prepared.slow;
   SceneSlots slots(*this, tree, first, removed, built);
   accel::wide::WalkTotals totals;
-  accel::wide::walk(scene_, accel::wide::Child::slot(&tree.tree().root()), prepared.live, slots,
-                    totals);
+  const accel::wide::Child entry = kd.entry();
+  lazy_.searches_list = entry.is_node();  // no renewing of the pin while the walk is in these nodes
+  accel::wide::walk(scene_, entry, prepared.live, slots, totals);
+  lazy_.searches_list = false;
   walked_.steps += totals.nodes;
 }
 
