@@ -105,7 +105,7 @@ TEST(WideTree, CountsItsMemory) {
     const MeshAsTree of(mesh);
     Size size;
     measure(of.tree->root(), size);
-    EXPECT_EQ(of.tree->bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
+    EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
                                     size.words * sizeof(std::uint32_t) + blocks::kBlockSlack);
   }
 }
@@ -128,17 +128,35 @@ TEST(WideTree, NodesAreFullAboveNodes) {
   for (const TestMesh& mesh : meshes()) expect_full(MeshAsTree(mesh).tree->root());
 }
 
+/// A hierarchy whose nodes each have one block on their right, over the same triangle.
+const blocks::Node* chain(const MeshAsTree& of, std::size_t levels, blocks::Arena& arena) {
+  std::vector<kdtree::Reference> refs(1);
+  mesh::face_references(of.mesh.view(), 0, 1, refs.data());
+  blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
+  const blocks::Node* root = builder.build(refs, of.bounds, arena);
+  for (std::size_t level = 1; level <= levels; ++level) {
+    blocks::Node* node = arena.node();
+    node->box = of.bounds;
+    node->levels = static_cast<std::uint16_t>(level);
+    node->left = root;
+    node->right = builder.build(refs, of.bounds, arena);
+    root = node;
+  }
+  return root;
+}
+
 TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
-  const MeshAsTree of(tests::random_soup(17, 0.3, 1));
-  ASSERT_TRUE(of.tree->root().is_node());
-  const WideNode& node = *of.tree->root().node();
-  ASSERT_FALSE(node.children[kWidth - 1]);
+  const MeshAsTree of(tests::single_triangle());
+  blocks::Arena arena;
+  const WideTree tree(*chain(of, 1, arena), of.frame.center);
+  const WideNode& node = *tree.root().node();
+  ASSERT_TRUE(node.children[1]);
+  ASSERT_FALSE(node.children[2]);
   for (const double x : {-1.0, 1.0}) {
     const geometry::LocalRay local = *geometry::make_local_ray({0, 0, 0}, {x, 0, -x});
     kdtree::TreeRay ray;
-    ASSERT_TRUE(enter(local, Aabb{{-1, -1, -1}, {1, 1, 1}}, -1, 1, ray));
-    const Aabb box = box_of(node, kWidth - 1, of.tree->center());
-    EXPECT_FALSE(may_meet(ray, box, geometry::kInfinity));
+    ASSERT_TRUE(enter(local, of.bounds, -1, 1, ray));
+    EXPECT_FALSE(may_meet(ray, box_of(node, 2, tree.center()), geometry::kInfinity));
   }
 }
 
@@ -183,27 +201,12 @@ TEST(WideTree, MeasuresGrowthByFirstSightOfATriangle) {
             static_cast<std::ptrdiff_t>(of.mesh.faces.size()));
 }
 
-TEST(WideTree, ADeepHierarchyOfBlocksIsCompiled) {
-  // Each node cuts off one block: as deep as a tree may be.
-  const TestMesh mesh = tests::single_triangle();
-  const MeshAsTree of(mesh);
+TEST(WideTree, AsDeepAsATreeMayBe) {
+  const MeshAsTree of(tests::single_triangle());
   blocks::Arena arena;
-  std::vector<kdtree::Reference> refs(1);
-  mesh::face_references(mesh.view(), 0, 1, refs.data());
-  blocks::BlockBuilder builder(mesh.view(), of.frame.center);
-  const blocks::Node* root = builder.build(refs, of.bounds, arena);
-  for (std::size_t level = 1; level <= kMostLevels; ++level) {
-    blocks::Node* node = arena.node();
-    node->box = of.bounds;
-    node->levels = static_cast<std::uint16_t>(level);
-    node->left = root;
-    node->right = builder.build(refs, of.bounds, arena);
-    root = node;
-  }
-  const WideTree tree(*root, of.frame.center);
+  const WideTree tree(*chain(of, kMostLevels, arena), of.frame.center);
   std::vector<PlacedBlock> placed;
-  ASSERT_NO_FATAL_FAILURE(
-      tests::place_blocks(tree, of.bounds, mesh, {refs[0].bounds()}, placed));
+  ASSERT_NO_FATAL_FAILURE(tests::place_blocks(tree, of.bounds, of.mesh, {of.bounds}, placed));
   EXPECT_EQ(placed.size(), kMostLevels + 1);
 }
 
