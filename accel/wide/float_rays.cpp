@@ -24,11 +24,8 @@ using Floats = Lanes<float, kLanes>;
 
 /// From this far away on, float tests could overflow.
 constexpr double kFar = 0x1p+61;
-/// Components of a direction count as at least this.
-constexpr float kLeastDirection = 0x1p-60f;
 /// Greater than any t at which a triangle can be met from less than kFar away.
 constexpr double kLargestT = 0x1p+100;
-constexpr float kTiny = 0x1p-110f;
 
 /// By the axis of the direction's largest component.
 struct MainAxis {
@@ -54,7 +51,8 @@ class Preparing {
       : packet_(packet), frame_(frame), out_(packet.floats) {}
 
   HWY_INLINE Prepared prepare(std::uint32_t lanes) {
-    for (std::size_t axis = 0; axis < 3; ++axis) set_axis(axis);
+    for (std::size_t axis = 0; axis < 3; ++axis) set_origin(axis);
+    for (std::size_t axis = 0; axis < 3; ++axis) set_planes(axis);
     set_main_axis();
     const std::uint32_t meet = set_limits();
     packet_.center = frame_.center;
@@ -65,41 +63,50 @@ class Preparing {
   }
 
  private:
-  HWY_INLINE void set_axis(std::size_t axis) {
-    const Rays& rays = packet_.rays;
-    const Doubles from = Doubles::load(rays.origin[axis].data()) -
+  HWY_INLINE void set_origin(std::size_t axis) {
+    const Doubles from = Doubles::load(packet_.rays.origin[axis].data()) -
                          Doubles::set(static_cast<double>(frame_.center[axis]));
-    const Doubles along = Doubles::load(rays.direction[axis].data());
     far_away_ |= abs(from) > Doubles::set(kFar);
+    const Floats o = to_floats(from), size = abs(o), reach = reach_from(o, axis);
+    o.store(out_.origin[axis].data());
+    origin_[axis] = o;
+    most_origin_ = axis == 0 ? size : max(most_origin_, size);
+    distance_ = axis == 0 ? reach : max(distance_, reach);
+  }
+
+  /// The distance to the farther bound.
+  HWY_INLINE Floats reach_from(const Floats& origin, std::size_t axis) const {
+    return max(abs(Floats::set(frame_.bounds.lo[axis]) - origin),
+               abs(Floats::set(frame_.bounds.hi[axis]) - origin));
+  }
+
+  HWY_INLINE void set_planes(std::size_t axis) {
+    const Doubles along = Doubles::load(packet_.rays.direction[axis].data());
     // A component that is zero in float keeps the sign of the double.
     const std::uint32_t negative = Doubles::bits([&](std::size_t i) {
       const Doubles::D d;
       return hn::Lt(hn::CopySign(hn::Set(d, 1.0), along.v[i]), hn::Zero(d));
     });
-    const Floats o = to_floats(from), d = to_floats(along), size = abs(o);
+    const Floats d = to_floats(along), o = origin_[axis];
     const Floats least = Floats::set(kLeastDirection);
     const Floats bounded = Floats::pick(abs(d) < least,
                                         Floats::pick(negative, Floats::set(-kLeastDirection), least), d);
     const Floats inverse = Floats::set(1) / bounded;
-    const Floats lo = Floats::set(frame_.bounds.lo[axis]) - o,
-                 hi = Floats::set(frame_.bounds.hi[axis]) - o;
-    const Floats reach = max(abs(lo), abs(hi));
-    const Floats error = abs(inverse) * ((size + reach) * Floats::set(0x1.4p-22f));
-    const Floats at_origin = o * inverse;
-    const Floats zero = Floats::set(0);
-    origin_[axis] = o;
+    const Floats steep = mul_add(distance_, Floats::set(kSteepError), Floats::set(kTiny));
+    const Floats error =
+        abs(inverse) * mul_add(abs(o) + reach_from(o, axis), Floats::set(kPlaneError), steep);
+    const Floats at_origin = o * inverse, zero = Floats::set(0);
     direction_[axis] = d;
-    o.store(out_.origin[axis].data());
+    octant_[axis] = negative;
     inverse.store(out_.inverse[axis].data());
     (zero - at_origin - error).store(out_.near[axis].data());
     (error - at_origin).store(out_.far[axis].data());
-    most_origin_ = axis == 0 ? size : max(most_origin_, size);
-    distance_ = axis == 0 ? reach : max(distance_, reach);
+    const Floats lo = Floats::set(frame_.bounds.lo[axis]) - o,
+                 hi = Floats::set(frame_.bounds.hi[axis]) - o;
     const Floats near = mul_sub(Floats::pick(negative, hi, lo), inverse, error),
                  far = mul_add(Floats::pick(negative, lo, hi), inverse, error);
     t_in_ = axis == 0 ? near : max(t_in_, near);
     t_out_ = axis == 0 ? far : min(t_out_, far);
-    octant_[axis] = negative;
   }
 
   HWY_INLINE void set_main_axis() {

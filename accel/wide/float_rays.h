@@ -9,6 +9,15 @@
 
 namespace sightline::accel::wide {
 
+/// A plane of a box is off by at most this share of the distances of origin and plane; see
+/// docs/hit_rule.md, section 7.
+inline constexpr float kPlaneError = 0x1.8p-22f;
+/// Components of a direction count as at least this for planes. Then a plane is off by up to the
+/// length of the ray: by kSteepError of that, before the division.
+inline constexpr float kLeastDirection = 0x1p-60f, kSteepError = 2 * kLeastDirection;
+/// Bounds what is lost to underflow.
+inline constexpr float kTiny = 0x1p-110f;
+
 struct Prepared {
   std::uint32_t live = 0;  ///< The rays that may meet the bounds within their limits.
   std::uint32_t slow = 0;  ///< Those of them whose origin is too far away for floats.

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "accel/wide/float_rays.h"
 #include "accel/wide/single-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,17 +34,25 @@ HWY_INLINE Range range_of(const Column<float>& column, std::uint32_t group) {
           Floats::pick(group, all, Floats::set(-infinity)).greatest()};
 }
 
+HWY_INLINE float largest(const Range& range) {
+  return std::max(std::fabs(range.lo), std::fabs(range.hi));
+}
+
 /// A box test for all rays of a group at once: bounds of the planes' t.
 class GroupBoxes {
  public:
   HWY_INLINE GroupBoxes(const Packet& packet, std::uint32_t group, float extent) {
     const FloatRays& rays = packet.floats;
     const std::uint32_t key = rays.key[static_cast<std::size_t>(std::countr_zero(group))];
+    std::array<Range, 3> origins;
+    float farthest = extent;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Range origin = range_of(rays.origin[axis], group),
-                  inverse = range_of(rays.inverse[axis], group);
-      const float size = std::max(std::fabs(origin.lo), std::fabs(origin.hi));
-      const float error = (2 * size + extent) * 0x1.4p-22f;
+      origins[axis] = range_of(rays.origin[axis], group);
+      farthest = std::max(farthest, extent + largest(origins[axis]));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Range origin = origins[axis], inverse = range_of(rays.inverse[axis], group);
+      const float error = (2 * largest(origin) + extent) * kPlaneError + farthest * kSteepError + kTiny;
       backward_[axis] = (key >> axis & 1) != 0;
       row_[axis] = 2 * axis + (key >> axis & 1);
       lo_[axis] = Boxes::set(origin.lo - error);

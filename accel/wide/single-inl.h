@@ -33,7 +33,9 @@ class Gather {
   HWY_INLINE explicit Gather(const std::uint8_t* corners) {
     for (std::size_t i = 0; i < Floats::kVectors; ++i) {
       const hn::Rebind<std::uint8_t, Floats::D> bytes;
-      index_[i] = hn::PromoteTo(kInts, hn::LoadU(bytes, corners + i * Floats::kPer));
+      // Behind the last triangle are other numbers, for which any vertex will do.
+      index_[i] = hn::And(hn::PromoteTo(kInts, hn::LoadU(bytes, corners + i * Floats::kPer)),
+                          hn::Set(kInts, blocks::kBlockVertices - 1));
     }
   }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 
+#include "accel/wide/float_rays.h"
 #include "accel/wide/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -44,7 +45,6 @@ HWY_INLINE Floats least(const Floats& a, const Floats& b, const Floats& c) {
 /// Returns whether any is possible.
 HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits,
                       std::uint32_t lanes, Verdict& out) {
-  constexpr float kTiny = 0x1p-110f;
   const auto& [a, b, c] = corners;
   const Floats zero = Floats::set(0);
   const Floats ab = mul_sub(a.x, b.y, a.y * b.x), bc = mul_sub(b.x, c.y, b.y * c.x),
@@ -64,8 +64,8 @@ HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits
   const Floats whole = ab + bc + ca, inverse = Floats::set(1) / whole;
   out.depth = mul_add(bc * inverse, a.z, mul_add(ca * inverse, b.z, ab * inverse * c.z));
   const Floats share = abs(bound * Floats::set(6.5f) * inverse);
-  out.off = mul_add(share, far - near,
-                    deepest * Floats::set(0x1p-20f) * (share + Floats::set(1)));
+  const Floats weights = share + Floats::set(1);
+  out.off = mul_add(share, far - near, deepest * Floats::set(0x1p-20f) * weights * weights);
   out.possible &= ~(((out.depth - out.off) > limits.high) | ((out.depth + out.off) < limits.low));
   // The least is above the bound, or the greatest below its negative.
   const std::uint32_t one_sign = (zero - smallest > bound) | (zero - greatest > bound);

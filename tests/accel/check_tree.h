@@ -1,5 +1,6 @@
-// Checks the invariants of every kd-tree: cells tile the bounds, and a leaf holds exactly its
-// cell's members, or, if the builder clips, all references that a ray can meet there.
+// Checks the invariants of every kd-tree: cells tile the bounds, and a leaf or a finished subtree
+// holds exactly its cell's members, or, if the builder clips, all references that a ray can meet
+// there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "accel/kdtree/kd_tree.h"
+#include "tests/accel/wide/placed_blocks.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -21,9 +23,30 @@ inline std::vector<std::uint32_t> ids_of(const accel::kdtree::CellList& list) {
   return ids;
 }
 
+inline const accel::wide::WideTree& wide_tree(accel::kdtree::Slot finished) {
+  return dynamic_cast<const accel::wide::WideTree&>(*finished.finished());
+}
+
+/// A finished subtree: every corner that lies in the cell is in the box of a block that holds the
+/// face. Sets `held` to its faces.
+inline void check_finished(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
+                           const TestMesh& mesh,
+                           const std::vector<accel::geometry::Aabb>& bounds,
+                           std::vector<std::uint32_t>& held) {
+  std::vector<PlacedBlock> placed;
+  ASSERT_NO_FATAL_FAILURE(place_blocks(tree, cell, mesh, bounds, placed));
+  held = ids_of(placed);
+  for (const std::uint32_t id : held) {
+    for (const std::uint32_t v : mesh.faces[id]) {
+      const accel::geometry::Vec3f& corner = mesh.vertices[v];
+      ASSERT_TRUE(!holds_point(cell, corner) || is_held_at(placed, corner, id)) << "face " << id;
+    }
+  }
+}
+
 /// `bounds[id]` is the builder's box of a reference; references without one have an empty box.
 inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
-                       const accel::geometry::Aabb& cell, int depth,
+                       const accel::geometry::Aabb& cell, int depth, const TestMesh& mesh,
                        const std::vector<accel::geometry::Aabb>& bounds) {
   ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
   if (slot.is_binary()) {
@@ -32,8 +55,10 @@ inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     ASSERT_LT(slot.position(), cell.hi[axis]);
     const accel::geometry::HalvedCell halves =
         accel::geometry::halve(cell, slot.axis(), slot.position());
-    check_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1, bounds);
-    check_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1, bounds);
+    check_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1, mesh,
+               bounds);
+    check_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1, mesh,
+               bounds);
     return;
   }
   std::vector<std::uint32_t> held, members;
@@ -41,6 +66,8 @@ inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     ASSERT_EQ(slot.cell()->box, cell);
     if (!slot.cell()->has_list || slot.cell()->openable) return;
     held = ids_of(slot.cell()->list);
+  } else if (slot.is_finished()) {
+    ASSERT_NO_FATAL_FAILURE(check_finished(wide_tree(slot), cell, mesh, bounds, held));
   } else {
     std::uint32_t storage;
     if (slot.leaf_count() > 0) {
@@ -55,18 +82,16 @@ inline void check_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
   ASSERT_EQ(held, members);
 }
 
-inline void check_tree(const accel::kdtree::KdTree& tree,
+inline void check_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                        const std::vector<accel::geometry::Aabb>& bounds) {
-  check_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, bounds);
+  check_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, mesh, bounds);
 }
 
-/// Whether some leaf whose closed cell contains the point holds the reference.
+/// Whether some leaf or block whose closed cell contains the point holds the reference.
 inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
                        const accel::geometry::Aabb& cell, const accel::geometry::Vec3f& point,
                        std::uint32_t id) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (point[a] < cell.lo[a] || point[a] > cell.hi[a]) return false;
-  }
+  if (!holds_point(cell, point)) return false;
   if (slot.is_binary()) {
     const accel::geometry::HalvedCell halves =
         accel::geometry::halve(cell, slot.axis(), slot.position());
@@ -78,6 +103,12 @@ inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
     const std::vector<std::uint32_t> ids = ids_of(slot.cell()->list);
     return std::find(ids.begin(), ids.end(), id) != ids.end();
   }
+  if (slot.is_finished()) {
+    const accel::wide::WideTree& subtree = wide_tree(slot);
+    std::vector<PlacedBlock> placed;
+    place_blocks(subtree.root(), cell, subtree.center(), placed);
+    return is_held_at(placed, point, id);
+  }
   if (slot.leaf_count() == 0) return false;
   std::uint32_t storage;
   const auto ids = tree.leaf(slot, storage);
@@ -85,7 +116,7 @@ inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
 }
 
 inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::Slot slot,
-                              const accel::geometry::Aabb& cell, int depth,
+                              const accel::geometry::Aabb& cell, int depth, const TestMesh& mesh,
                               const std::vector<accel::geometry::Aabb>& bounds) {
   ASSERT_LE(depth, accel::kdtree::kMaxTreeDepth);
   if (slot.is_binary()) {
@@ -95,15 +126,17 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
     const accel::geometry::HalvedCell halves =
         accel::geometry::halve(cell, slot.axis(), slot.position());
     check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[0]), halves.left, depth + 1,
-                      bounds);
+                      mesh, bounds);
     check_closed_cell(tree, accel::kdtree::load(tree.children(slot)[1]), halves.right, depth + 1,
-                      bounds);
+                      mesh, bounds);
     return;
   }
   std::vector<std::uint32_t> held;
   if (slot.is_deferred()) {
     ASSERT_EQ(slot.cell()->box, cell);
     if (!slot.cell()->openable) held = ids_of(slot.cell()->list);
+  } else if (slot.is_finished()) {
+    ASSERT_NO_FATAL_FAILURE(check_finished(wide_tree(slot), cell, mesh, bounds, held));
   } else if (slot.leaf_count() > 0) {
     std::uint32_t storage;
     for (const std::uint32_t id : tree.leaf(slot, storage)) held.push_back(id);
@@ -120,11 +153,12 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
 
 /// For builders that clip or choose the side of flat boxes, as their papers do: cells (some of them
 /// flat) tile the bounds; a leaf holds no reference twice and none that does not touch its closed
-/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face.
+/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face, or in
+/// the box of a block that does.
 /// `bounds` as above.
 inline void check_closed_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                               const std::vector<accel::geometry::Aabb>& bounds) {
-  check_closed_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, bounds);
+  check_closed_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, mesh, bounds);
   for (std::size_t id = 0; id < bounds.size(); ++id) {
     if (bounds[id].empty()) continue;
     for (const std::uint32_t v : mesh.faces[id]) {

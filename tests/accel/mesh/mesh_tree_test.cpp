@@ -189,7 +189,7 @@ void check(const MeshTree& tree, const TestMesh& mesh, const published::AnyBuild
   if (may_clip || std::holds_alternative<published::kd::ExactBuilder>(kd)) {
     tests::check_closed_tree(*tree.kd(), mesh, reference_bounds(mesh));
   } else {
-    tests::check_tree(*tree.kd(), reference_bounds(mesh));
+    tests::check_tree(*tree.kd(), mesh, reference_bounds(mesh));
   }
 }
 

@@ -1,0 +1,115 @@
+// The blocks of a wide tree with their boxes, checked on the way.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "accel/blocks/block.h"
+#include "accel/blocks/frame.h"
+#include "accel/wide/walk_in_doubles.h"
+#include "accel/wide/wide_tree.h"
+#include "tests/support/scenes.h"
+
+namespace sightline::tests {
+
+/// A block with its box in coordinates of the mesh.
+struct PlacedBlock {
+  accel::geometry::Aabb box;
+  accel::blocks::Block block;
+};
+
+inline bool lies_in(const accel::geometry::Aabb& inner, const accel::geometry::Aabb& outer) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(inner.lo[a] >= outer.lo[a] && inner.hi[a] <= outer.hi[a])) return false;
+  }
+  return true;
+}
+
+inline bool holds_point(const accel::geometry::Aabb& box, const accel::geometry::Vec3f& point) {
+  return lies_in({point, point}, box);
+}
+
+/// Adds the blocks at and below a child. Boxes lie in that of their parent, children come first in
+/// their node, and no ray meets the box of one that does not exist.
+inline void place_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
+                         const accel::geometry::Vec3f& center, std::vector<PlacedBlock>& out) {
+  using accel::wide::kWidth;
+  if (at.is_block()) {
+    out.push_back({box, accel::blocks::Block(at.block())});
+    return;
+  }
+  ASSERT_TRUE(at.is_node());
+  const accel::wide::WideNode& node = *at.node();
+  ASSERT_TRUE(node.children[0] && node.children[1]);
+  bool ended = false;
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    if (!node.children[i]) {
+      ended = true;
+      for (std::size_t a = 0; a < 3; ++a) {
+        ASSERT_EQ(node.bounds[2 * a][i], HUGE_VALF);
+        ASSERT_EQ(node.bounds[2 * a + 1][i], -HUGE_VALF);
+      }
+      continue;
+    }
+    ASSERT_FALSE(ended);
+    const accel::geometry::Aabb child = accel::wide::box_of(node, i, center);
+    ASSERT_TRUE(lies_in(child, box));
+    ASSERT_NO_FATAL_FAILURE(place_blocks(node.children[i], child, center, out));
+  }
+}
+
+/// The blocks of a tree over a cell. A block holds no triangle twice, and each as the mesh has it;
+/// `bounds[id]` of each meets the block's box.
+inline void place_blocks(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
+                         const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
+                         std::vector<PlacedBlock>& out) {
+  ASSERT_NO_FATAL_FAILURE(place_blocks(tree.root(), cell, tree.center(), out));
+  for (const auto& [box, block] : out) {
+    std::vector<std::uint32_t> ids;
+    for (std::size_t i = 0; i < block.triangles; ++i) {
+      const std::uint32_t id = block.id(i);
+      ids.push_back(id);
+      for (std::size_t a = 0; a < 3; ++a) {
+        ASSERT_LE(bounds[id].lo[a], box.hi[a]);
+        ASSERT_GE(bounds[id].hi[a], box.lo[a]);
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const accel::geometry::Vec3f v = block.vertex(block.corner(k)[i]),
+                                     &expected = mesh.vertices[mesh.faces[id][k]];
+        for (std::size_t a = 0; a < 3; ++a)
+          ASSERT_EQ(v[a], accel::blocks::relative(expected[a], tree.center()[a]));
+      }
+    }
+    std::sort(ids.begin(), ids.end());
+    ASSERT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+  }
+}
+
+/// The ids in some blocks, ascending, each once.
+inline std::vector<std::uint32_t> ids_of(const std::vector<PlacedBlock>& placed) {
+  std::vector<std::uint32_t> ids;
+  for (const PlacedBlock& at : placed) {
+    for (std::size_t i = 0; i < at.block.triangles; ++i) ids.push_back(at.block.id(i));
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// Whether a block that holds the triangle has the point in its box.
+inline bool is_held_at(const std::vector<PlacedBlock>& placed, const accel::geometry::Vec3f& point,
+                       std::uint32_t id) {
+  return std::any_of(placed.begin(), placed.end(), [&](const PlacedBlock& at) {
+    if (!holds_point(at.box, point)) return false;
+    for (std::size_t i = 0; i < at.block.triangles; ++i) {
+      if (at.block.id(i) == id) return true;
+    }
+    return false;
+  });
+}
+
+}  // namespace sightline::tests

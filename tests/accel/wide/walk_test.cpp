@@ -1,0 +1,307 @@
+// Packets find what the hit rule finds over every triangle, on every SIMD target.
+#include "accel/wide/walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "accel/geometry/intersect.h"
+#include "tests/accel/simd_targets.h"
+#include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/support/hard_rays.h"
+#include "tests/support/hard_shapes.h"
+#include "tests/support/random.h"
+
+namespace sightline::accel::wide {
+namespace {
+
+using geometry::Culling;
+using geometry::Ray;
+using geometry::Vec3d;
+using geometry::Vec3f;
+using tests::MeshAsTree;
+using tests::Random;
+using tests::TestMesh;
+
+struct Question {
+  bool any = false;
+  Culling culling = Culling::kNone;
+};
+
+struct Answer {
+  bool found = false;
+  double t = 0;
+  std::uint32_t primitive = 0;
+  bool operator==(const Answer&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Answer& answer) {
+  if (!answer.found) return out << "nothing";
+  return out << "t " << answer.t << ", triangle " << answer.primitive;
+}
+
+Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
+  const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
+  Answer best;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const geometry::Face& f = mesh.faces[i];
+    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+    const std::optional<double> t = intersect(local, a, b, c);
+    if (!t || is_culled(question.culling, local, a, b, c)) continue;
+    const double world = *t * local.unit;
+    if (!(world >= ray.tmin && world <= ray.tmax) || (best.found && world >= best.t)) continue;
+    best = {true, world, static_cast<std::uint32_t>(i)};
+    if (question.any) return {true};
+  }
+  return best;
+}
+
+/// The answers of a packet, and the rays that were too far away.
+std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Question& question,
+                        std::uint32_t& slow) {
+  const auto packet = std::make_unique<Packet>();
+  BestHits best;
+  best.clear();
+  packet->best = &best;
+  packet->any = question.any;
+  packet->culling = question.culling;
+  packet->node = 1;
+  packet->work.fill(0);
+  tests::set_rays(rays, packet->rays);
+  const std::uint32_t lanes = (2u << (rays.size() - 1)) - 1;
+  const Prepared prepared = prepare(*packet, of.frame, lanes);
+  EXPECT_EQ(prepared.live & prepared.slow, 0u);
+  EXPECT_EQ((prepared.live | prepared.slow) & ~lanes, 0u);
+  slow = prepared.slow;
+  tests::NoSlots slots;
+  WalkTotals totals;
+  walk(*packet, of.tree->root(), prepared.live, slots, totals);
+  if (!question.any) settle(*packet, prepared.live);
+  std::vector<Answer> answers;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool found = (best.found >> i & 1) != 0;
+    answers.push_back(!found         ? Answer{}
+                      : question.any ? Answer{true}
+                                     : Answer{true, best.t[i], best.primitive[i]});
+  }
+  return answers;
+}
+
+bool is_far(const Ray& ray, const Frame& frame) {
+  double most = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    most = std::max(most, std::fabs(ray.origin[a] - static_cast<double>(frame.center[a])));
+  return most > 0x1p+61;
+}
+
+std::string text(const Ray& ray) {
+  const auto number = [](double x) {
+    std::array<char, 40> out;
+    std::snprintf(out.data(), out.size(), "%a ", x);
+    return std::string(out.data());
+  };
+  std::string all;
+  for (std::size_t a = 0; a < 3; ++a) all += number(ray.origin[a]);
+  for (std::size_t a = 0; a < 3; ++a) all += number(ray.direction[a]);
+  return all + number(ray.tmin) + number(ray.tmax);
+}
+
+/// Asks in packets of `size`. Returns how many rays hit something.
+std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::size_t size,
+                         const Question& question) {
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < rays.size(); i += size) {
+    const auto part = rays.subspan(i, std::min(size, rays.size() - i));
+    std::uint32_t slow = 0;
+    const std::vector<Answer> answers = ask(of, part, question, slow);
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const Answer expected = search(of.mesh, part[k], question);
+      hits += expected.found ? 1 : 0;
+      EXPECT_EQ((slow >> k & 1) != 0, is_far(part[k], of.frame));
+      if ((slow >> k & 1) != 0) continue;
+      EXPECT_EQ(answers[k], expected) << text(part[k]) << ", lane " << k << " of " << part.size();
+    }
+  }
+  return hits;
+}
+
+/// Rays one after the other whose directions have the same signs and main axis as the first: they go
+/// as groups.
+std::vector<Ray> side_by_side(const TestMesh& mesh, std::size_t packets, std::uint64_t seed) {
+  std::vector<Ray> rays;
+  for (const Ray& first : tests::make_hard_rays(mesh, packets, seed)) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const geometry::Face& f = mesh.faces[(seed + 7 * rays.size()) % mesh.faces.size()];
+      Ray ray = first;
+      const Vec3d v(mesh.vertices[f[i % 3]]);
+      // Through corners, along the first one; every other one begins there.
+      ray.origin = i % 2 == 0 ? v : v - ray.direction * 2.0;
+      if (i % 4 < 2) ray.tmin = -geometry::kInfinity;
+      rays.push_back(ray);
+    }
+  }
+  return rays;
+}
+
+/// Directions with components about 2^-60 of the largest, too short for floats, or zeros of both
+/// signs, through points of triangles. Limits end at hits, or nowhere.
+std::vector<Ray> steep(const MeshAsTree& of, std::size_t count, std::uint64_t seed) {
+  std::vector<Ray> rays;
+  Random random(seed);
+  const double size = static_cast<double>(largest_coordinate(of.frame.bounds));
+  while (rays.size() < count) {
+    const geometry::Face& f = of.mesh.faces[random.below(of.mesh.faces.size())];
+    const Vec3d a(of.mesh.vertices[f[0]]), b(of.mesh.vertices[f[1]]), c(of.mesh.vertices[f[2]]);
+    const double u = random.uniform(), v = random.uniform() * (1 - u);
+    const Vec3d at = random.below(4) == 0 ? a : a + (b - a) * u + (c - a) * v;
+    Vec3d d;
+    const std::size_t main = random.below(3);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double exponents[] = {-30, -58, -60, -61, -80, -127, -140, -160, -240};
+      const double part = std::exp2(exponents[random.below(9)]) * random.uniform(0.5, 2);
+      d[axis] = axis == main ? 1 : random.below(4) == 0 ? 0 : part;
+      if (random.below(2) == 0) d[axis] = -d[axis];
+    }
+    const double distances[] = {0, 0.5, 3, 0x1p+20, 0x1p+40, 0x1p+59};
+    const double distance = size * distances[random.below(6)];
+    Ray ray{at - d * std::min(distance, 0x1p+61), d};
+    if (random.below(3) == 0) ray.tmin = -geometry::kInfinity;
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+/// Limits at, or one double beside, the hits of some rays.
+std::vector<Ray> with_limits_at_hits(const TestMesh& mesh, std::vector<Ray> rays) {
+  Random random(11);
+  for (Ray& ray : rays) {
+    const Answer hit = search(mesh, ray, {});
+    if (!hit.found) continue;
+    const double up = std::nextafter(hit.t, geometry::kInfinity),
+                 down = std::nextafter(hit.t, -geometry::kInfinity);
+    switch (random.below(5)) {
+      case 0: ray.tmax = hit.t; break;
+      case 1: ray.tmax = down; break;
+      case 2: ray.tmin = hit.t; break;
+      case 3: ray.tmin = up; break;
+      default: ray.tmin = ray.tmax = hit.t;
+    }
+  }
+  return rays;
+}
+
+struct Case {
+  std::string name;
+  std::function<TestMesh()> make;
+};
+
+TestMesh scaled(TestMesh mesh, double x, double y, double z) {
+  for (Vec3f& v : mesh.vertices) {
+    v = {static_cast<float>(static_cast<double>(v.x) * x),
+         static_cast<float>(static_cast<double>(v.y) * y),
+         static_cast<float>(static_cast<double>(v.z) * z)};
+  }
+  return mesh;
+}
+
+TestMesh moved(TestMesh mesh, float by) {
+  for (Vec3f& v : mesh.vertices) v = {v.x + by, v.y - by, v.z + 2 * by};
+  return mesh;
+}
+
+/// Pairs of corners that differ by a unit in the last place, and a third far away.
+TestMesh needles(std::uint32_t triangles) {
+  TestMesh mesh;
+  Random random(3);
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    const auto x = [&] { return static_cast<float>(random.uniform(-1, 1)); };
+    const Vec3f a{x(), x(), x()};
+    const auto near = [](float v) { return std::nextafter(v, 2.0f); };
+    mesh.vertices.insert(mesh.vertices.end(), {a, {near(a.x), a.y, near(a.z)}, {x(), x(), x()}});
+    mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all{
+      {"triangle", tests::single_triangle},
+      {"soup", [] { return tests::random_soup(300, 0.3, 1); }},
+      {"dust", [] { return tests::random_soup(500, 1e-6, 2); }},
+      {"sheet", [] { return tests::planar_sheet(12); }},
+      {"walls", [] { return tests::flat_walls(60); }},
+      {"duplicates", [] { return tests::duplicates(60); }},
+      {"fan", [] { return tests::fan(64); }},
+      {"sphere", [] { return tests::icosphere(2); }},
+      {"slivers", [] { return tests::slivers(200, 4); }},
+      {"needles", [] { return needles(200); }},
+      {"book", [] { return tests::pages_of_book(100, 5); }},
+      {"far", [] { return moved(tests::icosphere(2), 1e6f); }},
+      {"very_far", [] { return moved(tests::random_soup(300, 0.3, 6), 1e7f); }},
+      {"tiny", [] { return scaled(tests::icosphere(2), 0x1p-39, 0x1p-39, 0x1p-39); }},
+      {"huge", [] { return scaled(tests::icosphere(2), 0x1p+59, 0x1p+59, 0x1p+59); }},
+      {"beam", [] { return scaled(tests::random_soup(300, 0.3, 7), 0x1p+45, 1, 0x1p-20); }},
+      {"plate", [] { return scaled(tests::icosphere(2), 1, 0x1p+58, 0x1p+58); }},
+      {"subnormal", [] { return scaled(tests::random_soup(300, 0.3, 8), 1, 1, 0x1p-130); }},
+  };
+  return all;
+}
+
+class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std::size_t>> {
+ protected:
+  void SetUp() override {
+    hwy::SetSupportedTargetsForTest(std::get<0>(GetParam()));
+    of_ = std::make_unique<MeshAsTree>(cases()[std::get<1>(GetParam())].make());
+  }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+
+  std::unique_ptr<MeshAsTree> of_;
+};
+
+constexpr std::array<Question, 4> kQuestions{
+    Question{}, Question{.any = true}, Question{.culling = Culling::kBack},
+    Question{.any = true, .culling = Culling::kFront}};
+
+TEST_P(OnEveryMesh, PacketsOfAnySizeEqualTheRule) {
+  const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 192, 21);
+  std::size_t hits = 0;
+  for (const Question& question : kQuestions) {
+    for (const std::size_t size : {1u, 3u, 5u, 16u})
+      hits += expect_exact(*of_, rays, size, question);
+  }
+  EXPECT_GT(hits, 0u);
+}
+
+TEST_P(OnEveryMesh, RaysSideBySideEqualTheRule) {
+  const std::vector<Ray> rays = side_by_side(of_->mesh, 24, 22);
+  for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
+}
+
+TEST_P(OnEveryMesh, SteepRaysEqualTheRule) {
+  const std::vector<Ray> rays = steep(*of_, 320, 23);
+  for (const Question& question : kQuestions) {
+    expect_exact(*of_, rays, 1, question);
+    expect_exact(*of_, rays, kLanes, question);
+  }
+}
+
+TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
+  std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 24);
+  const std::vector<Ray> more = side_by_side(of_->mesh, 6, 25);
+  rays.insert(rays.end(), more.begin(), more.end());
+  rays = with_limits_at_hits(of_->mesh, rays);
+  for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Every, OnEveryMesh,
+    ::testing::Combine(tests::every_simd_target(),
+                       ::testing::Range(std::size_t{0}, cases().size())),
+    [](const auto& test) {
+      return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
+             cases()[std::get<1>(test.param)].name;
+    });
+
+}  // namespace
+}  // namespace sightline::accel::wide

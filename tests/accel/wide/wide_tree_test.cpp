@@ -1,0 +1,214 @@
+// Wide trees hold the blocks and boxes of the hierarchies that they are compiled from.
+#include "accel/wide/wide_tree.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/mesh/face_boxes.h"
+#include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/accel/wide/placed_blocks.h"
+#include "tests/support/hard_shapes.h"
+
+namespace sightline::accel::wide {
+namespace {
+
+using geometry::Aabb;
+using tests::MeshAsTree;
+using tests::PlacedBlock;
+using tests::TestMesh;
+
+/// A hierarchy over a mesh, and the wide tree of it.
+struct Compiled {
+  explicit Compiled(const TestMesh& from) : mesh(from), of(from) {
+    std::vector<kdtree::Reference> refs(mesh.faces.size());
+    refs.resize(mesh::face_references(mesh.view(), 0, refs.size(), refs.data()));
+    root = blocks::BlockBuilder(mesh.view(), of.frame.center).build(refs, of.bounds, arena);
+    for (const kdtree::Reference& ref : refs) boxes.push_back(ref.bounds());
+  }
+
+  TestMesh mesh;
+  MeshAsTree of;
+  blocks::Arena arena;
+  const blocks::Node* root;
+  std::vector<Aabb> boxes;
+};
+
+std::vector<TestMesh> meshes() {
+  std::vector<TestMesh> all{tests::single_triangle(), tests::random_soup(2, 0.3, 1),
+                            tests::random_soup(17, 0.3, 1), tests::random_soup(3000, 0.1, 2),
+                            tests::icosphere(4), tests::planar_sheet(20), tests::duplicates(100),
+                            tests::slivers(500, 3)};
+  TestMesh far = tests::icosphere(3);
+  for (geometry::Vec3f& v : far.vertices) v = {v.x + 1e6f, v.y - 1e6f, v.z + 3e5f};
+  all.push_back(far);
+  return all;
+}
+
+using Leaf = std::pair<std::vector<std::uint32_t>, std::array<float, 6>>;
+
+std::array<float, 6> numbers(const Aabb& box) {
+  return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+}
+
+std::vector<std::uint32_t> ids(const blocks::Block& block) {
+  std::vector<std::uint32_t> all;
+  for (std::size_t i = 0; i < block.triangles; ++i) all.push_back(block.id(i));
+  return all;
+}
+
+void leaves_of(const blocks::Node& node, std::multiset<Leaf>& out) {
+  if (node.leaf()) {
+    out.insert({ids(blocks::Block(node.block)), numbers(node.box)});
+  } else {
+    leaves_of(*node.left, out);
+    leaves_of(*node.right, out);
+  }
+}
+
+TEST(WideTree, HoldsEveryBlockOnceInItsExactBox) {
+  for (const TestMesh& mesh : meshes()) {
+    const Compiled compiled(mesh);
+    std::vector<PlacedBlock> placed;
+    ASSERT_NO_FATAL_FAILURE(tests::place_blocks(*compiled.of.tree, compiled.of.bounds,
+                                                compiled.mesh, compiled.boxes, placed));
+    std::multiset<Leaf> expected, found;
+    leaves_of(*compiled.root, expected);
+    for (const PlacedBlock& at : placed) {
+      const Aabb& box = compiled.root->leaf() ? compiled.root->box : at.box;
+      found.insert({ids(at.block), numbers(box)});
+    }
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(tests::ids_of(placed).size(), mesh.faces.size());
+  }
+}
+
+/// Nodes and words of blocks at and below a child.
+struct Size {
+  std::size_t nodes = 0, words = 0;
+};
+
+void measure(Child at, Size& size) {
+  if (at.is_block()) {
+    size.words += blocks::Block(at.block()).words();
+    return;
+  }
+  ++size.nodes;
+  for (const Child child : at.node()->children) {
+    if (child) measure(child, size);
+  }
+}
+
+TEST(WideTree, CountsItsMemory) {
+  for (const TestMesh& mesh : meshes()) {
+    const MeshAsTree of(mesh);
+    Size size;
+    measure(of.tree->root(), size);
+    EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
+                                    size.words * sizeof(std::uint32_t) + blocks::kBlockSlack);
+  }
+}
+
+void expect_full(Child at) {
+  if (at.is_block()) return;
+  std::size_t children = 0;
+  bool opens = false;
+  for (const Child child : at.node()->children) {
+    if (!child) continue;
+    ++children;
+    opens |= child.is_node();
+    expect_full(child);
+  }
+  EXPECT_GE(children, 2u);
+  EXPECT_TRUE(!opens || children == kWidth);
+}
+
+TEST(WideTree, NodesAreFullAboveNodes) {
+  for (const TestMesh& mesh : meshes()) expect_full(MeshAsTree(mesh).tree->root());
+}
+
+/// A hierarchy whose nodes each have one block on their right, over the same triangle.
+const blocks::Node* chain(const MeshAsTree& of, std::size_t levels, blocks::Arena& arena) {
+  std::vector<kdtree::Reference> refs(1);
+  mesh::face_references(of.mesh.view(), 0, 1, refs.data());
+  blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
+  const blocks::Node* root = builder.build(refs, of.bounds, arena);
+  for (std::size_t level = 1; level <= levels; ++level) {
+    blocks::Node* node = arena.node();
+    node->box = of.bounds;
+    node->levels = static_cast<std::uint16_t>(level);
+    node->left = root;
+    node->right = builder.build(refs, of.bounds, arena);
+    root = node;
+  }
+  return root;
+}
+
+TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
+  const MeshAsTree of(tests::single_triangle());
+  blocks::Arena arena;
+  const WideTree tree(*chain(of, 1, arena), of.frame.center);
+  const WideNode& node = *tree.root().node();
+  ASSERT_TRUE(node.children[1]);
+  ASSERT_FALSE(node.children[2]);
+  for (const double x : {-1.0, 1.0}) {
+    const geometry::LocalRay local = *geometry::make_local_ray({0, 0, 0}, {x, 0, -x});
+    kdtree::TreeRay ray;
+    ASSERT_TRUE(enter(local, of.bounds, -1, 1, ray));
+    EXPECT_FALSE(may_meet(ray, box_of(node, 2, tree.center()), geometry::kInfinity));
+  }
+}
+
+TEST(WideTree, MeasuresNodesLeavesAndTheWorkOfRandomLines) {
+  for (const TestMesh& mesh : meshes()) {
+    const Compiled compiled(mesh);
+    std::vector<PlacedBlock> placed;
+    tests::place_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.tree->center(),
+                        placed);
+    Size size;
+    measure(compiled.of.tree->root(), size);
+    const double root_area = geometry::half_area(compiled.of.bounds);
+    kdtree::TreeMetrics m;
+    compiled.of.tree->measure(root_area, 5, m);
+    EXPECT_EQ(m.nodes, size.nodes + placed.size());
+    EXPECT_EQ(m.leaves, placed.size());
+    EXPECT_EQ(m.nonempty_leaves, placed.size());
+    EXPECT_EQ(m.references, mesh.faces.size());
+    EXPECT_GE(m.max_depth, 5);
+    double leaves = 0, tests = 0;
+    for (const PlacedBlock& at : placed) {
+      // A root that is a block has no box: all lines meet it.
+      const double share = compiled.root->leaf() || root_area == 0
+                               ? 1
+                               : geometry::half_area(at.box) / root_area;
+      leaves += share;
+      tests += share * at.block.triangles;
+    }
+    EXPECT_NEAR(m.expected_leaves, leaves, 1e-9 * leaves);
+    EXPECT_NEAR(m.expected_intersections, tests, 1e-9 * tests);
+  }
+}
+
+TEST(WideTree, MeasuresGrowthByFirstSightOfATriangle) {
+  const MeshAsTree of(tests::icosphere(3));
+  std::vector<bool> seen(of.mesh.faces.size());
+  seen[7] = true;
+  kdtree::GrowthMetrics growth;
+  of.tree->measure_growth(seen, growth);
+  EXPECT_EQ(growth.references_built, of.mesh.faces.size() - 1);
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), true),
+            static_cast<std::ptrdiff_t>(of.mesh.faces.size()));
+}
+
+TEST(WideTree, AsDeepAsATreeMayBe) {
+  const MeshAsTree of(tests::single_triangle());
+  blocks::Arena arena;
+  const WideTree tree(*chain(of, kMostLevels, arena), of.frame.center);
+  std::vector<PlacedBlock> placed;
+  ASSERT_NO_FATAL_FAILURE(tests::place_blocks(tree, of.bounds, of.mesh, {of.bounds}, placed));
+  EXPECT_EQ(placed.size(), kMostLevels + 1);
+}
+
+}  // namespace
+}  // namespace sightline::accel::wide
