@@ -50,6 +50,7 @@ HitFields fields_of(const HitColumns& hits) {
   fields.barycentric = !hits.barycentric.empty();
   fields.normal = !hits.normal.empty();
   fields.hit = !hits.hit.empty();
+  fields.hit_bits = !hits.hit_bits.empty();
   fields.work = !hits.work.empty();
   fields.count = !hits.count.empty();
   return fields;
@@ -86,7 +87,11 @@ Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) 
       return checked;
     }
   }
-  return {};
+  const std::size_t bits = hits.hit_bits.size();
+  if (bits == 0 || bits == bits_bytes(n)) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("hit_bits holds {} bytes, but {} rays need {}", bits, n, bits_bytes(n)),
+               {}};
 }
 
 template <class Scalar>
@@ -121,6 +126,7 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.barycentric, first, 2, hits.barycentric);
   put_rows(answers.normal, first, 3, hits.normal);
   put_rows(answers.hit, first, 1, hits.hit);
+  put_rows(answers.hit_bits, bits_bytes(first), 1, hits.hit_bits);
   put_rows(answers.work, first, 1, hits.work);
   put_rows(answers.count, first, 1, hits.count);
 }

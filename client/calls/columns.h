@@ -33,7 +33,8 @@ void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
 template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
 
-/// Copies the answers into the columns, beginning at row `first`.
+/// Copies the answers into the columns, beginning at row `first`: a multiple of 8 if there are
+/// bits.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 
 }  // namespace sightline::client::calls

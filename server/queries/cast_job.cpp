@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "server/exec/rpc_status.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/hit_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::queries {
@@ -54,9 +55,11 @@ Status CastJob::accept(const v1::Rays& rays) {
                              *count, query_.max_hits, *count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
-  const std::size_t bytes_per_ray =
-      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit) + kReplyBytesPerRay;
-  std::size_t bytes = rays.ByteSizeLong() + *count * bytes_per_ray;
+  constexpr std::size_t kSliceBytesPerRay =
+      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
+  const std::size_t decoded = lists ? *count : std::min(*count, kRaysPerSlice);
+  std::size_t bytes =
+      rays.ByteSizeLong() + decoded * kSliceBytesPerRay + *count * kReplyBytesPerRay;
   if (lists) {
     bytes += hit_pager_bytes(*count, query_.max_hits, services_.compute.threads());
     auto all_hits = services_.all_hits_admission.admit(caller_, *count, bytes);
@@ -163,10 +166,8 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
   return {};
 }
 
-/// On a worker: decoding takes time, and the query may be the first to need the revision's
-/// instances.
+/// On a worker: the query may be the first to need the revision's instances.
 Status CastJob::begin() {
-  if (Status decoded = decode_rays(*columns_, rays_); !decoded) return decoded;
   if (query_.selects() && !selection_) {
     auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
     if (!selection) return selection.error();
@@ -175,7 +176,10 @@ Status CastJob::begin() {
   traced_ = {};
   answered_ = 0;
   stats_ = std::exchange(build_stats_, {});
-  if (query_.kind == scenegraph::QueryKind::kAll) pager_.begin(rays_);
+  if (query_.kind == scenegraph::QueryKind::kAll) {
+    decode(batch_rays_);
+    pager_.begin(rays_);
+  }
   begun_ = true;
   return {};
 }
@@ -192,7 +196,12 @@ scenegraph::TraceOptions CastJob::options() const {
           .cancelled = &cancelled_};
 }
 
-/// Traces some rays, and encodes the answers after the last ones.
+/// The next rays of the batch.
+void CastJob::decode(std::size_t count) {
+  rays_.resize(count);
+  decode_rays(*columns_, answered_, rays_);
+}
+
 Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_first_ray();
   reply.clear_more();
@@ -202,31 +211,30 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  const auto rays = std::span(rays_).subspan(answered_);
-  const auto slice = rays.first(std::min(rays.size(), kRaysPerSlice));
-  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
-  if (counts) {
-    tallies_.resize(rays_.size());
-  } else {
-    hits_.resize(rays_.size());
-  }
+  if (answered_ == 0) resize_columns(query_.fields, batch_rays_, batch_rays_, reply);
+  decode(std::min(batch_rays_ - answered_, kRaysPerSlice));
   const auto traced =
-      counts
-          ? scenegraph::count_hits(*snapshot_, slice,
-                                   std::span(tallies_).subspan(answered_, slice.size()), options())
-          : scenegraph::trace(*snapshot_, slice, std::span(hits_).subspan(answered_, slice.size()),
-                              options());
+      query_.kind == scenegraph::QueryKind::kCount ? count_slice(reply) : cast_slice(reply);
   if (!traced) return traced.error();
   stats_ += *traced;
-  answered_ += slice.size();
-  if (answered_ < rays_.size()) {
-    progress = Progress::kMore;
-  } else if (counts) {
-    encode_tallies(tallies_, {}, query_.fields, reply);
-  } else {
-    encode_hits(hits_, query_.fields, reply);
-  }
+  answered_ += rays_.size();
+  if (answered_ < batch_rays_) progress = Progress::kMore;
   return {};
+}
+
+/// Writes the answers to the decoded rays into the reply.
+Result<scenegraph::TraceStats> CastJob::cast_slice(v1::CastRaysResponse& reply) {
+  hits_.resize(rays_.size());
+  auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options());
+  if (traced) encode_hits(hits_, answered_, reply);
+  return traced;
+}
+
+Result<scenegraph::TraceStats> CastJob::count_slice(v1::CastRaysResponse& reply) {
+  tallies_.resize(rays_.size());
+  auto traced = scenegraph::count_hits(*snapshot_, rays_, tallies_, options());
+  if (traced) encode_tallies(tallies_, answered_, reply);
+  return traced;
 }
 
 void CastJob::close() {
@@ -279,8 +287,8 @@ Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
   std::size_t count = 0;
   for (; sent_ < listed_ && count + tallies_[sent_].count <= kMaxHitsPerReply; ++sent_)
     count += tallies_[sent_].count;
-  encode_tallies(std::span(tallies_).subspan(first, sent_ - first),
-                 std::span(hits_).subspan(sent_hits_, count), fields, reply);
+  encode_lists(std::span(tallies_).subspan(first, sent_ - first),
+               std::span(hits_).subspan(sent_hits_, count), fields, reply);
   sent_hits_ += count;
   reply.set_first_ray(first);
   reply.set_more(sent_ < rays_.size());

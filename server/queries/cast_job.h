@@ -22,6 +22,7 @@
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
 #include "server/queries/cast_query.h"
+#include "server/queries/hit_codec.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/query.pb.h"
@@ -66,12 +67,15 @@ class HitPager {
 inline constexpr std::size_t kSmallCast = 256;
 /// Most rays of one slice of a batch. Lists of hits are sliced by HitPager.
 inline constexpr std::size_t kRaysPerSlice = 4096;
+static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 
 /// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
-/// the reply says that there is no more. The next batch reuses the memory.
+/// the reply says that there is no more. Rays are decoded slice by slice, and their hits written to
+/// the reply's columns, which have their final size from the first slice on. All slices and batches
+/// use the same memory.
 class CastJob {
  public:
   CastJob(const scenes::Services& services, exec::Caller caller, Replies replies)
@@ -117,7 +121,10 @@ class CastJob {
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
+  void decode(std::size_t count);
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
+  Result<scenegraph::TraceStats> cast_slice(v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> count_slice(v1::CastRaysResponse& reply);
   scenegraph::TraceOptions options() const;
 
   const scenes::Services& services_;
@@ -130,11 +137,11 @@ class CastJob {
   scenes::RevisionToken revision_;
   const v1::Rays* columns_ = nullptr;
   std::size_t batch_rays_ = 0;
-  std::vector<accel::geometry::Ray> rays_;
-  std::size_t answered_ = 0;  // rays of the batch
+  std::size_t answered_ = 0;                // rays of the batch
+  std::vector<accel::geometry::Ray> rays_;  // of the slice; for all hits, of the batch
   std::optional<scenegraph::query::Selection> selection_;
-  std::vector<accel::geometry::Hit> hits_;
-  std::vector<scenegraph::RayTally> tallies_;
+  std::vector<accel::geometry::Hit> hits_;     // of the slice
+  std::vector<scenegraph::RayTally> tallies_;  // of the slice
   HitPager pager_;
   scenegraph::TraceStats build_stats_;  // of a full build for the batch
   scenegraph::TraceStats stats_;        // of the batch

@@ -9,7 +9,7 @@
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::queries {
@@ -40,12 +40,15 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   query_ = std::move(*query);
   roots_.assign(request.roots().begin(), request.roots().end());
   has_rays_ = request.has_rays();
-  if (Status decoded = decode_rays(request.rays(), rays_); !decoded) return decoded;
+  const auto count = count_rays(request.rays());
+  if (!count) return count.error();
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   auto ticket = services_.admission.admit(
-      caller_, rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
+      caller_, *count, request.ByteSizeLong() + *count * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
+  rays_.resize(*count);
+  decode_rays(request.rays(), 0, rays_);
   ticket_ = std::move(*ticket);
   (*scene)->touch();
   snapshot_ = (*scene)->snapshot();

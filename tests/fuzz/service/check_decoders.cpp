@@ -9,7 +9,7 @@
 #include "server/exec/admission.h"
 #include "server/exec/memory_account.h"
 #include "server/queries/cast_query.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_codec.h"
@@ -50,8 +50,10 @@ Wrong check_updates(const google::protobuf::RepeatedPtrField<v1::Update>& update
 }
 
 Wrong check_rays(const v1::Rays& rays) {
-  std::vector<accel::geometry::Ray> decoded;
-  if (!server::queries::decode_rays(rays, decoded)) return std::nullopt;
+  const auto count = server::queries::count_rays(rays);
+  if (!count) return std::nullopt;
+  std::vector<accel::geometry::Ray> decoded(*count);
+  server::queries::decode_rays(rays, 0, decoded);
   const std::size_t bytes = decoded.size() * 3 * (rays.float64() ? 8 : 4);
   if (rays.origins().size() != bytes || decoded.size() > server::queries::kMaxRaysPerRequest)
     return fmt::format("{} bytes of origins are {} rays", rays.origins().size(), decoded.size());

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
