@@ -112,6 +112,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "watch",
                               "consistency",
                               "hit-bits",
+                              "generators",
                               "patch",
                               "build.lazy",
                               "build.full",

@@ -21,6 +21,7 @@ HitFields fields_of(const HitColumns& hits);
 Status check_kind(QueryKind kind);
 
 /// Errors: kInvalidArgument, naming the column, if a column does not have one row per ray.
+Status check_rows(std::size_t rays, const HitColumns& hits);
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);
 

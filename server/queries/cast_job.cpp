@@ -8,7 +8,6 @@
 
 #include "server/exec/rpc_status.h"
 #include "server/queries/hit_codec.h"
-#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::queries {
@@ -43,38 +42,36 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
   scene_.reset();
 }
 
-Status CastJob::accept(const v1::Rays& rays) {
-  const auto count = count_rays(rays);
-  if (!count) return count.error();
+Status CastJob::accept(const v1::CastRaysRequest& request) {
+  if (Status good = batch_.begin(request); !good) return good;
+  const std::size_t count = batch_.size();
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
-  if (lists && replies_ == Replies::kOne && *count * query_.max_hits > kMaxHitsPerReply) {
+  if (lists && replies_ == Replies::kOne && count * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
                  fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
                              "one reply "
                              "is {}; send fewer, lower max_hits or use StreamCastRays",
-                             *count, query_.max_hits, *count * query_.max_hits, kMaxHitsPerReply),
+                             count, query_.max_hits, count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
   constexpr std::size_t kSliceBytesPerRay =
       sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
-  const std::size_t decoded = lists ? *count : std::min(*count, kRaysPerSlice);
+  const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
   std::size_t bytes =
-      rays.ByteSizeLong() + decoded * kSliceBytesPerRay + *count * kReplyBytesPerRay;
+      request.ByteSizeLong() + decoded * kSliceBytesPerRay + count * kReplyBytesPerRay;
   if (lists) {
-    bytes += hit_pager_bytes(*count, query_.max_hits, services_.compute.threads());
-    auto all_hits = services_.all_hits_admission.admit(caller_, *count, bytes);
+    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads());
+    auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
     if (!all_hits) return all_hits.error();
     all_hits_ticket_ = std::move(*all_hits);
   }
-  auto ticket = services_.admission.admit(caller_, *count, bytes);
-  if (!ticket && *count <= kSmallCast) {
-    if (auto reserve = services_.small_admission.admit(caller_, *count, bytes))
+  auto ticket = services_.admission.admit(caller_, count, bytes);
+  if (!ticket && count <= kSmallCast) {
+    if (auto reserve = services_.small_admission.admit(caller_, count, bytes))
       ticket = std::move(reserve);
   }
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  columns_ = &rays;
-  batch_rays_ = *count;
   queued_ = {};
   begun_ = false;
   return {};
@@ -117,7 +114,7 @@ void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
     }
     return false;
   };
-  if (batch_rays_ <= kSmallCast) {
+  if (batch_.size() <= kSmallCast) {
     services_.compute.enqueue_small(flow_, std::move(slice));
   } else {
     services_.compute.enqueue(flow_, std::move(slice));
@@ -177,7 +174,7 @@ Status CastJob::begin() {
   answered_ = 0;
   stats_ = std::exchange(build_stats_, {});
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    decode(batch_rays_);
+    decode(batch_.size());
     pager_.begin(rays_);
   }
   begun_ = true;
@@ -199,7 +196,7 @@ scenegraph::TraceOptions CastJob::options() const {
 /// The next rays of the batch.
 void CastJob::decode(std::size_t count) {
   rays_.resize(count);
-  decode_rays(*columns_, answered_, rays_);
+  batch_.decode(answered_, rays_);
 }
 
 Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
@@ -211,14 +208,14 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  if (answered_ == 0) resize_columns(query_.fields, batch_rays_, batch_rays_, reply);
-  decode(std::min(batch_rays_ - answered_, kRaysPerSlice));
+  if (answered_ == 0) resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  decode(std::min(batch_.size() - answered_, kRaysPerSlice));
   const auto traced =
       query_.kind == scenegraph::QueryKind::kCount ? count_slice(reply) : cast_slice(reply);
   if (!traced) return traced.error();
   stats_ += *traced;
   answered_ += rays_.size();
-  if (answered_ < batch_rays_) progress = Progress::kMore;
+  if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
 }
 

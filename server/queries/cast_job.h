@@ -21,6 +21,7 @@
 #include "server/exec/caller.h"
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
+#include "server/queries/batch_rays.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_codec.h"
 #include "server/scenes/revision_wait.h"
@@ -89,9 +90,10 @@ class CastJob {
   /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
-  /// Admits the rays, which must not change until the batch's last reply is made. Errors: as
-  /// count_rays and Admission::admit; kInvalidArgument if one reply cannot hold all hits.
-  Status accept(const v1::Rays& rays);
+  /// Admits the rays of the request, which must not change until the batch's last reply is made.
+  /// Errors: as BatchRays::begin and Admission::admit; kInvalidArgument if one reply cannot hold
+  /// all hits.
+  Status accept(const v1::CastRaysRequest& request);
 
   /// After accept(): makes the next reply on workers for casts of this size, after a full build on
   /// background workers if the query asks for one. Then calls done(Status) there. If the reply says
@@ -135,8 +137,7 @@ class CastJob {
   std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
-  const v1::Rays* columns_ = nullptr;
-  std::size_t batch_rays_ = 0;
+  BatchRays batch_;
   std::size_t answered_ = 0;                // rays of the batch
   std::vector<accel::geometry::Ray> rays_;  // of the slice; for all hits, of the batch
   std::optional<scenegraph::query::Selection> selection_;

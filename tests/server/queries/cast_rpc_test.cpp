@@ -106,6 +106,35 @@ TEST_F(CastRpcTest, MarksBadRaysAndServesTheOthers) {
   EXPECT_EQ(reply.stats().hits(), 1u);
 }
 
+TEST_F(CastRpcTest, RefusesMoreGeneratedRaysThanARequestMayHave) {
+  api_.make_scene(kScene, planar_sheet(1));
+  v1::CastRaysRequest request;
+  request.set_scene(kScene);
+  v1::RayGenerator& generator = *request.mutable_generator();
+  v1::SphericalScan& scan = *generator.mutable_scan();
+  for (const double number : {0.5, 0.5, 3.0}) scan.add_origin(number);
+  for (const double number : {1, 0, 0}) scan.add_forward(number);
+  for (const double number : {0, 1, 0}) scan.add_left(number);
+  for (const double number : {0, 0, 1}) scan.add_up(number);
+  for (const double number : {0.0, 6.25}) scan.add_azimuth(number);
+  for (const double number : {-1.5, 1.5}) scan.add_elevation(number);
+  scan.set_columns(1 << 20);
+  scan.set_rows(1 << 20);
+  v1::CastRaysResponse reply;
+  const grpc::Status all = api_.cast(request, &reply);
+  EXPECT_EQ(all.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_NE(all.error_message().find("the request has 1099511627776 rays, the limit is 16384"),
+            std::string::npos)
+      << all.error_message();
+  generator.set_first(std::uint64_t{1} << 30);
+  generator.set_count(server::queries::kMaxRaysPerRequest);
+  EXPECT_EQ(cast(request).stats().rays(), server::queries::kMaxRaysPerRequest);
+  scan.clear_up();
+  const grpc::Status bad = api_.cast(request, &reply);
+  EXPECT_EQ(bad.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(reason_of(bad), "NUMBER_COUNT");
+}
+
 TEST_F(CastRpcTest, AcceptsFloat32Columns) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request;
