@@ -282,6 +282,12 @@ Verb add_verb_remote(CLI::App& app) {
       ->check(CLI::Range(1, 64));
   verb.add_option("--batch", options->batch, "Rays of a message")
       ->check(CLI::Range(std::size_t{1}, client::kRaysPerMessage));
+  verb.add_option(
+          "--columns", options->columns,
+          "rich,t,bits,generated: all of a hit, t, whether there is one, and the same of rays "
+          "that the server makes")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"rich", "t", "bits", "generated"}));
   verb.add_flag("--echo", options->echo, "And casts of one ray beside an echo service");
   return [options](const CommonOptions& common) { return run_remote(common, *options); };
 }

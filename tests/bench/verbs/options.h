@@ -127,7 +127,8 @@ struct RemoteOptions {
   RayOptions rays{};
   int clients = 1;           ///< Each with a connection and a stream of its own.
   std::size_t batch = 8192;  ///< Rays of a message.
-  bool echo = false;         ///< And the latency of one ray, beside an echo service.
+  std::vector<std::string> columns{"rich", "t", "bits", "generated"};
+  bool echo = false;  ///< And the latency of one ray, beside an echo service.
 };
 
 struct ChartOptions {

@@ -98,7 +98,7 @@ Row row_of(const CommonOptions& common, const RemoteOptions& options, const Case
   row["columns"] = kind.name;
   row["threads"] = common.threads;
   row["clients"] = options.clients;
-  row["batch"] = kind.generated ? client::kRaysPerMessage : options.batch;
+  row["batch"] = kind.generated ? client::kGeneratedRaysPerMessage : options.batch;
   row["mrays_per_s"] = rays / median(measured.remote.seconds) / 1e6;
   row["in_process_mrays_per_s"] = rays / median(measured.in_process.seconds) / 1e6;
   row["throughput_share"] = median(measured.in_process.seconds) / median(measured.remote.seconds);
@@ -132,6 +132,9 @@ Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOpt
   const RemoteRays picture = RemoteRays::picture(*scene, options.rays.count);
   std::vector<Row> rows;
   for (const Case& kind : kCases) {
+    if (std::find(options.columns.begin(), options.columns.end(), kind.name) ==
+        options.columns.end())
+      continue;
     Measured measured;
     const RemoteLoad load{.endpoint = (*server)->endpoint(),
                           .clients = options.clients,
