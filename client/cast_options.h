@@ -137,6 +137,8 @@ struct CastReport {
 };
 
 inline constexpr std::size_t kRaysPerMessage = 8192;
+/// Of generated rays, which need no room in a message: what a request may have.
+inline constexpr std::size_t kGeneratedRaysPerMessage = 16384;
 inline constexpr std::size_t kMessagesInFlight = 4;
 
 /// Which optional columns the rays of a stream have.

@@ -31,7 +31,7 @@ Result<MessageSource<Request>> messages_of(const RayGenerator& generator) {
   return MessageSource<Request>(
       [message, end, next = generator.first](Request& request) mutable -> Result<std::size_t> {
         if (!request.has_generator()) *request.mutable_generator() = message;
-        const std::uint64_t count = std::min<std::uint64_t>(end - next, kRaysPerMessage);
+        const std::uint64_t count = std::min<std::uint64_t>(end - next, kGeneratedRaysPerMessage);
         request.mutable_generator()->set_first(next);
         request.mutable_generator()->set_count(count);
         next += count;

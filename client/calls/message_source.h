@@ -11,7 +11,7 @@
 
 namespace sightline::client::calls {
 
-/// Sets the rays of the next message, at most kRaysPerMessage, and returns their number; 0: there
+/// Sets the rays of the next message, and returns their number; 0: there
 /// are no more. Request is a request that has rays or a generator.
 template <class Request>
 using MessageSource = std::function<Result<std::size_t>(Request& request)>;
