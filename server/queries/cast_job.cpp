@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenegraph/instances/scene_trees.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/hit_codec.h"
 #include "server/scenes/names.h"
@@ -79,15 +80,55 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
 
 void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
   waiting_since_ = Clock::now();
+  bool answered = false;
   const Status pushed = exec::to_status([&] {
-    if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
+    if (is_immediate() && answer_at_once(reply)) {
+      answered = true;
+    } else if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
       push_cast(reply, done);
     } else {
       push_build(reply, done);
     }
     return Status();
   });
-  if (!pushed) end(pushed, done);
+  if (!pushed || answered) end(pushed, done);
+}
+
+/// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
+bool CastJob::is_immediate() const {
+  if (begun_ || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
+      query_.selects() || (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
+    return false;
+  const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
+  return trees.static_tree->instances_so_far() != nullptr &&
+         trees.dynamic_tree->instances_so_far() != nullptr;
+}
+
+/// Traces only through cells that are built. Returns false if a ray meets another one, or cannot be
+/// traced: then workers begin again.
+bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
+  if (Status ready = begin(); !ready) return false;
+  resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  decode(batch_.size());
+  scenegraph::TraceOptions built_only = options();
+  built_only.growth = scenegraph::Growth::kBuiltOnly;
+  const auto traced = trace_decoded(built_only, reply);
+  const auto met_deferred = [](const auto& answer) {
+    return (answer.work & accel::geometry::kWorkDeferred) != 0;
+  };
+  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
+  const bool incomplete = counts ? std::any_of(tallies_.begin(), tallies_.end(), met_deferred)
+                                 : std::any_of(hits_.begin(), hits_.end(), met_deferred);
+  if (!traced || (incomplete && query_.growth != scenegraph::Growth::kBuiltOnly)) {
+    begun_ = false;
+    return false;
+  }
+  stats_ += *traced;
+  reply.clear_first_ray();
+  reply.clear_more();
+  traced_ = Clock::now() - waiting_since_;
+  describe(reply);
+  return true;
 }
 
 void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
@@ -148,19 +189,20 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
   if (Status traced = trace_slice(reply, progress); !traced) return traced;
   waiting_since_ = Clock::now();
   traced_ += waiting_since_ - begun;
-  if (progress == Progress::kMore) return {};
+  if (progress == Progress::kDone) describe(reply);
+  return {};
+}
+
+/// Sets what is not a column: the revision and, in the last reply to a batch, what it cost.
+void CastJob::describe(v1::CastRaysResponse& reply) {
   encode_revision(revision_, *reply.mutable_served());
-  if (reply.more()) {
-    reply.clear_stats();
-    return {};
-  }
+  if (reply.more()) return reply.clear_stats();
   v1::CastStats& stats = *reply.mutable_stats();
   encode_stats(stats_, stats);
   stats.set_queue_us(microseconds(queued_));
   stats.set_trace_us(microseconds(traced_));
   total_stats_ += stats_;
   total_queued_ += queued_;
-  return {};
 }
 
 /// On a worker: the query may be the first to need the revision's instances.
@@ -210,8 +252,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   }
   if (answered_ == 0) resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
   decode(std::min(batch_.size() - answered_, kRaysPerSlice));
-  const auto traced =
-      query_.kind == scenegraph::QueryKind::kCount ? count_slice(reply) : cast_slice(reply);
+  const auto traced = trace_decoded(options(), reply);
   if (!traced) return traced.error();
   stats_ += *traced;
   answered_ += rays_.size();
@@ -220,17 +261,17 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
 }
 
 /// Writes the answers to the decoded rays into the reply.
-Result<scenegraph::TraceStats> CastJob::cast_slice(v1::CastRaysResponse& reply) {
+Result<scenegraph::TraceStats> CastJob::trace_decoded(const scenegraph::TraceOptions& options,
+                                                      v1::CastRaysResponse& reply) {
+  if (query_.kind == scenegraph::QueryKind::kCount) {
+    tallies_.resize(rays_.size());
+    auto traced = scenegraph::count_hits(*snapshot_, rays_, tallies_, options);
+    if (traced) encode_tallies(tallies_, answered_, reply);
+    return traced;
+  }
   hits_.resize(rays_.size());
-  auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options());
+  auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options);
   if (traced) encode_hits(hits_, answered_, reply);
-  return traced;
-}
-
-Result<scenegraph::TraceStats> CastJob::count_slice(v1::CastRaysResponse& reply) {
-  tallies_.resize(rays_.size());
-  auto traced = scenegraph::count_hits(*snapshot_, rays_, tallies_, options());
-  if (traced) encode_tallies(tallies_, answered_, reply);
   return traced;
 }
 

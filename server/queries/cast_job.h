@@ -66,6 +66,9 @@ class HitPager {
 
 /// Casts of up to this number of rays have their own workers and a reserve of admission.
 inline constexpr std::size_t kSmallCast = 256;
+/// Casts of up to this number of rays are answered in the thread that asks for them, if they meet
+/// built cells alone.
+inline constexpr std::size_t kImmediateCast = 16;
 /// Most rays of one slice of a batch. Lists of hits are sliced by HitPager.
 inline constexpr std::size_t kRaysPerSlice = 4096;
 static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
@@ -96,7 +99,8 @@ class CastJob {
   Status accept(const v1::CastRaysRequest& request);
 
   /// After accept(): makes the next reply on workers for casts of this size, after a full build on
-  /// background workers if the query asks for one. Then calls done(Status) there. If the reply says
+  /// background workers if the query asks for one. Then calls done(Status) there. An immediate cast
+  /// is answered, and done() called, before this returns. If the reply says
   /// that there is more, the batch stays admitted, and enqueue() must be called again for the next
   /// one. `reply` must not change meanwhile. Errors: kCancelled; kNotFound, naming a node of the
   /// query that does not exist.
@@ -117,6 +121,8 @@ class CastJob {
   /// Of one reply.
   enum class Progress : std::uint8_t { kMore, kDone };
 
+  bool is_immediate() const;
+  bool answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);
   void push_cast(v1::CastRaysResponse& reply, const Done& done);
   void end(const Status& status, const Done& done);
@@ -125,8 +131,9 @@ class CastJob {
   Status begin();
   void decode(std::size_t count);
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
-  Result<scenegraph::TraceStats> cast_slice(v1::CastRaysResponse& reply);
-  Result<scenegraph::TraceStats> count_slice(v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> trace_decoded(const scenegraph::TraceOptions& options,
+                                               v1::CastRaysResponse& reply);
+  void describe(v1::CastRaysResponse& reply);
   scenegraph::TraceOptions options() const;
 
   const scenes::Services& services_;

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/queries/cast_job.h"
 #include "server/queries/ray_codec.h"
 #include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
@@ -72,6 +73,40 @@ TEST_F(CastRpcTest, AnyAgreesWithClosest) {
   request.set_kind(v1::QUERY_KIND_ANY);
   request.clear_fields();
   EXPECT_EQ(column_of(cast(request), v1::HIT_FIELD_HIT), closest);
+}
+
+TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
+  api_.make_scene(kScene, random_soup(20000, 0.05, 12));
+  const auto rays = random_rays(40 * server::queries::kImmediateCast, 4);
+  std::vector<std::string> growing, built;
+  std::uint64_t cells = 0;
+  const auto ask = [&](std::vector<std::string>& answers) {
+    cells = 0;
+    for (std::size_t first = 0; first < rays.size(); first += server::queries::kImmediateCast) {
+      v1::CastRaysRequest request =
+          cast_request(kScene, std::span(rays).subspan(first, server::queries::kImmediateCast));
+      for (const v1::QueryKind kind :
+           {v1::QUERY_KIND_ANY, v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_COUNT}) {
+        request.set_kind(kind);
+        const v1::CastRaysResponse reply = cast(request);
+        EXPECT_EQ(reply.stats().rays(), server::queries::kImmediateCast);
+        cells += reply.stats().cells_expanded();
+        for (const v1::HitColumn& column : reply.columns()) answers.push_back(column.data());
+      }
+    }
+  };
+  ask(growing);
+  EXPECT_GT(cells, 0u);
+  ask(built);
+  EXPECT_EQ(cells, 0u);
+  EXPECT_EQ(growing, built);
+  v1::CastRaysRequest all = cast_request(kScene, rays);
+  all.set_build(v1::BUILD_MODE_FULL);
+  const std::string t = column_of(cast(all), v1::HIT_FIELD_T);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const std::size_t bytes = server::queries::kImmediateCast * sizeof(double);
+    EXPECT_EQ(built[5 * i + 1], t.substr(i * bytes, bytes)) << "any, t, node, primitive, count";
+  }
 }
 
 TEST_F(CastRpcTest, RepliesWithTheRequestedFieldsOnly) {
