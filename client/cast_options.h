@@ -29,6 +29,9 @@ struct RayColumns {
   std::size_t size() const { return origins.size() / 3; }
 };
 
+/// The size of a column with one bit per ray.
+constexpr std::size_t bits_bytes(std::size_t rays) { return (rays + 7) / 8; }
+
 /// Columns of an answer, one row per ray. Only columns that are not empty are requested.
 /// sightline.v1.HitField defines the meaning of a row.
 template <bool is_const>
@@ -44,6 +47,8 @@ struct BasicHitColumns {
   Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray
   Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kSawDeferred
   Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount: a bad ray
+  /// (bits_bytes(n)) for kAny: bit i % 8 of byte i / 8 is 1 where ray i hits; a bad ray has 0
+  Span<std::uint8_t> hit_bits{};
 };
 using HitColumns = BasicHitColumns<false>;
 /// For a cast of all hits, the columns t, node, primitive, barycentric and normal have one row per
@@ -71,13 +76,14 @@ struct HitFields {
   bool hit = false;
   bool work = false;
   bool count = false;
+  bool hit_bits = false;
 };
 
 /// What is asked about each ray. All kinds see the same hits, whatever the limits, masks and other
 /// options are.
 enum class QueryKind : std::uint8_t {
   kClosest,  ///< the hit with the smallest (t, node, primitive)
-  kAny,      ///< whether there is any hit: answers `hit` and `work`
+  kAny,      ///< whether there is any hit: answers `hit`, `hit_bits` and `work`
   kCount,    ///< the number of distinct (node, primitive) hit: answers `count`, `hit` and `work`
   kAll,      ///< every hit, ordered by (t, node, primitive), each (node, primitive) once
 };
@@ -131,6 +137,8 @@ struct CastReport {
 };
 
 inline constexpr std::size_t kRaysPerMessage = 8192;
+/// Of generated rays, which need no room in a message: what a request may have.
+inline constexpr std::size_t kGeneratedRaysPerMessage = 16384;
 inline constexpr std::size_t kMessagesInFlight = 4;
 
 /// Which optional columns the rays of a stream have.

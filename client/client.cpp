@@ -222,6 +222,13 @@ Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
   return calls::prefetch_rays(*connection_, scene, source, shape, options, progress);
 }
 
+Result<PrefetchReport> Client::prefetch_rays(const std::string& scene,
+                                             const RayGenerator& generator,
+                                             const PrefetchOptions& options,
+                                             const PrefetchProgress& progress) const {
+  return calls::prefetch_rays(*connection_, scene, generator, options, progress);
+}
+
 Result<CastReport> Client::cast(const std::string& scene, const RayColumns<const double>& rays,
                                 const HitColumns& hits, const CastOptions& options) const {
   return calls::cast(*connection_, scene, rays, hits, options);
@@ -250,6 +257,16 @@ Result<CastReport> Client::cast_stream(const std::string& scene, const RaySource
                                        RayShape shape, HitFields fields, const HitSink& sink,
                                        const CastOptions& options) const {
   return calls::cast_stream(*connection_, scene, source, shape, fields, sink, options);
+}
+
+Result<CastReport> Client::cast_stream(const std::string& scene, const RayGenerator& generator,
+                                       const HitColumns& hits, const CastOptions& options) const {
+  return calls::cast_stream(*connection_, scene, generator, hits, options);
+}
+Result<CastReport> Client::cast_stream(const std::string& scene, const RayGenerator& generator,
+                                       HitFields fields, const HitSink& sink,
+                                       const CastOptions& options) const {
+  return calls::cast_stream(*connection_, scene, generator, fields, sink, options);
 }
 
 Result<AllHits> Client::cast_all(const std::string& scene, const RayColumns<const double>& rays,

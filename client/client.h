@@ -14,6 +14,7 @@
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
 #include "client/prefetch.h"
+#include "client/ray_generator.h"
 #include "client/result.h"
 #include "client/scene_info.h"
 #include "client/update.h"
@@ -110,6 +111,9 @@ class Client {
   Result<PrefetchReport> prefetch_rays(const std::string& scene, const RaySource<float>& source,
                                        RayShape shape, const PrefetchOptions& options = {},
                                        const PrefetchProgress& progress = {}) const;
+  Result<PrefetchReport> prefetch_rays(const std::string& scene, const RayGenerator& generator,
+                                       const PrefetchOptions& options = {},
+                                       const PrefetchProgress& progress = {}) const;
 
   /// Casts one batch of rays in one message at one revision. Fills the columns of `hits` that are
   /// not empty, one row per ray. The server limits the number of rays in a request; cast_stream
@@ -134,6 +138,14 @@ class Client {
                                  const CastOptions& options = {}) const;
   Result<CastReport> cast_stream(const std::string& scene, const RaySource<float>& source,
                                  RayShape shape, HitFields fields, const HitSink& sink,
+                                 const CastOptions& options = {}) const;
+
+  /// The same for any number of rays that the server makes, so that none are sent. Errors: as of
+  /// make_rays().
+  Result<CastReport> cast_stream(const std::string& scene, const RayGenerator& generator,
+                                 const HitColumns& hits, const CastOptions& options = {}) const;
+  Result<CastReport> cast_stream(const std::string& scene, const RayGenerator& generator,
+                                 HitFields fields, const HitSink& sink,
                                  const CastOptions& options = {}) const;
 
   /// Returns every hit of any number of rays, over the same kind of stream. The kind is kAll,

@@ -16,8 +16,9 @@
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/cast_rpc.h"
+#include "server/queries/hit_codec.h"
 #include "server/queries/prefetch_job.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/applied_updates.h"
 #include "server/scenes/history.h"
 #include "server/scenes/idempotency.h"
@@ -110,6 +111,8 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "updates.request-id",
                               "watch",
                               "consistency",
+                              "hit-bits",
+                              "generators",
                               "patch",
                               "build.lazy",
                               "build.full",

@@ -12,6 +12,7 @@
 
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
+#include "client/calls/message_source.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -28,27 +29,21 @@ struct Window {
   std::optional<Error> source_error;  // read after the writing thread has ended
 };
 
-template <class Scalar>
 struct Writer {
   Stream& stream;
   grpc::ClientContext& context;
   Window& window;
-  const RaySource<Scalar>& source;
-  RayShape shape;
+  const MessageSource<v1::CastRaysRequest>& source;
   // The first request describes the cast; the object is used for all requests
   v1::StreamCastRaysRequest request;
 
   // Fills the next message with rays. Returns 0 at the end, and after an error, which it stores.
   std::size_t fill() {
-    v1::Rays& rays = *request.mutable_request()->mutable_rays();
-    const auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rays));
-    if (!count) {
-      window.source_error = count.error();
-      context.TryCancel();
-      return 0;
-    }
-    wire::trim<Scalar>(*count, shape, rays);
-    return *count;
+    const auto count = source(*request.mutable_request());
+    if (count) return *count;
+    window.source_error = count.error();
+    context.TryCancel();
+    return 0;
   }
 
   void run() {
@@ -165,10 +160,11 @@ template Result<CastReport> cast(const Connection&, const std::string&,
                                  const RayColumns<const double>&, const HitColumns&,
                                  const CastOptions&);
 
-template <class Scalar>
-Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
-                               const RaySource<Scalar>& source, RayShape shape, HitFields fields,
-                               const HitSink& sink, const CastOptions& options) {
+namespace {
+
+Result<CastReport> cast_messages(const Connection& connection, const std::string& scene,
+                                 const MessageSource<v1::CastRaysRequest>& source, HitFields fields,
+                                 const HitSink& sink, const CastOptions& options) {
   grpc::ClientContext context;
   set_timeout(context, connection.timeout);
   const std::stop_callback cancel(options.stop, [&] { context.TryCancel(); });
@@ -176,7 +172,7 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
   const auto stream = connection.queries->StreamCastRays(&context);
 
   Window window;
-  Writer<Scalar> writer{*stream, context, window, source, shape, {}};
+  Writer writer{*stream, context, window, source, {}};
   wire::describe(scene, fields, options, *writer.request.mutable_request());
   std::thread writing([&] { writer.run(); });
   CastReport report;
@@ -193,18 +189,50 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
   return report;
 }
 
+HitSink copy_to(const HitColumns& hits) {
+  return [&hits](std::uint64_t first, std::size_t, const HitView& answers) {
+    copy_hits(answers, first, hits);
+    return Status();
+  };
+}
+
+}  // namespace
+
+template <class Scalar>
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RaySource<Scalar>& source, RayShape shape, HitFields fields,
+                               const HitSink& sink, const CastOptions& options) {
+  return cast_messages(connection, scene, messages_of<v1::CastRaysRequest>(source, shape), fields,
+                       sink, options);
+}
+
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RayGenerator& generator, HitFields fields, const HitSink& sink,
+                               const CastOptions& options) {
+  const auto source = messages_of<v1::CastRaysRequest>(generator);
+  if (!source) return source.error();
+  return cast_messages(connection, scene, *source, fields, sink, options);
+}
+
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RayGenerator& generator, const HitColumns& hits,
+                               const CastOptions& options) {
+  if (const Status checked = check_kind(options.kind); !checked) return checked.error();
+  if (const auto problem = proto::rays::check(generator))
+    return Error{Code::kInvalidArgument, problem->message, problem->reason};
+  if (const Status checked = check_rows(proto::rays::count_of(generator), hits); !checked)
+    return checked.error();
+  return cast_stream(connection, scene, generator, fields_of(hits), copy_to(hits), options);
+}
+
 template <class Scalar>
 Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
                                const RayColumns<const Scalar>& rays, const HitColumns& hits,
                                const CastOptions& options) {
   if (const Status checked = check_kind(options.kind); !checked) return checked.error();
   if (const Status checked = check_rows(rays, hits); !checked) return checked.error();
-  const HitSink sink = [&](std::uint64_t first, std::size_t, const HitView& answers) {
-    copy_hits(answers, first, hits);
-    return Status();
-  };
   return cast_stream<Scalar>(connection, scene, source_of(rays), shape_of(rays), fields_of(hits),
-                             sink, options);
+                             copy_to(hits), options);
 }
 
 template <class Scalar>

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/cast_options.h"
+#include "client/ray_generator.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {
@@ -22,6 +23,13 @@ Result<CastReport> cast_stream(const Connection& connection, const std::string& 
 template <class Scalar>
 Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
                                const RayColumns<const Scalar>& rays, const HitColumns& hits,
+                               const CastOptions& options);
+
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RayGenerator& generator, HitFields fields, const HitSink& sink,
+                               const CastOptions& options);
+Result<CastReport> cast_stream(const Connection& connection, const std::string& scene,
+                               const RayGenerator& generator, const HitColumns& hits,
                                const CastOptions& options);
 
 template <class Scalar>

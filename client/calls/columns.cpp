@@ -10,12 +10,18 @@
 namespace sightline::client::calls {
 namespace {
 
-Status check_column(const char* name, std::size_t values, std::size_t rows, std::size_t width) {
-  if (values == 0 || values == rows * width) return {};
-  return Error{
-      Code::kInvalidArgument,
-      fmt::format("{} holds {} values, but {} rays need {}", name, values, rows, rows * width),
-      {}};
+struct Column {
+  const char* name;
+  std::size_t values;
+  std::size_t width;
+};
+
+Status check_column(const Column& column, std::size_t rows) {
+  if (column.values == 0 || column.values == rows * column.width) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("{} holds {} values, but {} rays need {}", column.name, column.values,
+                           rows, rows * column.width),
+               {}};
 }
 
 template <class T>
@@ -50,6 +56,7 @@ HitFields fields_of(const HitColumns& hits) {
   fields.barycentric = !hits.barycentric.empty();
   fields.normal = !hits.normal.empty();
   fields.hit = !hits.hit.empty();
+  fields.hit_bits = !hits.hit_bits.empty();
   fields.work = !hits.work.empty();
   fields.count = !hits.count.empty();
   return fields;
@@ -61,14 +68,25 @@ Status check_kind(QueryKind kind) {
       Code::kInvalidArgument, "all hits of a ray do not fit a row: use cast_all, or a sink", {}};
 }
 
+Status check_rows(std::size_t n, const HitColumns& hits) {
+  for (const Column& column :
+       {Column{"t", hits.t.size(), 1}, Column{"node", hits.node.size(), 1},
+        Column{"primitive", hits.primitive.size(), 1},
+        Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
+        Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
+        Column{"count", hits.count.size(), 1}}) {
+    if (Status checked = check_column(column, n); !checked) return checked;
+  }
+  const std::size_t bits = hits.hit_bits.size();
+  if (bits == 0 || bits == bits_bytes(n)) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("hit_bits holds {} bytes, but {} rays need {}", bits, n, bits_bytes(n)),
+               {}};
+}
+
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) {
   const std::size_t n = rays.size();
-  struct Column {
-    const char* name;
-    std::size_t values;
-    std::size_t width;
-  };
   if (rays.origins.size() != 3 * n || rays.directions.size() != 3 * n) {
     return Error{Code::kInvalidArgument,
                  fmt::format("origins hold {} values and directions {}: not 3 a ray",
@@ -77,16 +95,10 @@ Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits) 
   }
   for (const Column& column :
        {Column{"tmin", rays.tmin.size(), 1}, Column{"tmax", rays.tmax.size(), 1},
-        Column{"masks", rays.masks.size(), 1}, Column{"t", hits.t.size(), 1},
-        Column{"node", hits.node.size(), 1}, Column{"primitive", hits.primitive.size(), 1},
-        Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
-        Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
-        Column{"count", hits.count.size(), 1}}) {
-    if (Status checked = check_column(column.name, column.values, n, column.width); !checked) {
-      return checked;
-    }
+        Column{"masks", rays.masks.size(), 1}}) {
+    if (Status checked = check_column(column, n); !checked) return checked;
   }
-  return {};
+  return check_rows(n, hits);
 }
 
 template <class Scalar>
@@ -121,6 +133,7 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.barycentric, first, 2, hits.barycentric);
   put_rows(answers.normal, first, 3, hits.normal);
   put_rows(answers.hit, first, 1, hits.hit);
+  put_rows(answers.hit_bits, bits_bytes(first), 1, hits.hit_bits);
   put_rows(answers.work, first, 1, hits.work);
   put_rows(answers.count, first, 1, hits.count);
 }

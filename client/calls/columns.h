@@ -21,6 +21,7 @@ HitFields fields_of(const HitColumns& hits);
 Status check_kind(QueryKind kind);
 
 /// Errors: kInvalidArgument, naming the column, if a column does not have one row per ray.
+Status check_rows(std::size_t rays, const HitColumns& hits);
 template <class Scalar>
 Status check_rows(const RayColumns<const Scalar>& rays, const HitColumns& hits);
 
@@ -33,7 +34,8 @@ void copy_rays(const RayColumns<const Scalar>& rays, std::size_t first,
 template <class Scalar>
 RaySource<Scalar> source_of(const RayColumns<const Scalar>& rays);
 
-/// Copies the answers into the columns, beginning at row `first`.
+/// Copies the answers into the columns, beginning at row `first`: a multiple of 8 if there are
+/// bits.
 void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits);
 
 }  // namespace sightline::client::calls

@@ -8,6 +8,7 @@
 
 #include "client/calls/columns.h"
 #include "client/calls/connection.h"
+#include "client/calls/message_source.h"
 #include "client/wire/cast_codec.h"
 
 namespace sightline::client::calls {
@@ -68,24 +69,42 @@ Result<PrefetchReport> prefetch(const Connection& connection, const std::string&
   return call(connection, describe(scene, options), {}, options.stop, progress);
 }
 
+namespace {
+
+Result<PrefetchReport> prefetch_messages(const Connection& connection, const std::string& scene,
+                                         const MessageSource<v1::PrefetchRequest>& source,
+                                         const PrefetchOptions& options,
+                                         const PrefetchProgress& progress) {
+  v1::PrefetchRequest request = describe(scene, options);
+  PrefetchReport report;
+  for (bool first = true;; first = false) {
+    const auto count = source(request);
+    if (!count) return count.error();
+    // One call is made even without rays, so that an unknown scene is still an error.
+    if (*count == 0 && !first) return report;
+    auto grown = call(connection, request, report, options.stop, progress);
+    if (!grown || *count == 0) return grown;
+    report = *std::move(grown);
+  }
+}
+
+}  // namespace
+
 template <class Scalar>
 Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
                                      const RaySource<Scalar>& source, RayShape shape,
                                      const PrefetchOptions& options,
                                      const PrefetchProgress& progress) {
-  v1::PrefetchRequest request = describe(scene, options);
-  PrefetchReport report;
-  for (bool first = true;; first = false) {
-    v1::Rays& rays = *request.mutable_rays();
-    const auto count = source(wire::resize_columns<Scalar>(kRaysPerMessage, shape, rays));
-    if (!count) return count.error();
-    // One call is made even without rays, so that an unknown scene is still an error.
-    if (*count == 0 && !first) return report;
-    wire::trim<Scalar>(*count, shape, rays);
-    auto grown = call(connection, request, report, options.stop, progress);
-    if (!grown || *count == 0) return grown;
-    report = *std::move(grown);
-  }
+  return prefetch_messages(connection, scene, messages_of<v1::PrefetchRequest>(source, shape),
+                           options, progress);
+}
+
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RayGenerator& generator, const PrefetchOptions& options,
+                                     const PrefetchProgress& progress) {
+  const auto source = messages_of<v1::PrefetchRequest>(generator);
+  if (!source) return source.error();
+  return prefetch_messages(connection, scene, *source, options, progress);
 }
 
 template <class Scalar>

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/prefetch.h"
+#include "client/ray_generator.h"
 #include "client/result.h"
 
 namespace sightline::client::calls {
@@ -23,6 +24,9 @@ template <class Scalar>
 Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
                                      const RayColumns<const Scalar>& rays,
                                      const PrefetchOptions& options,
+                                     const PrefetchProgress& progress);
+Result<PrefetchReport> prefetch_rays(const Connection& connection, const std::string& scene,
+                                     const RayGenerator& generator, const PrefetchOptions& options,
                                      const PrefetchProgress& progress);
 
 }  // namespace sightline::client::calls

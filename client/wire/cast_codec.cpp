@@ -46,6 +46,8 @@ bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField 
 bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
                HitView& hits) {
   return view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
+         view_column(response, fields.hit_bits, v1::HIT_FIELD_HIT_BITS, bits_bytes(n),
+                     hits.hit_bits) &&
          view_column(response, fields.work, v1::HIT_FIELD_WORK, n, hits.work) &&
          view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count);
 }
@@ -122,6 +124,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   if (fields.barycentric) request.add_fields(v1::HIT_FIELD_BARYCENTRIC);
   if (fields.normal) request.add_fields(v1::HIT_FIELD_NORMAL);
   if (fields.hit) request.add_fields(v1::HIT_FIELD_HIT);
+  if (fields.hit_bits) request.add_fields(v1::HIT_FIELD_HIT_BITS);
   if (fields.work) request.add_fields(v1::HIT_FIELD_WORK);
   if (fields.count) request.add_fields(v1::HIT_FIELD_COUNT);
 }

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "scenegraph/instances/scene_trees.h"
 #include "server/exec/rpc_status.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/hit_codec.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::queries {
@@ -42,36 +43,36 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
   scene_.reset();
 }
 
-Status CastJob::accept(const v1::Rays& rays) {
-  const auto count = count_rays(rays);
-  if (!count) return count.error();
+Status CastJob::accept(const v1::CastRaysRequest& request) {
+  if (Status good = batch_.begin(request); !good) return good;
+  const std::size_t count = batch_.size();
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
-  if (lists && replies_ == Replies::kOne && *count * query_.max_hits > kMaxHitsPerReply) {
+  if (lists && replies_ == Replies::kOne && count * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
                  fmt::format("{} rays with up to {} hits each are {} hits, the limit of "
                              "one reply "
                              "is {}; send fewer, lower max_hits or use StreamCastRays",
-                             *count, query_.max_hits, *count * query_.max_hits, kMaxHitsPerReply),
+                             count, query_.max_hits, count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
-  const std::size_t bytes_per_ray =
-      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit) + kReplyBytesPerRay;
-  std::size_t bytes = rays.ByteSizeLong() + *count * bytes_per_ray;
+  constexpr std::size_t kSliceBytesPerRay =
+      sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
+  const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
+  std::size_t bytes =
+      request.ByteSizeLong() + decoded * kSliceBytesPerRay + count * kReplyBytesPerRay;
   if (lists) {
-    bytes += hit_pager_bytes(*count, query_.max_hits, services_.compute.threads());
-    auto all_hits = services_.all_hits_admission.admit(caller_, *count, bytes);
+    bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads());
+    auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
     if (!all_hits) return all_hits.error();
     all_hits_ticket_ = std::move(*all_hits);
   }
-  auto ticket = services_.admission.admit(caller_, *count, bytes);
-  if (!ticket && *count <= kSmallCast) {
-    if (auto reserve = services_.small_admission.admit(caller_, *count, bytes))
+  auto ticket = services_.admission.admit(caller_, count, bytes);
+  if (!ticket && count <= kSmallCast) {
+    if (auto reserve = services_.small_admission.admit(caller_, count, bytes))
       ticket = std::move(reserve);
   }
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
-  columns_ = &rays;
-  batch_rays_ = *count;
   queued_ = {};
   begun_ = false;
   return {};
@@ -79,15 +80,55 @@ Status CastJob::accept(const v1::Rays& rays) {
 
 void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
   waiting_since_ = Clock::now();
+  bool answered = false;
   const Status pushed = exec::to_status([&] {
-    if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
+    if (is_immediate() && answer_at_once(reply)) {
+      answered = true;
+    } else if (begun_ || query_.growth != scenegraph::Growth::kFull || snapshot_->is_complete()) {
       push_cast(reply, done);
     } else {
       push_build(reply, done);
     }
     return Status();
   });
-  if (!pushed) end(pushed, done);
+  if (!pushed || answered) end(pushed, done);
+}
+
+/// Whether a few rays may be answered in the thread that asks: it must neither build nor wait.
+bool CastJob::is_immediate() const {
+  if (begun_ || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
+      query_.selects() || (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
+    return false;
+  const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
+  return trees.static_tree->instances_so_far() != nullptr &&
+         trees.dynamic_tree->instances_so_far() != nullptr;
+}
+
+/// Traces only through cells that are built. Returns false if a ray meets another one, or cannot be
+/// traced: then workers begin again.
+bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
+  if (Status ready = begin(); !ready) return false;
+  resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  decode(batch_.size());
+  scenegraph::TraceOptions built_only = options();
+  built_only.growth = scenegraph::Growth::kBuiltOnly;
+  const auto traced = trace_decoded(built_only, reply);
+  const auto met_deferred = [](const auto& answer) {
+    return (answer.work & accel::geometry::kWorkDeferred) != 0;
+  };
+  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
+  const bool incomplete = counts ? std::any_of(tallies_.begin(), tallies_.end(), met_deferred)
+                                 : std::any_of(hits_.begin(), hits_.end(), met_deferred);
+  if (!traced || (incomplete && query_.growth != scenegraph::Growth::kBuiltOnly)) {
+    begun_ = false;
+    return false;
+  }
+  stats_ += *traced;
+  reply.clear_first_ray();
+  reply.clear_more();
+  traced_ = Clock::now() - waiting_since_;
+  describe(reply);
+  return true;
 }
 
 void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
@@ -114,7 +155,7 @@ void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
     }
     return false;
   };
-  if (batch_rays_ <= kSmallCast) {
+  if (batch_.size() <= kSmallCast) {
     services_.compute.enqueue_small(flow_, std::move(slice));
   } else {
     services_.compute.enqueue(flow_, std::move(slice));
@@ -148,25 +189,24 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
   if (Status traced = trace_slice(reply, progress); !traced) return traced;
   waiting_since_ = Clock::now();
   traced_ += waiting_since_ - begun;
-  if (progress == Progress::kMore) return {};
+  if (progress == Progress::kDone) describe(reply);
+  return {};
+}
+
+/// Sets what is not a column: the revision and, in the last reply to a batch, what it cost.
+void CastJob::describe(v1::CastRaysResponse& reply) {
   encode_revision(revision_, *reply.mutable_served());
-  if (reply.more()) {
-    reply.clear_stats();
-    return {};
-  }
+  if (reply.more()) return reply.clear_stats();
   v1::CastStats& stats = *reply.mutable_stats();
   encode_stats(stats_, stats);
   stats.set_queue_us(microseconds(queued_));
   stats.set_trace_us(microseconds(traced_));
   total_stats_ += stats_;
   total_queued_ += queued_;
-  return {};
 }
 
-/// On a worker: decoding takes time, and the query may be the first to need the revision's
-/// instances.
+/// On a worker: the query may be the first to need the revision's instances.
 Status CastJob::begin() {
-  if (Status decoded = decode_rays(*columns_, rays_); !decoded) return decoded;
   if (query_.selects() && !selection_) {
     auto selection = scenegraph::query::Selection::make(snapshot_, query_.root, query_.excluded);
     if (!selection) return selection.error();
@@ -175,7 +215,10 @@ Status CastJob::begin() {
   traced_ = {};
   answered_ = 0;
   stats_ = std::exchange(build_stats_, {});
-  if (query_.kind == scenegraph::QueryKind::kAll) pager_.begin(rays_);
+  if (query_.kind == scenegraph::QueryKind::kAll) {
+    decode(batch_.size());
+    pager_.begin(rays_);
+  }
   begun_ = true;
   return {};
 }
@@ -192,7 +235,12 @@ scenegraph::TraceOptions CastJob::options() const {
           .cancelled = &cancelled_};
 }
 
-/// Traces some rays, and encodes the answers after the last ones.
+/// The next rays of the batch.
+void CastJob::decode(std::size_t count) {
+  rays_.resize(count);
+  batch_.decode(answered_, rays_);
+}
+
 Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_first_ray();
   reply.clear_more();
@@ -202,31 +250,29 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  const auto rays = std::span(rays_).subspan(answered_);
-  const auto slice = rays.first(std::min(rays.size(), kRaysPerSlice));
-  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
-  if (counts) {
-    tallies_.resize(rays_.size());
-  } else {
-    hits_.resize(rays_.size());
-  }
-  const auto traced =
-      counts
-          ? scenegraph::count_hits(*snapshot_, slice,
-                                   std::span(tallies_).subspan(answered_, slice.size()), options())
-          : scenegraph::trace(*snapshot_, slice, std::span(hits_).subspan(answered_, slice.size()),
-                              options());
+  if (answered_ == 0) resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  decode(std::min(batch_.size() - answered_, kRaysPerSlice));
+  const auto traced = trace_decoded(options(), reply);
   if (!traced) return traced.error();
   stats_ += *traced;
-  answered_ += slice.size();
-  if (answered_ < rays_.size()) {
-    progress = Progress::kMore;
-  } else if (counts) {
-    encode_tallies(tallies_, {}, query_.fields, reply);
-  } else {
-    encode_hits(hits_, query_.fields, reply);
-  }
+  answered_ += rays_.size();
+  if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
+}
+
+/// Writes the answers to the decoded rays into the reply.
+Result<scenegraph::TraceStats> CastJob::trace_decoded(const scenegraph::TraceOptions& options,
+                                                      v1::CastRaysResponse& reply) {
+  if (query_.kind == scenegraph::QueryKind::kCount) {
+    tallies_.resize(rays_.size());
+    auto traced = scenegraph::count_hits(*snapshot_, rays_, tallies_, options);
+    if (traced) encode_tallies(tallies_, answered_, reply);
+    return traced;
+  }
+  hits_.resize(rays_.size());
+  auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options);
+  if (traced) encode_hits(hits_, answered_, reply);
+  return traced;
 }
 
 void CastJob::close() {
@@ -279,8 +325,8 @@ Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
   std::size_t count = 0;
   for (; sent_ < listed_ && count + tallies_[sent_].count <= kMaxHitsPerReply; ++sent_)
     count += tallies_[sent_].count;
-  encode_tallies(std::span(tallies_).subspan(first, sent_ - first),
-                 std::span(hits_).subspan(sent_hits_, count), fields, reply);
+  encode_lists(std::span(tallies_).subspan(first, sent_ - first),
+               std::span(hits_).subspan(sent_hits_, count), fields, reply);
   sent_hits_ += count;
   reply.set_first_ray(first);
   reply.set_more(sent_ < rays_.size());

@@ -21,7 +21,9 @@
 #include "server/exec/caller.h"
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
+#include "server/queries/batch_rays.h"
 #include "server/queries/cast_query.h"
+#include "server/queries/hit_codec.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/query.pb.h"
@@ -64,14 +66,20 @@ class HitPager {
 
 /// Casts of up to this number of rays have their own workers and a reserve of admission.
 inline constexpr std::size_t kSmallCast = 256;
+/// Casts of up to this number of rays are answered in the thread that asks for them, if they meet
+/// built cells alone.
+inline constexpr std::size_t kImmediateCast = 16;
 /// Most rays of one slice of a batch. Lists of hits are sliced by HitPager.
 inline constexpr std::size_t kRaysPerSlice = 4096;
+static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 
 /// How many messages may answer a batch.
 enum class Replies : std::uint8_t { kOne, kMany };
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
-/// the reply says that there is no more. The next batch reuses the memory.
+/// the reply says that there is no more. Rays are decoded slice by slice, and their hits written to
+/// the reply's columns, which have their final size from the first slice on. All slices and batches
+/// use the same memory.
 class CastJob {
  public:
   CastJob(const scenes::Services& services, exec::Caller caller, Replies replies)
@@ -85,12 +93,14 @@ class CastJob {
   /// After open(): sets the revision that answers every batch.
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
-  /// Admits the rays, which must not change until the batch's last reply is made. Errors: as
-  /// count_rays and Admission::admit; kInvalidArgument if one reply cannot hold all hits.
-  Status accept(const v1::Rays& rays);
+  /// Admits the rays of the request, which must not change until the batch's last reply is made.
+  /// Errors: as BatchRays::begin and Admission::admit; kInvalidArgument if one reply cannot hold
+  /// all hits.
+  Status accept(const v1::CastRaysRequest& request);
 
   /// After accept(): makes the next reply on workers for casts of this size, after a full build on
-  /// background workers if the query asks for one. Then calls done(Status) there. If the reply says
+  /// background workers if the query asks for one. Then calls done(Status) there. An immediate cast
+  /// is answered, and done() called, before this returns. If the reply says
   /// that there is more, the batch stays admitted, and enqueue() must be called again for the next
   /// one. `reply` must not change meanwhile. Errors: kCancelled; kNotFound, naming a node of the
   /// query that does not exist.
@@ -111,13 +121,19 @@ class CastJob {
   /// Of one reply.
   enum class Progress : std::uint8_t { kMore, kDone };
 
+  bool is_immediate() const;
+  bool answer_at_once(v1::CastRaysResponse& reply);
   void push_build(v1::CastRaysResponse& reply, const Done& done);
   void push_cast(v1::CastRaysResponse& reply, const Done& done);
   void end(const Status& status, const Done& done);
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
+  void decode(std::size_t count);
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
+  Result<scenegraph::TraceStats> trace_decoded(const scenegraph::TraceOptions& options,
+                                               v1::CastRaysResponse& reply);
+  void describe(v1::CastRaysResponse& reply);
   scenegraph::TraceOptions options() const;
 
   const scenes::Services& services_;
@@ -128,13 +144,12 @@ class CastJob {
   std::shared_ptr<scenes::StoredScene> scene_;  // until pin()
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;
-  const v1::Rays* columns_ = nullptr;
-  std::size_t batch_rays_ = 0;
-  std::vector<accel::geometry::Ray> rays_;
-  std::size_t answered_ = 0;  // rays of the batch
+  BatchRays batch_;
+  std::size_t answered_ = 0;                // rays of the batch
+  std::vector<accel::geometry::Ray> rays_;  // of the slice; for all hits, of the batch
   std::optional<scenegraph::query::Selection> selection_;
-  std::vector<accel::geometry::Hit> hits_;
-  std::vector<scenegraph::RayTally> tallies_;
+  std::vector<accel::geometry::Hit> hits_;     // of the slice
+  std::vector<scenegraph::RayTally> tallies_;  // of the slice
   HitPager pager_;
   scenegraph::TraceStats build_stats_;  // of a full build for the batch
   scenegraph::TraceStats stats_;        // of the batch

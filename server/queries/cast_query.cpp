@@ -66,8 +66,8 @@ Result<Culling> decode_culling(v1::Culling culling) {
   }
 }
 
-/// Fields of a query kind. `always` comes first in every reply; `standard` is used for a request
-/// without fields.
+/// Fields of a query kind. `always` comes first in every reply, but bits replace HIT; `standard` is
+/// used for a request without fields.
 struct FieldsOfKind {
   std::vector<v1::HitField> always, standard, optional;
 };
@@ -77,7 +77,8 @@ const FieldsOfKind& fields_of(QueryKind kind) {
       {},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
       {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind kAny{{v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind kAny{
+      {v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_HIT_BITS, v1::HIT_FIELD_WORK}};
   static const FieldsOfKind kCount{
       {v1::HIT_FIELD_COUNT}, {}, {v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
   static const FieldsOfKind kAll{
@@ -129,7 +130,8 @@ Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
     asked.push_back(field);
   }
   for (const v1::HitField field : of_kind.always) {
-    if (!contains(asked, field)) query.fields.push_back(field);
+    const bool in_bits = field == v1::HIT_FIELD_HIT && contains(asked, v1::HIT_FIELD_HIT_BITS);
+    if (!in_bits && !contains(asked, field)) query.fields.push_back(field);
   }
   const std::vector<v1::HitField>& others = asked.empty() ? of_kind.standard : asked;
   query.fields.insert(query.fields.end(), others.begin(), others.end());

@@ -49,8 +49,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void cast() {
-    if (const Status accepted = exec::to_status([&] { return job_.accept(request_.rays()); });
-        !accepted)
+    if (const Status accepted = exec::to_status([&] { return job_.accept(request_); }); !accepted)
       return end(accepted);
     job_.enqueue(reply_, [this](const Status& done) {
       job_.close();
@@ -149,8 +148,7 @@ class CastStream final
   }
 
   void cast() {
-    if (const Status accepted =
-            exec::to_status([this] { return job_.accept(request_.request().rays()); });
+    if (const Status accepted = exec::to_status([this] { return job_.accept(request_.request()); });
         !accepted) {
       request_ = {};  // a refusal may wait: see RefusalPace
       return end(accepted);

@@ -9,7 +9,7 @@
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/batch_rays.h"
 #include "server/scenes/names.h"
 
 namespace sightline::server::queries {
@@ -23,6 +23,10 @@ v1::CastRaysRequest query_of(const v1::PrefetchRequest& request) {
   if (request.roots_size() == 1) query.set_root(request.roots(0));
   *query.mutable_exclude() = request.exclude();
   return query;
+}
+
+bool has_rays(const v1::PrefetchRequest& request) {
+  return request.has_rays() || request.has_generator();
 }
 
 std::uint64_t bytes_of_tree(const scenegraph::instances::SceneTree& tree) {
@@ -39,13 +43,18 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   if (!query) return query.error();
   query_ = std::move(*query);
   roots_.assign(request.roots().begin(), request.roots().end());
-  has_rays_ = request.has_rays();
-  if (Status decoded = decode_rays(request.rays(), rays_); !decoded) return decoded;
+  has_rays_ = has_rays(request);
+  BatchRays rays;
+  if (has_rays_) {
+    if (Status good = rays.begin(request); !good) return good;
+  }
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
   auto ticket = services_.admission.admit(
-      caller_, rays_.size(), request.ByteSizeLong() + rays_.size() * sizeof(accel::geometry::Ray));
+      caller_, rays.size(), request.ByteSizeLong() + rays.size() * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
+  rays_.resize(rays.size());
+  rays.decode(0, rays_);
   ticket_ = std::move(*ticket);
   (*scene)->touch();
   snapshot_ = (*scene)->snapshot();
@@ -54,11 +63,11 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
 }
 
 Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
-  const int limit = request.has_rays() ? 1 : kMaxPrefetchRoots;
+  const int limit = has_rays(request) ? 1 : kMaxPrefetchRoots;
   if (request.roots_size() <= limit) return {};
   return Error{Code::kInvalidArgument,
                fmt::format("the request has {} roots, the limit is {}{}", request.roots_size(),
-                           limit, request.has_rays() ? " where it has rays" : ""),
+                           limit, has_rays(request) ? " where it has rays" : ""),
                "TOO_MANY_ROOTS"};
 }
 

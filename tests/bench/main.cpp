@@ -10,10 +10,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "accel/published/any_builder.h"
+#include "client/cast_options.h"
 #include "tests/bench/embree/peer.h"
+#include "tests/bench/remote/echo_service.h"
 #include "tests/bench/scenes/generators.h"
 #include "tests/bench/verbs/robust_family.h"
 #include "tests/bench/verbs/verbs.h"
@@ -270,6 +273,25 @@ Verb add_verb_answers(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_answers(common, *options); };
 }
 
+Verb add_verb_remote(CLI::App& app) {
+  auto options = std::make_shared<RemoteOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "remote", "What it costs to ask a server: processor time, throughput, latency");
+  add_rays(verb, options->rays);
+  verb.add_option("--clients", options->clients, "Each with a stream of its own")
+      ->check(CLI::Range(1, 64));
+  verb.add_option("--batch", options->batch, "Rays of a message")
+      ->check(CLI::Range(std::size_t{1}, client::kRaysPerMessage));
+  verb.add_option(
+          "--columns", options->columns,
+          "rich,t,bits,generated: all of a hit, t, whether there is one, and the same of rays "
+          "that the server makes")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"rich", "t", "bits", "generated"}));
+  verb.add_flag("--echo", options->echo, "And casts of one ray beside an echo service");
+  return [options](const CommonOptions& common) { return run_remote(common, *options); };
+}
+
 Verb add_verb_chart(CLI::App& app) {
   auto options = std::make_shared<ChartOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -297,6 +319,12 @@ int run(const CommonOptions& common, const Verb& verb) {
   return written ? 0 : kFailed;
 }
 
+// What the process does that measures a remote cast's least cost; not for people.
+int serve_echo() {
+  const Status served = run_echo_service();
+  return served.ok() ? 0 : kFailed;
+}
+
 int main_checked(int argc, char** argv) {
   CLI::App app("Measures Sightline in one process.", "sightline-bench");
   app.require_subcommand(1);
@@ -319,7 +347,8 @@ int main_checked(int argc, char** argv) {
                                           {"updates", add_verb_updates(app)},
                                           {"chart", add_verb_chart(app)},
                                           {"stability", add_verb_stability(app)},
-                                          {"clusters", add_verb_clusters(app)}};
+                                          {"clusters", add_verb_clusters(app)},
+                                          {"remote", add_verb_remote(app)}};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -333,6 +362,8 @@ int main_checked(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc == 2 && std::string_view(argv[1]) == sightline::bench::kEchoVerb)
+      return sightline::bench::serve_echo();
     return sightline::bench::main_checked(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "sightline-bench: {}\n", error.what());

@@ -90,7 +90,7 @@ class Layers(Tree):
         ("scenegraph/model/b.h", '"scenegraph/hierarchy/node_summary.h"'),
         ("scenegraph/query/b.h", '"scenegraph/trace.h"'),
         ("scenegraph/scene.cpp", '"accel/published/any_builder.h"'),
-        ("scenegraph/scene.cpp", '"server/queries/query_codec.h"'),
+        ("scenegraph/scene.cpp", '"server/queries/hit_codec.h"'),
         ("scenegraph/scene.cpp", '"sightline/v1/query.pb.h"'),
         ("scenegraph/scene.cpp", "<grpcpp/grpcpp.h>"),
         ("server/exec/b.h", '"server/queries/cast_job.h"'),

@@ -8,6 +8,8 @@ from sources import PRODUCT, cpp_files, includes, read
 # A room is a folder with its files, but not its folders; or files: a pattern, or a path without its ending. The most
 # specific room of a file counts.
 ROOMS = """
+proto/rays
+
 accel/result
 accel/geometry
 accel/kdtree                accel/geometry
@@ -37,16 +39,16 @@ server/blobs                server/exec scenegraph/model accel/result accel/geom
 server/scenes               server/exec server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision accel/result accel/kdtree
-server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry
+server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry proto/rays
 server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
-client/*.h
+client/*.h                  proto/rays
 client/importer/sandbox     client/*.h
 client/importer             client/*.h client/importer/sandbox
-client/wire                 client/*.h
-client/calls                client/*.h client/wire client/importer
-client/*.cpp                client/*.h client/wire client/calls client/importer
+client/wire                 client/*.h proto/rays
+client/calls                client/*.h client/wire client/importer proto/rays
+client/*.cpp                proto/rays client/*.h client/wire client/calls client/importer
 client/cli                  client/*.h
 client/cli/files            client/*.h client/cli
 client/cli/picture          client/*.h client/cli
@@ -65,7 +67,7 @@ PACKAGES = """
 tbb             accel scenegraph server
 oneapi          accel scenegraph server
 hwy             accel
-fmt             server client
+fmt             proto server client
 spdlog          server
 grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire

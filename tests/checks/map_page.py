@@ -45,7 +45,7 @@ def check(root):
         if not found or max(found) < least:
             findings.append(f"{PAGE}: no walk of {walk!r}, or fewer than {least} files in it")
 
-    folders = {source.rsplit("/", 1)[0] for source in sources if source.startswith(PRODUCT)}
+    folders = {source.rsplit("/", 1)[0] for source in cpp_files(root, PRODUCT)}
     for folder in sorted(folders):
         # By itself, not as the folder of a file.
         if not re.search(rf"(?<![\w/]){re.escape(folder)}/?(?![\w/-])", text):

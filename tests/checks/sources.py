@@ -3,7 +3,7 @@
 import pathlib
 import re
 
-PRODUCT = ("accel", "scenegraph", "server", "client")
+PRODUCT = ("proto", "accel", "scenegraph", "server", "client")
 
 # Numbers come first, as 1'000 has no character literal in it.
 _LEXEMES = re.compile(

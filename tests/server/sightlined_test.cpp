@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "server/logging.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/support/tcp.h"

@@ -34,6 +34,7 @@ class ChildProcess {
   /// Waits until the program handles the signal itself; false if it ended before.
   bool catches(int signal);
   void signal(int number);
+  pid_t id() const { return pid_; }
   /// Waits for its end. Returns its exit code, or -1 if a signal ended it.
   int wait();
   /// Its output so far.

@@ -2,6 +2,7 @@
 #include "client/cli/picture/camera.h"
 
 #include <numbers>
+#include <utility>
 
 namespace sightline::client::cli::picture {
 namespace {
@@ -18,6 +19,21 @@ Vec3 Camera::direction(double x, double y, double aspect) const {
   const Vec3 sideways = scale(right, (2 * x - aspect) * half_height);
   const Vec3 upward = scale(up, (1 - 2 * y) * half_height);
   return unit(add(forward, add(sideways, upward)));
+}
+
+RayGenerator rays_of(const Camera& camera, PictureSize size) {
+  const double half_width = camera.half_height * size.width / size.height;
+  Pinhole pinhole;
+  pinhole.eye = camera.eye;
+  pinhole.corner = add(camera.forward,
+                       sub(scale(camera.up, camera.half_height), scale(camera.right, half_width)));
+  pinhole.across = scale(camera.right, 2 * half_width);
+  pinhole.down = scale(camera.up, -2 * camera.half_height);
+  pinhole.width = size.width;
+  pinhole.height = size.height;
+  pinhole.samples.assign(kSampleOffsets.begin(), kSampleOffsets.end());
+  pinhole.tiled = true;
+  return {.rays = std::move(pinhole)};
 }
 
 std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo& scene) {

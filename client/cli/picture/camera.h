@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "client/cli/flags.h"
+#include "client/ray_generator.h"
 #include "client/scene_info.h"
 
 namespace sightline::client::cli::picture {
@@ -37,6 +39,17 @@ struct Camera {
   /// from 0 at the top to 1.
   Vec3 direction(double x, double y, double aspect) const;
 };
+
+inline constexpr PictureSize kDefaultSize{1280, 720};
+inline constexpr std::size_t kSamplesPerPixel = 4;
+
+/// Positions within a pixel: a rotated 2x2 grid, so that edges that are nearly horizontal or
+/// vertical get four shades.
+inline constexpr std::array<std::array<double, 2>, kSamplesPerPixel> kSampleOffsets{
+    {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}};
+
+/// The rays of a picture of this size: kSamplesPerPixel for each pixel, tile by tile.
+RayGenerator rays_of(const Camera& camera, PictureSize size);
 
 inline constexpr double kDefaultFov = 40;  ///< degrees, from the bottom of the picture to its top
 

@@ -57,21 +57,6 @@ class Film {
   std::vector<Rgb> sums_;
 };
 
-RaySource<double> rays_of(const Film& film, const Vec3& eye) {
-  return [&film, eye,
-          next = std::size_t{0}](const RayColumns<double>& buffer) mutable -> Result<std::size_t> {
-    const std::size_t n = std::min(buffer.size(), film.samples() - next);
-    for (std::size_t i = 0; i < n; ++i, ++next) {
-      const Vec3 direction = film.direction(next);
-      std::copy(eye.begin(), eye.end(),
-                buffer.origins.begin() + static_cast<std::ptrdiff_t>(3 * i));
-      std::copy(direction.begin(), direction.end(),
-                buffer.directions.begin() + static_cast<std::ptrdiff_t>(3 * i));
-    }
-    return n;
-  };
-}
-
 HitFields fields_of(PictureMode mode) {
   HitFields fields;
   fields.hit = true;
@@ -150,7 +135,7 @@ Result<Picture> render_picture(const Client& client, const std::string& scene,
   };
   CastOptions options{.consistency = request.consistency};
   if (request.mode == PictureMode::kHeat) options.build = BuildMode::kBuiltOnly;
-  auto report = client.cast_stream(scene, rays_of(film, request.camera.eye), {},
+  auto report = client.cast_stream(scene, rays_of(request.camera, request.size),
                                    fields_of(request.mode), sink, options);
   if (!report) return report.error();
   painter.finish();

@@ -20,7 +20,7 @@ enum class PictureMode : std::uint8_t { kNormal, kDepth, kNode, kHeat };
 
 struct PictureRequest {
   PictureMode mode = PictureMode::kNormal;
-  PictureSize size{1280, 720};
+  PictureSize size = kDefaultSize;
   Camera camera;
   UpAxis up_axis = UpAxis::kUnknown;
   Consistency consistency;
@@ -38,18 +38,11 @@ Result<Picture> render_picture(const Client& client, const std::string& scene,
                                const PictureRequest& request,
                                const std::function<void(double)>& progress);
 
-inline constexpr std::size_t kSamplesPerPixel = 4;
-
-/// Positions within a pixel: a rotated 2x2 grid, so that edges that are nearly horizontal or
-/// vertical get four shades.
-inline constexpr std::array<std::array<double, 2>, kSamplesPerPixel> kSampleOffsets{
-    {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}};
-
 struct Pixel {
   std::uint16_t x, y;
 };
 
-/// Every pixel once, in 8x8 tiles, so that consecutive rays enter the same parts of a scene.
+/// Every pixel once, in the order of the rays of a picture.
 std::vector<Pixel> tiled_pixels(PictureSize size);
 
 /// Encodes a picture as PNG. `rgb`: sRGB, 8 bits, (height, width, 3). Errors: kInternal, with

@@ -14,7 +14,9 @@
 
 #include "client/cli/files/ray_file.h"
 #include "client/cli/flags.h"
+#include "client/cli/picture/camera.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/camera_flags.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
@@ -26,6 +28,9 @@ struct PrefetchArguments {
   std::vector<std::uint64_t> exclude;
   std::string rays;
   std::string kind;
+  bool view = false;
+  picture::CameraRequest camera;
+  PictureSize size = picture::kDefaultSize;
 };
 
 /// What was built until the end, or until the interruption.
@@ -37,10 +42,11 @@ struct PrefetchOutcome {
 };
 
 PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_token& stop) {
-  if (arguments.rays.empty() && !arguments.kind.empty())
-    throw CLI::ValidationError("--kind", "only --rays has it");
-  if (!arguments.rays.empty() && arguments.under.size() > 1)
-    throw CLI::ValidationError("--under", "with --rays it takes one node");
+  const bool has_rays = !arguments.rays.empty() || arguments.view;
+  if (!has_rays && !arguments.kind.empty())
+    throw CLI::ValidationError("--kind", "only --rays and --view have it");
+  if (has_rays && arguments.under.size() > 1)
+    throw CLI::ValidationError("--under", "with --rays or --view it takes one node");
   PrefetchOptions options{.roots = arguments.under, .exclude = arguments.exclude, .stop = stop};
   if (!arguments.kind.empty()) options.kind = kQueryKinds.at(arguments.kind);
   return options;
@@ -52,6 +58,15 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
   const auto follow = [&last](BuildingBar& bar) {
     return [&last, &bar](const PrefetchReport& report) { bar.show(last = report); };
   };
+  if (arguments.view) {
+    const auto scene = client.get_scene(arguments.scene);
+    if (!scene) return scene.error();
+    const auto camera = picture::make_camera(arguments.camera, *scene);
+    if (!camera) throw CLI::ValidationError("--eye and --at are the same point");
+    const RayGenerator rays = picture::rays_of(*camera, arguments.size);
+    BuildingBar bar(proto::rays::count_of(rays));
+    return client.prefetch_rays(arguments.scene, rays, options, follow(bar));
+  }
   if (arguments.rays.empty()) {
     BuildingBar bar;
     return client.prefetch(arguments.scene, options, follow(bar));
@@ -142,7 +157,8 @@ Ctrl-C, which ends with exit code 130. Queries go on meanwhile.
 Examples:
   sightline prefetch engine
   sightline prefetch hall --under 12 40 --exclude 41
-  sightline prefetch engine --rays rays.npy --json)";
+  sightline prefetch engine --rays rays.npy --json
+  sightline prefetch engine --view --size 640x480)";
 
 std::string of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? format_count(part) : format_count(part) + " of " + format_count(whole);
@@ -164,6 +180,12 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   verb.add_option("--rays", arguments->rays,
                   "Only what casting these rays would build; a file as cast takes it")
       ->type_name("FILE");
+  verb.add_flag("--view", arguments->view,
+                "Only what a picture of this camera would build; the next four as render has them")
+      ->excludes("--rays");
+  add_camera_flags(verb, arguments->camera, arguments->size);
+  for (const char* flag : {"--size", "--eye", "--at", "--fov"})
+    verb.get_option(flag)->needs("--view");
   verb.add_option("--kind", arguments->kind,
                   "What the rays will be cast for: all and count build all that is on their way "
                   "(default closest)")

@@ -11,6 +11,7 @@
 #include "client/cli/picture/camera.h"
 #include "client/cli/picture/picture.h"
 #include "client/cli/terminal.h"
+#include "client/cli/verbs/camera_flags.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
@@ -82,34 +83,6 @@ ExitCode run(const Session& session, RenderArguments& arguments) {
   return kOk;
 }
 
-void add_vector_option(CLI::App& verb, const std::string& name, std::optional<picture::Vec3>& value,
-                       const std::string& help) {
-  verb.add_option_function<std::string>(
-          name,
-          [&value, name](const std::string& text) {
-            value = parse_vector(text);
-            if (!value) throw CLI::ValidationError(name, "'" + text + "' is not x,y,z");
-          },
-          help)
-      ->type_name("X,Y,Z");
-}
-
-void add_size_option(CLI::App& verb, PictureSize& size) {
-  verb.add_option_function<std::string>(
-          "--size",
-          [&size](const std::string& text) {
-            const auto parsed = parse_size(text);
-            if (!parsed) {
-              throw CLI::ValidationError(
-                  "--size",
-                  fmt::format("'{}' is not WxH with both from 1 to {}", text, kMaxPictureSide));
-            }
-            size = *parsed;
-          },
-          "Width and height in pixels; four rays a pixel are cast (default 1280x720)")
-      ->type_name("WxH");
-}
-
 }  // namespace
 
 void add_render_verb(CLI::App& program, Session& session) {
@@ -119,15 +92,7 @@ void add_render_verb(CLI::App& program, Session& session) {
   verb.add_option("--out", arguments->out, "The PNG file to write")
       ->required()
       ->type_name("FILE.png");
-  add_size_option(verb, arguments->picture.size);
-  add_vector_option(verb, "--eye", arguments->camera.eye,
-                    "Where the camera is (default: an overview of the scene)");
-  add_vector_option(verb, "--at", arguments->camera.at,
-                    "What it looks at (default: the middle of the scene)");
-  verb.add_option("--fov", arguments->camera.fov,
-                  "Degrees from the bottom of the picture to its top (default 40)")
-      ->check(CLI::Range(0.01, 179.0).description(""))
-      ->type_name("DEGREES");
+  add_camera_flags(verb, arguments->camera, arguments->picture.size);
   verb.add_option("--mode", arguments->mode, "What the colours tell (default normal)")
       ->check(CLI::IsMember(kModes).description(""))
       ->type_name("normal|depth|node|heat");

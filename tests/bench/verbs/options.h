@@ -123,6 +123,14 @@ struct UpdatesOptions {
   std::size_t items = 100;  ///< Nodes that the larger batches name.
 };
 
+struct RemoteOptions {
+  RayOptions rays{};
+  int clients = 1;           ///< Each with a connection and a stream of its own.
+  std::size_t batch = 8192;  ///< Rays of a message.
+  std::vector<std::string> columns{"rich", "t", "bits", "generated"};
+  bool echo = false;  ///< And the latency of one ray, beside an echo service.
+};
+
 struct ChartOptions {
   std::string out{};                  ///< The folder of the CSV and the plots.
   std::vector<std::string> scenes{};  ///< Empty: six from SIGHTLINE_SCENES.

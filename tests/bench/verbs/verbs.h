@@ -79,6 +79,11 @@ Result<std::vector<Row>> run_answers(const CommonOptions& common, const AnswersO
 /// Threads that run_answers uses on any machine: the caller's tbb::global_control must allow them.
 inline constexpr int kMostAnswerThreads = 8;
 
+/// Casts on a server in a process of its own beside the same rays in process, in turns: a row for
+/// each kind of answer, and one for generated rays. `cpu_ns_per_ray` is the processor time of both
+/// processes. Every answer is compared first.
+Result<std::vector<Row>> run_remote(const CommonOptions& common, const RemoteOptions& options);
+
 /// Trace times of the exact hit rule and of a plain float test in the same walk over the same full
 /// trees, one row for each kind of ray. Times are sums of the least times of short chunks, on each
 /// of which the methods take turns.

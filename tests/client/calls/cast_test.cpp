@@ -119,6 +119,24 @@ TEST_F(Cast, AnyAnswersWhetherThereIsAHit) {
   EXPECT_EQ(hit, (std::vector<std::uint8_t>{0, 1, 1}));
 }
 
+TEST_F(Cast, AnyAnswersOneBitARay) {
+  const std::size_t n = 2 * kRaysPerMessage + 13;
+  DownwardRays rays(n, kCopies);
+  for (std::size_t i = 0; i < n; i += 3) rays.origins[3 * i] = -50;
+  const RayColumns<const double> columns{rays.origins, rays.directions};
+  std::vector<std::uint8_t> bits(bits_bytes(n));
+  ASSERT_TRUE(client_.cast_stream(kScene, columns, {.hit_bits = bits}, {.kind = QueryKind::kAny}));
+  for (std::size_t i = 0; i < n; ++i)
+    ASSERT_EQ((bits[i / 8] >> (i % 8)) & 1, i % 3 == 0 ? 0 : 1) << i;
+  EXPECT_EQ(bits.back() >> (n % 8), 0);
+
+  bits.push_back(0);
+  const auto wrong =
+      client_.cast_stream(kScene, columns, {.hit_bits = bits}, {.kind = QueryKind::kAny});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, Code::kInvalidArgument);
+}
+
 TEST_F(Cast, CountAnswersTheNumberOfHits) {
   const DownwardRays rays(4, kCopies);
   std::vector<double> origins = rays.origins, directions = rays.directions;

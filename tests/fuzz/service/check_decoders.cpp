@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <span>
 
+#include "proto/rays/generated_rays.h"
 #include "server/blobs/blob_store.h"
 #include "server/blobs/mesh_blob.h"
 #include "server/exec/admission.h"
 #include "server/exec/memory_account.h"
 #include "server/queries/cast_query.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/generator_codec.h"
+#include "server/queries/ray_codec.h"
 #include "server/scenes/names.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_codec.h"
@@ -50,11 +52,30 @@ Wrong check_updates(const google::protobuf::RepeatedPtrField<v1::Update>& update
 }
 
 Wrong check_rays(const v1::Rays& rays) {
-  std::vector<accel::geometry::Ray> decoded;
-  if (!server::queries::decode_rays(rays, decoded)) return std::nullopt;
+  const auto count = server::queries::count_rays(rays);
+  if (!count) return std::nullopt;
+  std::vector<accel::geometry::Ray> decoded(*count);
+  server::queries::decode_rays(rays, 0, decoded);
   const std::size_t bytes = decoded.size() * 3 * (rays.float64() ? 8 : 4);
   if (rays.origins().size() != bytes || decoded.size() > server::queries::kMaxRaysPerRequest)
     return fmt::format("{} bytes of origins are {} rays", rays.origins().size(), decoded.size());
+  return std::nullopt;
+}
+
+/// Makes some rays of a generator that is accepted.
+Wrong check_generator(const v1::RayGenerator& message) {
+  constexpr std::uint64_t kSome = 100;
+  auto generator = server::queries::decode_generator(message);
+  if (!generator) return std::nullopt;
+  const std::uint64_t count = std::min(proto::rays::count_of(*generator), kSome);
+  if (count == 0) return std::nullopt;
+  generator->count = count;
+  proto::rays::GeneratedRays rays;
+  rays.begin(*generator);
+  std::uint64_t made = 0;
+  using proto::rays::Vector;
+  rays.make(0, rays.size(), [&](std::size_t, const Vector&, const Vector&) { ++made; });
+  if (made != count) return fmt::format("{} rays are made, not {}", made, count);
   return std::nullopt;
 }
 
@@ -91,7 +112,7 @@ Wrong check_message(const google::protobuf::Message& message) {
   if (const auto* cast = dynamic_cast<const v1::CastRaysRequest*>(&message)) {
     static_cast<void>(server::queries::decode_query(*cast, scenegraph::Growth::kFirstTouch));
     if (Wrong wrong = check_names(cast->consistency().SerializeAsString())) return wrong;
-    return check_rays(cast->rays());
+    return cast->has_generator() ? check_generator(cast->generator()) : check_rays(cast->rays());
   }
   if (const auto* apply = dynamic_cast<const v1::ApplyUpdatesRequest*>(&message))
     return check_updates(apply->updates());

@@ -44,6 +44,18 @@ TEST(DecodeQuery, AnyAnswersHitAndWork) {
   EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
 }
 
+TEST(DecodeQuery, BitsReplaceHitUnlessBothAreAsked) {
+  v1::CastRaysRequest request = request_of(v1::QUERY_KIND_ANY);
+  request.add_fields(v1::HIT_FIELD_HIT_BITS);
+  EXPECT_EQ(decode_query(request, {})->fields, std::vector{v1::HIT_FIELD_HIT_BITS});
+  request.add_fields(v1::HIT_FIELD_HIT);
+  EXPECT_EQ(decode_query(request, {})->fields,
+            (std::vector{v1::HIT_FIELD_HIT_BITS, v1::HIT_FIELD_HIT}));
+  request.set_kind(v1::QUERY_KIND_COUNT);
+  EXPECT_EQ(decode_query(request, {}).error().message,
+            "QUERY_KIND_COUNT has no HIT_FIELD_HIT_BITS");
+}
+
 TEST(DecodeQuery, RefusesUnknownValues) {
   v1::CastRaysRequest kind, field, build, culling, twice, unspecified;
   kind.set_kind(static_cast<v1::QueryKind>(9));

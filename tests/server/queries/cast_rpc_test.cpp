@@ -10,7 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/queries/query_codec.h"
+#include "server/queries/cast_job.h"
+#include "server/queries/ray_codec.h"
 #include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
@@ -74,6 +75,40 @@ TEST_F(CastRpcTest, AnyAgreesWithClosest) {
   EXPECT_EQ(column_of(cast(request), v1::HIT_FIELD_HIT), closest);
 }
 
+TEST_F(CastRpcTest, AFewRaysAreAnsweredAlikeOverBuiltAndDeferredCells) {
+  api_.make_scene(kScene, random_soup(20000, 0.05, 12));
+  const auto rays = random_rays(40 * server::queries::kImmediateCast, 4);
+  std::vector<std::string> growing, built;
+  std::uint64_t cells = 0;
+  const auto ask = [&](std::vector<std::string>& answers) {
+    cells = 0;
+    for (std::size_t first = 0; first < rays.size(); first += server::queries::kImmediateCast) {
+      v1::CastRaysRequest request =
+          cast_request(kScene, std::span(rays).subspan(first, server::queries::kImmediateCast));
+      for (const v1::QueryKind kind :
+           {v1::QUERY_KIND_ANY, v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_COUNT}) {
+        request.set_kind(kind);
+        const v1::CastRaysResponse reply = cast(request);
+        EXPECT_EQ(reply.stats().rays(), server::queries::kImmediateCast);
+        cells += reply.stats().cells_expanded();
+        for (const v1::HitColumn& column : reply.columns()) answers.push_back(column.data());
+      }
+    }
+  };
+  ask(growing);
+  EXPECT_GT(cells, 0u);
+  ask(built);
+  EXPECT_EQ(cells, 0u);
+  EXPECT_EQ(growing, built);
+  v1::CastRaysRequest all = cast_request(kScene, rays);
+  all.set_build(v1::BUILD_MODE_FULL);
+  const std::string t = column_of(cast(all), v1::HIT_FIELD_T);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const std::size_t bytes = server::queries::kImmediateCast * sizeof(double);
+    EXPECT_EQ(built[5 * i + 1], t.substr(i * bytes, bytes)) << "any, t, node, primitive, count";
+  }
+}
+
 TEST_F(CastRpcTest, RepliesWithTheRequestedFieldsOnly) {
   api_.make_scene(kScene, planar_sheet(1));
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(10));
@@ -104,6 +139,35 @@ TEST_F(CastRpcTest, MarksBadRaysAndServesTheOthers) {
   EXPECT_EQ(hits[3].t, 10);
   EXPECT_EQ(reply.stats().invalid(), 3u);
   EXPECT_EQ(reply.stats().hits(), 1u);
+}
+
+TEST_F(CastRpcTest, RefusesMoreGeneratedRaysThanARequestMayHave) {
+  api_.make_scene(kScene, planar_sheet(1));
+  v1::CastRaysRequest request;
+  request.set_scene(kScene);
+  v1::RayGenerator& generator = *request.mutable_generator();
+  v1::SphericalScan& scan = *generator.mutable_scan();
+  for (const double number : {0.5, 0.5, 3.0}) scan.add_origin(number);
+  for (const double number : {1, 0, 0}) scan.add_forward(number);
+  for (const double number : {0, 1, 0}) scan.add_left(number);
+  for (const double number : {0, 0, 1}) scan.add_up(number);
+  for (const double number : {0.0, 6.25}) scan.add_azimuth(number);
+  for (const double number : {-1.5, 1.5}) scan.add_elevation(number);
+  scan.set_columns(1 << 20);
+  scan.set_rows(1 << 20);
+  v1::CastRaysResponse reply;
+  const grpc::Status all = api_.cast(request, &reply);
+  EXPECT_EQ(all.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_NE(all.error_message().find("the request has 1099511627776 rays, the limit is 16384"),
+            std::string::npos)
+      << all.error_message();
+  generator.set_first(std::uint64_t{1} << 30);
+  generator.set_count(server::queries::kMaxRaysPerRequest);
+  EXPECT_EQ(cast(request).stats().rays(), server::queries::kMaxRaysPerRequest);
+  scan.clear_up();
+  const grpc::Status bad = api_.cast(request, &reply);
+  EXPECT_EQ(bad.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(reason_of(bad), "NUMBER_COUNT");
 }
 
 TEST_F(CastRpcTest, AcceptsFloat32Columns) {

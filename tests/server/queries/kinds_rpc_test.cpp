@@ -9,7 +9,7 @@
 
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/hit_codec.h"
 #include "tests/server/queries/random_rays.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"

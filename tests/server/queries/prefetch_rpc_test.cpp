@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/queries/prefetch_job.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/compare_hits.h"

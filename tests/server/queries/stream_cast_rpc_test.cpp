@@ -12,7 +12,7 @@
 
 #include "server/exec/call_registry.h"
 #include "server/exec/shares.h"
-#include "server/queries/query_codec.h"
+#include "server/queries/ray_codec.h"
 #include "tests/server/support/live_server.h"
 #include "tests/support/scenes.h"
 

@@ -1,0 +1,14 @@
+// Sine and cosine that have the same bits on every machine, as no C library promises.
+#pragma once
+
+namespace sightline::proto::rays {
+
+struct SineCosine {
+  double sine, cosine;
+};
+
+/// Of an angle in radians, from -kMaxAngle to kMaxAngle; within 2^-52. Only additions and products,
+/// which must not be fused.
+SineCosine sine_cosine(double angle);
+
+}  // namespace sightline::proto::rays

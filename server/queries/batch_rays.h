@@ -1,0 +1,37 @@
+// The rays of a batch: columns of the request, or made by a generator.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "proto/rays/generated_rays.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::queries {
+
+class BatchRays {
+ public:
+  /// Checks and counts the rays of a request, which must not change until the batch is done.
+  /// Errors: as of count_rays() and decode_generator().
+  template <class Request>
+  Status begin(const Request& request) {
+    return request.has_generator() ? begin(request.generator()) : begin(request.rays());
+  }
+  Status begin(const v1::Rays& columns);
+  Status begin(const v1::RayGenerator& generator);
+
+  std::size_t size() const { return size_; }
+
+  /// Fills `rays` with those of the batch from `first` on, which it has. Values are not checked:
+  /// the tracer marks invalid rays. Threads: any.
+  void decode(std::size_t first, std::span<accel::geometry::Ray> rays) const;
+
+ private:
+  const v1::Rays* columns_ = nullptr;  // null: generated
+  proto::rays::GeneratedRays generated_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace sightline::server::queries

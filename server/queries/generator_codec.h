@@ -1,0 +1,14 @@
+// Decodes a generator of rays.
+#pragma once
+
+#include "accel/result.h"
+#include "proto/rays/generator.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::queries {
+
+/// A checked generator, of any number of rays. Errors: kInvalidArgument, naming the field, its
+/// value and the limit.
+Result<proto::rays::RayGenerator> decode_generator(const v1::RayGenerator& generator);
+
+}  // namespace sightline::server::queries

@@ -1,0 +1,43 @@
+// Encodes the hit columns of a reply.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "accel/geometry/ray.h"
+#include "scenegraph/trace.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::queries {
+
+/// With every field, a reply that lists this many hits stays below 1 MiB.
+inline constexpr std::size_t kMaxHitsPerReply = 20480;
+
+/// A slice of a batch begins at a multiple of this number of rays: the rays of a byte of HIT_BITS.
+inline constexpr std::size_t kRaysPerBitsByte = 8;
+
+/// Makes one column per field, in this order, with rows for `rays` rays and, in an answer that
+/// lists hits, for `hits` hits; else `hits` is the number of rays. The content of the rows is not
+/// defined. Reuses the memory of what the reply held before.
+void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std::size_t hits,
+                    v1::CastRaysResponse& reply);
+
+/// Writes the rows of these hits to all columns, from row `first` on, a multiple of
+/// kRaysPerBitsByte. The columns have these rows.
+void encode_hits(std::span<const accel::geometry::Hit> hits, std::size_t first,
+                 v1::CastRaysResponse& reply);
+
+/// As encode_hits(), for query kinds with a tally per ray.
+void encode_tallies(std::span<const scenegraph::RayTally> tallies, std::size_t first,
+                    v1::CastRaysResponse& reply);
+
+/// Sets the columns to lists of hits, those of each ray after those of the ray before. Overwrites
+/// what the reply held before and reuses its memory.
+void encode_lists(std::span<const scenegraph::RayTally> tallies,
+                  std::span<const accel::geometry::Hit> hits, std::span<const v1::HitField> fields,
+                  v1::CastRaysResponse& reply);
+
+/// Sets all of CastStats except queue_us and trace_us, which only the caller knows.
+void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply);
+
+}  // namespace sightline::server::queries

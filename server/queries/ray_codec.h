@@ -1,0 +1,27 @@
+// Decodes the ray columns of a request.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::queries {
+
+/// With every field, the reply to this many rays stays below 1 MiB.
+inline constexpr std::size_t kMaxRaysPerRequest = 16384;
+
+/// The number of rays, by the lengths of the columns alone. Errors: kInvalidArgument, naming the
+/// column, its bytes and the bytes expected; kResourceExhausted over kMaxRaysPerRequest.
+Result<std::size_t> count_rays(const v1::Rays& columns);
+
+/// As an error of count_rays() if there are more than kMaxRaysPerRequest rays.
+Status check_count(std::size_t rays);
+
+/// Fills `rays` with the rays from `first` on, as far as it has room. count_rays() has accepted the
+/// columns, and these rays are theirs. Values are not checked: the tracer marks invalid rays.
+void decode_rays(const v1::Rays& columns, std::size_t first, std::span<accel::geometry::Ray> rays);
+
+}  // namespace sightline::server::queries

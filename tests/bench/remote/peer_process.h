@@ -1,0 +1,43 @@
+// The other end of a remote measurement: a server in a process of its own.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+#include "tests/support/child_process.h"
+
+namespace sightline::bench {
+
+/// All threads of a process run on this processor alone, or, if it is kAnyProcessor, on all.
+/// Errors: kFailedPrecondition.
+inline constexpr int kAnyProcessor = -1;
+Status pin_process(pid_t process, int processor);
+
+/// Seconds of processor time that all threads of a process have used, in the kernel too.
+double processor_seconds(pid_t process);
+
+/// Threads: one.
+class PeerProcess {
+ public:
+  /// The server of this build, with this number of workers for queries.
+  static Result<std::unique_ptr<PeerProcess>> start_server(int threads);
+  /// The service of echo_service.h.
+  static Result<std::unique_ptr<PeerProcess>> start_echo();
+
+  std::string endpoint() const { return "127.0.0.1:" + port_; }
+  pid_t id() const { return process_.id(); }
+  double processor_seconds() const { return bench::processor_seconds(process_.id()); }
+
+ private:
+  PeerProcess(const std::string& program, const std::vector<std::string>& arguments)
+      : process_(program, arguments) {}
+  static Result<std::unique_ptr<PeerProcess>> start(const std::string& program,
+                                                    const std::vector<std::string>& arguments);
+
+  tests::ChildProcess process_;
+  std::string port_;
+};
+
+}  // namespace sightline::bench
