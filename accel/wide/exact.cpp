@@ -54,9 +54,20 @@ HWY_INLINE Doubles dot(const Vectors& a, const Vectors& b) {
 }
 HWY_INLINE Doubles max_norm(const Vectors& a) { return max(max(abs(a[0]), abs(a[1])), abs(a[2])); }
 
-void judge_lanes(const Rays& rays, const LaneTriangles& triangles, LaneVerdicts& out) {
-  const Vectors a = load(triangles.a), b = load(triangles.b), c = load(triangles.c),
-                o = load(rays.origin), d = load(rays.direction);
+/// The corners as the mesh has them: their differences to the center are exact.
+HWY_INLINE Vectors corners(const std::array<Column<float>, 3>& columns,
+                           const geometry::Vec3f& center) {
+  const auto axis = [&](std::size_t k) {
+    return to_doubles(Lanes<float, kLanes>::load(columns[k].data())) +
+           Doubles::set(static_cast<double>(center[k]));
+  };
+  return {axis(0), axis(1), axis(2)};
+}
+
+void judge_lanes(const Rays& rays, const geometry::Vec3f& center, const LaneTriangles& triangles,
+                 LaneVerdicts& out) {
+  const Vectors a = corners(triangles.a, center), b = corners(triangles.b, center),
+                c = corners(triangles.c, center), o = load(rays.origin), d = load(rays.direction);
   const Vectors pa = minus(a, o), pb = minus(b, o), pc = minus(c, o);
   const Doubles ab = dot(d, cross(pa, pb)), bc = dot(d, cross(pb, pc)), ca = dot(d, cross(pc, pa));
   const Doubles n = max(max(max_norm(pa), max_norm(pb)), max_norm(pc));
@@ -98,15 +109,16 @@ geometry::Vec3f corner_of(const Packet& packet, const Block& block, std::size_t 
   return {v.x + packet.center.x, v.y + packet.center.y, v.z + packet.center.z};
 }
 
-void read_triangle(const Packet& packet, const std::uint32_t* words, std::size_t triangle,
-                   std::size_t lane, LaneTriangles& out) {
+void read_triangle(const std::uint32_t* words, std::size_t triangle, std::size_t lane,
+                   LaneTriangles& out) {
   const Block block(words);
+  const std::size_t a = block.corner(0)[triangle], b = block.corner(1)[triangle],
+                    c = block.corner(2)[triangle];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float* column = block.x + axis * block.vertices;
-    const auto center = static_cast<double>(packet.center[axis]);
-    out.a[axis][lane] = static_cast<double>(column[block.corner(0)[triangle]]) + center;
-    out.b[axis][lane] = static_cast<double>(column[block.corner(1)[triangle]]) + center;
-    out.c[axis][lane] = static_cast<double>(column[block.corner(2)[triangle]]) + center;
+    out.a[axis][lane] = column[a];
+    out.b[axis][lane] = column[b];
+    out.c[axis][lane] = column[c];
   }
 }
 
@@ -115,7 +127,7 @@ void decide_together(Packet& packet, const LaneTriangles& triangles,
                      const Column<const std::uint32_t*>& block,
                      const Column<std::uint32_t>& triangle, std::uint32_t lanes) {
   LaneVerdicts verdicts;
-  HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, triangles, verdicts);
+  HWY_DYNAMIC_DISPATCH(judge_lanes)(packet.rays, packet.center, triangles, verdicts);
   std::uint32_t hit = verdicts.hit & ~verdicts.miss;
   if (packet.culling != geometry::Culling::kNone) hit = 0;
   for (std::uint32_t left = lanes & ~verdicts.miss; left != 0; left &= left - 1) {
@@ -150,7 +162,7 @@ void settle_best(Packet& packet, std::uint32_t lanes) {
   const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::size_t from = (lanes >> lane & 1) != 0 ? lane : first;
-    read_triangle(packet, all.best_block[from], all.best_triangle[from], lane, triangles);
+    read_triangle(all.best_block[from], all.best_triangle[from], lane, triangles);
   }
   decide_together(packet, triangles, all.best_block, all.best_triangle, lanes);
 }

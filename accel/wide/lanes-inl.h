@@ -145,6 +145,23 @@ HWY_INLINE Lanes<float, N> to_floats(const Lanes<double, N>& x) {
 #endif
 }
 
+template <std::size_t N>
+HWY_INLINE Lanes<double, N> to_doubles(const Lanes<float, N>& x) {
+  using To = Lanes<double, N>;
+  const typename To::D d;
+#if HWY_TARGET == HWY_SCALAR
+  return To::each([&](std::size_t i) { return hn::PromoteTo(d, x.v[i]); });
+#else
+  using From = Lanes<float, N>;
+  static_assert(From::kPer == 2 * To::kPer);
+  return To::each([&](std::size_t i) {
+    const auto half = i % 2 == 0 ? hn::LowerHalf(x.v[i / 2])
+                                 : hn::UpperHalf(hn::Half<typename From::D>(), x.v[i / 2]);
+    return hn::PromoteTo(d, half);
+  });
+#endif
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sightline::accel::wide
 HWY_AFTER_NAMESPACE();

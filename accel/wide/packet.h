@@ -66,9 +66,9 @@ struct FloatRays {
   Column<float> cull;  ///< 1 or -1: the sign of a determinant on the ignored side; 0: none is.
 };
 
-/// A triangle of each ray.
+/// A triangle of each ray, relative to the tree's center.
 struct LaneTriangles {
-  std::array<Column<double>, 3> a, b, c;
+  std::array<Column<float>, 3> a, b, c;
 };
 
 /// Pairs of a ray and a triangle that floats leave undecided.
