@@ -204,8 +204,8 @@ class Growth {
     const HalvedPath below = sides.paths({refs.left.size(), refs.right.size()});
     Halves grown;
     const auto grow_left = [&] {
-      grown.left = grow(refs.left, sides.halves().left, below.left, scans ? &scans->left : nullptr,
-                        task);
+      grown.left =
+          grow(refs.left, sides.halves().left, below.left, scans ? &scans->left : nullptr, task);
     };
     const auto grow_right = [&](std::span<kdtree::Reference> list, const Task& by) {
       grown.right =
@@ -324,8 +324,8 @@ kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
   ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
   std::optional<BlockSubtrees> blocks;
   if (context.center != nullptr) blocks.emplace(context);
-  const Grown grown =
-      Growth(context).grow(refs, cell, path, nullptr, {lists, blocks ? &*blocks : nullptr, counters});
+  const Grown grown = Growth(context).grow(refs, cell, path, nullptr,
+                                           {lists, blocks ? &*blocks : nullptr, counters});
   return blocks ? blocks->compile(grown) : grown.slot;
 }
 

@@ -19,8 +19,8 @@ struct GrowContext {
   int max_depth = 0;
   /// Once true, cells of kForkFrom references or more that are not begun stay deferred.
   const std::atomic<bool>* cancelled = nullptr;
-  /// Finished cells become leaf blocks relative to this center of the tree's bounds (blocks/frame.h);
-  /// null: leaves of the kd-tree. Only with a mesh.
+  /// Finished cells become leaf blocks relative to this center of the tree's bounds
+  /// (blocks/frame.h); null: leaves of the kd-tree. Only with a mesh.
   const geometry::Vec3f* center = nullptr;
 };
 

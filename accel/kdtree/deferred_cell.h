@@ -13,8 +13,8 @@
 
 namespace sightline::accel::kdtree {
 
-/// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree, because retired ones may
-/// outlive it.
+/// The bytes of a tree's cells, lists and finished subtrees. Cells share it with their tree,
+/// because retired ones may outlive it.
 struct ListBytes {
   std::atomic<std::uint64_t> deferred{0};   ///< Deferred cells with their lists.
   std::atomic<std::uint64_t> left_over{0};  ///< Of those, DeferredCell::left_over.

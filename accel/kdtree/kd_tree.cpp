@@ -154,7 +154,8 @@ void KdTree::set_top(std::unique_ptr<FinishedSubtree> top) {
   if (before == nullptr) return;
   const std::uint64_t bytes = before->size_in_bytes();
   lists_->finished.fetch_sub(bytes, std::memory_order_relaxed);
-  retire(*before, [](Retirable* old) { delete static_cast<FinishedSubtree*>(old); }, bytes);
+  retire(
+      *before, [](Retirable* old) { delete static_cast<FinishedSubtree*>(old); }, bytes);
 }
 
 void KdTree::retire_cell(DeferredCell& cell) {

@@ -77,8 +77,8 @@ class KdTree {
   /// The slot of a finished subtree, which belongs to the tree from now on. Threads: any.
   Slot finish(std::unique_ptr<const FinishedSubtree> subtree);
 
-  /// A second form of the nodes near the root, for traversals; null: there is none. It leads to slots
-  /// and finished subtrees of this tree. Replaced ones are retired. Threads: any, pinned.
+  /// A second form of the nodes near the root, for traversals; null: there is none. It leads to
+  /// slots and finished subtrees of this tree. Replaced ones are retired. Threads: any, pinned.
   const FinishedSubtree* top() const { return top_.load(std::memory_order_acquire); }
   void set_top(std::unique_ptr<FinishedSubtree> top);
 

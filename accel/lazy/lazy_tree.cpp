@@ -58,9 +58,9 @@ bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* m
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
                    ReferenceSource source, const geometry::MeshView* mesh)
-    : tree_(bounds, primitive_count,
-            grow::root_path(budget_of(*rule, may_make_blocks(*rule, mesh, bounds)),
-                            primitive_count)),
+    : tree_(
+          bounds, primitive_count,
+          grow::root_path(budget_of(*rule, may_make_blocks(*rule, mesh, bounds)), primitive_count)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
@@ -93,9 +93,8 @@ ExpandResult LazyTree::expand_now(kdtree::AtomicSlot& slot, WhenPending when_pen
     return wait_for_owner(slot, cell, when_pending, cancelled);
   try {
     const bool whole = cell.whole || (makes_blocks() && !cell.has_list && is_eager(cell));
-    return is_large(cell) && !whole
-               ? expand_large(slot, cell, when_pending, counters, cancelled)
-               : expand_claimed(slot, cell, counters, cancelled);
+    return is_large(cell) && !whole ? expand_large(slot, cell, when_pending, counters, cancelled)
+                                    : expand_claimed(slot, cell, counters, cancelled);
   } catch (const Cancelled&) {
     return ExpandResult::kScanList;
   } catch (const std::bad_alloc&) {
@@ -250,8 +249,8 @@ kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCel
   if (!division.cells.empty()) return defer(std::move(division.cells[0]));
   const kdtree::ReferenceList whole = cell.list.copy();
   if (makes_blocks()) {
-    const grow::GrowContext context{tree_, *rule_, context_.mesh, context_.max_depth, nullptr,
-                                    center()};
+    const grow::GrowContext context{tree_,   *rule_,  context_.mesh, context_.max_depth,
+                                    nullptr, center()};
     grow::BlockSubtrees blocks(context);
     return blocks.compile(blocks.finish(whole.all(), cell.box));
   }

@@ -67,14 +67,14 @@ class LazyTree {
 
   /// Whether finished cells become leaf blocks: the rule makes them, and there is a frame.
   bool makes_blocks() const { return makes_blocks_; }
-  /// What its wide trees are relative to; nothing if floats are too coarse or too short for the sizes
-  /// of the tree (wide::kLeastSize).
+  /// What its wide trees are relative to; nothing if floats are too coarse or too short for the
+  /// sizes of the tree (wide::kLeastSize).
   const std::optional<wide::Frame>& frame() const { return frame_; }
 
   /// Where walks of packets begin: at the root, or at wide nodes over it. Pinned.
   wide::Child entry();
-  /// Rays have made so many steps in nodes that are not wide. Compiles the nodes near the root once
-  /// that is kStepsPerNode times the number of all nodes.
+  /// Rays have made this number of steps in nodes that are not wide. Compiles the nodes near the
+  /// root once that is kStepsPerNode times the number of all nodes.
   void count_steps(std::uint64_t steps);
 
  private:
@@ -139,11 +139,11 @@ inline constexpr std::size_t kEagerBelow = 64;
 /// assumption; the cost of compiling is amortised with any number.
 inline constexpr std::uint64_t kStepsPerNode = 8;
 
-/// A mesh of at most so many triangles becomes leaf blocks at once.
+/// A mesh of at most this number of triangles becomes leaf blocks at once.
 inline constexpr std::size_t kWholeMesh = 1000;
 
 /// Most references for each triangle above leaf blocks. More make trees larger, and those of
-/// architecture slower (docs/decisions/0033-leaf-blocks.md).
+/// architecture slower (docs/decisions/0034-leaf-blocks.md).
 inline constexpr double kBlockBudget = 1.3;
 
 /// Most bytes of deferred cells and their lists for each reference of the root, in a tree with a

@@ -49,7 +49,7 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery&
     const std::uint64_t before = walked.steps + walked.tests;
     LaneQuery alone(packet, lane, lazy);
     query(alone.query, walked, built);
-    alone.give_back();
+    alone.write_back();
     packet.work[lane] += static_cast<std::uint32_t>(walked.steps + walked.tests - before);
     if (alone.query.saw_deferred) saw_deferred |= 1u << lane;
     lazy = alone.query;

@@ -37,7 +37,7 @@ class LaneTest {
 
  private:
   bool kept(bool stop) {
-    lane_query_.give_back();
+    lane_query_.write_back();
     return stop;
   }
 
@@ -90,8 +90,8 @@ class UnfinishedSlots final : public wide::SlotVisitor {
     lazy::LazyVisit<LaneTest> visit{walk_.tree, query, walk_.built, test};
     kdtree::walk(walk_.tree.tree(), ray, slot, walk_.walked, visit);
     walk_.tree.count_steps(walk_.walked.steps - steps);
-    packet_.work[lane] = counted + static_cast<std::uint32_t>(walk_.walked.steps +
-                                                              walk_.walked.tests - before);
+    packet_.work[lane] =
+        counted + static_cast<std::uint32_t>(walk_.walked.steps + walk_.walked.tests - before);
     if (query.saw_deferred) walk_.saw_deferred |= 1u << lane;
     static_cast<lazy::LazyQuery&>(walk_.lazy) = query;
     if (query.suspended || query.is_cancelled()) packet_.stopped = true;
@@ -129,7 +129,7 @@ void LaneQuery::take_over() {
   query.found = (best.found >> lane_ & 1) != 0;
 }
 
-void LaneQuery::give_back() {
+void LaneQuery::write_back() {
   wide::BestHits& best = *packet_.best;
   if (!query.found) return;
   if (best.t[lane_] != query.best_t || best.primitive[lane_] != query.best_primitive ||
@@ -149,8 +149,8 @@ std::uint32_t query_packet(const PacketWalk& walk, wide::Packet& packet, std::ui
   wide::WalkTotals totals;
   // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
   const wide::Child entry = walk.tree.entry();
-  const bool searched_before = std::exchange(walk.lazy.searches_list,
-                                             walk.lazy.searches_list || entry.is_node());
+  const bool searched_before =
+      std::exchange(walk.lazy.searches_list, walk.lazy.searches_list || entry.is_node());
   wide::walk(packet, entry, prepared.live, slots, totals);
   walk.lazy.searches_list = searched_before;
   walk.walked.steps += totals.nodes;

@@ -1,5 +1,5 @@
-// A packet of rays in the tree of a mesh: wide trees take the packet, and what is not finished takes
-// one ray after the other.
+// A packet of rays in the tree of a mesh: wide trees take the packet, and what is not finished
+// takes one ray after the other.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ class LaneQuery {
 
   MeshQuery query;
   /// Copies a better hit to the packet.
-  void give_back();
+  void write_back();
   /// Copies a better hit from the packet.
   void take_over();
 
@@ -38,8 +38,8 @@ struct PacketWalk {
   kdtree::BuildCounters& built;
 };
 
-/// Finds the best hits of the rays in `lanes`; for a tree that makes blocks. Returns the rays that are
-/// too far away for floats, which it leaves out.
+/// Finds the best hits of the rays in `lanes`; for a tree that makes blocks. Returns the rays that
+/// are too far away for floats, which it leaves out.
 std::uint32_t query_packet(const PacketWalk& walk, wide::Packet& packet, std::uint32_t lanes);
 
 }  // namespace sightline::accel::mesh

@@ -38,8 +38,8 @@ struct ScanSplit {
   /// (reference_budget.h). Good trees over compact meshes have four to eight. 0: no limit. Range 0,
   /// 1 to 64.
   double budget = 16;
-  /// Finished cells become leaf blocks (SplitSearch::makes_blocks); false: the plain kd-tree, down to
-  /// its leaves.
+  /// Finished cells become leaf blocks (SplitSearch::makes_blocks); false: the plain kd-tree, down
+  /// to its leaves.
   bool blocks = true;
   SahConstants cost{};
 

@@ -57,8 +57,8 @@ class SplitSearch {
   /// exhaustively and never clips. Such subtrees are grown in registers (grow/small_subtree.h).
   virtual std::optional<BoundRule> small_rule() const { return std::nullopt; }
 
-  /// Whether cells that are finished become leaf blocks (accel/blocks), which are faster and smaller
-  /// than leaves of a kd-tree. Only in trees over meshes.
+  /// Whether cells that are finished become leaf blocks (accel/blocks), which are faster and
+  /// smaller than leaves of a kd-tree. Only in trees over meshes.
   virtual bool makes_blocks() const { return false; }
 
   /// Limit on references per triangle in a tree (reference_budget.h); 0: no limit.

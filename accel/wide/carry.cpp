@@ -52,8 +52,7 @@ HWY_INLINE std::uint32_t unit_of(const Doubles& x, Doubles& unit) {
   return (x >= Doubles::set(0x1p-1000)) & (x < Doubles::set(0x1p+1001));
 }
 
-HWY_INLINE std::uint32_t in_range(const Vectors& origin, const Vectors& direction,
-                                  Doubles& unit) {
+HWY_INLINE std::uint32_t in_range(const Vectors& origin, const Vectors& direction, Doubles& unit) {
   return are_finite(origin) & are_finite(direction) & unit_of(largest(direction), unit) &
          (largest(origin) <= Doubles::set(geometry::kLargestRay));
 }
@@ -108,10 +107,10 @@ HWY_INLINE void turn(std::span<const geometry::Ray> rays, std::size_t first, std
 }
 
 void read_rays(std::span<const geometry::Ray> rays, GivenRays& out) {
-  const std::array<double*, 8> columns{
-      out.origin[0].data(),    out.origin[1].data(),    out.origin[2].data(),
-      out.direction[0].data(), out.direction[1].data(), out.direction[2].data(),
-      out.tmin.data(),         out.tmax.data()};
+  const std::array<double*, 8> columns{out.origin[0].data(),    out.origin[1].data(),
+                                       out.origin[2].data(),    out.direction[0].data(),
+                                       out.direction[1].data(), out.direction[2].data(),
+                                       out.tmin.data(),         out.tmax.data()};
   for (std::size_t first = 0; first < kLanes; first += 4) {
     turn(rays, first, 0, columns);
     turn(rays, first, 4, columns);

@@ -19,8 +19,8 @@ struct GivenRays {
 /// Sets the columns from at most kLanes rays, at least one; the others repeat the last.
 void read(std::span<const geometry::Ray> rays, GivenRays& out);
 
-/// The rays of `lanes` that are valid: their limits are numbers, and geometry::set_local_ray succeeds
-/// relative to `center`.
+/// The rays of `lanes` that are valid: their limits are numbers, and geometry::set_local_ray
+/// succeeds relative to `center`.
 std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes);
 
 /// A 3x4 matrix by rows, as of an affine transform.

@@ -78,7 +78,8 @@ void judge_lanes(const Rays& rays, const geometry::Vec3f& center, const LaneTria
   const Vectors e1 = minus(b, a), e2 = minus(c, a), normal = cross(e1, e2);
   const Doubles along = dot(normal, d);
   const std::uint32_t certain = (least > bound) | (most < zero - bound);
-  out.hit = certain & ~((abs(along) < Doubles::set(geometry::kEdgeOn) * max_norm(e1) * max_norm(e2)));
+  out.hit =
+      certain & ~((abs(along) < Doubles::set(geometry::kEdgeOn) * max_norm(e1) * max_norm(e2)));
   ((dot(normal, pa) / along + zero) * Doubles::load(rays.unit.data())).store(out.t.data());
 }
 

@@ -9,8 +9,8 @@
 
 namespace sightline::accel::wide {
 
-/// Keeps a hit if it is within the ray's limits and less than the best by (t, node, primitive). t is
-/// in units of the caller's direction. Culling is the caller's.
+/// Keeps a hit if it is within the ray's limits and less than the best by (t, node, primitive). t
+/// is in units of the caller's direction. Culling is the caller's.
 inline bool offer(Packet& packet, std::size_t lane, double t, const std::uint32_t* block,
                   std::uint32_t triangle) {
   const std::uint32_t primitive = blocks::Block(block).id(triangle);

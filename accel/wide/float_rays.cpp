@@ -33,8 +33,7 @@ struct MainAxis {
 
   /// v[first], v[first + 1] or v[first + 2], cyclically, for main axis x, y or z.
   HWY_INLINE Floats pick(const std::array<Floats, 3>& v, std::size_t first) const {
-    return Floats::pick(z, v[(first + 2) % 3],
-                        Floats::pick(y, v[(first + 1) % 3], v[first]));
+    return Floats::pick(z, v[(first + 2) % 3], Floats::pick(y, v[(first + 1) % 3], v[first]));
   }
 };
 
@@ -89,8 +88,8 @@ class Preparing {
     });
     const Floats d = to_floats(along), o = origin_[axis];
     const Floats least = Floats::set(kLeastDirection);
-    const Floats bounded = Floats::pick(abs(d) < least,
-                                        Floats::pick(negative, Floats::set(-kLeastDirection), least), d);
+    const Floats bounded = Floats::pick(
+        abs(d) < least, Floats::pick(negative, Floats::set(-kLeastDirection), least), d);
     const Floats inverse = Floats::set(1) / bounded;
     const Floats steep = mul_add(distance_, Floats::set(kSteepError), Floats::set(kTiny));
     const Floats error =
@@ -201,14 +200,14 @@ Prepared prepare(Packet& packet, const Frame& frame, std::uint32_t lanes) {
 void tighten(Packet& packet, std::size_t lane) {
   FloatRays& floats = packet.floats;
   const double t = packet.best->t[lane] / packet.rays.unit[lane];
-  // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that of
-  // depths.
+  // As in set_limits: up by the rounding to float, and by the slack of t, which is less than that
+  // of depths.
   const auto out = static_cast<float>(t);
   const float t_out = out + std::fabs(out) * 0x1p-23f + floats.slack[lane] * 0x1p-6f;
   floats.t_out[lane] = std::min(floats.t_out[lane], t_out);
   const float depth = t_out / floats.per_depth[lane];
-  floats.high[lane] = std::min(floats.high[lane],
-                               depth + std::fabs(depth) * 0x1p-20f + floats.slack[lane]);
+  floats.high[lane] =
+      std::min(floats.high[lane], depth + std::fabs(depth) * 0x1p-20f + floats.slack[lane]);
 }
 
 }  // namespace sightline::accel::wide

@@ -1,5 +1,5 @@
-// Rays that run alike, together: their boxes as one, then each ray; triangles that none can meet are
-// left out.
+// Rays that run alike, together: their boxes as one, then each ray; triangles that none can meet
+// are left out.
 #if defined(SIGHTLINE_WIDE_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_WIDE_GROUP_INL
 #undef SIGHTLINE_WIDE_GROUP_INL
@@ -52,7 +52,8 @@ class GroupBoxes {
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Range origin = origins[axis], inverse = range_of(rays.inverse[axis], group);
-      const float error = (2 * largest(origin) + extent) * kPlaneError + farthest * kSteepError + kTiny;
+      const float error =
+          (2 * largest(origin) + extent) * kPlaneError + farthest * kSteepError + kTiny;
       backward_[axis] = (key >> axis & 1) != 0;
       row_[axis] = 2 * axis + (key >> axis & 1);
       lo_[axis] = Boxes::set(origin.lo - error);
@@ -72,13 +73,13 @@ class GroupBoxes {
 
  private:
   HWY_INLINE Boxes near(const WideNode& node, std::size_t axis) const {
-    const Boxes x = Boxes::load(node.bounds[row_[axis]].data()) -
-                    (backward_[axis] ? lo_[axis] : hi_[axis]);
+    const Boxes x =
+        Boxes::load(node.bounds[row_[axis]].data()) - (backward_[axis] ? lo_[axis] : hi_[axis]);
     return min(x * least_[axis], x * greatest_[axis]);
   }
   HWY_INLINE Boxes far(const WideNode& node, std::size_t axis) const {
-    const Boxes x = Boxes::load(node.bounds[row_[axis] ^ 1].data()) -
-                    (backward_[axis] ? hi_[axis] : lo_[axis]);
+    const Boxes x =
+        Boxes::load(node.bounds[row_[axis] ^ 1].data()) - (backward_[axis] ? hi_[axis] : lo_[axis]);
     return max(x * least_[axis], x * greatest_[axis]);
   }
 
@@ -88,8 +89,8 @@ class GroupBoxes {
   std::array<bool, 3> backward_;
 };
 
-/// Finds the triangles of a block that no ray of a group can meet: seen from all of them, they lie to
-/// one side.
+/// Finds the triangles of a block that no ray of a group can meet: seen from all of them, they lie
+/// to one side.
 class GroupView {
  public:
   HWY_INLINE GroupView(const Packet& packet, std::uint32_t group) {
@@ -144,8 +145,10 @@ class GroupView {
       seen.hi.store(hi.data());
     }
     const Gather a(block.corner(0)), b(block.corner(1)), c(block.corner(2));
-    const Floats least_lo = least(a(seen.lo, lo.data()), b(seen.lo, lo.data()), c(seen.lo, lo.data()));
-    const Floats most_hi = most(a(seen.hi, hi.data()), b(seen.hi, hi.data()), c(seen.hi, hi.data()));
+    const Floats least_lo =
+        least(a(seen.lo, lo.data()), b(seen.lo, lo.data()), c(seen.lo, lo.data()));
+    const Floats most_hi =
+        most(a(seen.hi, hi.data()), b(seen.hi, hi.data()), c(seen.hi, hi.data()));
     return (least_lo > zero) | (most_hi < zero);
   }
 
@@ -268,8 +271,8 @@ class Group {
     while (top > 0) {
       const Waiting& next = stack_[--top];
       if (next.t > farthest_) continue;
-      lanes = kAny ? next.lanes & ~packet_.best->found
-                   : next.lanes & (Floats::set(next.t) <= t_out_);
+      lanes =
+          kAny ? next.lanes & ~packet_.best->found : next.lanes & (Floats::set(next.t) <= t_out_);
       if (lanes == 0) continue;
       at = next.at;
       return true;
@@ -293,8 +296,7 @@ class Group {
 
   void visit_block(const std::uint32_t* words, std::uint32_t lanes) {
     const blocks::Block block(words);
-    walked_.totals.triangles +=
-        block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
+    walked_.totals.triangles += block.triangles * static_cast<std::uint64_t>(std::popcount(lanes));
     count(lanes, block.triangles);
     const float *x = block.x + x_ * block.vertices, *y = block.x + y_ * block.vertices,
                 *z = block.x + z_ * block.vertices;

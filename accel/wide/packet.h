@@ -17,8 +17,8 @@ inline constexpr std::size_t kLanes = 16;
 template <class T>
 struct alignas(64) Column : std::array<T, kLanes> {};
 
-/// The rays as LocalRays have them: the direction is scaled by `unit`. tmin and tmax are in units of
-/// the caller's direction.
+/// The rays as LocalRays have them: the direction is scaled by `unit`. tmin and tmax are in units
+/// of the caller's direction.
 struct Rays {
   std::array<Column<double>, 3> origin, direction;
   Column<double> unit;
@@ -54,13 +54,13 @@ struct FloatRays {
   Column<float> t_in, t_out;  ///< Where the ray may meet the tree within its limits.
   /// Bits 0..2: the signs of the direction. Bits 3 and up: the axis of its largest component.
   Column<std::uint32_t> key;
-  /// The origin in the order of axes that begins behind the largest; `z` is turned to grow along the
-  /// ray, by `sign`.
+  /// The origin in the order of axes that begins behind the largest; `z` is turned to grow along
+  /// the ray, by `sign`.
   Column<float> x, y, z, sign;
-  Column<float> shear_x, shear_y;  ///< How the ray is sheared to run along z.
-  Column<float> error;             ///< Twice the error of the origin.
-  Column<float> slack;             ///< Bounds the error of a depth, as far as it is the ray's.
-  Column<float> low, high;         ///< Depths outside are certain not to matter.
+  Column<float> shear_x, shear_y;     ///< How the ray is sheared to run along z.
+  Column<float> error;                ///< Twice the error of the origin.
+  Column<float> slack;                ///< Bounds the error of a depth, as far as it is the ray's.
+  Column<float> low, high;            ///< Depths outside are certain not to matter.
   Column<float> sure_low, sure_high;  ///< Depths inside are certain to be within the ray's limits.
   Column<float> per_depth;            ///< t (local) for a unit of depth.
   Column<float> cull;  ///< 1 or -1: the sign of a determinant on the ignored side; 0: none is.
@@ -98,7 +98,7 @@ struct Packet {
   std::uint64_t node = 0;
   std::uint32_t instance = 0;
   geometry::Vec3f center;  ///< Of the tree.
-  float extent = 0;  ///< The largest coordinate of the tree's bounds, relative to the center.
+  float extent = 0;        ///< The largest coordinate of the tree's bounds, relative to the center.
   Column<std::uint32_t> work;  ///< Nodes visited and triangles tested, by ray.
   bool stopped = false;        ///< Suspended or cancelled: the answers mean nothing.
 };

@@ -43,12 +43,12 @@ class Gather {
     if constexpr (Floats::kVectors == 1) {
       (void)stored;
       return Floats::each([&](std::size_t i) {
-        return hn::TableLookupLanes(vertices.v[i], hn::IndicesFromVec(typename Floats::D(), index_[i]));
+        return hn::TableLookupLanes(vertices.v[i],
+                                    hn::IndicesFromVec(typename Floats::D(), index_[i]));
       });
     } else {
-      return Floats::each([&](std::size_t i) {
-        return hn::GatherIndex(typename Floats::D(), stored, index_[i]);
-      });
+      return Floats::each(
+          [&](std::size_t i) { return hn::GatherIndex(typename Floats::D(), stored, index_[i]); });
     }
   }
 
@@ -239,8 +239,8 @@ class Single {
     }
   }
 
-  /// Takes a certain hit between two depths as the nearest, if it is; what was the nearest may still
-  /// be, and is remembered.
+  /// Takes a certain hit between two depths as the nearest, if it is; what was the nearest may
+  /// still be, and is remembered.
   bool is_nearer(const std::uint32_t* words, std::uint32_t triangle, float from, float to) {
     FloatRays& rays = packet_.floats;
     const float slack = rays.slack[lane_];

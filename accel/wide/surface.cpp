@@ -67,7 +67,8 @@ HWY_INLINE std::uint32_t set_weights(const Rays& rays, const BestHits& hits,
   const Vectors o = load(rays.origin), d = load(rays.direction);
   const Doubles t = Doubles::load(hits.t.data()) / Doubles::load(rays.unit.data());
   const Vectors p = times(d, t);
-  const Vectors pa = minus(minus(load(triangles.a), o), p), pb = minus(minus(load(triangles.b), o), p),
+  const Vectors pa = minus(minus(load(triangles.a), o), p),
+                pb = minus(minus(load(triangles.b), o), p),
                 pc = minus(minus(load(triangles.c), o), p);
   const Doubles wa = dot(d, cross(pb, pc)), wb = dot(d, cross(pc, pa)), wc = dot(d, cross(pa, pb));
   const Doubles sum = wa + wb + wc;
@@ -90,12 +91,12 @@ HWY_INLINE void set_normals(const HitTriangles& triangles, const Matrix& m, bool
   };
   const Vectors normal{transposed(0), transposed(1), transposed(2)};
   const Doubles squared = dot(normal, normal);
-  const Doubles length =
-      Doubles::each([&](std::size_t i) { return hn::Sqrt(squared.v[i]); });
+  const Doubles length = Doubles::each([&](std::size_t i) { return hn::Sqrt(squared.v[i]); });
   const Doubles zero = Doubles::set(0), size = mirrored ? zero - length : length;
   const Doubles per = Doubles::set(1) / size;
   for (std::size_t axis = 0; axis < 3; ++axis) store_floats(normal[axis] * per, out.normal[axis]);
-  out.no_normal = ~((length > zero) & (length < Doubles::set(std::numeric_limits<double>::infinity())));
+  out.no_normal =
+      ~((length > zero) & (length < Doubles::set(std::numeric_limits<double>::infinity())));
 }
 
 std::uint32_t set_surfaces(const Rays& rays, const BestHits& hits, const HitTriangles& triangles,
@@ -146,8 +147,8 @@ void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& m
   const auto first = static_cast<std::size_t>(std::countr_zero(lanes));
   for (std::size_t lane = 0; lane < kLanes; ++lane)
     read_corners(hits, (lanes >> lane & 1) != 0 ? lane : first, lane, triangles);
-  std::uint32_t lost = lanes & HWY_DYNAMIC_DISPATCH(set_surfaces)(rays, hits, triangles, matrix,
-                                                                  mirrored, out);
+  std::uint32_t lost =
+      lanes & HWY_DYNAMIC_DISPATCH(set_surfaces)(rays, hits, triangles, matrix, mirrored, out);
   for (; lost != 0; lost &= lost - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lost));
     const geometry::LocalRay ray{

@@ -15,9 +15,9 @@ struct Surfaces {
   std::uint32_t no_normal = 0;
 };
 
-/// Sets weights and normals for hits in `lanes`, all in one instance and with blocks. `matrix` leads
-/// into the instance's frame, which `mirrored` says reverses windings. The numbers are those of
-/// geometry::barycentric, and of one hit at a time, bit for bit.
+/// Sets weights and normals for hits in `lanes`, all in one instance and with blocks. `matrix`
+/// leads into the instance's frame, which `mirrored` says reverses windings. The numbers are those
+/// of geometry::barycentric, and of one hit at a time, bit for bit.
 void find_surfaces(const GivenRays& given, const BestHits& hits, const Matrix& matrix,
                    bool mirrored, std::uint32_t lanes, Surfaces& out);
 

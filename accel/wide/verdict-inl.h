@@ -30,9 +30,10 @@ struct Limits {
 };
 
 struct Verdict {
-  std::uint32_t possible = 0;  ///< Not certainly missed, nor certainly at a depth that is of no use.
-  std::uint32_t certain = 0;   ///< Of these: certainly hit.
-  Floats depth, off;           ///< Of hits: where, and how far that may be off.
+  std::uint32_t possible =
+      0;  ///< Not certainly missed, nor certainly at a depth that does not help.
+  std::uint32_t certain = 0;  ///< Of these: certainly hit.
+  Floats depth, off;          ///< Of hits: where, and how far that may be off.
 };
 
 HWY_INLINE Floats most(const Floats& a, const Floats& b, const Floats& c) {
@@ -53,12 +54,11 @@ HWY_INLINE bool judge(const std::array<Corner, 3>& corners, const Limits& limits
   const Floats near = least(a.z, b.z, c.z), far = most(a.z, b.z, c.z);
   const Floats deepest = max(abs(near), abs(far));
   const Floats error = mul_add(size + deepest, Floats::set(0x1p-20f), limits.error);
-  const Floats bound =
-      mul_add(error * Floats::set(4.25f), size + error,
-              mul_add(size * size, Floats::set(0x1p-21f), Floats::set(kTiny)));
+  const Floats bound = mul_add(error * Floats::set(4.25f), size + error,
+                               mul_add(size * size, Floats::set(0x1p-21f), Floats::set(kTiny)));
   const Floats greatest = most(ab, bc, ca), smallest = zero - least(ab, bc, ca);
-  const std::uint32_t missed = ((greatest > bound) & (smallest > bound)) | (near > limits.high) |
-                               (far < limits.low);
+  const std::uint32_t missed =
+      ((greatest > bound) & (smallest > bound)) | (near > limits.high) | (far < limits.low);
   out.possible = lanes & ~missed;
   if (out.possible == 0) return false;
   const Floats whole = ab + bc + ca, inverse = Floats::set(1) / whole;

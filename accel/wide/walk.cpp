@@ -53,10 +53,10 @@ std::uint32_t meeting_box(const Packet& packet, const geometry::Aabb& box) {
     const Floats inverse = Floats::load(rays.inverse[axis].data()), zero = Floats::set(0);
     const std::uint32_t backward = inverse < zero;
     const Floats lo = Floats::set(box.lo[axis]), hi = Floats::set(box.hi[axis]);
-    in = max(in, mul_add(Floats::pick(backward, hi, lo), inverse,
-                         Floats::load(rays.near[axis].data())));
-    out = min(out, mul_add(Floats::pick(backward, lo, hi), inverse,
-                           Floats::load(rays.far[axis].data())));
+    in = max(
+        in, mul_add(Floats::pick(backward, hi, lo), inverse, Floats::load(rays.near[axis].data())));
+    out = min(
+        out, mul_add(Floats::pick(backward, lo, hi), inverse, Floats::load(rays.far[axis].data())));
   }
   return in <= out;
 }
@@ -83,8 +83,7 @@ std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint
   return lanes & HWY_DYNAMIC_DISPATCH(meeting_box)(packet, box);
 }
 
-void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots,
-          WalkTotals& totals) {
+void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, WalkTotals& totals) {
   // Before the rays part into groups.
   while (lanes != 0 && !root.is_node() && !root.is_block()) {
     const kdtree::Slot now = kdtree::load(*root.slot());

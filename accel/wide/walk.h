@@ -34,8 +34,8 @@ struct Walked {
 /// Those of `lanes` that may meet a box, relative to the center, before their best hits.
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes);
 
-/// Takes the rays in `lanes`, which prepare() has found live, through the tree below `root`. Remembers
-/// pairs that may be hits (settle()); with Packet::any, finds whether there is one.
+/// Takes the rays in `lanes`, which prepare() has found live, through the tree below `root`.
+/// Remembers pairs that may be hits (settle()); with Packet::any, finds whether there is one.
 void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, WalkTotals& totals);
 
 }  // namespace sightline::accel::wide

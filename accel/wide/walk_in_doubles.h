@@ -1,5 +1,5 @@
-// The walk of one ray through a wide tree in doubles: for rays that floats cannot tell apart, and to
-// check the walks in floats against.
+// The walk of one ray through a wide tree in doubles: for rays that floats cannot tell apart, and
+// to check the walks in floats against.
 #pragma once
 
 #include <array>

@@ -38,9 +38,7 @@ float area(const geometry::Aabb& box) {
 std::array<const Node*, kWidth> open_largest(const Node& node) {
   std::array<const Node*, kWidth> children{node.left, node.right};
   std::array<float, kWidth> size{};
-  const auto size_of = [](const Node& child) {
-    return child.leaf() ? -1.0f : area(child.box);
-  };
+  const auto size_of = [](const Node& child) { return child.leaf() ? -1.0f : area(child.box); };
   size[0] = size_of(*children[0]);
   size[1] = size_of(*children[1]);
   for (std::size_t count = 2; count < kWidth; ++count) {
@@ -206,8 +204,7 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center)
         continue;
       }
       set_box(*node, i, child->box, center);
-      node->children[i] =
-          child->leaf() ? blocks.copy(*child) : Child::node(nodes + from.index[i]);
+      node->children[i] = child->leaf() ? blocks.copy(*child) : Child::node(nodes + from.index[i]);
     }
   }
 }

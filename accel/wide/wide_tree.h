@@ -17,9 +17,9 @@ namespace sightline::accel::wide {
 /// Never changes. Threads: any.
 class WideTree final : public kdtree::FinishedSubtree {
  public:
-  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`; other
-  /// leaves are words of a Child. The largest child is opened until a node is full (Wald et al.
-  /// 2008). Throws std::bad_alloc.
+  /// Compiles a hierarchy of at most kMostLevels levels, whose blocks are relative to `center`;
+  /// other leaves are words of a Child. The largest child is opened until a node is full (Wald et
+  /// al. 2008). Throws std::bad_alloc.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center);
 
   Child root() const { return root_; }

@@ -62,9 +62,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     SceneSlots& slots;
     std::size_t lane;
 
-    double limit() const {
-      return static_cast<double>(slots.caster_.scene_.floats.t_out[lane]);
-    }
+    double limit() const { return static_cast<double>(slots.caster_.scene_.floats.t_out[lane]); }
     bool leaf(std::span<const std::uint32_t> ids) {
       slots.visit_leaf(ids, 1u << lane);
       return is_done();
@@ -77,8 +75,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     }
     bool is_done() const {
       const PacketCaster& caster = slots.caster_;
-      return caster.scene_.stopped ||
-             (caster.scene_.any && (caster.best_.found >> lane & 1) != 0);
+      return caster.scene_.stopped || (caster.scene_.any && (caster.best_.found >> lane & 1) != 0);
     }
   };
 
@@ -201,8 +198,7 @@ void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t fir
   SceneSlots slots(*this, tree, first, removed, built);
   const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
   if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
-  const std::uint32_t in_range =
-      accel::wide::center(given_, tree.center(), lanes, scene_.rays);
+  const std::uint32_t in_range = accel::wide::center(given_, tree.center(), lanes, scene_.rays);
   alone_ |= lanes & ~in_range;
   const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), in_range);
   alone_ |= prepared.slow;

@@ -1,5 +1,5 @@
-// Rays in packets on their way through a revision: the static and the dynamic tree, their instances,
-// the meshes of those. For the nearest hit, or whether there is any.
+// Rays in packets on their way through a revision: the static and the dynamic tree, their
+// instances, the meshes of those. For the nearest hit, or whether there is any.
 #pragma once
 
 #include <array>
@@ -55,8 +55,9 @@ class PacketCaster {
   PacketCaster(const PacketCaster&) = delete;
   PacketCaster& operator=(const PacketCaster&) = delete;
 
-  /// Answers rays, at most wide::kLanes of them. Returns a bit for each that is answered; the others
-  /// must be cast alone: they need a cell that others build, or lie beyond the range of floats.
+  /// Answers rays, at most wide::kLanes of them. Returns a bit for each that is answered; the
+  /// others must be cast alone: they need a cell that others build, or lie beyond the range of
+  /// floats.
   std::uint32_t cast(std::span<const accel::geometry::Ray> rays,
                      std::span<accel::geometry::Hit> hits);
 
@@ -91,7 +92,7 @@ class PacketCaster {
   std::uint32_t valid_ = 0;  // rays that are not invalid
   std::uint32_t alone_ = 0;  // rays that must be cast alone
   std::uint32_t saw_deferred_ = 0;
-  bool leads_ = true;        // the walk of the scene's tree goes on behind an instance
+  bool leads_ = true;                     // the walk of the scene's tree goes on behind an instance
   const model::Affine* frame_ = nullptr;  // of the instance that was entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range there
   accel::lazy::LazyQuery lazy_;

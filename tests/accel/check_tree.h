@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/kdtree/kd_tree.h"
-#include "tests/accel/wide/placed_blocks.h"
+#include "tests/accel/wide/boxed_blocks.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -30,16 +30,15 @@ inline const accel::wide::WideTree& wide_tree(accel::kdtree::Slot finished) {
 /// A finished subtree: every corner that lies in the cell is in the box of a block that holds the
 /// face. Sets `held` to its faces.
 inline void check_finished(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
-                           const TestMesh& mesh,
-                           const std::vector<accel::geometry::Aabb>& bounds,
+                           const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
                            std::vector<std::uint32_t>& held) {
-  std::vector<PlacedBlock> placed;
-  ASSERT_NO_FATAL_FAILURE(place_blocks(tree, cell, mesh, bounds, placed));
-  held = ids_of(placed);
+  std::vector<BoxedBlock> boxed;
+  ASSERT_NO_FATAL_FAILURE(list_blocks(tree, cell, mesh, bounds, boxed));
+  held = ids_of(boxed);
   for (const std::uint32_t id : held) {
     for (const std::uint32_t v : mesh.faces[id]) {
       const accel::geometry::Vec3f& corner = mesh.vertices[v];
-      ASSERT_TRUE(!holds_point(cell, corner) || is_held_at(placed, corner, id)) << "face " << id;
+      ASSERT_TRUE(!holds_point(cell, corner) || is_held_at(boxed, corner, id)) << "face " << id;
     }
   }
 }
@@ -105,9 +104,9 @@ inline bool is_held_at(const accel::kdtree::KdTree& tree, accel::kdtree::Slot sl
   }
   if (slot.is_finished()) {
     const accel::wide::WideTree& subtree = wide_tree(slot);
-    std::vector<PlacedBlock> placed;
-    place_blocks(subtree.root(), cell, subtree.center(), placed);
-    return is_held_at(placed, point, id);
+    std::vector<BoxedBlock> boxed;
+    list_blocks(subtree.root(), cell, subtree.center(), boxed);
+    return is_held_at(boxed, point, id);
   }
   if (slot.leaf_count() == 0) return false;
   std::uint32_t storage;
@@ -153,9 +152,8 @@ inline void check_closed_cell(const accel::kdtree::KdTree& tree, accel::kdtree::
 
 /// For builders that clip or choose the side of flat boxes, as their papers do: cells (some of them
 /// flat) tile the bounds; a leaf holds no reference twice and none that does not touch its closed
-/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face, or in
-/// the box of a block that does.
-/// `bounds` as above.
+/// cell; and every corner of every face lies in the closed cell of a leaf that holds the face, or
+/// in the box of a block that does. `bounds` as above.
 inline void check_closed_tree(const accel::kdtree::KdTree& tree, const TestMesh& mesh,
                               const std::vector<accel::geometry::Aabb>& bounds) {
   check_closed_cell(tree, accel::kdtree::load(tree.root()), tree.bounds(), 0, mesh, bounds);

@@ -14,10 +14,11 @@ accel/result
 accel/geometry
 accel/kdtree                accel/geometry
 accel/blocks                accel/geometry accel/kdtree
+accel/wide                  accel/geometry accel/kdtree accel/blocks
 accel/split                 accel/result accel/geometry accel/kdtree
-accel/grow                  accel/geometry accel/kdtree accel/split
-accel/lazy                  accel/geometry accel/kdtree accel/split accel/grow
-accel/mesh                  accel/geometry accel/kdtree accel/split accel/grow accel/lazy
+accel/grow                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split
+accel/lazy                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split accel/grow
+accel/mesh                  accel/geometry accel/kdtree accel/blocks accel/wide accel/split accel/grow accel/lazy
 accel/published/kd          accel/*
 accel/published/bvh         accel/*
 accel/published             accel/*
@@ -29,7 +30,7 @@ scenegraph/instances        scenegraph/model scenegraph/hierarchy
 scenegraph/revision         scenegraph/model scenegraph/hierarchy scenegraph/instances accel/result accel/kdtree
 scenegraph/trace_options    accel/geometry
 scenegraph/query            scenegraph/model scenegraph/instances scenegraph/revision scenegraph/trace_options
-                            accel/result accel/geometry accel/kdtree accel/lazy accel/mesh
+                            accel/result accel/geometry accel/kdtree accel/wide accel/lazy accel/mesh
 scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtree
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 

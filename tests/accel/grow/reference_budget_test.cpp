@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
+#include "accel/lazy/lazy_tree.h"
 #include "accel/mesh/mesh_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/support/hard_meshes.h"
@@ -115,12 +116,15 @@ TEST(ReferenceBudget, IsKeptByTrees) {
   for (const std::string_view family : {"slivers", "fan", "rods", "stacks"}) {
     for (const std::string_view name : {"scan-fast", "scan-best"}) {
       for (const auto& [text, most] : {std::pair("2", 2.0), {"8", 8.0}}) {
-        published::AnyBuilder builder = *published::make_builder(name);
-        ASSERT_TRUE(published::set_parameter(builder, "clip", "on"));
-        ASSERT_TRUE(published::set_parameter(builder, "budget", text));
-        const kdtree::TreeMetrics m = built(family, builder);
-        EXPECT_EQ(m.deferred_cells, 0u) << family << name;
-        EXPECT_LE(static_cast<double>(m.references), most * 2000) << family << name;
+        for (const std::string_view blocks : {"on", "off"}) {
+          published::AnyBuilder builder = *published::make_builder(name);
+          ASSERT_TRUE(published::set_parameter(builder, "clip", "on"));
+          ASSERT_TRUE(published::set_parameter(builder, "budget", text));
+          ASSERT_TRUE(published::set_parameter(builder, "blocks", blocks));
+          const kdtree::TreeMetrics m = built(family, builder);
+          EXPECT_EQ(m.deferred_cells, 0u) << family << name;
+          EXPECT_LE(static_cast<double>(m.references), most * 2000) << family << name;
+        }
       }
     }
   }
@@ -130,9 +134,18 @@ TEST(ReferenceBudget, IsSmallerForFansIfItIsSet) {
   published::AnyBuilder builder = *published::make_builder("sah-sort");
   EXPECT_GT(built("fan", builder).references, 20u * 2000) << "the papers' builders have none";
   builder = *published::make_builder("scan-fast");
+  ASSERT_TRUE(published::set_parameter(builder, "blocks", "off"));
   EXPECT_LT(built("fan", builder).references, 4u * 2000);
   ASSERT_TRUE(published::set_parameter(builder, "budget", "0"));
   EXPECT_GT(built("fan", builder).references, 20u * 2000);
+}
+
+TEST(ReferenceBudget, IsSmallAboveLeafBlocksWhateverIsSet) {
+  for (const std::string_view budget : {"0", "16"}) {
+    published::AnyBuilder builder = *published::make_builder("scan-fast");
+    ASSERT_TRUE(published::set_parameter(builder, "budget", budget));
+    EXPECT_LE(static_cast<double>(built("fan", builder).references), lazy::kBlockBudget * 2000);
+  }
 }
 
 }  // namespace

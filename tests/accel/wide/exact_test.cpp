@@ -5,8 +5,8 @@
 
 #include "accel/geometry/intersect.h"
 #include "tests/accel/simd_targets.h"
+#include "tests/accel/wide/boxed_blocks.h"
 #include "tests/accel/wide/mesh_as_tree.h"
-#include "tests/accel/wide/placed_blocks.h"
 #include "tests/support/hard_rays.h"
 #include "tests/support/hard_shapes.h"
 #include "tests/support/random.h"
@@ -20,20 +20,19 @@ using tests::MeshAsTree;
 using tests::TestMesh;
 
 /// A triangle of a tree.
-struct Place {
+struct BlockTriangle {
   const std::uint32_t* block;
   std::uint32_t triangle, id;
 };
 
-void find_places(Child at, std::vector<Place>& out) {
+void find_triangles(Child at, std::vector<BlockTriangle>& out) {
   if (at.is_block()) {
     const blocks::Block block(at.block());
-    for (std::uint32_t i = 0; i < block.triangles; ++i)
-      out.push_back({at.block(), i, block.id(i)});
+    for (std::uint32_t i = 0; i < block.triangles; ++i) out.push_back({at.block(), i, block.id(i)});
     return;
   }
   for (const Child child : at.node()->children) {
-    if (child) find_places(child, out);
+    if (child) find_triangles(child, out);
   }
 }
 
@@ -90,30 +89,30 @@ std::vector<TestMesh> meshes() {
 TEST_P(Exact, EveryPairEqualsTheRule) {
   for (const TestMesh& mesh : meshes()) {
     const MeshAsTree of(mesh);
-    std::vector<Place> places;
-    find_places(of.tree->root(), places);
+    std::vector<BlockTriangle> triangles;
+    find_triangles(of.tree->root(), triangles);
     std::vector<Ray> rays = tests::make_hard_rays(mesh, 128, 5);
     for (std::size_t i = 0; i < rays.size(); i += 2) rays[i].tmin = -geometry::kInfinity;
     std::size_t hits = 0;
     for (const Culling culling : {Culling::kNone, Culling::kBack}) {
       for (std::size_t i = 0; i < rays.size(); i += kLanes) {
         // Every ray with a triangle of its own, and each with all.
-        for (std::size_t turn = 0; turn < places.size(); ++turn) {
+        for (std::size_t turn = 0; turn < triangles.size(); ++turn) {
           Asked asked(of, std::span(rays).subspan(i, kLanes), culling);
-          const auto place = [&](std::size_t lane) -> const Place& {
-            return places[(turn + 3 * lane) % places.size()];
+          const auto chosen = [&](std::size_t lane) -> const BlockTriangle& {
+            return triangles[(turn + 3 * lane) % triangles.size()];
           };
           for (std::size_t lane = 0; lane < kLanes; ++lane)
-            remember(*asked.packet, lane, place(lane).block, place(lane).triangle, 0);
+            remember(*asked.packet, lane, chosen(lane).block, chosen(lane).triangle, 0);
           settle(*asked.packet, asked.all());
           for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const std::optional<double> expected = asked.expected(lane, place(lane).id);
+            const std::optional<double> expected = asked.expected(lane, chosen(lane).id);
             ASSERT_EQ(asked.best.found >> lane & 1, expected.has_value() ? 1u : 0u);
             if (!expected) continue;
             ++hits;
             ASSERT_EQ(std::bit_cast<std::uint64_t>(asked.best.t[lane]),
                       std::bit_cast<std::uint64_t>(*expected));
-            ASSERT_EQ(asked.best.primitive[lane], place(lane).id);
+            ASSERT_EQ(asked.best.primitive[lane], chosen(lane).id);
           }
         }
       }
@@ -124,35 +123,35 @@ TEST_P(Exact, EveryPairEqualsTheRule) {
 
 TEST_P(Exact, OfEqualHitsTheLeastNodeAndTriangleIsKept) {
   const MeshAsTree of(tests::duplicates(12));
-  std::vector<Place> places;
-  find_places(of.tree->root(), places);
+  std::vector<BlockTriangle> triangles;
+  find_triangles(of.tree->root(), triangles);
   const Ray ray{{0.25, 0.25, 1}, {0, 0, -1}};
-  for (std::size_t first = 0; first < places.size(); ++first) {
+  for (std::size_t first = 0; first < triangles.size(); ++first) {
     Asked asked(of, std::span(&ray, 1), Culling::kNone);
     std::uint32_t least = ~0u;
     for (std::size_t i = 0; i < 5; ++i) {
-      const Place& place = places[(first + i) % places.size()];
-      least = std::min(least, place.id);
-      remember(*asked.packet, 0, place.block, place.triangle, 1);
+      const BlockTriangle& chosen = triangles[(first + i) % triangles.size()];
+      least = std::min(least, chosen.id);
+      remember(*asked.packet, 0, chosen.block, chosen.triangle, 1);
     }
     settle(*asked.packet, 1);
     EXPECT_EQ(asked.best.primitive[0], least);
     // A hit of an earlier node at the same t stays.
     asked.packet->node = 2;
-    remember(*asked.packet, 0, places[first].block, places[first].triangle, 1);
+    remember(*asked.packet, 0, triangles[first].block, triangles[first].triangle, 1);
     settle(*asked.packet, 1);
     EXPECT_EQ(asked.best.node[0], 1u);
   }
 }
 
-TEST_P(Exact, MoreThanThereIsRoomForAreDecided) {
+TEST_P(Exact, ThoseBeyondTheCapacityAreDecided) {
   const MeshAsTree of(tests::flat_walls(40));
-  std::vector<Place> places;
-  find_places(of.tree->root(), places);
+  std::vector<BlockTriangle> triangles;
+  find_triangles(of.tree->root(), triangles);
   const Ray ray{{-0.5, 0.25, 0.5}, {1, 0, 0}};
   Asked asked(of, std::span(&ray, 1), Culling::kNone);
-  for (std::size_t i = places.size(); i-- > 0;)
-    remember(*asked.packet, 0, places[i].block, places[i].triangle, 0);
+  for (std::size_t i = triangles.size(); i-- > 0;)
+    remember(*asked.packet, 0, triangles[i].block, triangles[i].triangle, 0);
   settle(*asked.packet, 1);
   EXPECT_EQ(asked.best.t[0], 0.5);
   EXPECT_LT(asked.best.primitive[0], 2u);
@@ -160,12 +159,12 @@ TEST_P(Exact, MoreThanThereIsRoomForAreDecided) {
 
 TEST_P(Exact, APairOfUnknownDepthIsNotForgotten) {
   const MeshAsTree of(tests::single_triangle());
-  std::vector<Place> places;
-  find_places(of.tree->root(), places);
+  std::vector<BlockTriangle> triangles;
+  find_triangles(of.tree->root(), triangles);
   const Ray ray{{0.25, 0.25, 1}, {0, 0, -1}};
   Asked asked(of, std::span(&ray, 1), Culling::kNone);
   asked.packet->floats.high.fill(2);
-  remember(*asked.packet, 0, places[0].block, places[0].triangle, std::nanf(""));
+  remember(*asked.packet, 0, triangles[0].block, triangles[0].triangle, std::nanf(""));
   settle(*asked.packet, 1);
   EXPECT_EQ(asked.best.found, 1u);
 }

@@ -126,8 +126,8 @@ std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::s
   return hits;
 }
 
-/// Rays one after the other whose directions have the same signs and main axis as the first: they go
-/// as groups.
+/// Rays one after the other whose directions have the same signs and main axis as the first: they
+/// go as groups.
 std::vector<Ray> side_by_side(const TestMesh& mesh, std::size_t packets, std::uint64_t seed) {
   std::vector<Ray> rays;
   for (const Ray& first : tests::make_hard_rays(mesh, packets, seed)) {
@@ -181,11 +181,20 @@ std::vector<Ray> with_limits_at_hits(const TestMesh& mesh, std::vector<Ray> rays
     const double up = std::nextafter(hit.t, geometry::kInfinity),
                  down = std::nextafter(hit.t, -geometry::kInfinity);
     switch (random.below(5)) {
-      case 0: ray.tmax = hit.t; break;
-      case 1: ray.tmax = down; break;
-      case 2: ray.tmin = hit.t; break;
-      case 3: ray.tmin = up; break;
-      default: ray.tmin = ray.tmax = hit.t;
+      case 0:
+        ray.tmax = hit.t;
+        break;
+      case 1:
+        ray.tmax = down;
+        break;
+      case 2:
+        ray.tmin = hit.t;
+        break;
+      case 3:
+        ray.tmin = up;
+        break;
+      default:
+        ray.tmin = ray.tmax = hit.t;
     }
   }
   return rays;
@@ -259,9 +268,9 @@ class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std
   std::unique_ptr<MeshAsTree> of_;
 };
 
-constexpr std::array<Question, 4> kQuestions{
-    Question{}, Question{.any = true}, Question{.culling = Culling::kBack},
-    Question{.any = true, .culling = Culling::kFront}};
+constexpr std::array<Question, 4> kQuestions{Question{}, Question{.any = true},
+                                             Question{.culling = Culling::kBack},
+                                             Question{.any = true, .culling = Culling::kFront}};
 
 TEST_P(OnEveryMesh, PacketsOfAnySizeEqualTheRule) {
   const std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 192, 21);
@@ -294,14 +303,13 @@ TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
   for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Every, OnEveryMesh,
-    ::testing::Combine(tests::every_simd_target(),
-                       ::testing::Range(std::size_t{0}, cases().size())),
-    [](const auto& test) {
-      return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
-             cases()[std::get<1>(test.param)].name;
-    });
+INSTANTIATE_TEST_SUITE_P(Every, OnEveryMesh,
+                         ::testing::Combine(tests::every_simd_target(),
+                                            ::testing::Range(std::size_t{0}, cases().size())),
+                         [](const auto& test) {
+                           return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
+                                  cases()[std::get<1>(test.param)].name;
+                         });
 
 }  // namespace
 }  // namespace sightline::accel::wide

@@ -7,16 +7,16 @@
 
 #include "accel/kdtree/tree_metrics.h"
 #include "accel/mesh/face_boxes.h"
+#include "tests/accel/wide/boxed_blocks.h"
 #include "tests/accel/wide/mesh_as_tree.h"
-#include "tests/accel/wide/placed_blocks.h"
 #include "tests/support/hard_shapes.h"
 
 namespace sightline::accel::wide {
 namespace {
 
 using geometry::Aabb;
+using tests::BoxedBlock;
 using tests::MeshAsTree;
-using tests::PlacedBlock;
 using tests::TestMesh;
 
 /// A hierarchy over a mesh, and the wide tree of it.
@@ -36,9 +36,13 @@ struct Compiled {
 };
 
 std::vector<TestMesh> meshes() {
-  std::vector<TestMesh> all{tests::single_triangle(), tests::random_soup(2, 0.3, 1),
-                            tests::random_soup(17, 0.3, 1), tests::random_soup(3000, 0.1, 2),
-                            tests::icosphere(4), tests::planar_sheet(20), tests::duplicates(100),
+  std::vector<TestMesh> all{tests::single_triangle(),
+                            tests::random_soup(2, 0.3, 1),
+                            tests::random_soup(17, 0.3, 1),
+                            tests::random_soup(3000, 0.1, 2),
+                            tests::icosphere(4),
+                            tests::planar_sheet(20),
+                            tests::duplicates(100),
                             tests::slivers(500, 3)};
   TestMesh far = tests::icosphere(3);
   for (geometry::Vec3f& v : far.vertices) v = {v.x + 1e6f, v.y - 1e6f, v.z + 3e5f};
@@ -70,17 +74,17 @@ void leaves_of(const blocks::Node& node, std::multiset<Leaf>& out) {
 TEST(WideTree, HoldsEveryBlockOnceInItsExactBox) {
   for (const TestMesh& mesh : meshes()) {
     const Compiled compiled(mesh);
-    std::vector<PlacedBlock> placed;
-    ASSERT_NO_FATAL_FAILURE(tests::place_blocks(*compiled.of.tree, compiled.of.bounds,
-                                                compiled.mesh, compiled.boxes, placed));
+    std::vector<BoxedBlock> boxed;
+    ASSERT_NO_FATAL_FAILURE(tests::list_blocks(*compiled.of.tree, compiled.of.bounds, compiled.mesh,
+                                               compiled.boxes, boxed));
     std::multiset<Leaf> expected, found;
     leaves_of(*compiled.root, expected);
-    for (const PlacedBlock& at : placed) {
+    for (const BoxedBlock& at : boxed) {
       const Aabb& box = compiled.root->leaf() ? compiled.root->box : at.box;
       found.insert({ids(at.block), numbers(box)});
     }
     EXPECT_EQ(found, expected);
-    EXPECT_EQ(tests::ids_of(placed).size(), mesh.faces.size());
+    EXPECT_EQ(tests::ids_of(boxed).size(), mesh.faces.size());
   }
 }
 
@@ -106,7 +110,8 @@ TEST(WideTree, CountsItsMemory) {
     Size size;
     measure(of.tree->root(), size);
     EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
-                                    size.words * sizeof(std::uint32_t) + blocks::kBlockSlack);
+                                            size.words * sizeof(std::uint32_t) +
+                                            blocks::kBlockSlack);
   }
 }
 
@@ -163,25 +168,24 @@ TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
 TEST(WideTree, MeasuresNodesLeavesAndTheWorkOfRandomLines) {
   for (const TestMesh& mesh : meshes()) {
     const Compiled compiled(mesh);
-    std::vector<PlacedBlock> placed;
-    tests::place_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.tree->center(),
-                        placed);
+    std::vector<BoxedBlock> boxed;
+    tests::list_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.tree->center(),
+                       boxed);
     Size size;
     measure(compiled.of.tree->root(), size);
     const double root_area = geometry::half_area(compiled.of.bounds);
     kdtree::TreeMetrics m;
     compiled.of.tree->measure(root_area, 5, m);
-    EXPECT_EQ(m.nodes, size.nodes + placed.size());
-    EXPECT_EQ(m.leaves, placed.size());
-    EXPECT_EQ(m.nonempty_leaves, placed.size());
+    EXPECT_EQ(m.nodes, size.nodes + boxed.size());
+    EXPECT_EQ(m.leaves, boxed.size());
+    EXPECT_EQ(m.nonempty_leaves, boxed.size());
     EXPECT_EQ(m.references, mesh.faces.size());
     EXPECT_GE(m.max_depth, 5);
     double leaves = 0, tests = 0;
-    for (const PlacedBlock& at : placed) {
+    for (const BoxedBlock& at : boxed) {
       // A root that is a block has no box: all lines meet it.
-      const double share = compiled.root->leaf() || root_area == 0
-                               ? 1
-                               : geometry::half_area(at.box) / root_area;
+      const double share =
+          compiled.root->leaf() || root_area == 0 ? 1 : geometry::half_area(at.box) / root_area;
       leaves += share;
       tests += share * at.block.triangles;
     }
@@ -205,9 +209,9 @@ TEST(WideTree, AsDeepAsATreeMayBe) {
   const MeshAsTree of(tests::single_triangle());
   blocks::Arena arena;
   const WideTree tree(*chain(of, kMostLevels, arena), of.frame.center);
-  std::vector<PlacedBlock> placed;
-  ASSERT_NO_FATAL_FAILURE(tests::place_blocks(tree, of.bounds, of.mesh, {of.bounds}, placed));
-  EXPECT_EQ(placed.size(), kMostLevels + 1);
+  std::vector<BoxedBlock> boxed;
+  ASSERT_NO_FATAL_FAILURE(tests::list_blocks(tree, of.bounds, of.mesh, {of.bounds}, boxed));
+  EXPECT_EQ(boxed.size(), kMostLevels + 1);
 }
 
 }  // namespace

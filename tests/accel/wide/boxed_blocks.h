@@ -17,7 +17,7 @@
 namespace sightline::tests {
 
 /// A block with its box in coordinates of the mesh.
-struct PlacedBlock {
+struct BoxedBlock {
   accel::geometry::Aabb box;
   accel::blocks::Block block;
 };
@@ -35,8 +35,8 @@ inline bool holds_point(const accel::geometry::Aabb& box, const accel::geometry:
 
 /// Adds the blocks at and below a child. Boxes lie in that of their parent, children come first in
 /// their node, and no ray meets the box of one that does not exist.
-inline void place_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
-                         const accel::geometry::Vec3f& center, std::vector<PlacedBlock>& out) {
+inline void list_blocks(accel::wide::Child at, const accel::geometry::Aabb& box,
+                        const accel::geometry::Vec3f& center, std::vector<BoxedBlock>& out) {
   using accel::wide::kWidth;
   if (at.is_block()) {
     out.push_back({box, accel::blocks::Block(at.block())});
@@ -58,16 +58,16 @@ inline void place_blocks(accel::wide::Child at, const accel::geometry::Aabb& box
     ASSERT_FALSE(ended);
     const accel::geometry::Aabb child = accel::wide::box_of(node, i, center);
     ASSERT_TRUE(lies_in(child, box));
-    ASSERT_NO_FATAL_FAILURE(place_blocks(node.children[i], child, center, out));
+    ASSERT_NO_FATAL_FAILURE(list_blocks(node.children[i], child, center, out));
   }
 }
 
 /// The blocks of a tree over a cell. A block holds no triangle twice, and each as the mesh has it;
 /// `bounds[id]` of each meets the block's box.
-inline void place_blocks(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
-                         const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
-                         std::vector<PlacedBlock>& out) {
-  ASSERT_NO_FATAL_FAILURE(place_blocks(tree.root(), cell, tree.center(), out));
+inline void list_blocks(const accel::wide::WideTree& tree, const accel::geometry::Aabb& cell,
+                        const TestMesh& mesh, const std::vector<accel::geometry::Aabb>& bounds,
+                        std::vector<BoxedBlock>& out) {
+  ASSERT_NO_FATAL_FAILURE(list_blocks(tree.root(), cell, tree.center(), out));
   for (const auto& [box, block] : out) {
     std::vector<std::uint32_t> ids;
     for (std::size_t i = 0; i < block.triangles; ++i) {
@@ -90,9 +90,9 @@ inline void place_blocks(const accel::wide::WideTree& tree, const accel::geometr
 }
 
 /// The ids in some blocks, ascending, each once.
-inline std::vector<std::uint32_t> ids_of(const std::vector<PlacedBlock>& placed) {
+inline std::vector<std::uint32_t> ids_of(const std::vector<BoxedBlock>& boxed) {
   std::vector<std::uint32_t> ids;
-  for (const PlacedBlock& at : placed) {
+  for (const BoxedBlock& at : boxed) {
     for (std::size_t i = 0; i < at.block.triangles; ++i) ids.push_back(at.block.id(i));
   }
   std::sort(ids.begin(), ids.end());
@@ -101,9 +101,9 @@ inline std::vector<std::uint32_t> ids_of(const std::vector<PlacedBlock>& placed)
 }
 
 /// Whether a block that holds the triangle has the point in its box.
-inline bool is_held_at(const std::vector<PlacedBlock>& placed, const accel::geometry::Vec3f& point,
+inline bool is_held_at(const std::vector<BoxedBlock>& boxed, const accel::geometry::Vec3f& point,
                        std::uint32_t id) {
-  return std::any_of(placed.begin(), placed.end(), [&](const PlacedBlock& at) {
+  return std::any_of(boxed.begin(), boxed.end(), [&](const BoxedBlock& at) {
     if (!holds_point(at.box, point)) return false;
     for (std::size_t i = 0; i < at.block.triangles; ++i) {
       if (at.block.id(i) == id) return true;
