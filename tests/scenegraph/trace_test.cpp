@@ -52,7 +52,7 @@ model::Affine random_affine(tests::Random& random, double reach) {
 /// Two meshes, many instances: rotated, sheared, mirrored, overlapping, some under a moved parent.
 std::shared_ptr<const revision::Snapshot> random_scene(int instances, double reach = 4) {
   tests::Random random(21);
-  const auto sphere = tests::mesh_of(tests::icosphere(3)),
+  const auto sphere = tests::mesh_of(tests::icosphere(5)),
              soup = tests::mesh_of(tests::random_soup(500, 0.2, 5));
   Scene scene;
   std::vector<model::Update> updates{put_mesh(-1, nullptr, random_affine(random, 1))};
@@ -159,7 +159,7 @@ TEST(Trace, RepeatedRaysExpandNothing) {
 }
 
 TEST(Trace, OnlyEnteredInstancesGrow) {
-  const auto sphere = tests::mesh_of(tests::icosphere(3)),
+  const auto sphere = tests::mesh_of(tests::icosphere(5)),
              other = tests::mesh_of(tests::icosphere(4));
   Scene scene;
   ASSERT_TRUE(
