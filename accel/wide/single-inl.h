@@ -144,8 +144,7 @@ class Single {
       // Exchanged without a branch, which would be mispredicted half of the time.
       const std::uint64_t swap = t[i] < nearest ? ~std::uint64_t{0} : 0;
       const std::uint64_t changed = (next.bits() ^ node.children[i].bits()) & swap;
-      const Waiting waiting{std::max(t[i], nearest),
-                            Child::of(node.children[i].bits() ^ changed)};
+      const Waiting waiting{std::max(t[i], nearest), Child::of(node.children[i].bits() ^ changed)};
       next = Child::of(next.bits() ^ changed);
       nearest = std::min(t[i], nearest);
       std::size_t k = top++;

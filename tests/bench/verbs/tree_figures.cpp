@@ -2,16 +2,19 @@
 #include "tests/bench/verbs/tree_figures.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/published/bvh/bvh_tree.h"
 #include "accel/published/bvh/traverse.h"
+#include "accel/wide/walk_in_doubles.h"
 #include "tests/bench/verbs/end_point_overlap.h"
 #include "tests/support/all_instances.h"
 
 namespace sightline::bench {
 
 using accel::geometry::Vec3d;
+using accel::geometry::Vec3f;
 
 namespace {
 
@@ -24,26 +27,50 @@ class LeafMarker {
   void mark(const Vec3d& origin, const Vec3d& direction, double tmin, double tmax) {
     origin_ = origin;
     direction_ = direction;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double lo = static_cast<double>(tree_.bounds().lo[a]) - origin[a];
-      const double hi = static_cast<double>(tree_.bounds().hi[a]) - origin[a];
-      if (direction[a] == 0) {
-        if (lo > 0 || hi < 0) return;
-        continue;
-      }
-      const double at_lo = lo / direction[a], at_hi = hi / direction[a];
-      tmin = std::max(tmin, std::min(at_lo, at_hi));
-      tmax = std::min(tmax, std::max(at_lo, at_hi));
-    }
+    clip(tree_.bounds(), tmin, tmax);
     if (tmin <= tmax) descend(accel::kdtree::load(tree_.root()), tmin, tmax);
   }
 
  private:
+  // Shortens a segment of the ray to its part in a box; tmin > tmax: there is none.
+  void clip(const accel::geometry::Aabb& box, double& tmin, double& tmax) const {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double lo = static_cast<double>(box.lo[a]) - origin_[a],
+                   hi = static_cast<double>(box.hi[a]) - origin_[a];
+      if (direction_[a] == 0) {
+        if (lo > 0 || hi < 0) tmax = -std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double at_lo = lo / direction_[a], at_hi = hi / direction_[a];
+      tmin = std::max(tmin, std::min(at_lo, at_hi));
+      tmax = std::min(tmax, std::max(at_lo, at_hi));
+    }
+  }
+
+  void descend(accel::wide::Child at, const Vec3f& center, double enter, double leave) {
+    if (at.is_block()) {
+      const accel::blocks::Block block(at.block());
+      for (std::size_t i = 0; i < block.triangles; ++i) seen_[block.id(i)] = true;
+      return;
+    }
+    const accel::wide::WideNode& node = *at.node();
+    for (std::size_t i = 0; i < accel::wide::kWidth && node.children[i]; ++i) {
+      const accel::geometry::Aabb box = accel::wide::box_of(node, i, center);
+      double from = enter, to = leave;
+      clip(box, from, to);
+      if (from <= to) descend(node.children[i], center, enter, leave);
+    }
+  }
+
   void descend(accel::kdtree::Slot slot, double enter, double leave) {
     if (slot.is_leaf()) {
       std::uint32_t storage = 0;
       for (const std::uint32_t face : tree_.leaf(slot, storage)) seen_[face] = true;
       return;
+    }
+    if (slot.is_finished()) {
+      const auto& tree = static_cast<const accel::wide::WideTree&>(*slot.finished());
+      return descend(tree.root(), tree.center(), enter, leave);
     }
     if (!slot.is_binary()) return;
     const auto axis = static_cast<std::size_t>(slot.axis());

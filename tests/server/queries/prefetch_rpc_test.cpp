@@ -198,7 +198,7 @@ TEST_F(PrefetchRpcTest, BuildsOnlyTheCellsThatRaysEnter) {
 }
 
 TEST_F(PrefetchRpcTest, TheKindDecidesHowFarRaysGo) {
-  api_.make_scene(kScene, flat_walls(200));
+  api_.make_scene(kScene, flat_walls(2000));
   std::vector<accel::geometry::Ray> rays(1);
   rays[0].origin = {-0.5, 0.3, 0.4};
   rays[0].direction = {1, 0, 0};
@@ -209,9 +209,9 @@ TEST_F(PrefetchRpcTest, TheKindDecidesHowFarRaysGo) {
     prefetched(request);
     return api_.stats(kScene).triangles_built();
   };
-  EXPECT_LT(built(v1::QUERY_KIND_ANY), 400u);
-  EXPECT_LT(built(v1::QUERY_KIND_CLOSEST), 400u);
-  EXPECT_EQ(built(v1::QUERY_KIND_COUNT), 400u);
+  EXPECT_LT(built(v1::QUERY_KIND_ANY), 4000u);
+  EXPECT_LT(built(v1::QUERY_KIND_CLOSEST), 4000u);
+  EXPECT_EQ(built(v1::QUERY_KIND_COUNT), 4000u);
 }
 
 TEST_F(PrefetchRpcTest, RaysSeeOnlyTheirRoot) {
