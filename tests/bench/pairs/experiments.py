@@ -90,10 +90,10 @@ class Plan:
                             "--rays", "random", "--count", min(3000, self.options.count), "--builder", builders)
 
     def offset(self, threads):
+        """Without Embree, whose floats have wrong answers far from the origin."""
         for offset in ("0", "1e6"):
             yield self.make("offset", f"gen:icosphere?level=7&offset={offset}", "random", threads, "trace", readings.trace,
-                            "--rays", "random", "--count", self.options.count, "--builder",
-                            ",".join(("scan-fast", *self.peers("embree-medium-robust"))))
+                            "--rays", "random", "--count", self.options.count, "--builder", "scan-fast")
 
     def motion(self, threads):
         peers = self.peers("embree-low", "embree-refit")
