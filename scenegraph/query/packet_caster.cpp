@@ -163,6 +163,7 @@ void PacketCaster::read(std::span<const Ray> rays) {
   best_.clear();
   valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays.size()));
   alone_ = saw_deferred_ = 0;
+  renewed_ = false;
   frame_ = nullptr;
   lazy_ = {};
   lazy_.when_pending = accel::lazy::WhenPending::kReturn;
@@ -235,6 +236,7 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
   mesh.tree.query(mesh_, lanes, lazy_, saw_deferred_, walked_, built);
+  renewed_ |= lazy_.joined;
   if (mesh_.stopped) {
     scene_.stopped = true;
     return;
@@ -275,7 +277,8 @@ void PacketCaster::set_surfaces(std::span<const Ray> rays, std::span<Hit> hits) 
   while (left != 0) {
     const auto first = static_cast<std::size_t>(std::countr_zero(left));
     const instances::Instance& instance = trees_[best_.instance[first]];
-    if (best_.block[first] == nullptr) {
+    // Trees that this thread has left may be gone once its pin is renewed.
+    if (renewed_ || best_.block[first] == nullptr) {
       set_surface(instance, rays[first], hits[first]);
       left &= left - 1;
       continue;
