@@ -18,8 +18,9 @@ void Arena::add_chunk(std::size_t least) {
   // What the first block of a chunk is aligned to.
   constexpr std::size_t kHeader = kAlignment;
   static_assert(sizeof(Chunk) <= kHeader && alignof(std::max_align_t) >= kAlignment);
+  // As large as all before it, so that a small hierarchy leaves little of its chunks unused.
   const std::size_t size =
-      std::max(first_ == nullptr ? kFirstChunk : kChunk, kHeader + least + kBlockSlack);
+      std::max(std::clamp(bytes_, kFirstChunk, kChunk), kHeader + least + kBlockSlack);
   auto* const memory = static_cast<std::byte*>(std::malloc(size));
   if (memory == nullptr) throw std::bad_alloc();
   first_ = new (memory) Chunk{first_};

@@ -92,7 +92,7 @@ class PacketCaster {
   std::uint32_t valid_ = 0;  // rays that are not invalid
   std::uint32_t alone_ = 0;  // rays that must be cast alone
   std::uint32_t saw_deferred_ = 0;
-  bool renewed_ = false;     // the pin, since the packet began
+  bool renewed_ = false;                  // the pin, since the packet began
   bool leads_ = true;                     // the walk of the scene's tree goes on behind an instance
   const model::Affine* frame_ = nullptr;  // of the instance that was entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range there

@@ -1,6 +1,8 @@
 // A mesh's tree by one builder, the hits of rays in it, and the same hits without a tree.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <atomic>
 #include <limits>
@@ -19,6 +21,15 @@ namespace sightline::tests {
 
 /// This builder counts its list again for every candidate: its time is quadratic.
 inline bool is_quadratic(std::string_view builder) { return builder == "sah-naive"; }
+
+/// A builder by its name, down to leaves of the tree: without leaf blocks.
+inline accel::published::AnyBuilder plain_builder(std::string_view name) {
+  accel::published::AnyBuilder builder = *accel::published::make_builder(name);
+  if (name == "scan-fast" || name == "scan-best") {
+    EXPECT_TRUE(accel::published::set_parameter(builder, "blocks", "off"));
+  }
+  return builder;
+}
 
 /// A miss: t is infinite. Compares bit for bit.
 struct NearestHit {

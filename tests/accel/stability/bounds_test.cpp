@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "accel/lazy/lazy_tree.h"
 #include "accel/published/any_builder.h"
 #include "tests/accel/stability/asked_tree.h"
 #include "tests/accel/stability/catalogue.h"
@@ -31,7 +32,7 @@ std::uint32_t size_for(std::string_view builder) {
 }
 
 double touches_each(const TestMesh& mesh, std::string_view builder) {
-  AskedTree tree(mesh, builder);
+  AskedTree tree(mesh, plain_builder(builder));
   tree.build();
   return static_cast<double>(tree.built().touches) /
          static_cast<double>(std::max<std::size_t>(mesh.faces.size(), 1));
@@ -46,7 +47,7 @@ struct Measured {
 
 Measured measure(const TestMesh& mesh, std::span<const accel::geometry::Ray> rays,
                  std::string_view builder) {
-  AskedTree tree(mesh, builder);
+  AskedTree tree(mesh, plain_builder(builder));
   tree.build();
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   const auto n = static_cast<double>(mesh.faces.size());
@@ -116,6 +117,28 @@ TEST_P(HardMeshBounds, AreKeptOrExceededNoMoreThanKnown) {
   }
 }
 
+/// Trees of leaf blocks copy few references, are no deeper, and answer as plain ones do.
+TEST_P(HardMeshBounds, OfLeafBlocksAreKept) {
+  const HardMesh& hard = *find_hard_mesh(GetParam());
+  const TestMesh mesh = hard.make(kTriangles, kSeed);
+  const std::vector<accel::geometry::Ray> rays = make_hard_rays(mesh, 20 * kHardRayKinds, kSeed);
+  for (const std::string_view builder : {"scan-fast", "scan-best"}) {
+    AskedTree blocks(mesh, builder), plain(mesh, plain_builder(builder));
+    blocks.build();
+    plain.build();
+    const accel::kdtree::TreeMetrics metrics = blocks.metrics();
+    const auto n = static_cast<double>(mesh.faces.size());
+    // The coordinates of one mesh are too small for floats: its tree is plain.
+    const double budget = hard.name == "denormal" ? 16 : accel::lazy::kBlockBudget;
+    EXPECT_LE(static_cast<double>(metrics.references), budget * n) << builder;
+    EXPECT_LE(levels_beyond_good(metrics.max_depth, mesh.faces.size()), hard.depth) << builder;
+    EXPECT_EQ(metrics.failed_cells, 0u) << builder;
+    EXPECT_EQ(metrics.deferred_cells, 0u) << builder;
+    for (const accel::geometry::Ray& ray : rays)
+      EXPECT_EQ(blocks.nearest(ray), plain.nearest(ray)) << builder;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Catalogue, HardMeshBounds, ::testing::ValuesIn(hard_mesh_names()),
                          hard_mesh_test_name);
 
@@ -149,7 +172,7 @@ TEST(HardMeshGrowth, DuplicatesAreNotCut) {
   for (const std::string_view builder : accel::published::builder_names()) {
     if (!design_failure("duplicates", builder, Bound::kReferences).empty()) continue;
     const TestMesh mesh = duplicates(is_quadratic(builder) ? 300 : 5000);
-    AskedTree tree(mesh, builder);
+    AskedTree tree(mesh, plain_builder(builder));
     tree.build();
     const accel::kdtree::TreeMetrics metrics = tree.metrics();
     EXPECT_EQ(metrics.references, mesh.faces.size()) << builder;
