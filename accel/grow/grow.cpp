@@ -316,17 +316,43 @@ int depth_limit(const split::SplitSearch& rule, std::size_t references) {
   return std::min(depth_limit(references), rule.depth_bound(references));
 }
 
+namespace {
+
+/// Grows in a cell's list, and calls free_list() when nothing reads it any more.
+template <class FreeList>
+kdtree::Slot grow_in(const GrowContext& context, std::span<kdtree::Reference> refs,
+                     const geometry::Aabb& cell, const kdtree::CellPath& path,
+                     kdtree::BuildCounters& counters, const FreeList& free_list) {
+  if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
+    return *grown;
+  std::optional<BlockSubtrees> blocks;
+  if (context.center != nullptr) blocks.emplace(context);
+  Grown grown;
+  {
+    ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
+    grown = Growth(context).grow(refs, cell, path, nullptr,
+                                 {lists, blocks ? &*blocks : nullptr, counters});
+  }
+  free_list();
+  return blocks ? blocks->compile(grown) : grown.slot;
+}
+
+}  // namespace
+
 kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters) {
-  if (const auto grown = context.rule.grow_subtree(context, refs, cell, path, counters))
-    return *grown;
-  ReferenceStack lists(context.tree, refs.size(), waiting_below(refs.size(), path));
-  std::optional<BlockSubtrees> blocks;
-  if (context.center != nullptr) blocks.emplace(context);
-  const Grown grown = Growth(context).grow(refs, cell, path, nullptr,
-                                           {lists, blocks ? &*blocks : nullptr, counters});
-  return blocks ? blocks->compile(grown) : grown.slot;
+  return grow_in(context, refs, cell, path, counters, [] {});
+}
+
+kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
+                  const geometry::Aabb& cell, const kdtree::CellPath& path,
+                  kdtree::BuildCounters& counters) {
+  GrowingBytes held(context.tree, list.bytes());
+  return grow_in(context, list.all(), cell, path, counters, [&] {
+    list = kdtree::ReferenceList();
+    held.shrink(0);
+  });
 }
 
 }  // namespace sightline::accel::grow

@@ -72,4 +72,9 @@ kdtree::Slot grow(const GrowContext& context, std::span<kdtree::Reference> refs,
                   const geometry::Aabb& cell, const kdtree::CellPath& path,
                   kdtree::BuildCounters& counters);
 
+/// As above; the list counts as held by the tree, and is freed before leaf blocks are compiled.
+kdtree::Slot grow(const GrowContext& context, kdtree::ReferenceList list,
+                  const geometry::Aabb& cell, const kdtree::CellPath& path,
+                  kdtree::BuildCounters& counters);
+
 }  // namespace sightline::accel::grow

@@ -96,11 +96,10 @@ void LazyTree::complete_claimed(kdtree::AtomicSlot& slot, kdtree::DeferredCell& 
     kdtree::CellPath path = cell.path;
     if (cell.has_list)
       path.list_capacity -= static_cast<double>(list.size());  // the cell's own waits
-    const grow::GrowingBytes held(tree_, list.bytes());
     kdtree::KdTree::NewNodes nodes(tree_);
     const grow::GrowContext context{tree_,     *rule_,  context_.mesh, context_.max_depth,
                                     cancelled, center()};
-    const kdtree::Slot built = grow::grow(context, list.all(), cell.box, path, counters);
+    const kdtree::Slot built = grow::grow(context, std::move(list), cell.box, path, counters);
     nodes.keep();
     publish(slot, cell, built, counters);
   } catch (const Cancelled&) {

@@ -20,7 +20,7 @@ constexpr std::string_view kBuilders[] = {"scan-fast", "scan-best"};
 constexpr double kMostBytes = 160;
 /// With leaf blocks at most this at any time: a subtree's hierarchy and what it is compiled to are
 /// held together. What remains is within kMostBytes.
-constexpr double kMostBytesOfBlocks = 288;
+constexpr double kMostBytesOfBlocks = 240;
 
 struct Kind {
   std::string_view name;
