@@ -5,24 +5,31 @@
 #include <new>
 #include <utility>
 
+#include <sys/mman.h>
+
 #include "accel/blocks/block.h"
 
 namespace sightline::accel::blocks {
 namespace {
 
-constexpr std::size_t kFirstChunk = std::size_t{4} << 10, kChunk = std::size_t{64} << 10;
+constexpr std::size_t kLeastChunk = std::size_t{4} << 10;
+/// A new chunk is this share of all before it.
+constexpr std::size_t kShare = 8;
 
 }  // namespace
 
-void Arena::add_chunk(std::size_t least) {
-  // What the first block of a chunk is aligned to.
+void Chunks::add(std::size_t least) {
+  // What the first piece of a chunk is aligned to.
   constexpr std::size_t kHeader = kAlignment;
   static_assert(sizeof(Chunk) <= kHeader && alignof(std::max_align_t) >= kAlignment);
-  // As large as all before it, so that a small hierarchy leaves little of its chunks unused.
-  const std::size_t size =
-      std::max(std::clamp(bytes_, kFirstChunk, kChunk), kHeader + least + kBlockSlack);
-  auto* const memory = static_cast<std::byte*>(std::malloc(size));
+  std::size_t size =
+      std::max(std::clamp(bytes_ / kShare, kLeastChunk, most_), kHeader + least + kBlockSlack);
+  const bool huge = size >= kHugePage;
+  if (huge) size = (size + kHugePage - 1) / kHugePage * kHugePage;
+  auto* const memory =
+      static_cast<std::byte*>(huge ? std::aligned_alloc(kHugePage, size) : std::malloc(size));
   if (memory == nullptr) throw std::bad_alloc();
+  if (huge) madvise(memory, size, MADV_HUGEPAGE);
   first_ = new (memory) Chunk{first_};
   if (last_ == nullptr) last_ = first_;
   free_ = memory + kHeader;
@@ -30,7 +37,7 @@ void Arena::add_chunk(std::size_t least) {
   bytes_ += size;
 }
 
-void Arena::append(Arena&& other) noexcept {
+void Chunks::append(Chunks&& other) noexcept {
   if (other.first_ == nullptr) return;
   other.last_->next = first_;
   if (last_ == nullptr) last_ = other.last_;
@@ -45,14 +52,14 @@ void Arena::append(Arena&& other) noexcept {
   other.left_ = other.bytes_ = 0;
 }
 
-Arena& Arena::operator=(Arena&& other) noexcept {
+Chunks& Chunks::operator=(Chunks&& other) noexcept {
   if (this == &other) return *this;
-  free_chunks();
+  free_all();
   append(std::move(other));
   return *this;
 }
 
-void Arena::free_chunks() {
+void Chunks::free_all() {
   while (first_ != nullptr) std::free(std::exchange(first_, first_->next));
   last_ = nullptr;
   free_ = nullptr;

@@ -26,25 +26,34 @@ struct Node {
   bool leaf() const { return words != 0; }
 };
 
-/// Allocates nodes and blocks in chunks. Pointers stay valid as long as the arena that owns the
-/// chunk. One thread at a time. Allocation throws std::bad_alloc.
-class Arena {
- public:
-  Arena() = default;
-  Arena(Arena&& other) noexcept { append(std::move(other)); }
-  Arena& operator=(Arena&& other) noexcept;
-  Arena(const Arena&) = delete;
-  Arena& operator=(const Arena&) = delete;
-  ~Arena() { free_chunks(); }
+/// A page of memory for which address translation is cheap.
+inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-  Node* node() { return new (take(sizeof(Node))) Node; }
-  /// Uninitialized, aligned to 16 bytes; kBlockSlack bytes behind them are readable. count > 0.
-  std::uint32_t* words(std::size_t count) {
-    return static_cast<std::uint32_t*>(take(count * sizeof(std::uint32_t)));
+/// Memory in chunks, which grow with what there is: little of it is unused. Pointers stay valid as
+/// long as the object that owns the chunk. One thread at a time.
+class Chunks {
+ public:
+  /// Chunks have at most so many bytes, unless one piece needs more.
+  explicit Chunks(std::size_t most) : most_(most) {}
+  Chunks(Chunks&& other) noexcept : most_(other.most_) { append(std::move(other)); }
+  Chunks& operator=(Chunks&& other) noexcept;
+  Chunks(const Chunks&) = delete;
+  Chunks& operator=(const Chunks&) = delete;
+  ~Chunks() { free_all(); }
+
+  /// Uninitialized, aligned to 16 bytes; kBlockSlack bytes behind them are readable. size > 0.
+  /// Throws std::bad_alloc.
+  void* take(std::size_t size) {
+    size = (size + kAlignment - 1) / kAlignment * kAlignment;
+    if (size > left_) add(size);
+    void* const taken = free_;
+    free_ += size;
+    left_ -= size;
+    return taken;
   }
 
-  /// Takes over the chunks of another arena, which is empty then.
-  void append(Arena&& other) noexcept;
+  /// Takes over the chunks of another object, which is empty then.
+  void append(Chunks&& other) noexcept;
   /// Memory of all chunks.
   std::size_t bytes() const { return bytes_; }
 
@@ -54,21 +63,41 @@ class Arena {
   };
   static constexpr std::size_t kAlignment = 16;
 
-  void* take(std::size_t size) {
-    size = (size + kAlignment - 1) / kAlignment * kAlignment;
-    if (size > left_) add_chunk(size);
-    void* const taken = free_;
-    free_ += size;
-    left_ -= size;
-    return taken;
-  }
-  void add_chunk(std::size_t least);
-  void free_chunks();
+  void add(std::size_t least);
+  void free_all();
 
+  std::size_t most_;
   Chunk *first_ = nullptr, *last_ = nullptr;
   std::byte* free_ = nullptr;  ///< In one of the chunks, with left_ bytes.
   std::size_t left_ = 0;
   std::size_t bytes_ = 0;
+};
+
+/// Allocates nodes and blocks. As Chunks, which it has two of: blocks may be kept when the nodes
+/// are compiled.
+class Arena {
+ public:
+  Node* node() { return new (nodes_.take(sizeof(Node))) Node; }
+  /// For a block; count > 0.
+  std::uint32_t* words(std::size_t count) {
+    return static_cast<std::uint32_t*>(words_.take(count * sizeof(std::uint32_t)));
+  }
+
+  /// Takes over what another arena has, which is empty then.
+  void append(Arena&& other) noexcept {
+    nodes_.append(std::move(other.nodes_));
+    words_.append(std::move(other.words_));
+  }
+  /// The memory of the blocks, which leaves the arena.
+  Chunks take_words() { return std::move(words_); }
+
+  std::size_t bytes() const { return nodes_.bytes() + words_.bytes(); }
+  std::size_t bytes_of_words() const { return words_.bytes(); }
+
+ private:
+  static constexpr std::size_t kMostNodeBytes = std::size_t{1} << 16;
+
+  Chunks nodes_{kMostNodeBytes}, words_{kHugePage};
 };
 
 }  // namespace sightline::accel::blocks

@@ -50,6 +50,17 @@ kdtree::Slot BlockSubtrees::compile(const Grown& grown) {
       std::make_unique<const wide::WideTree>(*grown.node, *context_.center));
 }
 
+kdtree::Slot BlockSubtrees::compile_all(const Grown& grown) {
+  // Copies of smaller hierarchies take no space that is not used.
+  constexpr std::size_t kLarge = std::size_t{1} << 14;
+  if (grown.node == nullptr || arena_.bytes_of_words() < kLarge) return compile(grown);
+  const std::size_t kept = arena_.bytes_of_words();
+  auto tree =
+      std::make_unique<const wide::WideTree>(*grown.node, *context_.center, arena_.take_words());
+  held_.shrink(held_.bytes() - std::min<std::uint64_t>(kept, held_.bytes()));
+  return context_.tree.finish(std::move(tree));
+}
+
 void BlockSubtrees::take_over(BlockSubtrees& other) {
   arena_.append(std::move(other.arena_));
   other.held_.shrink(0);

@@ -37,6 +37,9 @@ class BlockSubtrees {
   /// Compiles a hierarchy to wide nodes. Throws std::bad_alloc.
   kdtree::Slot compile(const Grown& grown);
 
+  /// As compile(), for all that was finished: a large hierarchy keeps its blocks where they are.
+  kdtree::Slot compile_all(const Grown& grown);
+
   /// Takes over what another task has finished.
   void take_over(BlockSubtrees& other);
 

@@ -334,7 +334,7 @@ kdtree::Slot grow_in(const GrowContext& context, std::span<kdtree::Reference> re
                                  {lists, blocks ? &*blocks : nullptr, counters});
   }
   free_list();
-  return blocks ? blocks->compile(grown) : grown.slot;
+  return blocks ? blocks->compile_all(grown) : grown.slot;
 }
 
 }  // namespace

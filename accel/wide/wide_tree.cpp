@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <utility>
 
 #include <sys/mman.h>
 
@@ -93,22 +94,23 @@ class Collapse {
 
 /// Aligned to huge pages where they save address translations.
 std::byte* allocate(std::size_t bytes) {
-  constexpr std::size_t kHugePage = std::size_t{1} << 21;
-  const bool huge = bytes >= 4 * kHugePage;
-  const std::size_t alignment = huge ? kHugePage : alignof(WideNode);
+  const bool huge = bytes >= 4 * blocks::kHugePage;
+  const std::size_t alignment = huge ? blocks::kHugePage : alignof(WideNode);
   void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
   if (huge) madvise(memory, bytes, MADV_HUGEPAGE);
   return static_cast<std::byte*>(memory);
 }
 
-/// Copies blocks one behind the other.
-class Blocks {
+/// The children that are leaves. Copies blocks one behind the other, unless there is no memory for
+/// copies.
+class Leaves {
  public:
-  explicit Blocks(std::uint32_t* memory) : next_(memory) {}
+  explicit Leaves(std::uint32_t* copies) : next_(copies) {}
 
-  Child copy(const Node& leaf) {
+  Child child(const Node& leaf) {
     if (leaf.words == Node::kOther) return Child::of(leaf.other);
+    if (next_ == nullptr) return Child::block(leaf.block);
     std::uint32_t* to = next_;
     std::memcpy(to, leaf.block, leaf.words * sizeof(std::uint32_t));
     next_ += leaf.words;
@@ -179,17 +181,25 @@ void measure_below(Child at, double share, double root_area, int depth, kdtree::
 void WideTree::Free::operator()(std::byte* memory) const { std::free(memory); }
 
 WideTree::WideTree(const Node& root, const geometry::Vec3f& center)
-    : center_(center), box_(root.box) {
+    : WideTree(root, center, blocks::Chunks(0), true) {}
+
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chunks words)
+    : WideTree(root, center, std::move(words), false) {}
+
+WideTree::WideTree(const Node& root, const geometry::Vec3f& center, blocks::Chunks words,
+                   bool copies)
+    : center_(center), box_(root.box), words_(std::move(words)) {
   assert(root.levels <= kMostLevels);
   const Collapse collapse(root);
   node_count_ = collapse.nodes().size();
-  bytes_ = node_count_ * sizeof(WideNode) + collapse.words() * sizeof(std::uint32_t) + kTail;
+  const std::size_t copied = copies ? collapse.words() * sizeof(std::uint32_t) + kTail : 0;
+  bytes_ = std::max<std::size_t>(node_count_ * sizeof(WideNode) + copied, 1);
   memory_.reset(allocate(bytes_));
   auto* nodes = reinterpret_cast<WideNode*>(memory_.get());
-  std::memset(memory_.get() + bytes_ - kTail, 0, kTail);
-  Blocks blocks(reinterpret_cast<std::uint32_t*>(nodes + node_count_));
+  if (copies) std::memset(memory_.get() + bytes_ - kTail, 0, kTail);
+  Leaves leaves(copies ? reinterpret_cast<std::uint32_t*>(nodes + node_count_) : nullptr);
   if (root.leaf()) {
-    root_ = blocks.copy(root);
+    root_ = leaves.child(root);
     return;
   }
   root_ = Child::node(nodes);
@@ -204,12 +214,12 @@ WideTree::WideTree(const Node& root, const geometry::Vec3f& center)
         continue;
       }
       set_box(*node, i, child->box, center);
-      node->children[i] = child->leaf() ? blocks.copy(*child) : Child::node(nodes + from.index[i]);
+      node->children[i] = child->leaf() ? leaves.child(*child) : Child::node(nodes + from.index[i]);
     }
   }
 }
 
-std::uint64_t WideTree::size_in_bytes() const { return sizeof(*this) + bytes_; }
+std::uint64_t WideTree::size_in_bytes() const { return sizeof(*this) + bytes_ + words_.bytes(); }
 
 void WideTree::measure(double root_area, int depth, kdtree::TreeMetrics& metrics) const {
   double share = 1;

@@ -21,6 +21,8 @@ class WideTree final : public kdtree::FinishedSubtree {
   /// other leaves are words of a Child. The largest child is opened until a node is full (Wald et
   /// al. 2008). Throws std::bad_alloc.
   WideTree(const blocks::Node& root, const geometry::Vec3f& center);
+  /// As above, and keeps the blocks where they are: `words` owns their memory.
+  WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words);
 
   Child root() const { return root_; }
   const geometry::Vec3f& center() const { return center_; }
@@ -35,11 +37,14 @@ class WideTree final : public kdtree::FinishedSubtree {
   struct Free {
     void operator()(std::byte* memory) const;
   };
+  WideTree(const blocks::Node& root, const geometry::Vec3f& center, blocks::Chunks words,
+           bool copies);
 
   geometry::Vec3f center_;
   geometry::Aabb box_;
   std::size_t node_count_ = 0, bytes_ = 0;
-  std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then the words of the blocks.
+  std::unique_ptr<std::byte, Free> memory_;  ///< The nodes, then blocks that were copied.
+  blocks::Chunks words_;                     ///< Blocks that were kept.
   Child root_{};
 };
 

@@ -18,9 +18,8 @@ constexpr std::uint64_t kClusterSeed = 7;
 constexpr std::string_view kBuilders[] = {"scan-fast", "scan-best"};
 /// Bytes a triangle, at any time.
 constexpr double kMostBytes = 160;
-/// With leaf blocks at most this at any time: a subtree's hierarchy and what it is compiled to are
-/// held together. What remains is within kMostBytes.
-constexpr double kMostBytesOfBlocks = 240;
+/// With leaf blocks, while a tree grows: what is finished lies beside the lists.
+constexpr double kMostBytesOfBlocks = 200;
 
 struct Kind {
   std::string_view name;

@@ -35,7 +35,7 @@ struct Compiled {
   std::vector<Aabb> boxes;
 };
 
-std::vector<TestMesh> meshes() {
+std::vector<TestMesh> tree_meshes() {
   std::vector<TestMesh> all{tests::single_triangle(),
                             tests::random_soup(2, 0.3, 1),
                             tests::random_soup(17, 0.3, 1),
@@ -72,7 +72,7 @@ void leaves_of(const blocks::Node& node, std::multiset<Leaf>& out) {
 }
 
 TEST(WideTree, HoldsEveryBlockOnceInItsExactBox) {
-  for (const TestMesh& mesh : meshes()) {
+  for (const TestMesh& mesh : tree_meshes()) {
     const Compiled compiled(mesh);
     std::vector<BoxedBlock> boxed;
     ASSERT_NO_FATAL_FAILURE(tests::list_blocks(*compiled.of.tree, compiled.of.bounds, compiled.mesh,
@@ -105,13 +105,40 @@ void measure(Child at, Size& size) {
 }
 
 TEST(WideTree, CountsItsMemory) {
-  for (const TestMesh& mesh : meshes()) {
+  for (const TestMesh& mesh : tree_meshes()) {
     const MeshAsTree of(mesh);
     Size size;
     measure(of.tree->root(), size);
     EXPECT_EQ(of.tree->size_in_bytes(), sizeof(WideTree) + size.nodes * sizeof(WideNode) +
                                             size.words * sizeof(std::uint32_t) +
                                             blocks::kBlockSlack);
+  }
+}
+
+/// The words of all blocks below, in the order of the nodes.
+void words_of(Child at, std::vector<std::uint32_t>& out) {
+  if (at.is_block()) {
+    out.insert(out.end(), at.block(), at.block() + blocks::Block(at.block()).words());
+    return;
+  }
+  for (const Child child : at.node()->children) {
+    if (child) words_of(child, out);
+  }
+}
+
+TEST(WideTree, BlocksMayStayWhereTheyAre) {
+  for (const TestMesh& mesh : tree_meshes()) {
+    Compiled compiled(mesh);
+    const geometry::Vec3f& center = compiled.of.frame.center;
+    const WideTree copied(*compiled.root, center);
+    const std::size_t words = compiled.arena.bytes_of_words();
+    const WideTree kept(*compiled.root, center, compiled.arena.take_words());
+    compiled.arena = blocks::Arena();
+    std::vector<std::uint32_t> expected, found;
+    words_of(copied.root(), expected);
+    words_of(kept.root(), found);
+    EXPECT_EQ(found, expected);
+    EXPECT_GE(kept.size_in_bytes(), sizeof(WideTree) + words);
   }
 }
 
@@ -130,7 +157,7 @@ void expect_full(Child at) {
 }
 
 TEST(WideTree, NodesAreFullAboveNodes) {
-  for (const TestMesh& mesh : meshes()) expect_full(MeshAsTree(mesh).tree->root());
+  for (const TestMesh& mesh : tree_meshes()) expect_full(MeshAsTree(mesh).tree->root());
 }
 
 /// A hierarchy whose nodes each have one block on their right, over the same triangle.
@@ -166,7 +193,7 @@ TEST(WideTree, NoRayMeetsAChildThatDoesNotExist) {
 }
 
 TEST(WideTree, MeasuresNodesLeavesAndTheWorkOfRandomLines) {
-  for (const TestMesh& mesh : meshes()) {
+  for (const TestMesh& mesh : tree_meshes()) {
     const Compiled compiled(mesh);
     std::vector<BoxedBlock> boxed;
     tests::list_blocks(compiled.of.tree->root(), compiled.root->box, compiled.of.tree->center(),
