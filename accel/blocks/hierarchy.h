@@ -33,7 +33,7 @@ inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 /// long as the object that owns the chunk. One thread at a time.
 class Chunks {
  public:
-  /// Chunks have at most so many bytes, unless one piece needs more.
+  /// `most`: bytes of a chunk, unless one piece needs more.
   explicit Chunks(std::size_t most) : most_(most) {}
   Chunks(Chunks&& other) noexcept : most_(other.most_) { append(std::move(other)); }
   Chunks& operator=(Chunks&& other) noexcept;
