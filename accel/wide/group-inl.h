@@ -112,8 +112,8 @@ class GroupView {
                                     const float* z) const {
     const Floats depth = Floats::load_unaligned(z) * sign_;
     const Interval seen_z{depth - z_.hi, depth - z_.lo};
-    Interval seen_x = seen(Floats::load_unaligned(x), x_, shear_x_, seen_z),
-             seen_y = seen(Floats::load_unaligned(y), y_, shear_y_, seen_z);
+    const Interval seen_x = seen(Floats::load_unaligned(x), x_, shear_x_, seen_z),
+                   seen_y = seen(Floats::load_unaligned(y), y_, shear_y_, seen_z);
     const Floats largest = max(max(size(seen_x), size(seen_y)), Floats::set(2) * size(seen_z));
     const Floats error = mul_add(largest, Floats::set(0x1p-19f), error_);
     const Floats zero = Floats::set(0);
@@ -242,9 +242,7 @@ class Group {
       const std::uint32_t those = lanes & meeting(node, i);
       if (those == 0) continue;
       std::size_t k = top++;
-      if constexpr (!kAny) {
-        for (; k > base && stack_[k - 1].t < t[i]; --k) stack_[k] = stack_[k - 1];
-      }
+      for (; !kAny && k > base && stack_[k - 1].t < t[i]; --k) stack_[k] = stack_[k - 1];
       stack_[k] = {t[i], those, node.children[i]};
     }
     if (top == base) return false;
@@ -318,7 +316,7 @@ class Group {
       if (!judge(corners, {load(rays.error), load(rays.low), load(rays.high), load(rays.cull)},
                  lanes, verdict))
         continue;
-      if constexpr (kAny) {
+      if (kAny) {
         find(words, i, verdict);
         lanes &= ~packet_.best->found;
       } else {

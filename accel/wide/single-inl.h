@@ -148,9 +148,7 @@ class Single {
       next = Child::of(next.bits() ^ changed);
       nearest = std::min(t[i], nearest);
       std::size_t k = top++;
-      if constexpr (!kAny) {
-        for (; k > base && stack_[k - 1].t < waiting.t; --k) stack_[k] = stack_[k - 1];
-      }
+      for (; !kAny && k > base && stack_[k - 1].t < waiting.t; --k) stack_[k] = stack_[k - 1];
       stack_[k] = waiting;
     }
   }

@@ -27,7 +27,7 @@ void expect_near(const Vector& found, const Vector& expected) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 1e-14);
 }
 
-RayGenerator pinhole() {
+RayGenerator small_picture() {
   Pinhole pinhole{.eye = {1, 2, 3}, .corner = {-2, 1, -1}, .across = {4, 0, 0}, .down = {0, -2, 0}};
   pinhole.width = 37;
   pinhole.height = 19;
@@ -36,7 +36,7 @@ RayGenerator pinhole() {
   return {.rays = pinhole};
 }
 
-RayGenerator scan() {
+RayGenerator small_scan() {
   SphericalScan scan{.origin = {5, 6, 7}};
   scan.azimuth = {0, 2 * std::numbers::pi};
   scan.elevation = {-0.5, 1};
@@ -89,7 +89,7 @@ TEST(GeneratedRays, PairsGoFromPointToPoint) {
 }
 
 TEST(GeneratedRays, RangesAndPartsHaveTheBitsOfTheWhole) {
-  for (const RayGenerator& generator : {pinhole(), scan(), pairs(false), pairs(true)}) {
+  for (const RayGenerator& generator : {small_picture(), small_scan(), pairs(false), pairs(true)}) {
     const Rays whole = rays_of(generator);
     RayGenerator some = generator;
     for (std::size_t first = 0; first < whole.size(); first += 1 + whole.size() / 13) {
@@ -110,7 +110,7 @@ TEST(GeneratedRays, RangesAndPartsHaveTheBitsOfTheWhole) {
 
 TEST(GeneratedRays, BeginReplacesTheGenerator) {
   GeneratedRays rays;
-  rays.begin(scan());
+  rays.begin(small_scan());
   RayGenerator next = pairs(true);
   next.tmin = 0.25;
   next.mask = 6;
