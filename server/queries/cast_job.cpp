@@ -107,7 +107,7 @@ bool CastJob::is_immediate() const {
 /// Traces only through cells that are built. Returns false if a ray meets another one, or cannot be
 /// traced: then workers begin again.
 bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
-  if (Status ready = begin(); !ready) return false;
+  if (const Status ready = begin(); !ready) return false;
   resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
   decode(batch_.size());
   scenegraph::TraceOptions built_only = options();

@@ -126,7 +126,7 @@ Result<proto::rays::RayGenerator> decode_generator(const v1::RayGenerator& messa
   if (message.has_tmin()) generator.tmin = message.tmin();
   if (message.has_tmax()) generator.tmax = message.tmax();
   if (message.has_mask()) generator.mask = message.mask();
-  if (Status decoded = decode_rays_of(message, generator); !decoded) return decoded.error();
+  if (const Status decoded = decode_rays_of(message, generator); !decoded) return decoded.error();
   if (const auto problem = proto::rays::check(generator))
     return exec::invalid_argument(problem->message, problem->reason);
   return generator;
