@@ -16,6 +16,7 @@
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_stats.h"
 #include "accel/published/any_builder.h"
+#include "accel/wide/wide_node.h"
 #include "tests/support/rational_hit.h"
 
 namespace sightline::tests {
@@ -114,7 +115,13 @@ Answer ask(MeshTree& tree, const SoupCase& soup, const Ray& ray, const LocalRay&
   return answer;
 }
 
-Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool within_capacity) {
+/// Whether inner nodes have two children each, or, in a tree with leaf blocks, two to eight.
+bool nodes_fit_leaves(const accel::kdtree::TreeMetrics& metrics, bool blocks) {
+  const std::uint64_t inner = metrics.nodes - metrics.leaves, others = metrics.leaves - 1;
+  return blocks ? inner <= others && others <= inner * (accel::wide::kWidth - 1) : inner == others;
+}
+
+Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool within_capacity, bool blocks) {
   const accel::kdtree::EpochPin pin;
   const accel::kdtree::TreeMetrics metrics = tree.metrics();
   if (metrics.max_depth > accel::kdtree::kMaxTreeDepth)
@@ -123,7 +130,7 @@ Wrong check_metrics(const MeshTree& tree, std::uint64_t finite, bool within_capa
     return fmt::format("{} unbuilt cells", metrics.deferred_cells);
   if (within_capacity && metrics.failed_cells != 0)
     return fmt::format("{} cells without room", metrics.failed_cells);
-  if (finite > 0 && metrics.deferred_cells == 0 && metrics.nodes != 2 * metrics.leaves - 1)
+  if (finite > 0 && metrics.deferred_cells == 0 && !nodes_fit_leaves(metrics, blocks))
     return fmt::format("{} nodes and {} leaves", metrics.nodes, metrics.leaves);
   if (metrics.nonempty_leaves > metrics.leaves || metrics.references < metrics.nonempty_leaves)
     return fmt::format("{} references in {} leaves", metrics.references, metrics.nonempty_leaves);
@@ -170,17 +177,19 @@ Wrong check_trees(const SoupCase& soup, const std::vector<Asked>& asked) {
   // Builders of the papers may cut until capacity ends; ours have a budget of references.
   const bool within_capacity =
       soup.parameters.empty() && (soup.builder == "scan-fast" || soup.builder == "scan-best");
+  const accel::mesh::TreeBuilder made = builder;
+  const bool blocks = made.whole == nullptr && made.rule->makes_blocks();
   MeshTree full(view, survey, builder, soup.references);
   accel::kdtree::BuildCounters counters;
   full.expand_all(counters);
-  if (auto wrong = check_metrics(full, survey.finite_triangles, within_capacity))
+  if (auto wrong = check_metrics(full, survey.finite_triangles, within_capacity, blocks))
     return "full: " + *wrong;
   if (auto wrong = check_answers(full, soup, asked)) return "full: " + *wrong;
 
   MeshTree lazy(view, survey, builder, soup.references);
   if (auto wrong = check_answers(lazy, soup, asked)) return "lazy: " + *wrong;
   lazy.expand_all(counters);
-  if (auto wrong = check_metrics(lazy, survey.finite_triangles, within_capacity))
+  if (auto wrong = check_metrics(lazy, survey.finite_triangles, within_capacity, blocks))
     return "completed: " + *wrong;
   if (auto wrong = check_answers(lazy, soup, asked)) return "completed: " + *wrong;
   return {};
