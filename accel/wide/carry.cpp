@@ -12,21 +12,11 @@
 // foreach_target.h comes before highway.h.
 #include <hwy/highway.h>
 
-#include "accel/wide/lanes-inl.h"
+#include "accel/wide/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
-
-using Doubles = Lanes<double, kLanes>;
-using Vectors = std::array<Doubles, 3>;
-
-HWY_INLINE Vectors load(const std::array<Column<double>, 3>& columns) {
-  return {Doubles::load(columns[0].data()), Doubles::load(columns[1].data()),
-          Doubles::load(columns[2].data())};
-}
-
-HWY_INLINE Doubles largest(const Vectors& v) { return max(max(abs(v[0]), abs(v[1])), abs(v[2])); }
 
 /// Zero where it is too small to count.
 HWY_INLINE Doubles settled(const Doubles& x) {
@@ -53,8 +43,8 @@ HWY_INLINE std::uint32_t unit_of(const Doubles& x, Doubles& unit) {
 }
 
 HWY_INLINE std::uint32_t in_range(const Vectors& origin, const Vectors& direction, Doubles& unit) {
-  return are_finite(origin) & are_finite(direction) & unit_of(largest(direction), unit) &
-         (largest(origin) <= Doubles::set(geometry::kLargestRay));
+  return are_finite(origin) & are_finite(direction) & unit_of(max_norm(direction), unit) &
+         (max_norm(origin) <= Doubles::set(geometry::kLargestRay));
 }
 
 HWY_INLINE Vectors relative(const Vectors& p, const geometry::Vec3d& center) {

@@ -13,7 +13,7 @@
 // foreach_target.h comes before highway.h.
 #include <hwy/highway.h>
 
-#include "accel/wide/lanes-inl.h"
+#include "accel/wide/vectors-inl.h"
 
 #ifndef SIGHTLINE_WIDE_HIT_TRIANGLES
 #define SIGHTLINE_WIDE_HIT_TRIANGLES
@@ -31,26 +31,9 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::accel::wide {
 namespace HWY_NAMESPACE {
 
-using Doubles = Lanes<double, kLanes>;
-using Vectors = std::array<Doubles, 3>;
-
-HWY_INLINE Vectors load(const std::array<Column<double>, 3>& columns) {
-  return {Doubles::load(columns[0].data()), Doubles::load(columns[1].data()),
-          Doubles::load(columns[2].data())};
-}
-HWY_INLINE Vectors minus(const Vectors& a, const Vectors& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 HWY_INLINE Vectors times(const Vectors& a, const Doubles& s) {
   return {a[0] * s, a[1] * s, a[2] * s};
 }
-HWY_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-HWY_INLINE Doubles dot(const Vectors& a, const Vectors& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-HWY_INLINE Doubles max_norm(const Vectors& a) { return max(max(abs(a[0]), abs(a[1])), abs(a[2])); }
 
 HWY_INLINE void store_floats(const Doubles& x, Column<float>& out) {
   to_floats(x).store(out.data());
