@@ -36,8 +36,12 @@ struct LeafTest {
   bool test(std::uint32_t id) {
     ++walked.tests;
     const geometry::Face& f = mesh.faces[id];
-    const geometry::Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
-                          &c = mesh.vertices[f[2]];
+    return decide(id, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+  }
+
+  /// As test() with the corners of the triangle, and without counting it.
+  bool decide(std::uint32_t id, const geometry::Vec3f& a, const geometry::Vec3f& b,
+              const geometry::Vec3f& c) {
     const std::optional<double> local = intersect(query.ray, a, b, c);
     if (!local) return false;
     const double t = *local * query.ray.unit;

@@ -7,6 +7,7 @@
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/leaf_test.h"
 #include "accel/mesh/packet_query.h"
+#include "accel/mesh/walk_in_floats.h"
 
 namespace sightline::accel::mesh {
 
@@ -32,6 +33,7 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
   LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
+    if (lazy->makes_blocks() && walk_in_floats(*lazy, test, built)) return;
     walk_lazily(*lazy, ray, query, walked, built, test);
   } else {
     query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);

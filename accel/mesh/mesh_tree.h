@@ -60,6 +60,8 @@ struct MeshQuery : lazy::LazyQuery {
   UniqueHits<ListedHit>* list = nullptr;
   UniqueHits<std::uint32_t>* primitives = nullptr;
 
+  /// Nothing can change the answer any more, or the query is suspended or cancelled.
+  bool is_done() const { return suspended || (any && found) || is_cancelled(); }
   bool collects() const { return list != nullptr || primitives != nullptr; }
 };
 

@@ -55,6 +55,8 @@ class Group {
   }
 
  private:
+  using Alone = Single<kAny ? Goal::kAny : Goal::kNearest>;
+
   struct Waiting {
     float t;
     std::uint32_t lanes;
@@ -76,7 +78,7 @@ class Group {
 
   void go_alone(Child at, std::uint32_t lanes) {
     for (; lanes != 0 && !packet_.stopped; lanes &= lanes - 1)
-      Single<kAny>(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
+      Alone(walked_, static_cast<std::size_t>(std::countr_zero(lanes))).walk(at);
     read_limits();
   }
 

@@ -57,7 +57,14 @@ class Gather {
   hn::Vec<hn::RebindToSigned<Floats::D>> index_[Floats::kVectors];
 };
 
-template <bool kAny>
+/// What a walk looks for.
+enum class Goal : std::uint8_t {
+  kNearest,  ///< The nearest hit.
+  kAny,      ///< Whether there is a hit.
+  kEvery,    ///< Every triangle that is no certain miss.
+};
+
+template <Goal kGoal>
 class Single {
  public:
   HWY_INLINE Single(const Walked& walked, std::size_t lane)
@@ -94,7 +101,7 @@ class Single {
   };
 
   HWY_INLINE bool is_done() const {
-    return packet_.stopped || (kAny && (packet_.best->found >> lane_ & 1) != 0);
+    return packet_.stopped || (kGoal == Goal::kAny && (packet_.best->found >> lane_ & 1) != 0);
   }
 
   /// Visits nodes, nearest children first, and what is not a node at the end of that path.
@@ -148,7 +155,8 @@ class Single {
       next = Child::of(next.bits() ^ changed);
       nearest = std::min(t[i], nearest);
       std::size_t k = top++;
-      for (; !kAny && k > base && stack_[k - 1].t < waiting.t; --k) stack_[k] = stack_[k - 1];
+      for (; kGoal != Goal::kAny && k > base && stack_[k - 1].t < waiting.t; --k)
+        stack_[k] = stack_[k - 1];
       stack_[k] = waiting;
     }
   }
@@ -201,8 +209,13 @@ class Single {
     const std::uint32_t all = (2u << (block.triangles - 1)) - 1;
     Verdict verdict;
     if (judge(corners, {set(rays.error), set(rays.low), set(rays.high), set(rays.cull)}, all,
-              verdict))
-      keep(words, verdict);
+              verdict)) {
+      if constexpr (kGoal == Goal::kEvery) {
+        walked_.triangles->visit(block, verdict.possible);
+      } else {
+        keep(words, verdict);
+      }
+    }
   }
 
   void keep(const std::uint32_t* words, const Verdict& verdict) {
@@ -210,7 +223,7 @@ class Single {
     const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off;
     const std::uint32_t certain = verdict.certain & (low >= Floats::set(rays.sure_low[lane_])) &
                                   (high <= Floats::set(rays.sure_high[lane_]));
-    if constexpr (kAny) {
+    if constexpr (kGoal == Goal::kAny) {
       if (certain != 0) {
         packet_.best->found |= 1u << lane_;
         return;

@@ -41,8 +41,9 @@ void walk_lanes(const Walked& walked, Child root, std::uint32_t lanes) {
       Group<kAny>(walked, group, kTogether).walk(root);
       continue;
     }
+    using Alone = Single<kAny ? Goal::kAny : Goal::kNearest>;
     for (; group != 0 && !walked.packet.stopped; group &= group - 1)
-      Single<kAny>(walked, static_cast<std::size_t>(std::countr_zero(group))).walk(root);
+      Alone(walked, static_cast<std::size_t>(std::countr_zero(group))).walk(root);
   }
 }
 
@@ -69,6 +70,10 @@ void walk_packet(const Walked& walked, Child root, std::uint32_t lanes) {
   }
 }
 
+void walk_lane(const Walked& walked, Child root, std::size_t lane) {
+  Single<Goal::kEvery>(walked, lane).walk(root);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sightline::accel::wide
 HWY_AFTER_NAMESPACE();
@@ -77,6 +82,7 @@ HWY_AFTER_NAMESPACE();
 namespace sightline::accel::wide {
 
 HWY_EXPORT(walk_packet);
+HWY_EXPORT(walk_lane);
 HWY_EXPORT(meeting_box);
 
 std::uint32_t meeting(const Packet& packet, const geometry::Aabb& box, std::uint32_t lanes) {
@@ -94,6 +100,11 @@ void walk(Packet& packet, Child root, std::uint32_t lanes, SlotVisitor& slots, W
     }
   }
   HWY_DYNAMIC_DISPATCH(walk_packet)({packet, slots, totals}, root, lanes);
+}
+
+void walk_every(Packet& packet, Child root, std::size_t lane, SlotVisitor& slots,
+                TriangleVisitor& triangles, WalkTotals& totals) {
+  HWY_DYNAMIC_DISPATCH(walk_lane)({packet, slots, totals, &triangles}, root, lane);
 }
 
 }  // namespace sightline::accel::wide

@@ -57,9 +57,7 @@ class RayCaster {
   void ask_mesh(const instances::Instance& instance, TreeEntry& tree);
 
   /// Nothing can change the answer any more, or the ray is suspended or cancelled.
-  bool is_done() const {
-    return query_.suspended || (query_.any && query_.found) || query_.is_cancelled();
-  }
+  bool is_done() const { return query_.is_done(); }
 
   /// False: the ray is suspended, because it met a large cell that other threads are building. Only
   /// with WhenPending::kReturn. Begin it again when progress() has increased.
