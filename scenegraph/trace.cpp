@@ -129,10 +129,6 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  if (!query::PacketCaster::takes(options)) {
-    return cast_rays(snapshot, options.kind, rays, options,
-                     [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
-  }
   return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options,
                       [&](const instances::OpenTrees& trees, const RayBlock& block) {
                         return cast_in_packets(trees, rays, block, hits, options);

@@ -7,6 +7,7 @@
 
 #include "accel/mesh/mesh_tree.h"
 #include "accel/wide/surface.h"
+#include "scenegraph/query/on_deferred.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
 
@@ -40,7 +41,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
                  lanes);
       return false;
     }
-    if (now.is_deferred()) return expand(slot, lanes);
+    if (now.is_deferred()) return visit_deferred(slot, *now.cell(), lanes);
     for (; lanes != 0 && !caster_.scene_.stopped; lanes &= lanes - 1)
       go_alone(slot, static_cast<std::size_t>(std::countr_zero(lanes)));
     return false;
@@ -69,15 +70,59 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     }
     static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
     accel::kdtree::DeferredAction deferred(accel::kdtree::AtomicSlot& slot,
-                                           const accel::kdtree::DeferredCell&) {
-      if (slots.expand(slot, 1u << lane)) return accel::kdtree::DeferredAction::kRetry;
-      return accel::kdtree::DeferredAction::kStop;
+                                           const accel::kdtree::DeferredCell& cell) {
+      if (slots.visit_deferred(slot, cell, 1u << lane))
+        return accel::kdtree::DeferredAction::kRetry;
+      return is_done() ? accel::kdtree::DeferredAction::kStop
+                       : accel::kdtree::DeferredAction::kDone;
     }
     bool is_done() const {
       const PacketCaster& caster = slots.caster_;
-      return caster.scene_.stopped || (caster.scene_.any && (caster.best_.found >> lane & 1) != 0);
+      return caster.scene_.stopped || caster.left_to_cast(1u << lane) == 0;
     }
   };
+
+  /// True: the slot has changed.
+  bool visit_deferred(accel::kdtree::AtomicSlot& slot, const accel::kdtree::DeferredCell& cell,
+                      std::uint32_t lanes) {
+    const accel::lazy::OnDeferred on_deferred = caster_.lazy_.on_deferred;
+    if (on_deferred == accel::lazy::OnDeferred::kExpand) return expand(slot, lanes);
+    caster_.saw_deferred_ |= lanes;
+    if (on_deferred == accel::lazy::OnDeferred::kScan) search(cell, lanes);
+    return false;
+  }
+
+  void search(const accel::kdtree::DeferredCell& cell, std::uint32_t lanes) {
+    const auto visit_all = [&](std::span<const accel::kdtree::Reference> refs) {
+      return std::any_of(refs.begin(), refs.end(), [&](const accel::kdtree::Reference& ref) {
+        return !visit_reference(ref, lanes);
+      });
+    };
+    if (cell.has_list) {
+      cell.list.any_part(visit_all);
+    } else {
+      visit_all(tree_.coarsest());
+    }
+  }
+
+  /// Opens groups whose boxes a ray may meet. False: nothing is left to do.
+  bool visit_reference(const accel::kdtree::Reference& ref, std::uint32_t lanes) {
+    std::vector<accel::kdtree::Reference>& pending = caster_.pending_;
+    pending.assign(1, ref);
+    while (!pending.empty()) {
+      const accel::kdtree::Reference next = pending.back();
+      pending.pop_back();
+      lanes = caster_.left_to_cast(lanes);
+      if (caster_.lazy_.is_cancelled()) caster_.scene_.stopped = true;
+      if (lanes == 0 || caster_.scene_.stopped) return false;
+      if (!next.openable()) {
+        visit_instance(next.id, lanes);
+      } else if (meeting(next.bounds(), lanes) != 0) {
+        tree_.open(next, pending);
+      }
+    }
+    return true;
+  }
 
   /// True: the slot has changed. False: these rays must be cast alone.
   bool expand(accel::kdtree::AtomicSlot& slot, std::uint32_t lanes) {
@@ -108,7 +153,7 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
 
   void visit_leaf(std::span<const std::uint32_t> ids, std::uint32_t lanes) {
     for (const std::uint32_t id : ids) {
-      if (caster_.scene_.any) lanes &= ~caster_.best_.found;
+      lanes = caster_.left_to_cast(lanes);
       if (lanes == 0 || caster_.scene_.stopped) return;
       visit_instance(id, lanes);
     }
@@ -124,10 +169,13 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
     const instances::Instance& instance = tree_[id];
     lanes = caster_.seeing(instance.mask, recent_.add(id, lanes));
     if (lanes == 0 || !is_seen(id)) return;
-    const accel::geometry::Vec3f& center = caster_.scene_.center;
-    lanes = accel::wide::meeting(caster_.scene_,
-                                 {instance.box.lo - center, instance.box.hi - center}, lanes);
+    lanes = meeting(instance.box, lanes);
     if (lanes != 0) caster_.enter(instance, first_ + id, lanes, built_);
+  }
+
+  std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {
+    const accel::geometry::Vec3f& center = caster_.scene_.center;
+    return accel::wide::meeting(caster_.scene_, {box.lo - center, box.hi - center}, lanes);
   }
 
   PacketCaster& caster_;
@@ -166,6 +214,7 @@ void PacketCaster::read(std::span<const Ray> rays) {
   renewed_ = false;
   frame_ = nullptr;
   lazy_ = {};
+  lazy_.on_deferred = on_deferred(options_.growth);
   lazy_.when_pending = accel::lazy::WhenPending::kReturn;
   lazy_.pin = &pin_;
   lazy_.cancelled = options_.cancelled;
@@ -190,8 +239,7 @@ void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t fir
                              accel::kdtree::BuildCounters& built) {
   accel::lazy::LazyTree& kd = tree.tree();
   if (kd.tree().bounds().empty()) return;
-  std::uint32_t lanes = valid_ & ~alone_;
-  if (scene_.any) lanes &= ~best_.found;
+  const std::uint32_t lanes = left_to_cast(valid_);
   if (!kd.frame()) {
     alone_ |= lanes;
     return;
@@ -211,6 +259,10 @@ void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t fir
   walked_.steps += totals.nodes;
 }
 
+std::uint32_t PacketCaster::left_to_cast(std::uint32_t lanes) const {
+  return lanes & ~alone_ & ~(scene_.any ? best_.found : 0);
+}
+
 std::uint32_t PacketCaster::seeing(std::uint32_t mask, std::uint32_t lanes) const {
   if (see_all_) return mask != 0 ? lanes : 0;
   for (std::size_t i = 0; i < kLanes; ++i) {
@@ -228,7 +280,8 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   lanes &= in_frame_;
   if (lanes == 0) return;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
-  if (!instance.entered->load(std::memory_order_relaxed))
+  if (lazy_.on_deferred != accel::lazy::OnDeferred::kSkip &&
+      !instance.entered->load(std::memory_order_relaxed))
     instance.entered->store(true, std::memory_order_relaxed);
   mesh_.node = instance.node;
   mesh_.instance = index;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "accel/kdtree/epoch.h"
 #include "accel/lazy/walk_lazily.h"
@@ -46,11 +47,6 @@ class RecentLanes {
 /// For one block of rays, on one thread, which it pins to an epoch.
 class PacketCaster {
  public:
-  /// Whether packets answer such a batch.
-  static bool takes(const TraceOptions& options) {
-    return options.growth == Growth::kFirstTouch || options.growth == Growth::kFull;
-  }
-
   PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options);
   PacketCaster(const PacketCaster&) = delete;
   PacketCaster& operator=(const PacketCaster&) = delete;
@@ -72,6 +68,8 @@ class PacketCaster {
                  const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
+  /// Those of `lanes` whose answer may still change here.
+  std::uint32_t left_to_cast(std::uint32_t lanes) const;
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
   void write(std::span<const accel::geometry::Ray> rays, std::span<accel::geometry::Hit> hits);
   void set_surfaces(std::span<const accel::geometry::Ray> rays,
@@ -97,6 +95,7 @@ class PacketCaster {
   const model::Affine* frame_ = nullptr;  // of the instance that was entered last
   std::uint32_t in_frame_ = 0;            // the rays that are in range there
   accel::lazy::LazyQuery lazy_;
+  std::vector<accel::kdtree::Reference> pending_;  // of a searched list, not yet visited
 };
 
 }  // namespace sightline::scenegraph::query

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "scenegraph/query/on_deferred.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
 
@@ -18,19 +19,6 @@ using accel::geometry::HitState;
 using accel::geometry::Ray;
 using accel::mesh::ListedHit;
 using accel::mesh::OnDeferred;
-
-OnDeferred on_deferred(Growth growth) {
-  switch (growth) {
-    case Growth::kNone:
-      return OnDeferred::kScan;
-    case Growth::kBuiltOnly:
-      return OnDeferred::kSkip;
-    case Growth::kFirstTouch:
-    case Growth::kFull:
-      break;
-  }
-  return OnDeferred::kExpand;
-}
 
 }  // namespace
 
