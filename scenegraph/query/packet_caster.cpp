@@ -186,16 +186,21 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   RecentLanes recent_;
 };
 
-PacketCaster::PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees), options_(options) {
+PacketCaster::PacketCaster(const instances::OpenTrees& trees, QueryKind kind,
+                           const TraceOptions& options)
+    : trees_(trees),
+      kind_(kind),
+      options_(options),
+      collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,
+                 Collected(options.max_hits)) {
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->best = &best_;
-    packet->any = options.kind == QueryKind::kAny;
+    packet->any = kind == QueryKind::kAny;
   }
 }
 
-void PacketCaster::read(std::span<const Ray> rays) {
-  accel::wide::read(rays, given_);
+void PacketCaster::read() {
+  accel::wide::read(rays_, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->rays.tmin = given_.tmin;
     packet->rays.tmax = given_.tmax;
@@ -204,12 +209,12 @@ void PacketCaster::read(std::span<const Ray> rays) {
   }
   std::uint32_t all = accel::geometry::kAllMasks;
   for (std::size_t i = 0; i < kLanes; ++i) {
-    masks_[i] = rays[std::min(i, rays.size() - 1)].mask;
+    masks_[i] = rays_[std::min(i, rays_.size() - 1)].mask;
     all &= masks_[i];
   }
   see_all_ = all == accel::geometry::kAllMasks;
   best_.clear();
-  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays.size()));
+  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays_.size()));
   alone_ = saw_deferred_ = 0;
   renewed_ = false;
   frame_ = nullptr;
@@ -218,20 +223,28 @@ void PacketCaster::read(std::span<const Ray> rays) {
   lazy_.when_pending = accel::lazy::WhenPending::kReturn;
   lazy_.pin = &pin_;
   lazy_.cancelled = options_.cancelled;
+  for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
 }
 
-std::uint32_t PacketCaster::cast(std::span<const Ray> rays, std::span<Hit> hits) {
+std::uint32_t PacketCaster::cast(std::span<const Ray> rays) {
   pin_.renew();
-  read(rays);
+  rays_ = rays;
+  read();
   if (trees_.static_tree.size() > 0)
     walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
   if (trees_.dynamic_tree.size() > 0 && !scene_.stopped) {
     walk_tree(trees_.dynamic_tree, static_cast<std::uint32_t>(trees_.static_tree.size()), nullptr,
               dynamic_built_);
   }
-  if (scene_.stopped) return 0;
-  write(rays, hits);
-  return first_lanes(rays.size()) & ~alone_;
+  return scene_.stopped ? 0 : end();
+}
+
+std::uint32_t PacketCaster::end() {
+  const std::uint32_t answered = first_lanes(rays_.size()) & ~alone_;
+  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
+  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
+  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
+  return answered;
 }
 
 void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t first,
@@ -278,6 +291,7 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
     in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
   }
   lanes &= in_frame_;
+  if (!collected_.empty() && leads_) lanes = entering(index, lanes);
   if (lanes == 0) return;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
   if (lazy_.on_deferred != accel::lazy::OnDeferred::kSkip &&
@@ -288,56 +302,105 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
-  mesh.tree.query(mesh_, lanes, lazy_, saw_deferred_, walked_, built);
+  ask_mesh(mesh.tree, lanes, built);
   renewed_ |= lazy_.joined;
   if (mesh_.stopped) {
     scene_.stopped = true;
     return;
   }
   if (scene_.any || !leads_) return;
-  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1)
-    accel::wide::tighten(scene_, static_cast<std::size_t>(std::countr_zero(hit)));
+  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(hit));
+    // A count has no limit, nor has a list that is not full.
+    if (best_.t[lane] < std::numeric_limits<double>::max()) accel::wide::tighten(scene_, lane);
+  }
 }
 
-void PacketCaster::write(std::span<const Ray> rays, std::span<Hit> hits) {
-  const std::uint32_t answered = first_lanes(rays.size()) & ~alone_;
-  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
-  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
-  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
-  for (std::size_t i = 0; i < rays.size(); ++i) {
+std::uint32_t PacketCaster::entering(std::uint32_t index, std::uint32_t lanes) {
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    if (!collected_[lane].enter(index)) lanes &= ~(1u << lane);
+  }
+  return lanes;
+}
+
+void PacketCaster::ask_mesh(accel::mesh::MeshTree& tree, std::uint32_t lanes,
+                            accel::kdtree::BuildCounters& built) {
+  const auto each_count = [&](auto step) {
+    if (kind_ != QueryKind::kCount) return;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1)
+      step(collected_[static_cast<std::size_t>(std::countr_zero(left))]);
+  };
+  each_count([](Collected& of) { of.begin_mesh(); });
+  tree.query(mesh_, lanes,
+             {lazy_, saw_deferred_, walked_, built, std::span(sinks_).first(collected_.size())});
+  each_count([](Collected& of) { of.end_mesh(); });
+}
+
+HitState PacketCaster::state(std::size_t ray) const {
+  if ((valid_ >> ray & 1) == 0) return HitState::kInvalid;
+  return (best_.found >> ray & 1) != 0 ? HitState::kHit : HitState::kMiss;
+}
+
+std::uint32_t PacketCaster::work(std::size_t ray) const {
+  if ((valid_ >> ray & 1) == 0) return 0;
+  const std::uint32_t work =
+      std::min(scene_.work[ray] + mesh_.work[ray], accel::geometry::kWorkDeferred - 1);
+  const bool deferred = (saw_deferred_ >> ray & 1) != 0;
+  return work | (deferred ? accel::geometry::kWorkDeferred : 0);
+}
+
+RayTally PacketCaster::count(std::size_t ray) {
+  if (state(ray) == HitState::kInvalid)
+    return {.count = kInvalidCount, .state = HitState::kInvalid};
+  RayTally tally = collected_[ray].count(stats_);
+  tally.work = work(ray);
+  tally.state = state(ray);
+  return tally;
+}
+
+RayTally PacketCaster::list(std::size_t ray, std::vector<Hit>& hits) {
+  if (state(ray) == HitState::kInvalid) return {.state = HitState::kInvalid};
+  std::span<const accel::mesh::ListedHit> found;
+  RayTally tally = collected_[ray].list(stats_, found);
+  for (const accel::mesh::ListedHit& listed : found)
+    hits.push_back(hit_of(listed, trees_, rays_[ray], options_.surface));
+  tally.work = work(ray);
+  tally.state = state(ray);
+  return tally;
+}
+
+void PacketCaster::write(std::span<Hit> hits) {
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
     Hit& hit = hits[i];
-    const bool valid = (valid_ >> i & 1) != 0, found = valid && (best_.found >> i & 1) != 0;
-    const bool described = found && !scene_.any;
-    hit.t = described ? best_.t[i]
-            : valid   ? accel::geometry::kInfinity
-                      : std::numeric_limits<double>::quiet_NaN();
+    hit.state = state(i);
+    const bool described = hit.state == HitState::kHit && !scene_.any;
+    hit.t = described                          ? best_.t[i]
+            : hit.state != HitState::kInvalid ? accel::geometry::kInfinity
+                                              : std::numeric_limits<double>::quiet_NaN();
     hit.node = described ? best_.node[i] : 0;
     hit.primitive = described ? best_.primitive[i] : 0;
     hit.u = hit.v = 0;
     hit.normal = {};
-    const std::uint32_t work =
-        std::min(scene_.work[i] + mesh_.work[i], accel::geometry::kWorkDeferred - 1);
-    const bool deferred = (saw_deferred_ >> i & 1) != 0;
-    hit.work = valid ? work | (deferred ? accel::geometry::kWorkDeferred : 0) : 0;
-    hit.state = found ? HitState::kHit : valid ? HitState::kMiss : HitState::kInvalid;
+    hit.work = work(i);
   }
-  if (options_.surface && !scene_.any) set_surfaces(rays, hits);
+  if (options_.surface && !scene_.any) set_surfaces(hits);
 }
 
 /// Together for all hits in one instance.
-void PacketCaster::set_surfaces(std::span<const Ray> rays, std::span<Hit> hits) {
-  std::uint32_t left = best_.found & first_lanes(rays.size()) & ~alone_;
+void PacketCaster::set_surfaces(std::span<Hit> hits) {
+  std::uint32_t left = best_.found & first_lanes(rays_.size()) & ~alone_;
   while (left != 0) {
     const auto first = static_cast<std::size_t>(std::countr_zero(left));
     const instances::Instance& instance = trees_[best_.instance[first]];
     // Trees that this thread has left may be gone once its pin is renewed.
     if (renewed_ || best_.block[first] == nullptr) {
-      set_surface(instance, rays[first], hits[first]);
+      set_surface(instance, rays_[first], hits[first]);
       left &= left - 1;
       continue;
     }
     std::uint32_t same = 0;
-    for (std::size_t i = first; i < rays.size(); ++i) {
+    for (std::size_t i = first; i < rays_.size(); ++i) {
       const bool here = best_.instance[i] == best_.instance[first] && best_.block[i] != nullptr;
       same |= static_cast<std::uint32_t>(here) << i;
     }
