@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "accel/mesh/face_references.h"
+#include "accel/mesh/float_walk.h"
 #include "accel/mesh/leaf_test.h"
 #include "accel/mesh/packet_query.h"
-#include "accel/mesh/float_walk.h"
 
 namespace sightline::accel::mesh {
 
@@ -46,9 +46,8 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuer
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree != nullptr && tree->makes_blocks())
     lanes = query_packet({query, *tree, mesh_}, packet, lanes);
-  ask_each(query, packet, lanes, [&](LaneQuery& alone) {
-    this->query(alone.query, query.walked, query.built);
-  });
+  ask_each(query, packet, lanes,
+           [&](LaneQuery& alone) { this->query(alone.query, query.walked, query.built); });
 }
 
 void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {

@@ -71,12 +71,12 @@ class UnfinishedSlots final : public wide::SlotVisitor {
         return false;
       }
     }
-    ask_each(walk_, packet_, lanes, [&](LaneQuery& alone) { go_on_alone(slot, alone); });
+    ask_each(walk_, packet_, lanes, [&](LaneQuery& alone) { advance(slot, alone); });
     return false;
   }
 
  private:
-  void go_on_alone(kdtree::AtomicSlot& slot, LaneQuery& alone) {
+  void advance(kdtree::AtomicSlot& slot, LaneQuery& alone) {
     MeshQuery& query = alone.query;
     kdtree::TreeRay ray;
     const double tmax = std::min(query.tmax, query.best_t);

@@ -375,7 +375,7 @@ void PacketCaster::write(std::span<Hit> hits) {
     Hit& hit = hits[i];
     hit.state = state(i);
     const bool described = hit.state == HitState::kHit && !scene_.any;
-    hit.t = described                          ? best_.t[i]
+    hit.t = described                         ? best_.t[i]
             : hit.state != HitState::kInvalid ? accel::geometry::kInfinity
                                               : std::numeric_limits<double>::quiet_NaN();
     hit.node = described ? best_.node[i] : 0;
