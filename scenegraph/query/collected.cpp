@@ -6,26 +6,27 @@ namespace sightline::scenegraph::query {
 
 accel::mesh::HitSinks Collected::begin(QueryKind kind) {
   list_.clear();
+  primitives_.clear();
   entered_.clear();
   counted_ = 0;
   return {.list = kind == QueryKind::kAll ? &list_ : nullptr,
           .primitives = kind == QueryKind::kCount ? &primitives_ : nullptr};
 }
 
-RayTally Collected::count(TraceStats& stats) const {
+std::uint32_t Collected::count(TraceStats& stats) const {
   stats.hits_found += counted_;
-  return {.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount))};
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount));
 }
 
-RayTally Collected::list(TraceStats& stats, std::span<const accel::mesh::ListedHit>& hits) {
-  hits = list_.sorted();
-  const bool cut_off = hits.size() > max_hits_;
+std::span<const accel::mesh::ListedHit> Collected::list(TraceStats& stats, bool& cut_off) {
+  std::span<const accel::mesh::ListedHit> hits = list_.sorted();
+  cut_off = hits.size() > max_hits_;
   if (cut_off) {
     hits = hits.first(max_hits_);
     ++stats.cut_off;
   }
   stats.hits_found += hits.size();
-  return {.count = static_cast<std::uint32_t>(hits.size()), .cut_off = cut_off};
+  return hits;
 }
 
 }  // namespace sightline::scenegraph::query

@@ -23,14 +23,16 @@ class Collected {
   accel::mesh::HitSinks begin(QueryKind kind);
   /// False: the ray has entered the instance before.
   bool enter(std::uint32_t instance) { return entered_.add(instance); }
-  /// For kCount: before and after the mesh of an instance is asked.
-  void begin_mesh() { primitives_.clear(); }
-  void end_mesh() { counted_ += primitives_.sorted().size(); }
+  /// For kCount: after the mesh of an instance was asked, if the ray has hit anything so far.
+  void end_mesh() {
+    counted_ += primitives_.sorted().size();
+    primitives_.clear();
+  }
 
-  /// kCount: the answer, but for state and work. Adds to the statistics.
-  RayTally count(TraceStats& stats) const;
-  /// kAll: the answer, as above, and the hits that are kept, ascending.
-  RayTally list(TraceStats& stats, std::span<const accel::mesh::ListedHit>& hits);
+  /// kCount: the number of hits, at most kMaxCount. Adds to the statistics.
+  std::uint32_t count(TraceStats& stats) const;
+  /// kAll: the hits that are kept, ascending, and whether others are cut off. Adds as well.
+  std::span<const accel::mesh::ListedHit> list(TraceStats& stats, bool& cut_off);
 
  private:
   const std::uint32_t max_hits_;

@@ -302,17 +302,22 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
-  ask_mesh(mesh.tree, lanes, built);
+  mesh.tree.query(
+      mesh_, lanes,
+      {lazy_, saw_deferred_, walked_, built, std::span(sinks_).first(collected_.size())});
   renewed_ |= lazy_.joined;
   if (mesh_.stopped) {
     scene_.stopped = true;
     return;
   }
-  if (scene_.any || !leads_) return;
+  if (scene_.any) return;
   for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(hit));
-    // A count has no limit, nor has a list that is not full.
-    if (best_.t[lane] < std::numeric_limits<double>::max()) accel::wide::tighten(scene_, lane);
+    if (kind_ == QueryKind::kCount) {
+      collected_[lane].end_mesh();
+    } else if (leads_ && best_.t[lane] < std::numeric_limits<double>::max()) {
+      accel::wide::tighten(scene_, lane);  // not for a list that is not full
+    }
   }
 }
 
@@ -322,19 +327,6 @@ std::uint32_t PacketCaster::entering(std::uint32_t index, std::uint32_t lanes) {
     if (!collected_[lane].enter(index)) lanes &= ~(1u << lane);
   }
   return lanes;
-}
-
-void PacketCaster::ask_mesh(accel::mesh::MeshTree& tree, std::uint32_t lanes,
-                            accel::kdtree::BuildCounters& built) {
-  const auto each_count = [&](auto step) {
-    if (kind_ != QueryKind::kCount) return;
-    for (std::uint32_t left = lanes; left != 0; left &= left - 1)
-      step(collected_[static_cast<std::size_t>(std::countr_zero(left))]);
-  };
-  each_count([](Collected& of) { of.begin_mesh(); });
-  tree.query(mesh_, lanes,
-             {lazy_, saw_deferred_, walked_, built, std::span(sinks_).first(collected_.size())});
-  each_count([](Collected& of) { of.end_mesh(); });
 }
 
 HitState PacketCaster::state(std::size_t ray) const {
@@ -351,22 +343,19 @@ std::uint32_t PacketCaster::work(std::size_t ray) const {
 }
 
 RayTally PacketCaster::count(std::size_t ray) {
-  if (state(ray) == HitState::kInvalid)
-    return {.count = kInvalidCount, .state = HitState::kInvalid};
-  RayTally tally = collected_[ray].count(stats_);
-  tally.work = work(ray);
-  tally.state = state(ray);
+  RayTally tally{.work = work(ray), .state = state(ray)};
+  if (tally.state == HitState::kInvalid) tally.count = kInvalidCount;
+  if (tally.state == HitState::kHit) tally.count = collected_[ray].count(stats_);
   return tally;
 }
 
 RayTally PacketCaster::list(std::size_t ray, std::vector<Hit>& hits) {
-  if (state(ray) == HitState::kInvalid) return {.state = HitState::kInvalid};
-  std::span<const accel::mesh::ListedHit> found;
-  RayTally tally = collected_[ray].list(stats_, found);
+  RayTally tally{.work = work(ray), .state = state(ray)};
+  if (tally.state != HitState::kHit) return tally;
+  const std::span<const accel::mesh::ListedHit> found = collected_[ray].list(stats_, tally.cut_off);
   for (const accel::mesh::ListedHit& listed : found)
     hits.push_back(hit_of(listed, trees_, rays_[ray], options_.surface));
-  tally.work = work(ray);
-  tally.state = state(ray);
+  tally.count = static_cast<std::uint32_t>(found.size());
   return tally;
 }
 

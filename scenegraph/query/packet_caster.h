@@ -81,8 +81,6 @@ class PacketCaster {
   /// For counts and lists: those of `lanes` that have not entered the instance before.
   std::uint32_t entering(std::uint32_t index, std::uint32_t lanes);
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
-  void ask_mesh(accel::mesh::MeshTree& tree, std::uint32_t lanes,
-                accel::kdtree::BuildCounters& built);
   std::uint32_t work(std::size_t ray) const;
   accel::geometry::HitState state(std::size_t ray) const;
   void set_surfaces(std::span<accel::geometry::Hit> hits);

@@ -98,11 +98,10 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  if (query_.primitives != nullptr) collected_.begin_mesh();
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(query_, mesh.owner);
   mesh.tree.query(query_, walked_, tree.built);
-  if (query_.primitives != nullptr) collected_.end_mesh();
+  if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }
 
 bool RayCaster::end() {
@@ -137,23 +136,24 @@ Hit RayCaster::hit() const {
   return hit;
 }
 
+RayTally RayCaster::tally() const {
+  if (!valid_) return {.state = HitState::kInvalid};
+  return {.work = work(), .state = query_.found ? HitState::kHit : HitState::kMiss};
+}
+
 RayTally RayCaster::count() {
-  if (!valid_) return {.count = kInvalidCount, .state = HitState::kInvalid};
-  return with_state(collected_.count(stats_));
+  RayTally answer = tally();
+  answer.count = valid_ ? collected_.count(stats_) : kInvalidCount;
+  return answer;
 }
 
 RayTally RayCaster::list(std::vector<Hit>& hits) {
-  if (!valid_) return {.state = HitState::kInvalid};
-  std::span<const ListedHit> found;
-  const RayTally tally = collected_.list(stats_, found);
+  RayTally answer = tally();
+  if (!valid_) return answer;
+  const std::span<const ListedHit> found = collected_.list(stats_, answer.cut_off);
   for (const ListedHit& listed : found) hits.push_back(hit_of(listed));
-  return with_state(tally);
-}
-
-RayTally RayCaster::with_state(RayTally tally) const {
-  tally.work = work();
-  tally.state = query_.found ? HitState::kHit : HitState::kMiss;
-  return tally;
+  answer.count = static_cast<std::uint32_t>(found.size());
+  return answer;
 }
 
 Hit RayCaster::hit_of(const ListedHit& listed) const {

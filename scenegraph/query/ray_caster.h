@@ -83,7 +83,7 @@ class RayCaster {
   bool enter_bounds(TreeEntry& tree) const;
   bool is_seen(const TreeEntry& tree, std::uint32_t id) const;
   accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed) const;
-  RayTally with_state(RayTally tally) const;
+  RayTally tally() const;
   std::uint32_t work() const;
 
   accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again
