@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
+#include <optional>
 #include <string>
 
 #include "scenegraph/query/packet_caster.h"
@@ -24,6 +26,8 @@ namespace {
 using accel::geometry::Hit;
 using accel::geometry::Ray;
 using accel::lazy::WhenPending;
+using accel::wide::kLanes;
+using query::PacketCaster;
 using query::RayBlock;
 using query::RayCaster;
 using query::TreeEntry;
@@ -61,10 +65,10 @@ bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending whe
 }
 
 /// The rays of a block that packets have answered: a bit for each ray of a packet.
-using Answered = std::array<std::uint32_t, kRaysPerBlock / accel::wide::kLanes>;
+using Answered = std::array<std::uint32_t, kRaysPerBlock / kLanes>;
 
 bool has(const Answered& answered, std::size_t ray) {
-  return (answered[ray / accel::wide::kLanes] >> ray % accel::wide::kLanes & 1) != 0;
+  return (answered[ray / kLanes] >> ray % kLanes & 1) != 0;
 }
 
 /// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
@@ -92,49 +96,94 @@ void prefetch(std::span<const Ray> rays, std::span<Hit> hits) {
   for (std::size_t i = 0; i < hits.size_bytes(); i += kLine) __builtin_prefetch(written + i, 1);
 }
 
-/// Casts the rays of a block in packets; those that packets leave, alone.
-TraceStats cast_in_packets(const instances::OpenTrees& trees, std::span<const Ray> rays,
-                           const RayBlock& block, std::span<Hit> hits,
-                           const TraceOptions& options) {
-  query::PencilCaster pencils(trees, options);
-  query::PacketCaster packets(trees, options);
-  Answered answered{};
-  bool all = true;
-  std::uint32_t by_pencil = 0;  // of the packets that are next
-  for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
-       i += accel::wide::kLanes) {
-    if ((i - block.first) % query::kPencilRays == 0) {
-      const std::size_t count = std::min(query::kPencilRays, block.end - i);
-      const std::size_t next = i + count, then = std::min(query::kPencilRays, rays.size() - next);
-      prefetch(rays.subspan(next, then), hits.subspan(next, then));
-      by_pencil = pencils.cast(rays.subspan(i, count), hits.subspan(i, count));
-    }
-    const std::size_t count = std::min(accel::wide::kLanes, block.end - i);
-    const std::uint32_t every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
-    std::uint32_t& done = answered[(i - block.first) / accel::wide::kLanes];
-    done =
-        (by_pencil & 1) != 0 ? every : packets.cast(rays.subspan(i, count), hits.subspan(i, count));
-    by_pencil >>= 1;
-    all &= done == every;
-  }
-  TraceStats stats = pencils.stats();
-  stats += packets.stats();
-  if (!all) {
-    stats += cast_alone(trees, options.kind, rays, block, answered, options,
-                        [&](std::size_t i, const RayCaster& one) { hits[i] = one.hit(); });
-  }
-  return stats;
-}
+/// Pencils of the rays of a batch, which write their hits.
+class HitPencils {
+ public:
+  HitPencils(const instances::OpenTrees& trees, const TraceOptions& options,
+             std::span<const Ray> rays, std::span<Hit> hits)
+      : caster_(trees, options), rays_(rays), hits_(hits) {}
 
-/// Casts every ray alone and calls keep(i, caster) where the answer to rays[i] is in the caster.
-template <class Keep>
+  /// Returns a bit for each packet of these rays that is answered.
+  std::uint32_t cast(std::size_t first, std::size_t count) {
+    const std::size_t next = first + count;
+    const std::size_t then = std::min(query::kPencilRays, rays_.size() - next);
+    prefetch(rays_.subspan(next, then), hits_.subspan(next, then));
+    return caster_.cast(rays_.subspan(first, count), hits_.subspan(first, count));
+  }
+  const TraceStats& stats() const { return caster_.stats(); }
+
+ private:
+  query::PencilCaster caster_;
+  const std::span<const Ray> rays_;
+  const std::span<Hit> hits_;
+};
+
+struct NoPencils {
+  static std::uint32_t cast(std::size_t, std::size_t) { return 0; }
+  static TraceStats stats() { return {}; }
+};
+
+/// Casts every ray, in packets as far as those go, or in pencils(OpenTrees). Calls
+/// keep(first, answered, PacketCaster) where the answers to the rays from the first on are in the
+/// caster that have a bit in `answered`, and keep_alone(i, RayCaster) for each of the others.
+template <class MakePencils, class Keep, class KeepAlone>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              std::span<const Ray> rays, const TraceOptions& options,
-                             const Keep& keep) {
+                             const MakePencils& make_pencils, const Keep& keep,
+                             const KeepAlone& keep_alone) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
-    return cast_alone(trees, kind, rays, block, {}, options, keep);
+    PacketCaster caster(trees, kind, options);
+    auto pencils = make_pencils(trees);
+    Answered answered{};
+    bool all = true;
+    std::uint32_t in_pencils = 0;  // a bit for each of the next packets
+    for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
+         i += kLanes, in_pencils >>= 1) {
+      if ((i - block.first) % query::kPencilRays == 0)
+        in_pencils = pencils.cast(i, std::min(query::kPencilRays, block.end - i));
+      const std::size_t count = std::min(kLanes, block.end - i);
+      const auto every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+      std::uint32_t done = every;
+      if ((in_pencils & 1) == 0) {
+        done = caster.cast(rays.subspan(i, count));
+        keep(i, done, caster);
+      }
+      answered[(i - block.first) / kLanes] = done;
+      all &= done == every;
+    }
+    TraceStats stats = caster.stats();
+    stats += pencils.stats();
+    if (!all) stats += cast_alone(trees, kind, rays, block, answered, options, keep_alone);
+    return stats;
   };
   return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+}
+
+NoPencils no_pencils(const instances::OpenTrees&) { return {}; }
+
+/// Appends the hits of the rays of a block, in order.
+TraceStats list_block(const instances::OpenTrees& trees, std::span<const Ray> rays,
+                      const RayBlock& block, std::span<RayTally> tallies, std::vector<Hit>& hits,
+                      const TraceOptions& options) {
+  PacketCaster caster(trees, QueryKind::kAll, options);
+  std::optional<RayCaster> alone;
+  for (std::size_t first = block.first; first < block.end; first += kLanes) {
+    if (is_cancelled(options.cancelled)) break;
+    const std::size_t end = std::min(first + kLanes, block.end);
+    const std::uint32_t answered = caster.cast(rays.subspan(first, end - first));
+    for (std::size_t i = first; i < end && !is_cancelled(options.cancelled); ++i) {
+      if ((answered >> (i - first) & 1) != 0) {
+        tallies[i] = caster.list(i - first, hits);
+        continue;
+      }
+      if (!alone) alone.emplace(trees, options);
+      cast_ray(*alone, QueryKind::kAll, rays[i], WhenPending::kWait);
+      tallies[i] = alone->list(hits);
+    }
+  }
+  TraceStats stats = caster.stats();
+  if (alone) stats += alone->stats();
+  return stats;
 }
 
 Status check_sizes(std::size_t rays, std::size_t answers) {
@@ -151,17 +200,27 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
   if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
-  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options,
-                      [&](const instances::OpenTrees& trees, const RayBlock& block) {
-                        return cast_in_packets(trees, rays, block, hits, options);
-                      });
+  return cast_rays(
+      snapshot, options.kind, rays, options,
+      [&](const instances::OpenTrees& trees) { return HitPencils(trees, options, rays, hits); },
+      [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
+        if (answered != 0) caster.write(hits.subspan(first));
+      },
+      [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
 }
 
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
-  return cast_rays(snapshot, QueryKind::kCount, rays, options,
-                   [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
+  return cast_rays(
+      snapshot, QueryKind::kCount, rays, options, no_pencils,
+      [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
+        for (; answered != 0; answered &= answered - 1) {
+          const auto lane = static_cast<std::size_t>(std::countr_zero(answered));
+          tallies[first + lane] = caster.count(lane);
+        }
+      },
+      [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
 }
 
 Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
@@ -175,16 +234,12 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
   std::atomic<std::size_t> next{0}, listed{0};
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock&) -> TraceStats {
     if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return {};
-    RayCaster caster(trees, options);
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
-    const std::size_t end = std::min(first + rays_per_block, rays.size());
-    for (std::size_t i = first; i < end && !is_cancelled(options.cancelled); ++i) {
-      cast_ray(caster, QueryKind::kAll, rays[i], WhenPending::kWait);
-      tallies[i] = caster.list(of_blocks[block]);
-    }
+    const RayBlock part{first, std::min(first + rays_per_block, rays.size())};
+    const TraceStats stats = list_block(trees, rays, part, tallies, of_blocks[block], options);
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
-    return caster.stats();
+    return stats;
   };
   auto traced = trace_blocks(snapshot, rays.size(), rays_per_block, options, answer);
   if (!traced) return traced;
@@ -205,7 +260,9 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
   while (!rays.empty()) {
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
-    const auto cast = cast_rays(snapshot, kind, part, options, [](std::size_t, RayCaster&) {});
+    const auto cast = cast_rays(
+        snapshot, kind, part, options, no_pencils, [](std::size_t, std::uint32_t, PacketCaster&) {},
+        [](std::size_t, RayCaster&) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);
     progress.rays_done += part.size();

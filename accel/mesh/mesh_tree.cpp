@@ -2,12 +2,11 @@
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "accel/mesh/face_references.h"
+#include "accel/mesh/float_walk.h"
 #include "accel/mesh/leaf_test.h"
 #include "accel/mesh/packet_query.h"
-#include "accel/mesh/walk_in_floats.h"
 
 namespace sightline::accel::mesh {
 
@@ -33,30 +32,22 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
   LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
-    if (lazy->makes_blocks() && walk_in_floats(*lazy, test, built)) return;
+    std::uint32_t saw_deferred = 0;  // the query knows
+    if (lazy->makes_blocks() &&
+        query_in_floats({{query, saw_deferred, walked, built}, *lazy, mesh_}, query))
+      return;
     walk_lazily(*lazy, ray, query, walked, built, test);
   } else {
     query_whole(*std::get<std::unique_ptr<WholeTree>>(tree_), test, built);
   }
 }
 
-void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery& lazy,
-                     std::uint32_t& saw_deferred, kdtree::WalkCounters& walked,
-                     kdtree::BuildCounters& built) {
+void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
   if (tree != nullptr && tree->makes_blocks())
-    lanes = query_packet({*tree, mesh_, lazy, saw_deferred, walked, built}, packet, lanes);
-  for (; lanes != 0 && !packet.stopped; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const std::uint64_t before = walked.steps + walked.tests;
-    LaneQuery alone(packet, lane, lazy);
-    query(alone.query, walked, built);
-    alone.write_back();
-    packet.work[lane] += static_cast<std::uint32_t>(walked.steps + walked.tests - before);
-    if (alone.query.saw_deferred) saw_deferred |= 1u << lane;
-    lazy = alone.query;
-    packet.stopped = lazy.suspended || lazy.is_cancelled();
-  }
+    lanes = query_packet({query, *tree, mesh_}, packet, lanes);
+  ask_each(query, packet, lanes,
+           [&](LaneQuery& alone) { this->query(alone.query, query.walked, query.built); });
 }
 
 wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,

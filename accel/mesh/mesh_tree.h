@@ -37,13 +37,21 @@ enum class References : std::uint8_t {
 
 using lazy::OnDeferred;
 
+/// Where the hits of a ray go that asks for more than one; both null: it does not.
+struct HitSinks {
+  UniqueHits<ListedHit>* list = nullptr;
+  UniqueHits<std::uint32_t>* primitives = nullptr;
+
+  bool collects() const { return list != nullptr || primitives != nullptr; }
+};
+
 /// A query: the ray in one mesh's frame, and the hits found so far. t is in units of the world
 /// ray's direction.
 ///
 /// Nearest or any hit: a hit is accepted if (t, node, primitive) is less than (best_t, best_node,
 /// best_primitive). With `list` or `primitives`: every hit is added there, once for each cell that
 /// it is found in; best_t is then the t beyond which hits are not needed.
-struct MeshQuery : lazy::LazyQuery {
+struct MeshQuery : lazy::LazyQuery, HitSinks {
   geometry::LocalRay ray;
   double tmin = 0, tmax = geometry::kInfinity;
   geometry::Culling culling = geometry::Culling::kNone;  ///< By the winding in the mesh's frame.
@@ -55,12 +63,19 @@ struct MeshQuery : lazy::LazyQuery {
   std::uint32_t best_primitive = 0;
   std::uint32_t best_instance = 0;
   bool found = false;
-  UniqueHits<ListedHit>* list = nullptr;
-  UniqueHits<std::uint32_t>* primitives = nullptr;
 
   /// Nothing can change the answer any more, or the query is suspended or cancelled.
   bool is_done() const { return suspended || (any && found) || is_cancelled(); }
-  bool collects() const { return list != nullptr || primitives != nullptr; }
+};
+
+/// What the queries of a packet's rays share, and what they cost.
+struct PacketQuery {
+  lazy::LazyQuery& lazy;
+  std::uint32_t& saw_deferred;  ///< Gets a bit for each ray that met a cell which was skipped or
+                                ///< searched.
+  kdtree::WalkCounters& walked;
+  kdtree::BuildCounters& built;
+  std::span<const HitSinks> sinks = {};  ///< By ray; empty: for the nearest or any hit.
 };
 
 /// A kd-tree that grows cell by cell, or, for comparisons, a tree that is built whole.
@@ -76,11 +91,8 @@ class MeshTree {
   /// Finds hits and updates the query.
   void query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::BuildCounters& built);
 
-  /// As query() for those rays of the packet, for the nearest or any hit. `saw_deferred` gets a bit
-  /// for each ray that met a cell which was skipped or searched.
-  void query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery& lazy,
-             std::uint32_t& saw_deferred, kdtree::WalkCounters& walked,
-             kdtree::BuildCounters& built);
+  /// As query() for those rays of the packet.
+  void query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query);
 
   /// As query() for any or the nearest hits of a pencil in a finished tree: wide::walk_pencil().
   wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,

@@ -3,6 +3,7 @@
 #include <bit>
 #include <utility>
 
+#include "accel/mesh/float_walk.h"
 #include "accel/wide/exact.h"
 #include "accel/wide/float_rays.h"
 
@@ -12,11 +13,11 @@ namespace {
 /// What single rays of a packet find in leaves and lists, and, in floats, in finished subtrees.
 class LaneTest {
  public:
-  LaneTest(const PacketWalk& walk, wide::Packet& packet, std::size_t lane, LaneQuery& lane_query,
+  LaneTest(const PacketWalk& walk, wide::Packet& packet, LaneQuery& lane_query,
            const kdtree::TreeRay& ray, wide::SlotVisitor& slots)
       : walk_(walk),
         packet_(packet),
-        lane_(lane),
+        lane_(lane_query.lane()),
         lane_query_(lane_query),
         slots_(slots),
         test_{walk.mesh, lane_query.query, ray, walk.walked} {}
@@ -70,31 +71,23 @@ class UnfinishedSlots final : public wide::SlotVisitor {
         return false;
       }
     }
-    for (; lanes != 0 && !packet_.stopped; lanes &= lanes - 1)
-      take_alone(slot, static_cast<std::size_t>(std::countr_zero(lanes)));
+    ask_each(walk_, packet_, lanes, [&](LaneQuery& alone) { advance(slot, alone); });
     return false;
   }
 
  private:
-  void take_alone(kdtree::AtomicSlot& slot, std::size_t lane) {
-    const std::uint64_t steps = walk_.walked.steps, before = steps + walk_.walked.tests;
-    const std::uint32_t counted = packet_.work[lane];
-    LaneQuery of_lane(packet_, lane, walk_.lazy);
-    MeshQuery& query = of_lane.query;
+  void advance(kdtree::AtomicSlot& slot, LaneQuery& alone) {
+    MeshQuery& query = alone.query;
     kdtree::TreeRay ray;
     const double tmax = std::min(query.tmax, query.best_t);
     if (!enter(query.ray, walk_.tree.tree().bounds(), query.tmin / query.ray.unit,
                tmax / query.ray.unit, ray))
       return;
-    LaneTest test(walk_, packet_, lane, of_lane, ray, *this);
+    const std::uint64_t steps = walk_.walked.steps;
+    LaneTest test(walk_, packet_, alone, ray, *this);
     lazy::LazyVisit<LaneTest> visit{walk_.tree, query, walk_.built, test};
     kdtree::walk(walk_.tree.tree(), ray, slot, walk_.walked, visit);
     walk_.tree.count_steps(walk_.walked.steps - steps);
-    packet_.work[lane] =
-        counted + static_cast<std::uint32_t>(walk_.walked.steps + walk_.walked.tests - before);
-    if (query.saw_deferred) walk_.saw_deferred |= 1u << lane;
-    static_cast<lazy::LazyQuery&>(walk_.lazy) = query;
-    if (query.suspended || query.is_cancelled()) packet_.stopped = true;
   }
 
   const PacketWalk& walk_;
@@ -103,9 +96,10 @@ class UnfinishedSlots final : public wide::SlotVisitor {
 
 }  // namespace
 
-LaneQuery::LaneQuery(wide::Packet& packet, std::size_t lane, const lazy::LazyQuery& lazy)
+LaneQuery::LaneQuery(const PacketQuery& of, wide::Packet& packet, std::size_t lane)
     : packet_(packet), lane_(lane) {
-  static_cast<lazy::LazyQuery&>(query) = lazy;
+  static_cast<lazy::LazyQuery&>(query) = of.lazy;
+  if (!of.sinks.empty()) static_cast<HitSinks&>(query) = of.sinks[lane];
   query.saw_deferred = false;
   const wide::Rays& rays = packet.rays;
   query.ray = {{rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]},
@@ -136,26 +130,33 @@ void LaneQuery::write_back() {
       best.instance[lane_] != query.best_instance)
     best.block[lane_] = nullptr;
   best.found |= 1u << lane_;
+  const bool nearer = query.best_t < best.t[lane_];
   best.t[lane_] = query.best_t;
   best.node[lane_] = query.best_node;
   best.primitive[lane_] = query.best_primitive;
   best.instance[lane_] = query.best_instance;
-  wide::tighten(packet_, lane_);
+  if (nearer) wide::tighten(packet_, lane_);
 }
 
 std::uint32_t query_packet(const PacketWalk& walk, wide::Packet& packet, std::uint32_t lanes) {
   const wide::Prepared prepared = wide::prepare(packet, *walk.tree.frame(), lanes);
-  UnfinishedSlots slots(walk, packet);
-  wide::WalkTotals totals;
   // A thread that has renewed its pin may not go on in nodes that are replaced meanwhile.
   const wide::Child entry = walk.tree.entry();
   const bool searched_before =
       std::exchange(walk.lazy.searches_list, walk.lazy.searches_list || entry.is_node());
-  wide::walk(packet, entry, prepared.live, slots, totals);
+  if (walk.sinks.empty()) {
+    UnfinishedSlots slots(walk, packet);
+    wide::WalkTotals totals;
+    wide::walk(packet, entry, prepared.live, slots, totals);
+    walk.walked.steps += totals.nodes;
+    walk.walked.tests += totals.triangles;
+  } else {
+    ask_each(walk, packet, prepared.live, [&](LaneQuery& alone) {
+      FloatWalk(walk, packet, alone.lane(), alone.query).walk(entry);
+    });
+  }
   walk.lazy.searches_list = searched_before;
-  walk.walked.steps += totals.nodes;
-  walk.walked.tests += totals.triangles;
-  if (!packet.any && !packet.stopped) wide::settle(packet, prepared.live);
+  if (walk.sinks.empty() && !packet.any && !packet.stopped) wide::settle(packet, prepared.live);
   return prepared.slow;
 }
 

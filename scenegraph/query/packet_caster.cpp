@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/query/on_deferred.h"
 #include "scenegraph/query/packet_hits.h"
 #include "scenegraph/query/selection.h"
+#include "scenegraph/query/surface.h"
 
 namespace sightline::scenegraph::query {
 namespace {
 
 using accel::geometry::Hit;
+using accel::geometry::HitState;
 using accel::geometry::Ray;
 using accel::wide::kLanes;
 
@@ -182,28 +185,33 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   RecentLanes recent_;
 };
 
-PacketCaster::PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees), options_(options) {
+PacketCaster::PacketCaster(const instances::OpenTrees& trees, QueryKind kind,
+                           const TraceOptions& options)
+    : trees_(trees),
+      kind_(kind),
+      options_(options),
+      collected_(kind == QueryKind::kCount || kind == QueryKind::kAll ? kLanes : 0,
+                 Collected(options.max_hits)) {
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->best = &best_;
-    packet->any = options.kind == QueryKind::kAny;
+    packet->any = kind == QueryKind::kAny;
   }
 }
 
-void PacketCaster::read(std::span<const Ray> rays) {
-  accel::wide::read(rays, given_);
+void PacketCaster::read() {
+  accel::wide::read(rays_, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->work.fill(0);
     packet->stopped = false;
   }
   std::uint32_t all = accel::geometry::kAllMasks;
   for (std::size_t i = 0; i < kLanes; ++i) {
-    masks_[i] = rays[std::min(i, rays.size() - 1)].mask;
+    masks_[i] = rays_[std::min(i, rays_.size() - 1)].mask;
     all &= masks_[i];
   }
   see_all_ = all == accel::geometry::kAllMasks;
   best_.clear();
-  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays.size()));
+  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays_.size()));
   alone_ = saw_deferred_ = 0;
   renewed_ = false;
   frame_ = nullptr;
@@ -212,20 +220,28 @@ void PacketCaster::read(std::span<const Ray> rays) {
   lazy_.when_pending = accel::lazy::WhenPending::kReturn;
   lazy_.pin = &pin_;
   lazy_.cancelled = options_.cancelled;
+  for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
 }
 
-std::uint32_t PacketCaster::cast(std::span<const Ray> rays, std::span<Hit> hits) {
+std::uint32_t PacketCaster::cast(std::span<const Ray> rays) {
   pin_.renew();
-  read(rays);
+  rays_ = rays;
+  read();
   if (trees_.static_tree.size() > 0)
     walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
   if (trees_.dynamic_tree.size() > 0 && !scene_.stopped) {
     walk_tree(trees_.dynamic_tree, static_cast<std::uint32_t>(trees_.static_tree.size()), nullptr,
               dynamic_built_);
   }
-  if (scene_.stopped) return 0;
-  write(rays, hits);
-  return first_lanes(rays.size()) & ~alone_;
+  return scene_.stopped ? 0 : end();
+}
+
+std::uint32_t PacketCaster::end() {
+  const std::uint32_t answered = first_lanes(rays_.size()) & ~alone_;
+  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
+  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
+  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
+  return answered;
 }
 
 void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t first,
@@ -272,6 +288,7 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
     in_frame_ = accel::wide::carry(given_, frame_->m, valid_, mesh_.rays);
   }
   lanes &= in_frame_;
+  if (!collected_.empty() && leads_) lanes = entering(index, lanes);
   if (lanes == 0) return;
   stats_.instances_entered += static_cast<std::uint64_t>(std::popcount(lanes));
   if (lazy_.on_deferred != accel::lazy::OnDeferred::kSkip &&
@@ -282,26 +299,70 @@ void PacketCaster::enter(const instances::Instance& instance, std::uint32_t inde
   mesh_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(lazy_, mesh.owner);
-  mesh.tree.query(mesh_, lanes, lazy_, saw_deferred_, walked_, built);
+  mesh.tree.query(
+      mesh_, lanes,
+      {lazy_, saw_deferred_, walked_, built, std::span(sinks_).first(collected_.size())});
   renewed_ |= lazy_.joined;
   if (mesh_.stopped) {
     scene_.stopped = true;
     return;
   }
-  if (scene_.any || !leads_) return;
-  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1)
-    accel::wide::tighten(scene_, static_cast<std::size_t>(std::countr_zero(hit)));
+  if (scene_.any) return;
+  for (std::uint32_t hit = lanes & best_.found; hit != 0; hit &= hit - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(hit));
+    if (kind_ == QueryKind::kCount) {
+      collected_[lane].end_mesh();
+    } else if (leads_ && best_.t[lane] < std::numeric_limits<double>::max()) {
+      accel::wide::tighten(scene_, lane);  // not for a list that is not full
+    }
+  }
 }
 
-void PacketCaster::write(std::span<const Ray> rays, std::span<Hit> hits) {
-  const std::uint32_t answered = first_lanes(rays.size()) & ~alone_;
-  stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
-  stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
-  stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
+std::uint32_t PacketCaster::entering(std::uint32_t index, std::uint32_t lanes) {
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    if (!collected_[lane].enter(index)) lanes &= ~(1u << lane);
+  }
+  return lanes;
+}
+
+HitState PacketCaster::state(std::size_t ray) const {
+  if ((valid_ >> ray & 1) == 0) return HitState::kInvalid;
+  return (best_.found >> ray & 1) != 0 ? HitState::kHit : HitState::kMiss;
+}
+
+std::uint32_t PacketCaster::work(std::size_t ray) const {
+  if ((valid_ >> ray & 1) == 0) return 0;
+  const std::uint32_t work =
+      std::min(scene_.work[ray] + mesh_.work[ray], accel::geometry::kWorkDeferred - 1);
+  const bool deferred = (saw_deferred_ >> ray & 1) != 0;
+  return work | (deferred ? accel::geometry::kWorkDeferred : 0);
+}
+
+RayTally PacketCaster::count(std::size_t ray) {
+  RayTally tally{.work = work(ray), .state = state(ray)};
+  if (tally.state == HitState::kInvalid) tally.count = kInvalidCount;
+  if (tally.state == HitState::kHit) tally.count = collected_[ray].count(stats_);
+  return tally;
+}
+
+RayTally PacketCaster::list(std::size_t ray, std::vector<Hit>& hits) {
+  RayTally tally{.work = work(ray), .state = state(ray)};
+  if (tally.state != HitState::kHit) return tally;
+  const std::span<const accel::mesh::ListedHit> found = collected_[ray].list(stats_, tally.cut_off);
+  for (const accel::mesh::ListedHit& listed : found)
+    hits.push_back(hit_of(listed, trees_, rays_[ray], options_.surface));
+  tally.count = static_cast<std::uint32_t>(found.size());
+  return tally;
+}
+
+void PacketCaster::write(std::span<Hit> hits) {
   for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
-  const PacketHits packet{given_, best_, scene_.work, answered, valid_, saw_deferred_, scene_.any};
+  const PacketHits packet{given_, best_,         scene_.work, first_lanes(rays_.size()) & ~alone_,
+                          valid_, saw_deferred_, scene_.any};
   write_hits(packet, hits);
-  if (options_.surface && !scene_.any) write_surfaces(packet, trees_, !renewed_, rays, hits);
+  // Trees that this thread has left may be gone once its pin is renewed.
+  if (options_.surface && !scene_.any) write_surfaces(packet, trees_, !renewed_, rays_, hits);
 }
 
 TraceStats PacketCaster::stats() const {

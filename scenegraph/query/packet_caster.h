@@ -1,5 +1,5 @@
 // Rays in packets on their way through a revision: the static and the dynamic tree, their
-// instances, the meshes of those. For the nearest hit, or whether there is any.
+// instances, the meshes of those.
 #pragma once
 
 #include <array>
@@ -14,6 +14,7 @@
 #include "accel/wide/packet.h"
 #include "accel/wide/walk.h"
 #include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/collected.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
@@ -47,15 +48,21 @@ class RecentLanes {
 /// For one block of rays, on one thread, which it pins to an epoch.
 class PacketCaster {
  public:
-  PacketCaster(const instances::OpenTrees& trees, const TraceOptions& options);
+  PacketCaster(const instances::OpenTrees& trees, QueryKind kind, const TraceOptions& options);
   PacketCaster(const PacketCaster&) = delete;
   PacketCaster& operator=(const PacketCaster&) = delete;
 
-  /// Answers rays, at most wide::kLanes of them. Returns a bit for each that is answered; the
-  /// others must be cast alone: they need a cell that others build, or lie beyond the range of
-  /// floats.
-  std::uint32_t cast(std::span<const accel::geometry::Ray> rays,
-                     std::span<accel::geometry::Hit> hits);
+  /// Casts rays, at most wide::kLanes of them, which must outlive their answers. Returns a bit for
+  /// each that is answered; the others must be cast alone: they need a cell that others build, or
+  /// lie beyond the range of floats.
+  std::uint32_t cast(std::span<const accel::geometry::Ray> rays);
+
+  /// kClosest and kAny: sets the hits of all rays; those that are not answered mean nothing.
+  void write(std::span<accel::geometry::Hit> hits);
+  /// kCount: the number of hits of an answered ray.
+  RayTally count(std::size_t ray);
+  /// kAll: appends the nearest max_hits hits of an answered ray in order.
+  RayTally list(std::size_t ray, std::vector<accel::geometry::Hit>& hits);
 
   /// Of all rays answered.
   TraceStats stats() const;
@@ -63,23 +70,31 @@ class PacketCaster {
  private:
   class SceneSlots;
 
-  void read(std::span<const accel::geometry::Ray> rays);
+  void read();
+  std::uint32_t end();
   void walk_tree(const instances::Instances& tree, std::uint32_t first,
                  const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
   /// Those of `lanes` whose answer may still change here.
   std::uint32_t left_to_cast(std::uint32_t lanes) const;
+  /// For counts and lists: those of `lanes` that have not entered the instance before.
+  std::uint32_t entering(std::uint32_t index, std::uint32_t lanes);
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
-  void write(std::span<const accel::geometry::Ray> rays, std::span<accel::geometry::Hit> hits);
+  std::uint32_t work(std::size_t ray) const;
+  accel::geometry::HitState state(std::size_t ray) const;
 
   accel::kdtree::EpochPin pin_;  // renewed for each packet
   const instances::OpenTrees trees_;
+  const QueryKind kind_;
   const TraceOptions options_;
   accel::kdtree::BuildCounters static_built_, dynamic_built_;
   accel::kdtree::WalkCounters walked_;
   TraceStats stats_;
+  std::vector<Collected> collected_;  // by ray, for counts and lists; else empty
   // The current packet.
+  std::span<const accel::geometry::Ray> rays_;
+  std::array<accel::mesh::HitSinks, accel::wide::kLanes> sinks_;
   accel::wide::GivenRays given_;
   accel::wide::BestHits best_;
   accel::wide::Packet scene_, mesh_;  // the rays in the frame of a tree, and of an instance

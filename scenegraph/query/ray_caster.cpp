@@ -22,10 +22,8 @@ using accel::mesh::OnDeferred;
 
 }  // namespace
 
-/// Lists search for one hit more than is kept: whether hits are cut off is then exact, and does not
-/// depend on where the walk stops.
 RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees), options_(options), list_(std::size_t{options.max_hits} + 1) {
+    : trees_(trees), options_(options), collected_(options.max_hits) {
   static_.instances = &trees_.static_tree;
   static_.removed = trees_.removed;
   dynamic_.instances = &trees_.dynamic_tree;
@@ -44,12 +42,8 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   query_.tmin = ray.tmin;
   query_.tmax = ray.tmax;
   query_.any = kind == QueryKind::kAny;
-  if (kind == QueryKind::kCount) query_.primitives = &primitives_;
-  if (kind == QueryKind::kAll) query_.list = &list_;
-  list_.clear();
-  entered_.clear();
+  static_cast<accel::mesh::HitSinks&>(query_) = collected_.begin(kind);
   frame_ = nullptr;
-  counted_ = 0;
   work_before_ = walked_.steps + walked_.tests;
   // The static tree's center is finite even if the tree is empty.
   valid_ = accel::geometry::set_local_ray(ray.origin - trees_.static_tree.center(), ray.direction,
@@ -104,11 +98,10 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.node = instance.node;
   query_.instance = tree.first + instance.index;
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
-  if (query_.primitives != nullptr) query_.primitives->clear();
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(query_, mesh.owner);
   mesh.tree.query(query_, walked_, tree.built);
-  if (query_.primitives != nullptr) counted_ += query_.primitives->sorted().size();
+  if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }
 
 bool RayCaster::end() {
@@ -143,38 +136,28 @@ Hit RayCaster::hit() const {
   return hit;
 }
 
+RayTally RayCaster::tally() const {
+  if (!valid_) return {.state = HitState::kInvalid};
+  return {.work = work(), .state = query_.found ? HitState::kHit : HitState::kMiss};
+}
+
 RayTally RayCaster::count() {
-  if (!valid_) return {.count = kInvalidCount, .state = HitState::kInvalid};
-  stats_.hits_found += counted_;
-  return {.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(counted_, kMaxCount)),
-          .work = work(),
-          .state = query_.found ? HitState::kHit : HitState::kMiss};
+  RayTally answer = tally();
+  answer.count = valid_ ? collected_.count(stats_) : kInvalidCount;
+  return answer;
 }
 
 RayTally RayCaster::list(std::vector<Hit>& hits) {
-  if (!valid_) return {.state = HitState::kInvalid};
-  std::span<const ListedHit> found = list_.sorted();
-  const bool cut_off = found.size() > options_.max_hits;
-  if (cut_off) {
-    found = found.first(options_.max_hits);
-    ++stats_.cut_off;
-  }
+  RayTally answer = tally();
+  if (!valid_) return answer;
+  const std::span<const ListedHit> found = collected_.list(stats_, answer.cut_off);
   for (const ListedHit& listed : found) hits.push_back(hit_of(listed));
-  stats_.hits_found += found.size();
-  return {.count = static_cast<std::uint32_t>(found.size()),
-          .work = work(),
-          .state = query_.found ? HitState::kHit : HitState::kMiss,
-          .cut_off = cut_off};
+  answer.count = static_cast<std::uint32_t>(found.size());
+  return answer;
 }
 
 Hit RayCaster::hit_of(const ListedHit& listed) const {
-  Hit hit;
-  hit.state = HitState::kHit;
-  hit.t = listed.t;
-  hit.node = listed.node;
-  hit.primitive = listed.primitive;
-  if (options_.surface && !query_.any) set_surface(trees_[listed.instance], *ray_, hit);
-  return hit;
+  return query::hit_of(listed, trees_, *ray_, options_.surface && !query_.any);
 }
 
 TraceStats RayCaster::stats() const {

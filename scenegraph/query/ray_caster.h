@@ -11,6 +11,7 @@
 #include "accel/lazy/walk_lazily.h"
 #include "accel/mesh/mesh_tree.h"
 #include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/collected.h"
 #include "scenegraph/query/entered.h"
 #include "scenegraph/trace_options.h"
 
@@ -82,6 +83,7 @@ class RayCaster {
   bool enter_bounds(TreeEntry& tree) const;
   bool is_seen(const TreeEntry& tree, std::uint32_t id) const;
   accel::geometry::Hit hit_of(const accel::mesh::ListedHit& listed) const;
+  RayTally tally() const;
   std::uint32_t work() const;
 
   accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again
@@ -91,9 +93,7 @@ class RayCaster {
   TraceStats stats_;
   accel::kdtree::WalkCounters walked_;
   // Memory that is used again for each ray.
-  accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
-  accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
-  EnteredOnce entered_;
+  Collected collected_;
   std::vector<accel::kdtree::Reference> pending_;  // references of a searched list not yet visited
   // The current ray.
   const accel::geometry::Ray* ray_ = nullptr;
@@ -102,7 +102,6 @@ class RayCaster {
   std::array<TreeEntry*, 2> by_entry_{};
   const model::Affine* frame_ = nullptr;  // of the instance that the ray entered last
   bool in_frame_ = false;                 // the query's ray is valid in that frame
-  std::uint64_t counted_ = 0;             // hits in the instances so far
   std::uint64_t work_before_ = 0;
 };
 
@@ -154,7 +153,7 @@ class RayCaster::InstanceTest {
     if ((instance.mask & caster_.ray_->mask) == 0 || recent_.contains_or_add(id)) return false;
     if (!caster_.is_seen(tree_, id)) return false;
     if (!accel::kdtree::may_meet(tree_.ray, instance.box, limit())) return false;
-    if (caster_.query_.collects() && !caster_.entered_.add(tree_.first + id)) return false;
+    if (caster_.query_.collects() && !caster_.collected_.enter(tree_.first + id)) return false;
     enter_(instance);
     return caster_.is_done();
   }

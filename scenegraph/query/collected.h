@@ -1,0 +1,45 @@
+// The hits of one ray that asks for more than one: their number, or a list of the nearest.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "accel/mesh/mesh_tree.h"
+#include "scenegraph/query/entered.h"
+#include "scenegraph/trace_options.h"
+
+namespace sightline::scenegraph::query {
+
+/// Keeps its memory for the next ray.
+class Collected {
+ public:
+  /// Lists search for one hit more than is kept: whether hits are cut off is then exact, and does
+  /// not depend on where the walk stops.
+  explicit Collected(std::uint32_t max_hits)
+      : max_hits_(max_hits), list_(std::size_t{max_hits} + 1) {}
+
+  /// Begins a ray, and returns where its hits go: those of all meshes for kAll, and for kCount
+  /// those of one instance. Both null for other kinds.
+  accel::mesh::HitSinks begin(QueryKind kind);
+  /// False: the ray has entered the instance before.
+  bool enter(std::uint32_t instance) { return entered_.add(instance); }
+  /// For kCount: after the mesh of an instance was asked, if the ray has hit anything so far.
+  void end_mesh() {
+    counted_ += primitives_.sorted().size();
+    primitives_.clear();
+  }
+
+  /// kCount: the number of hits, at most kMaxCount. Adds to the statistics.
+  std::uint32_t count(TraceStats& stats) const;
+  /// kAll: the hits that are kept, ascending, and whether others are cut off. Adds as well.
+  std::span<const accel::mesh::ListedHit> list(TraceStats& stats, bool& cut_off);
+
+ private:
+  const std::uint32_t max_hits_;
+  accel::mesh::UniqueHits<accel::mesh::ListedHit> list_;
+  accel::mesh::UniqueHits<std::uint32_t> primitives_;  // hit in the instance that the ray is in
+  EnteredOnce entered_;
+  std::uint64_t counted_ = 0;  // hits in the instances so far
+};
+
+}  // namespace sightline::scenegraph::query
