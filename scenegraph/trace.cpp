@@ -14,6 +14,7 @@
 #include <string>
 
 #include "scenegraph/query/packet_caster.h"
+#include "scenegraph/query/pencil_caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
 
@@ -82,21 +83,42 @@ TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, std::sp
   return caster.stats();
 }
 
+/// Asks for rays that are read later, and for room for their hits.
+void prefetch(std::span<const Ray> rays, std::span<Hit> hits) {
+  constexpr std::size_t kLine = 64;
+  const auto* const read = reinterpret_cast<const char*>(rays.data());
+  for (std::size_t i = 0; i < rays.size_bytes(); i += kLine) __builtin_prefetch(read + i);
+  const auto* const written = reinterpret_cast<const char*>(hits.data());
+  for (std::size_t i = 0; i < hits.size_bytes(); i += kLine) __builtin_prefetch(written + i, 1);
+}
+
 /// Casts the rays of a block in packets; those that packets leave, alone.
 TraceStats cast_in_packets(const instances::OpenTrees& trees, std::span<const Ray> rays,
                            const RayBlock& block, std::span<Hit> hits,
                            const TraceOptions& options) {
-  query::PacketCaster caster(trees, options);
+  query::PencilCaster pencils(trees, options);
+  query::PacketCaster packets(trees, options);
   Answered answered{};
   bool all = true;
+  std::uint32_t by_pencil = 0;  // of the packets that are next
   for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
        i += accel::wide::kLanes) {
+    if ((i - block.first) % query::kPencilRays == 0) {
+      const std::size_t count = std::min(query::kPencilRays, block.end - i);
+      const std::size_t next = i + count, then = std::min(query::kPencilRays, rays.size() - next);
+      prefetch(rays.subspan(next, then), hits.subspan(next, then));
+      by_pencil = pencils.cast(rays.subspan(i, count), hits.subspan(i, count));
+    }
     const std::size_t count = std::min(accel::wide::kLanes, block.end - i);
-    const std::uint32_t done = caster.cast(rays.subspan(i, count), hits.subspan(i, count));
-    answered[(i - block.first) / accel::wide::kLanes] = done;
-    all &= done == (std::uint64_t{1} << count) - 1;
+    const std::uint32_t every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+    std::uint32_t& done = answered[(i - block.first) / accel::wide::kLanes];
+    done =
+        (by_pencil & 1) != 0 ? every : packets.cast(rays.subspan(i, count), hits.subspan(i, count));
+    by_pencil >>= 1;
+    all &= done == every;
   }
-  TraceStats stats = caster.stats();
+  TraceStats stats = pencils.stats();
+  stats += packets.stats();
   if (!all) {
     stats += cast_alone(trees, options.kind, rays, block, answered, options,
                         [&](std::size_t i, const RayCaster& one) { hits[i] = one.hit(); });

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <variant>
 
 #include "accel/geometry/facing.h"
@@ -17,10 +18,7 @@
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
 #include "accel/split/scan_split.h"
-
-namespace sightline::accel::wide {
-struct Packet;
-}
+#include "accel/wide/pencil.h"
 
 namespace sightline::accel::mesh {
 
@@ -83,6 +81,10 @@ class MeshTree {
   void query(wide::Packet& packet, std::uint32_t lanes, lazy::LazyQuery& lazy,
              std::uint32_t& saw_deferred, kdtree::WalkCounters& walked,
              kdtree::BuildCounters& built);
+
+  /// As query() for any or the nearest hits of a pencil in a finished tree: wide::walk_pencil().
+  wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,
+                                 kdtree::WalkCounters& walked);
 
   /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
   /// cancelled.

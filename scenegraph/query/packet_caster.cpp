@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 
 #include "accel/mesh/mesh_tree.h"
-#include "accel/wide/surface.h"
 #include "scenegraph/query/on_deferred.h"
+#include "scenegraph/query/packet_hits.h"
 #include "scenegraph/query/selection.h"
-#include "scenegraph/query/surface.h"
 
 namespace sightline::scenegraph::query {
 namespace {
 
 using accel::geometry::Hit;
-using accel::geometry::HitState;
 using accel::geometry::Ray;
 using accel::wide::kLanes;
 
@@ -197,8 +193,6 @@ PacketCaster::PacketCaster(const instances::OpenTrees& trees, const TraceOptions
 void PacketCaster::read(std::span<const Ray> rays) {
   accel::wide::read(rays, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
-    packet->rays.tmin = given_.tmin;
-    packet->rays.tmax = given_.tmax;
     packet->work.fill(0);
     packet->stopped = false;
   }
@@ -304,56 +298,10 @@ void PacketCaster::write(std::span<const Ray> rays, std::span<Hit> hits) {
   stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
   stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
   stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    Hit& hit = hits[i];
-    const bool valid = (valid_ >> i & 1) != 0, found = valid && (best_.found >> i & 1) != 0;
-    const bool described = found && !scene_.any;
-    hit.t = described ? best_.t[i]
-            : valid   ? accel::geometry::kInfinity
-                      : std::numeric_limits<double>::quiet_NaN();
-    hit.node = described ? best_.node[i] : 0;
-    hit.primitive = described ? best_.primitive[i] : 0;
-    hit.u = hit.v = 0;
-    hit.normal = {};
-    const std::uint32_t work =
-        std::min(scene_.work[i] + mesh_.work[i], accel::geometry::kWorkDeferred - 1);
-    const bool deferred = (saw_deferred_ >> i & 1) != 0;
-    hit.work = valid ? work | (deferred ? accel::geometry::kWorkDeferred : 0) : 0;
-    hit.state = found ? HitState::kHit : valid ? HitState::kMiss : HitState::kInvalid;
-  }
-  if (options_.surface && !scene_.any) set_surfaces(rays, hits);
-}
-
-/// Together for all hits in one instance.
-void PacketCaster::set_surfaces(std::span<const Ray> rays, std::span<Hit> hits) {
-  std::uint32_t left = best_.found & first_lanes(rays.size()) & ~alone_;
-  while (left != 0) {
-    const auto first = static_cast<std::size_t>(std::countr_zero(left));
-    const instances::Instance& instance = trees_[best_.instance[first]];
-    // Trees that this thread has left may be gone once its pin is renewed.
-    if (renewed_ || best_.block[first] == nullptr) {
-      set_surface(instance, rays[first], hits[first]);
-      left &= left - 1;
-      continue;
-    }
-    std::uint32_t same = 0;
-    for (std::size_t i = first; i < rays.size(); ++i) {
-      const bool here = best_.instance[i] == best_.instance[first] && best_.block[i] != nullptr;
-      same |= static_cast<std::uint32_t>(here) << i;
-    }
-    same &= left;
-    left &= ~same;
-    accel::wide::Surfaces surfaces;
-    accel::wide::find_surfaces(given_, best_, instance.local_from_world.m, instance.mirrored, same,
-                               surfaces);
-    for (; same != 0; same &= same - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(same));
-      hits[i].u = surfaces.u[i];
-      hits[i].v = surfaces.v[i];
-      if ((surfaces.no_normal >> i & 1) == 0)
-        hits[i].normal = {surfaces.normal[0][i], surfaces.normal[1][i], surfaces.normal[2][i]};
-    }
-  }
+  for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
+  const PacketHits packet{given_, best_, scene_.work, answered, valid_, saw_deferred_, scene_.any};
+  write_hits(packet, hits);
+  if (options_.surface && !scene_.any) write_surfaces(packet, trees_, !renewed_, rays, hits);
 }
 
 TraceStats PacketCaster::stats() const {

@@ -72,8 +72,6 @@ class PacketCaster {
   std::uint32_t left_to_cast(std::uint32_t lanes) const;
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
   void write(std::span<const accel::geometry::Ray> rays, std::span<accel::geometry::Hit> hits);
-  void set_surfaces(std::span<const accel::geometry::Ray> rays,
-                    std::span<accel::geometry::Hit> hits);
 
   accel::kdtree::EpochPin pin_;  // renewed for each packet
   const instances::OpenTrees trees_;
