@@ -24,7 +24,9 @@ namespace sightline::scenegraph {
 namespace {
 
 using accel::geometry::Hit;
+using accel::geometry::HitColumns;
 using accel::geometry::Ray;
+using accel::geometry::RayColumns;
 using accel::lazy::WhenPending;
 using accel::wide::kLanes;
 using query::PacketCaster;
@@ -74,48 +76,53 @@ bool has(const Answered& answered, std::size_t ray) {
 /// Casts the other rays of a block one by one and calls keep(i, caster) where the answer to rays[i]
 /// is in the caster.
 template <class Keep>
-TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, std::span<const Ray> rays,
+TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, const RayColumns& rays,
                       const RayBlock& block, const Answered& answered, const TraceOptions& options,
                       const Keep& keep) {
   RayCaster caster(trees, options);
   answer_block(caster, block, options.cancelled, [&](std::size_t i, WhenPending when_pending) {
     if (has(answered, i - block.first)) return true;
-    const bool done = cast_ray(caster, kind, rays[i], when_pending);
+    const Ray ray = rays[i];
+    const bool done = cast_ray(caster, kind, ray, when_pending);
     if (done) keep(i, caster);
     return done;
   });
   return caster.stats();
 }
 
-/// Asks for rays that are read later, and for room for their hits.
-void prefetch(std::span<const Ray> rays, std::span<Hit> hits) {
-  constexpr std::size_t kLine = 64;
-  const auto* const read = reinterpret_cast<const char*>(rays.data());
-  for (std::size_t i = 0; i < rays.size_bytes(); i += kLine) __builtin_prefetch(read + i);
-  const auto* const written = reinterpret_cast<const char*>(hits.data());
-  for (std::size_t i = 0; i < hits.size_bytes(); i += kLine) __builtin_prefetch(written + i, 1);
+/// Asks for memory that is read later, or written.
+template <bool kWritten>
+void prefetch(const std::byte* begin, const std::byte* end) {
+  constexpr std::ptrdiff_t kLine = 64;
+  for (; begin < end; begin += kLine) __builtin_prefetch(begin, kWritten);
 }
 
 /// Pencils of the rays of a batch, which write their hits.
 class HitPencils {
  public:
-  HitPencils(const instances::OpenTrees& trees, const TraceOptions& options,
-             std::span<const Ray> rays, std::span<Hit> hits)
-      : caster_(trees, options), rays_(rays), hits_(hits) {}
+  HitPencils(const instances::OpenTrees& trees, const TraceOptions& options, const RayColumns& rays,
+             const HitColumns& hits)
+      : caster_(trees, options, rays, hits), rays_(rays), hits_(hits) {}
 
   /// Returns a bit for each packet of these rays that is answered.
   std::uint32_t cast(std::size_t first, std::size_t count) {
-    const std::size_t next = first + count;
-    const std::size_t then = std::min(query::kPencilRays, rays_.size() - next);
-    prefetch(rays_.subspan(next, then), hits_.subspan(next, then));
-    return caster_.cast(rays_.subspan(first, count), hits_.subspan(first, count));
+    prefetch_from(first + count);
+    return caster_.cast(first, count);
   }
   const TraceStats& stats() const { return caster_.stats(); }
 
  private:
+  /// For the next rays. Structs begin with these columns; the processor foresees narrower ones.
+  void prefetch_from(std::size_t first) const {
+    const std::size_t end = std::min(first + query::kPencilRays, rays_.size);
+    const auto& x = rays_.origin[0];
+    prefetch<false>(x.at(first), x.at(end));
+    if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(first), hits_.t.at(end));
+  }
+
   query::PencilCaster caster_;
-  const std::span<const Ray> rays_;
-  const std::span<Hit> hits_;
+  const RayColumns& rays_;
+  const HitColumns& hits_;
 };
 
 struct NoPencils {
@@ -128,7 +135,7 @@ struct NoPencils {
 /// caster that have a bit in `answered`, and keep_alone(i, RayCaster) for each of the others.
 template <class MakePencils, class Keep, class KeepAlone>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
-                             std::span<const Ray> rays, const TraceOptions& options,
+                             const RayColumns& rays, const TraceOptions& options,
                              const MakePencils& make_pencils, const Keep& keep,
                              const KeepAlone& keep_alone) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
@@ -145,7 +152,7 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
       const auto every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
       std::uint32_t done = every;
       if ((in_pencils & 1) == 0) {
-        done = caster.cast(rays.subspan(i, count));
+        done = caster.cast(rays, {i, count});
         keep(i, done, caster);
       }
       answered[(i - block.first) / kLanes] = done;
@@ -156,13 +163,13 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     if (!all) stats += cast_alone(trees, kind, rays, block, answered, options, keep_alone);
     return stats;
   };
-  return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
+  return trace_blocks(snapshot, rays.size, kRaysPerBlock, options, answer);
 }
 
 NoPencils no_pencils(const instances::OpenTrees&) { return {}; }
 
 /// Appends the hits of the rays of a block, in order.
-TraceStats list_block(const instances::OpenTrees& trees, std::span<const Ray> rays,
+TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
                       const RayBlock& block, std::span<RayTally> tallies, std::vector<Hit>& hits,
                       const TraceOptions& options) {
   PacketCaster caster(trees, QueryKind::kAll, options);
@@ -170,14 +177,15 @@ TraceStats list_block(const instances::OpenTrees& trees, std::span<const Ray> ra
   for (std::size_t first = block.first; first < block.end; first += kLanes) {
     if (is_cancelled(options.cancelled)) break;
     const std::size_t end = std::min(first + kLanes, block.end);
-    const std::uint32_t answered = caster.cast(rays.subspan(first, end - first));
+    const std::uint32_t answered = caster.cast(rays, {first, end - first});
     for (std::size_t i = first; i < end && !is_cancelled(options.cancelled); ++i) {
       if ((answered >> (i - first) & 1) != 0) {
         tallies[i] = caster.list(i - first, hits);
         continue;
       }
       if (!alone) alone.emplace(trees, options);
-      cast_ray(*alone, QueryKind::kAll, rays[i], WhenPending::kWait);
+      const Ray ray = rays[i];
+      cast_ray(*alone, QueryKind::kAll, ray, WhenPending::kWait);
       tallies[i] = alone->list(hits);
     }
   }
@@ -195,23 +203,32 @@ Status check_sizes(std::size_t rays, std::size_t answers) {
 
 }  // namespace
 
-Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray> rays,
-                         std::span<Hit> hits, const TraceOptions& options) {
-  if (const Status good = check_sizes(rays.size(), hits.size()); !good) return good.error();
+Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& rays,
+                         const HitColumns& hits, const TraceOptions& given_options) {
+  TraceOptions options = given_options;
+  options.surface &= hits.has_surface();
+  if (const Status good = check_sizes(rays.size, hits.size); !good) return good.error();
   if (options.kind != QueryKind::kClosest && options.kind != QueryKind::kAny)
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
+  // Rays that are answered alone set only their own bits.
+  if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
   return cast_rays(
       snapshot, options.kind, rays, options,
       [&](const instances::OpenTrees& trees) { return HitPencils(trees, options, rays, hits); },
-      [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
-        if (answered != 0) caster.write(hits.subspan(first));
+      [&](std::size_t, std::uint32_t answered, PacketCaster& caster) {
+        if (answered != 0) caster.write(hits);
       },
-      [&](std::size_t i, const RayCaster& caster) { hits[i] = caster.hit(); });
+      [&](std::size_t i, const RayCaster& caster) { hits.set(i, caster.hit()); });
 }
 
-Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+                         std::span<Hit> hits, const TraceOptions& options) {
+  return trace(snapshot, columns_of(rays), columns_of(hits), options);
+}
+
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot, const RayColumns& rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
-  if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
+  if (const Status good = check_sizes(rays.size, tallies.size()); !good) return good.error();
   return cast_rays(
       snapshot, QueryKind::kCount, rays, options, no_pencils,
       [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
@@ -223,6 +240,11 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<cons
       [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
 }
 
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
+                              std::span<RayTally> tallies, const TraceOptions& options) {
+  return count_hits(snapshot, columns_of(rays), tallies, options);
+}
+
 Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
                              std::span<RayTally> tallies, std::vector<Hit>& hits,
                              const TraceOptions& options) {
@@ -232,12 +254,13 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
   std::vector<std::vector<Hit>> of_blocks((rays.size() + rays_per_block - 1) / rays_per_block);
   // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};
+  const RayColumns columns = columns_of(rays);
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock&) -> TraceStats {
     if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return {};
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
     const std::size_t first = block * rays_per_block;
     const RayBlock part{first, std::min(first + rays_per_block, rays.size())};
-    const TraceStats stats = list_block(trees, rays, part, tallies, of_blocks[block], options);
+    const TraceStats stats = list_block(trees, columns, part, tallies, of_blocks[block], options);
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
     return stats;
   };
@@ -261,7 +284,7 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
     const auto cast = cast_rays(
-        snapshot, kind, part, options, no_pencils, [](std::size_t, std::uint32_t, PacketCaster&) {},
+        snapshot, kind, columns_of(part), options, no_pencils, [](std::size_t, std::uint32_t, PacketCaster&) {},
         [](std::size_t, RayCaster&) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);

@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "accel/geometry/hit_columns.h"
 #include "accel/geometry/ray.h"
+#include "accel/geometry/ray_columns.h"
 #include "accel/result.h"
 #include "scenegraph/query/build.h"
 #include "scenegraph/revision/snapshot.h"
@@ -24,10 +26,21 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot,
                          std::span<const accel::geometry::Ray> rays,
                          std::span<accel::geometry::Hit> hits, const TraceOptions& options);
 
+/// As trace() of arrays, for rays that are read where they lie and hits whose fields are written
+/// where they are asked for. `surface` of the options counts only if weights or normals are asked.
+/// Fields of kAny that only a closest hit has are those of a miss. The numbers of the rays must not
+/// overlap the fields.
+Result<TraceStats> trace(const revision::Snapshot& snapshot,
+                         const accel::geometry::RayColumns& rays,
+                         const accel::geometry::HitColumns& hits, const TraceOptions& options);
+
 /// kCount: tallies[i] is the answer to rays[i]. The memory for a ray is in proportion to its hits
 /// in one mesh, and freed with the block. Errors as of trace().
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
                               std::span<const accel::geometry::Ray> rays,
+                              std::span<RayTally> tallies, const TraceOptions& options);
+Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
+                              const accel::geometry::RayColumns& rays,
                               std::span<RayTally> tallies, const TraceOptions& options);
 
 /// kAll: `hits` becomes the hits of the rays, in the order of the rays; those of rays[i]

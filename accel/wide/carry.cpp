@@ -1,7 +1,6 @@
 // All arithmetic is as in geometry::set_local_ray, and not fused.
 #include "accel/wide/carry.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "accel/geometry/local_ray.h"
@@ -67,91 +66,6 @@ std::uint32_t valid_rays(const GivenRays& given, const geometry::Vec3d& center) 
          in_range(relative(load(given.origin), center), load(given.direction), unit);
 }
 
-/// The first eight numbers of a ray, which are consecutive.
-const double* numbers(const geometry::Ray& ray) { return &ray.origin.x; }
-
-/// The numbers of `count` rays from `first` on; the last ray stands for those behind it.
-template <std::size_t kCount>
-HWY_INLINE std::array<const double*, kCount> rows_of(std::span<const geometry::Ray> rays,
-                                                     std::size_t first) {
-  std::array<const double*, kCount> rows;
-  for (std::size_t i = 0; i < kCount; ++i)
-    rows[i] = numbers(rays[std::min(first + i, rays.size() - 1)]);
-  return rows;
-}
-
-// Rows of numbers become columns. As wide as vectors are: a load that is wider than the stores
-// before it would wait for them.
-#if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void turn(std::span<const geometry::Ray> rays, std::array<double*, 8> columns) {
-  for (std::size_t first = 0; first < kLanes; ++first) {
-    const auto row = rows_of<1>(rays, first);
-    for (std::size_t k = 0; k < 8; ++k) columns[k][first] = row[0][k];
-  }
-}
-#else
-template <class D>
-HWY_INLINE void turn_rows(const D d, const std::array<const double*, 2>& rows,
-                          const std::array<double*, 8>& columns, std::size_t first) {
-  for (std::size_t k = 0; k < 8; k += 2) {
-    const auto a = hn::LoadU(d, rows[0] + k), b = hn::LoadU(d, rows[1] + k);
-    hn::Store(hn::InterleaveLower(d, a, b), d, columns[k] + first);
-    hn::Store(hn::InterleaveUpper(d, a, b), d, columns[k + 1] + first);
-  }
-}
-
-template <class D>
-HWY_INLINE void turn_rows(const D d, const std::array<const double*, 4>& rows,
-                          const std::array<double*, 8>& columns, std::size_t first) {
-  for (std::size_t k = 0; k < 8; k += 4) {
-    const auto a = hn::LoadU(d, rows[0] + k), b = hn::LoadU(d, rows[1] + k),
-               c = hn::LoadU(d, rows[2] + k), e = hn::LoadU(d, rows[3] + k);
-    const auto ab = hn::InterleaveLower(d, a, b), ab_odd = hn::InterleaveUpper(d, a, b),
-               ce = hn::InterleaveLower(d, c, e), ce_odd = hn::InterleaveUpper(d, c, e);
-    hn::Store(hn::ConcatLowerLower(d, ce, ab), d, columns[k] + first);
-    hn::Store(hn::ConcatLowerLower(d, ce_odd, ab_odd), d, columns[k + 1] + first);
-    hn::Store(hn::ConcatUpperUpper(d, ce, ab), d, columns[k + 2] + first);
-    hn::Store(hn::ConcatUpperUpper(d, ce_odd, ab_odd), d, columns[k + 3] + first);
-  }
-}
-
-template <class D>
-HWY_INLINE void turn_rows(const D d, const std::array<const double*, 8>& rows,
-                          const std::array<double*, 8>& columns, std::size_t first) {
-  using V = hn::Vec<D>;
-  // Of pairs of rows: the even columns, then the odd ones; two columns of a pair are a block.
-  V pairs[2][4];
-  // In this order, halves that are put together and then mixed by blocks are in the rows' order.
-  constexpr std::size_t kOrder[4] = {0, 4, 2, 6};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const V a = hn::LoadU(d, rows[kOrder[i]]), b = hn::LoadU(d, rows[kOrder[i] + 1]);
-    pairs[0][i] = hn::InterleaveLower(d, a, b);
-    pairs[1][i] = hn::InterleaveUpper(d, a, b);
-  }
-  for (std::size_t odd = 0; odd < 2; ++odd) {
-    const V* p = pairs[odd];
-    const auto mix = [&](const V& x, const V& y, std::size_t k) {
-      hn::Store(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(y), x), d, columns[k + odd] + first);
-      hn::Store(hn::OddEvenBlocks(y, hn::SwapAdjacentBlocks(x)), d, columns[k + 2 + odd] + first);
-    };
-    mix(hn::ConcatLowerLower(d, p[1], p[0]), hn::ConcatLowerLower(d, p[3], p[2]), 0);
-    mix(hn::ConcatUpperUpper(d, p[1], p[0]), hn::ConcatUpperUpper(d, p[3], p[2]), 4);
-  }
-}
-
-HWY_INLINE void turn(std::span<const geometry::Ray> rays, const std::array<double*, 8>& columns) {
-  constexpr std::size_t kPer = Doubles::kPer;
-  for (std::size_t first = 0; first < kLanes; first += kPer)
-    turn_rows(Doubles::D(), rows_of<kPer>(rays, first), columns, first);
-}
-#endif
-
-void read_rays(std::span<const geometry::Ray> rays, GivenRays& out) {
-  turn(rays,
-       {out.origin[0].data(), out.origin[1].data(), out.origin[2].data(), out.direction[0].data(),
-        out.direction[1].data(), out.direction[2].data(), out.tmin.data(), out.tmax.data()});
-}
-
 HWY_INLINE std::uint32_t set_rays(const GivenRays& given, const Vectors& origin,
                                   const Vectors& direction, Rays& out) {
   Doubles unit;
@@ -190,15 +104,7 @@ namespace sightline::accel::wide {
 
 HWY_EXPORT(carry_rays);
 HWY_EXPORT(center_rays);
-HWY_EXPORT(read_rays);
 HWY_EXPORT(valid_rays);
-
-void read(std::span<const geometry::Ray> rays, GivenRays& out) {
-  static_assert(offsetof(geometry::Ray, direction) == 3 * sizeof(double) &&
-                offsetof(geometry::Ray, tmin) == 6 * sizeof(double) &&
-                offsetof(geometry::Ray, tmax) == 7 * sizeof(double));
-  HWY_DYNAMIC_DISPATCH(read_rays)(rays, out);
-}
 
 std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::uint32_t lanes) {
   return lanes & HWY_DYNAMIC_DISPATCH(valid_rays)(given, center);

@@ -3,21 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
-#include "accel/geometry/ray.h"
+#include "accel/geometry/vec3.h"
+#include "accel/wide/given_rays.h"
 #include "accel/wide/packet.h"
 
 namespace sightline::accel::wide {
-
-/// Rays as they were asked, in columns.
-struct GivenRays {
-  std::array<Column<double>, 3> origin, direction;
-  Column<double> tmin, tmax;
-};
-
-/// Sets the columns from at most kLanes rays, at least one; the others repeat the last.
-void read(std::span<const geometry::Ray> rays, GivenRays& out);
 
 /// The rays of `lanes` that are valid: their limits are numbers, and geometry::set_local_ray
 /// succeeds relative to `center`.

@@ -47,6 +47,9 @@ struct Lanes {
   HWY_INLINE void store(T* to) const {
     for (std::size_t i = 0; i < kVectors; ++i) hn::Store(v[i], D(), to + i * kPer);
   }
+  HWY_INLINE void store_unaligned(T* to) const {
+    for (std::size_t i = 0; i < kVectors; ++i) hn::StoreU(v[i], D(), to + i * kPer);
+  }
 
   template <class Compare>
   static HWY_INLINE std::uint32_t bits(const Compare& compare) {

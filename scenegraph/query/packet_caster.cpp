@@ -14,8 +14,9 @@ namespace sightline::scenegraph::query {
 namespace {
 
 using accel::geometry::Hit;
+using accel::geometry::HitColumns;
 using accel::geometry::HitState;
-using accel::geometry::Ray;
+using accel::geometry::RayColumns;
 using accel::wide::kLanes;
 
 std::uint32_t first_lanes(std::size_t count) {
@@ -198,20 +199,30 @@ PacketCaster::PacketCaster(const instances::OpenTrees& trees, QueryKind kind,
   }
 }
 
+void PacketCaster::read_masks() {
+  const accel::geometry::MaskColumn& column = rays_->mask;
+  if (column.stride == 0) {
+    masks_.fill(column[0]);
+    see_all_ = masks_[0] == accel::geometry::kAllMasks;
+    return;
+  }
+  std::uint32_t all = accel::geometry::kAllMasks;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    masks_[i] = column[range_.first + std::min(i, range_.count - 1)];
+    all &= masks_[i];
+  }
+  see_all_ = all == accel::geometry::kAllMasks;
+}
+
 void PacketCaster::read() {
-  accel::wide::read(rays_, given_);
+  accel::wide::read(*rays_, range_.first, range_.count, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
     packet->work.fill(0);
     packet->stopped = false;
   }
-  std::uint32_t all = accel::geometry::kAllMasks;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    masks_[i] = rays_[std::min(i, rays_.size() - 1)].mask;
-    all &= masks_[i];
-  }
-  see_all_ = all == accel::geometry::kAllMasks;
+  read_masks();
   best_.clear();
-  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(rays_.size()));
+  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(range_.count));
   alone_ = saw_deferred_ = 0;
   renewed_ = false;
   frame_ = nullptr;
@@ -223,9 +234,10 @@ void PacketCaster::read() {
   for (std::size_t i = 0; i < collected_.size(); ++i) sinks_[i] = collected_[i].begin(kind_);
 }
 
-std::uint32_t PacketCaster::cast(std::span<const Ray> rays) {
+std::uint32_t PacketCaster::cast(const RayColumns& rays, PacketRange range) {
   pin_.renew();
-  rays_ = rays;
+  rays_ = &rays;
+  range_ = range;
   read();
   if (trees_.static_tree.size() > 0)
     walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
@@ -237,7 +249,7 @@ std::uint32_t PacketCaster::cast(std::span<const Ray> rays) {
 }
 
 std::uint32_t PacketCaster::end() {
-  const std::uint32_t answered = first_lanes(rays_.size()) & ~alone_;
+  const std::uint32_t answered = first_lanes(range_.count) & ~alone_;
   stats_.rays += static_cast<std::uint64_t>(std::popcount(answered));
   stats_.invalid += static_cast<std::uint64_t>(std::popcount(answered & ~valid_));
   stats_.hits += static_cast<std::uint64_t>(std::popcount(answered & best_.found));
@@ -349,20 +361,22 @@ RayTally PacketCaster::count(std::size_t ray) {
 RayTally PacketCaster::list(std::size_t ray, std::vector<Hit>& hits) {
   RayTally tally{.work = work(ray), .state = state(ray)};
   if (tally.state != HitState::kHit) return tally;
+  const accel::geometry::Ray given = (*rays_)[range_.first + ray];
   const std::span<const accel::mesh::ListedHit> found = collected_[ray].list(stats_, tally.cut_off);
   for (const accel::mesh::ListedHit& listed : found)
-    hits.push_back(hit_of(listed, trees_, rays_[ray], options_.surface));
+    hits.push_back(hit_of(listed, trees_, given, options_.surface));
   tally.count = static_cast<std::uint32_t>(found.size());
   return tally;
 }
 
-void PacketCaster::write(std::span<Hit> hits) {
+void PacketCaster::write(const HitColumns& hits) {
   for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
-  const PacketHits packet{given_, best_,         scene_.work, first_lanes(rays_.size()) & ~alone_,
-                          valid_, saw_deferred_, scene_.any};
-  write_hits(packet, hits);
+  const accel::wide::Outcome outcome{best_,  scene_.work,   first_lanes(range_.count) & ~alone_,
+                                     valid_, saw_deferred_, scene_.any};
+  accel::wide::write(outcome, hits, range_.first);
   // Trees that this thread has left may be gone once its pin is renewed.
-  if (options_.surface && !scene_.any) write_surfaces(packet, trees_, !renewed_, rays_, hits);
+  if (options_.surface && !scene_.any)
+    write_surfaces({given_, outcome, range_, !renewed_}, trees_, *rays_, hits);
 }
 
 TraceStats PacketCaster::stats() const {

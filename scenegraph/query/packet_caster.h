@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "accel/kdtree/epoch.h"
@@ -15,6 +14,7 @@
 #include "accel/wide/walk.h"
 #include "scenegraph/instances/scene_trees.h"
 #include "scenegraph/query/collected.h"
+#include "scenegraph/query/packet_hits.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
@@ -52,13 +52,13 @@ class PacketCaster {
   PacketCaster(const PacketCaster&) = delete;
   PacketCaster& operator=(const PacketCaster&) = delete;
 
-  /// Casts rays, at most wide::kLanes of them, which must outlive their answers. Returns a bit for
-  /// each that is answered; the others must be cast alone: they need a cell that others build, or
-  /// lie beyond the range of floats.
-  std::uint32_t cast(std::span<const accel::geometry::Ray> rays);
+  /// Casts a range of rays, which must outlive their answers. Returns a bit for each that is
+  /// answered; the others must be cast alone: they need a cell that others build, or lie beyond the
+  /// range of floats.
+  std::uint32_t cast(const accel::geometry::RayColumns& rays, PacketRange range);
 
-  /// kClosest and kAny: sets the hits of all rays; those that are not answered mean nothing.
-  void write(std::span<accel::geometry::Hit> hits);
+  /// kClosest and kAny: writes the hits of the answered rays to their rows.
+  void write(const accel::geometry::HitColumns& hits);
   /// kCount: the number of hits of an answered ray.
   RayTally count(std::size_t ray);
   /// kAll: appends the nearest max_hits hits of an answered ray in order.
@@ -71,6 +71,7 @@ class PacketCaster {
   class SceneSlots;
 
   void read();
+  void read_masks();
   std::uint32_t end();
   void walk_tree(const instances::Instances& tree, std::uint32_t first,
                  const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
@@ -93,7 +94,8 @@ class PacketCaster {
   TraceStats stats_;
   std::vector<Collected> collected_;  // by ray, for counts and lists; else empty
   // The current packet.
-  std::span<const accel::geometry::Ray> rays_;
+  const accel::geometry::RayColumns* rays_ = nullptr;
+  PacketRange range_;
   std::array<accel::mesh::HitSinks, accel::wide::kLanes> sinks_;
   accel::wide::GivenRays given_;
   accel::wide::BestHits best_;

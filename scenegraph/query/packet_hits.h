@@ -1,34 +1,32 @@
-// From the best hits of a packet to the answers.
+// The weights and normals of a packet's hits.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <cstddef>
 
-#include "accel/geometry/ray.h"
-#include "accel/wide/carry.h"
-#include "accel/wide/packet.h"
+#include "accel/geometry/hit_columns.h"
+#include "accel/geometry/ray_columns.h"
+#include "accel/wide/answers.h"
+#include "accel/wide/given_rays.h"
 #include "scenegraph/instances/scene_trees.h"
 
 namespace sightline::scenegraph::query {
 
-/// What is known of a packet's rays when they have been cast.
-struct PacketHits {
-  const accel::wide::GivenRays& given;
-  const accel::wide::BestHits& best;
-  const accel::wide::Column<std::uint32_t>& work;
-  std::uint32_t answered = 0;      ///< The rays to write.
-  std::uint32_t valid = 0;         ///< The rays that are not invalid.
-  std::uint32_t saw_deferred = 0;  ///< See Hit::work.
-  bool any = false;
+/// Rays of a batch, at most wide::kLanes of them.
+struct PacketRange {
+  std::size_t first = 0, count = 0;
 };
 
-/// Writes all of the answers but the hits' surfaces.
-void write_hits(const PacketHits& packet, std::span<accel::geometry::Hit> hits);
+/// A packet that has been cast for the closest hits.
+struct CastPacket {
+  const accel::wide::GivenRays& given;
+  const accel::wide::Outcome& outcome;
+  PacketRange range;
+  bool trees_kept = false;  ///< Blocks that hits lie in are still there.
+};
 
-/// Writes weights and normals; together for all hits in one instance. `trees_kept`: blocks that
-/// hits lie in are still there.
-void write_surfaces(const PacketHits& packet, const instances::OpenTrees& trees, bool trees_kept,
-                    std::span<const accel::geometry::Ray> rays,
-                    std::span<accel::geometry::Hit> hits);
+/// Writes weights and normals, as far as they are asked for; together for all hits in one instance.
+void write_surfaces(const CastPacket& packet, const instances::OpenTrees& trees,
+                    const accel::geometry::RayColumns& rays,
+                    const accel::geometry::HitColumns& hits);
 
 }  // namespace sightline::scenegraph::query

@@ -4,15 +4,15 @@
 #include <bit>
 
 #include "accel/mesh/mesh_tree.h"
+#include "accel/wide/carry.h"
 #include "scenegraph/query/on_deferred.h"
-#include "scenegraph/query/packet_hits.h"
 #include "scenegraph/query/selection.h"
 
 namespace sightline::scenegraph::query {
 namespace {
 
-using accel::geometry::Hit;
-using accel::geometry::Ray;
+using accel::geometry::HitColumns;
+using accel::geometry::RayColumns;
 using accel::wide::kLanes;
 using accel::wide::Packet;
 
@@ -29,10 +29,29 @@ const instances::Instance* find_only(const instances::OpenTrees& trees,
   return &tree[root.leaf_first()];
 }
 
+/// The rays of a packet that see an instance.
+std::uint32_t seeing(const accel::geometry::MaskColumn& masks, PacketRange range,
+                     std::uint32_t mask) {
+  const auto all = static_cast<std::uint32_t>((std::uint64_t{1} << range.count) - 1);
+  if (masks.stride == 0) return (masks[0] & mask) != 0 ? all : 0;
+  std::uint32_t common = mask;
+  for (std::size_t i = 0; i < range.count; ++i) common &= masks[range.first + i];
+  if (common != 0) return all;
+  std::uint32_t lanes = 0;
+  for (std::size_t i = 0; i < range.count; ++i)
+    lanes |= static_cast<std::uint32_t>((masks[range.first + i] & mask) != 0) << i;
+  return lanes;
+}
+
 }  // namespace
 
-PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options)
-    : trees_(trees), options_(options), only_(find_only(trees, options)) {
+PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options,
+                           const RayColumns& rays, const HitColumns& hits)
+    : trees_(trees),
+      options_(options),
+      rays_(rays),
+      hits_(hits),
+      only_(find_only(trees, options)) {
   if (only_ == nullptr) return;
   for (std::size_t p = 0; p < packets_.size(); ++p) {
     Packet& packet = packets_[p];
@@ -44,19 +63,19 @@ PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions
   }
 }
 
-std::uint32_t PencilCaster::cast(std::span<const Ray> rays, std::span<Hit> hits) {
+std::uint32_t PencilCaster::cast(std::size_t first, std::size_t count) {
   if (only_ == nullptr) return 0;
   if (to_skip_ > 0) {
     --to_skip_;
     return 0;
   }
   pin_.renew();
-  const std::size_t packets = (rays.size() + kLanes - 1) / kLanes;
-  const Lanes lanes = read(rays);
+  const std::size_t packets = (count + kLanes - 1) / kLanes;
+  const Lanes lanes = read(first, count);
   accel::kdtree::WalkCounters walked;
   const Lanes done = only_->mesh->owned_tree().tree.query_pencil(std::span(packets_).first(packets),
                                                                  lanes, walked);
-  const std::uint32_t answered = write(rays, hits, done);
+  const std::uint32_t answered = write(first, count, done);
   to_skip_ = failed_;
   failed_ = answered == 0 ? 2 * failed_ + 2 : 0;
   if (answered == 0) return 0;
@@ -69,40 +88,37 @@ std::uint32_t PencilCaster::cast(std::span<const Ray> rays, std::span<Hit> hits)
 }
 
 /// Returns the rays in the instance's frame that are valid and see it.
-PencilCaster::Lanes PencilCaster::read(std::span<const Ray> rays) {
+PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
   Lanes lanes{};
-  for (std::size_t first = 0, p = 0; first < rays.size(); first += kLanes, ++p) {
-    const std::span<const Ray> part = rays.subspan(first, std::min(kLanes, rays.size() - first));
-    std::uint32_t seeing = 0;
-    for (std::size_t i = 0; i < part.size(); ++i)
-      seeing |= static_cast<std::uint32_t>((part[i].mask & only_->mask) != 0) << i;
+  for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
+    const PacketRange range{first + i, std::min(kLanes, count - i)};
     accel::wide::GivenRays& given = given_[p];
     Packet& packet = packets_[p];
-    accel::wide::read(part, given);
+    accel::wide::read(rays_, range.first, range.count, given);
     packet.work.fill(0);
     best_[p].clear();
-    const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree.center(), seeing);
+    const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree.center(),
+                                                   seeing(rays_.mask, range, only_->mask));
     lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
 }
 
-std::uint32_t PencilCaster::write(std::span<const Ray> rays, std::span<Hit> hits,
-                                  const Lanes& done) {
+std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const Lanes& done) {
   std::uint32_t answered = 0;
-  for (std::size_t first = 0, p = 0; first < rays.size(); first += kLanes, ++p) {
-    const std::size_t count = std::min(kLanes, rays.size() - first);
+  for (std::size_t i = 0, p = 0; i < count; i += kLanes, ++p) {
+    const PacketRange range{first + i, std::min(kLanes, count - i)};
     const std::uint32_t lanes = done[p];
-    if (lanes != (std::uint64_t{1} << count) - 1) continue;
+    if (lanes != (std::uint64_t{1} << range.count) - 1) continue;
     answered |= 1u << p;
-    const PacketHits packet{given_[p], best_[p], packets_[p].work, lanes,
-                            lanes,     0,        packets_[p].any};
-    write_hits(packet, hits.subspan(first, count));
-    if (options_.surface && !packet.any)
-      write_surfaces(packet, trees_, true, rays.subspan(first, count), hits.subspan(first, count));
-    stats_.rays += count;
+    const accel::wide::Outcome outcome{best_[p], packets_[p].work, lanes,
+                                       lanes,    0,                packets_[p].any};
+    accel::wide::write(outcome, hits_, range.first);
+    if (options_.surface && !packets_[p].any)
+      write_surfaces({given_[p], outcome, range, true}, trees_, rays_, hits_);
+    stats_.rays += range.count;
     stats_.hits += static_cast<std::uint64_t>(std::popcount(best_[p].found));
-    stats_.instances_entered += count;
+    stats_.instances_entered += range.count;
   }
   return answered;
 }

@@ -3,13 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "accel/kdtree/epoch.h"
-#include "accel/wide/carry.h"
+#include "accel/wide/given_rays.h"
 #include "accel/wide/packet.h"
 #include "accel/wide/pencil.h"
 #include "scenegraph/instances/scene_trees.h"
+#include "scenegraph/query/packet_hits.h"
 #include "scenegraph/trace_options.h"
 
 namespace sightline::scenegraph::query {
@@ -19,15 +19,16 @@ inline constexpr std::size_t kPencilRays = accel::wide::kPencilPackets * accel::
 /// For one block of rays, on one thread, which it pins to an epoch.
 class PencilCaster {
  public:
-  PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options);
+  /// The columns must outlive the caster.
+  PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options,
+               const accel::geometry::RayColumns& rays, const accel::geometry::HitColumns& hits);
   PencilCaster(const PencilCaster&) = delete;
   PencilCaster& operator=(const PencilCaster&) = delete;
 
-  /// Answers rays, at most kPencilRays of them, in packets of wide::kLanes. Returns a bit for each
-  /// packet that is answered; the others have rays that are not of the pencil, or a pencil does not
-  /// suit them.
-  std::uint32_t cast(std::span<const accel::geometry::Ray> rays,
-                     std::span<accel::geometry::Hit> hits);
+  /// Answers `count` rays, the first on, at most kPencilRays of them, in packets of wide::kLanes.
+  /// Returns a bit for each packet that is answered; the others have rays that are not of the
+  /// pencil, or a pencil does not suit them.
+  std::uint32_t cast(std::size_t first, std::size_t count);
 
   /// Of all rays answered.
   const TraceStats& stats() const { return stats_; }
@@ -35,13 +36,14 @@ class PencilCaster {
  private:
   using Lanes = accel::wide::PencilLanes;
 
-  Lanes read(std::span<const accel::geometry::Ray> rays);
-  std::uint32_t write(std::span<const accel::geometry::Ray> rays,
-                      std::span<accel::geometry::Hit> hits, const Lanes& done);
+  Lanes read(std::size_t first, std::size_t count);
+  std::uint32_t write(std::size_t first, std::size_t count, const Lanes& done);
 
   accel::kdtree::EpochPin pin_;  // renewed for each pencil
   const instances::OpenTrees trees_;
   const TraceOptions options_;
+  const accel::geometry::RayColumns& rays_;
+  const accel::geometry::HitColumns& hits_;
   const instances::Instance* only_ = nullptr;  // null: pencils do not suit the revision
   TraceStats stats_;
   // After a failure, as many groups of rays are not tried; twice as many and one after the next.
