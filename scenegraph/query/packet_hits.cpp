@@ -14,25 +14,34 @@ using accel::geometry::Hit;
 using accel::geometry::HitState;
 using accel::geometry::Ray;
 
+namespace {
+
+/// x where the bit of `lane` is set, else 0.
+template <class T>
+T if_set(std::uint32_t lanes, std::size_t lane, T x) {
+  return x & (T{0} - static_cast<T>(lanes >> lane & 1));
+}
+
+}  // namespace
+
 void write_hits(const PacketHits& packet, std::span<Hit> hits) {
   const accel::wide::BestHits& best = packet.best;
   const std::uint32_t found = best.found & packet.valid, described = packet.any ? 0 : found;
+  constexpr double kNone[] = {std::numeric_limits<double>::quiet_NaN(), accel::geometry::kInfinity};
   for (std::uint32_t left = packet.answered; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
-    const bool has_hit = (described >> i & 1) != 0, valid = (packet.valid >> i & 1) != 0;
+    const std::uint32_t valid = packet.valid >> i & 1;
+    const std::uint32_t work = std::min(packet.work[i], accel::geometry::kWorkDeferred - 1);
     Hit& out = hits[i];  // number by number: a copy would wait for what was just stored
-    out.t = has_hit ? best.t[i]
-            : valid ? accel::geometry::kInfinity
-                    : std::numeric_limits<double>::quiet_NaN();
-    out.node = has_hit ? best.node[i] : 0;
-    out.primitive = has_hit ? best.primitive[i] : 0;
+    out.t = (described >> i & 1) != 0 ? best.t[i] : kNone[valid];
+    out.node = if_set(described, i, best.node[i]);
+    out.primitive = if_set(described, i, best.primitive[i]);
     out.u = out.v = 0;
     out.normal = {};
-    const std::uint32_t work = std::min(packet.work[i], accel::geometry::kWorkDeferred - 1);
-    const bool deferred = (packet.saw_deferred >> i & 1) != 0;
-    out.work = valid ? work | (deferred ? accel::geometry::kWorkDeferred : 0) : 0;
+    out.work = if_set(packet.valid, i,
+                      work | if_set(packet.saw_deferred, i, accel::geometry::kWorkDeferred));
     out.state = (found >> i & 1) != 0 ? HitState::kHit
-                : valid               ? HitState::kMiss
+                : valid != 0          ? HitState::kMiss
                                       : HitState::kInvalid;
   }
 }

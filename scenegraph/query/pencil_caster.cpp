@@ -29,6 +29,17 @@ const instances::Instance* find_only(const instances::OpenTrees& trees,
   return &tree[root.leaf_first()];
 }
 
+/// The rays that see an instance.
+std::uint32_t seeing(std::span<const Ray> rays, std::uint32_t mask) {
+  std::uint32_t common = mask;
+  for (const Ray& ray : rays) common &= ray.mask;
+  if (common != 0) return static_cast<std::uint32_t>((std::uint64_t{1} << rays.size()) - 1);
+  std::uint32_t lanes = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    lanes |= static_cast<std::uint32_t>((rays[i].mask & mask) != 0) << i;
+  return lanes;
+}
+
 }  // namespace
 
 PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options)
@@ -73,15 +84,13 @@ PencilCaster::Lanes PencilCaster::read(std::span<const Ray> rays) {
   Lanes lanes{};
   for (std::size_t first = 0, p = 0; first < rays.size(); first += kLanes, ++p) {
     const std::span<const Ray> part = rays.subspan(first, std::min(kLanes, rays.size() - first));
-    std::uint32_t seeing = 0;
-    for (std::size_t i = 0; i < part.size(); ++i)
-      seeing |= static_cast<std::uint32_t>((part[i].mask & only_->mask) != 0) << i;
     accel::wide::GivenRays& given = given_[p];
     Packet& packet = packets_[p];
     accel::wide::read(part, given);
     packet.work.fill(0);
     best_[p].clear();
-    const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree.center(), seeing);
+    const std::uint32_t valid =
+        accel::wide::valid(given, trees_.static_tree.center(), seeing(part, only_->mask));
     lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
   }
   return lanes;
