@@ -17,6 +17,7 @@
 #include <string>
 
 #include "scenegraph/query/packet_caster.h"
+#include "scenegraph/query/pencil_caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
 
@@ -87,31 +88,79 @@ TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, std::sp
   return caster.stats();
 }
 
-/// Casts every ray, in packets as far as those go. Calls keep(first, answered, PacketCaster) where
-/// the answers to the rays from the first on are in the caster that have a bit in `answered`, and
-/// keep_alone(i, RayCaster) for each of the others.
-template <class Keep, class KeepAlone>
+/// Asks for rays that are read later, and for room for their hits.
+void prefetch(std::span<const Ray> rays, std::span<Hit> hits) {
+  constexpr std::size_t kLine = 64;
+  const auto* const read = reinterpret_cast<const char*>(rays.data());
+  for (std::size_t i = 0; i < rays.size_bytes(); i += kLine) __builtin_prefetch(read + i);
+  const auto* const written = reinterpret_cast<const char*>(hits.data());
+  for (std::size_t i = 0; i < hits.size_bytes(); i += kLine) __builtin_prefetch(written + i, 1);
+}
+
+/// Pencils of the rays of a batch, which write their hits.
+class HitPencils {
+ public:
+  HitPencils(const instances::OpenTrees& trees, const TraceOptions& options,
+             std::span<const Ray> rays, std::span<Hit> hits)
+      : caster_(trees, options), rays_(rays), hits_(hits) {}
+
+  /// Returns a bit for each packet of these rays that is answered.
+  std::uint32_t cast(std::size_t first, std::size_t count) {
+    const std::size_t next = first + count;
+    const std::size_t then = std::min(query::kPencilRays, rays_.size() - next);
+    prefetch(rays_.subspan(next, then), hits_.subspan(next, then));
+    return caster_.cast(rays_.subspan(first, count), hits_.subspan(first, count));
+  }
+  const TraceStats& stats() const { return caster_.stats(); }
+
+ private:
+  query::PencilCaster caster_;
+  const std::span<const Ray> rays_;
+  const std::span<Hit> hits_;
+};
+
+struct NoPencils {
+  static std::uint32_t cast(std::size_t, std::size_t) { return 0; }
+  static TraceStats stats() { return {}; }
+};
+
+/// Casts every ray, in packets as far as those go, or in pencils(OpenTrees). Calls
+/// keep(first, answered, PacketCaster) where the answers to the rays from the first on are in the
+/// caster that have a bit in `answered`, and keep_alone(i, RayCaster) for each of the others.
+template <class MakePencils, class Keep, class KeepAlone>
 Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
                              std::span<const Ray> rays, const TraceOptions& options,
-                             const Keep& keep, const KeepAlone& keep_alone) {
+                             const MakePencils& make_pencils, const Keep& keep,
+                             const KeepAlone& keep_alone) {
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock& block) {
     PacketCaster caster(trees, kind, options);
+    auto pencils = make_pencils(trees);
     Answered answered{};
     bool all = true;
+    std::uint32_t in_pencils = 0;  // a bit for each of the next packets
     for (std::size_t i = block.first; i < block.end && !is_cancelled(options.cancelled);
-         i += kLanes) {
+         i += kLanes, in_pencils >>= 1) {
+      if ((i - block.first) % query::kPencilRays == 0)
+        in_pencils = pencils.cast(i, std::min(query::kPencilRays, block.end - i));
       const std::size_t count = std::min(kLanes, block.end - i);
-      const std::uint32_t done = caster.cast(rays.subspan(i, count));
-      keep(i, done, caster);
+      const auto every = static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+      std::uint32_t done = every;
+      if ((in_pencils & 1) == 0) {
+        done = caster.cast(rays.subspan(i, count));
+        keep(i, done, caster);
+      }
       answered[(i - block.first) / kLanes] = done;
-      all &= done == (std::uint64_t{1} << count) - 1;
+      all &= done == every;
     }
     TraceStats stats = caster.stats();
+    stats += pencils.stats();
     if (!all) stats += cast_alone(trees, kind, rays, block, answered, options, keep_alone);
     return stats;
   };
   return trace_blocks(snapshot, rays.size(), kRaysPerBlock, options, answer);
 }
+
+NoPencils no_pencils(const instances::OpenTrees&) { return {}; }
 
 /// Appends the hits of the rays of a block, in order.
 TraceStats list_block(const instances::OpenTrees& trees, std::span<const Ray> rays,
@@ -154,6 +203,7 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
   return cast_rays(
       snapshot, options.kind, rays, options,
+      [&](const instances::OpenTrees& trees) { return HitPencils(trees, options, rays, hits); },
       [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
         if (answered != 0) caster.write(hits.subspan(first));
       },
@@ -164,7 +214,7 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<cons
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size(), tallies.size()); !good) return good.error();
   return cast_rays(
-      snapshot, QueryKind::kCount, rays, options,
+      snapshot, QueryKind::kCount, rays, options, no_pencils,
       [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
         for (; answered != 0; answered &= answered - 1) {
           const auto lane = static_cast<std::size_t>(std::countr_zero(answered));
@@ -212,7 +262,7 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
     const auto cast = cast_rays(
-        snapshot, kind, part, options, [](std::size_t, std::uint32_t, PacketCaster&) {},
+        snapshot, kind, part, options, no_pencils, [](std::size_t, std::uint32_t, PacketCaster&) {},
         [](std::size_t, RayCaster&) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);

@@ -50,6 +50,19 @@ void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuer
            [&](LaneQuery& alone) { this->query(alone.query, query.walked, query.built); });
 }
 
+wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
+                                         const wide::PencilLanes& lanes,
+                                         kdtree::WalkCounters& walked) {
+  auto* tree = std::get_if<lazy::LazyTree>(&tree_);
+  if (tree == nullptr || !tree->makes_blocks()) return {};
+  wide::WalkTotals totals;
+  const wide::PencilLanes done =
+      wide::walk_pencil(packets, *tree->frame(), tree->entry(), lanes, totals);
+  walked.steps += totals.nodes;
+  walked.tests += totals.triangles;
+  return done;
+}
+
 void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
   if (!tree.is_built() && test.query.on_deferred == OnDeferred::kExpand) tree.build(built);
   if (tree.is_built()) return tree.query(test);

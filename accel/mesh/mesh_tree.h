@@ -18,10 +18,7 @@
 #include "accel/mesh/unique_hits.h"
 #include "accel/mesh/whole_tree.h"
 #include "accel/split/scan_split.h"
-
-namespace sightline::accel::wide {
-struct Packet;
-}
+#include "accel/wide/pencil.h"
 
 namespace sightline::accel::mesh {
 
@@ -96,6 +93,10 @@ class MeshTree {
 
   /// As query() for those rays of the packet.
   void query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query);
+
+  /// As query() for any or the nearest hits of a pencil in a finished tree: wide::walk_pencil().
+  wide::PencilLanes query_pencil(std::span<wide::Packet> packets, const wide::PencilLanes& lanes,
+                                 kdtree::WalkCounters& walked);
 
   /// Expands every cell, or until `cancelled`. Building a whole tree that has begun is not
   /// cancelled.

@@ -26,8 +26,8 @@ std::uint32_t valid(const GivenRays& given, const geometry::Vec3d& center, std::
 /// A 3x4 matrix by rows, as of an affine transform.
 using Matrix = std::array<double, 12>;
 
-/// Sets origin, direction and unit of `out`, as geometry::set_local_ray does for each transformed
-/// ray, bit for bit. Returns those of `lanes` for which that succeeds.
+/// Sets `out`: origin, direction and unit as geometry::set_local_ray does for each transformed ray,
+/// bit for bit; the limits are the same. Returns those of `lanes` for which that succeeds.
 std::uint32_t carry(const GivenRays& given, const Matrix& matrix, std::uint32_t lanes, Rays& out);
 
 /// As carry() for a translation by -center.

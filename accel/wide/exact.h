@@ -43,4 +43,7 @@ void remember(Packet& packet, std::size_t lane, const std::uint32_t* block, std:
 /// Decides all that these rays remember, several at a time.
 void settle(Packet& packet, std::uint32_t lanes);
 
+/// As settle() for rays with one origin.
+void settle_from_origin(Packet& packet, std::uint32_t lanes);
+
 }  // namespace sightline::accel::wide

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "accel/geometry/intersect.h"
 
@@ -151,7 +152,9 @@ class Preparing {
     const auto local = [&](const Doubles& t) {
       return to_floats(max(least, min(most, t * per_unit)));
     };
-    const Doubles tmax = Doubles::load(rays.tmax.data());
+    // A hit whose t is too large for a double is none.
+    const Doubles tmax =
+        min(Doubles::load(rays.tmax.data()), Doubles::set(std::numeric_limits<double>::max()));
     const Floats begin = local(Doubles::load(rays.tmin.data())), end = local(tmax);
     const Floats best = local(min(tmax, Doubles::load(packet_.best->t.data())));
     const Floats slack = distance_ * Floats::set(0x1.1p-28f);

@@ -14,6 +14,7 @@
 
 #include "accel/wide/float_rays.h"
 #include "accel/wide/group_bounds-inl.h"
+#include "accel/wide/keep-inl.h"
 #include "accel/wide/single-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -183,10 +184,10 @@ class Group {
                  lanes, verdict))
         continue;
       if (kAny) {
-        find(words, i, verdict);
+        find(packet_, words, i, verdict);
         lanes &= ~packet_.best->found;
       } else {
-        lowered |= keep(words, i, verdict);
+        lowered |= keep(packet_, words, i, verdict);
       }
     }
     if (lowered) lower_t_out();
@@ -200,55 +201,6 @@ class Group {
     corner.x = neg_mul_add(load(rays.shear_x), corner.z, Floats::set(x) - load(rays.x));
     corner.y = neg_mul_add(load(rays.shear_y), corner.z, Floats::set(y) - load(rays.y));
     return corner;
-  }
-
-  HWY_INLINE std::uint32_t certain(const Verdict& verdict, const Floats& low,
-                                   const Floats& high) const {
-    const FloatRays& rays = packet_.floats;
-    return verdict.certain & (low >= Floats::load(rays.sure_low.data())) &
-           (high <= Floats::load(rays.sure_high.data()));
-  }
-
-  void find(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
-    const std::uint32_t found =
-        certain(verdict, verdict.depth - verdict.off, verdict.depth + verdict.off);
-    packet_.best->found |= found;
-    for (std::uint32_t left = verdict.possible & ~found; left != 0; left &= left - 1)
-      decide(packet_, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
-  }
-
-  /// Remembers what may be the nearest. True: some ray has a nearer certain hit now.
-  bool keep(const std::uint32_t* words, std::uint32_t triangle, const Verdict& verdict) {
-    FloatRays& rays = packet_.floats;
-    Candidates& all = packet_.candidates;
-    const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off,
-                 slack = Floats::load(rays.slack.data()), before = Floats::load(rays.high.data());
-    const std::uint32_t nearer = certain(verdict, low, high) & (high + slack < before);
-    const Floats limit = Floats::pick(nearer, high + slack, before), least = low - slack;
-    limit.store(rays.high.data());
-    // What was the best so far, and may still be; and what is neither certain nor too far.
-    std::uint32_t best_before =
-        nearer & all.has_best & (Floats::load(all.best_low.data()) <= limit);
-    // Not "least <= limit": a depth that is not a number is one of which floats know nothing.
-    std::uint32_t open = verdict.possible & ~nearer & ~(least > limit);
-    for (; best_before != 0; best_before &= best_before - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(best_before));
-      remember(packet_, lane, all.best_block[lane], all.best_triangle[lane], all.best_low[lane]);
-    }
-    alignas(64) std::array<float, kLanes> depth;
-    if ((open | nearer) != 0) least.store(depth.data());
-    for (; open != 0; open &= open - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(open));
-      remember(packet_, lane, words, triangle, depth[lane]);
-    }
-    all.has_best |= nearer;
-    for (std::uint32_t left = nearer; left != 0; left &= left - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-      all.best_block[lane] = words;
-      all.best_triangle[lane] = triangle;
-      all.best_low[lane] = depth[lane];
-    }
-    return nearer != 0;
   }
 
   void lower_t_out() {

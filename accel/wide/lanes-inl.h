@@ -88,6 +88,9 @@ struct Lanes {
   friend HWY_INLINE Lanes max(const Lanes& a, const Lanes& b) {
     return each([&](std::size_t i) { return hn::Max(a.v[i], b.v[i]); });
   }
+  friend HWY_INLINE Lanes neg(const Lanes& a) {
+    return each([&](std::size_t i) { return hn::Neg(a.v[i]); });
+  }
   friend HWY_INLINE Lanes abs(const Lanes& a) {
     return each([&](std::size_t i) { return hn::Abs(a.v[i]); });
   }

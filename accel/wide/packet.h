@@ -76,7 +76,7 @@ inline constexpr std::size_t kCandidates = 8;
 struct Candidates {
   /// The best certain hit by floats, and the least depth that it may have.
   Column<const std::uint32_t*> best_block;
-  Column<std::uint32_t> best_triangle;
+  Column<std::uint32_t> best_triangle, best_id;
   Column<float> best_low;
   std::uint32_t has_best = 0;
   /// Others that may be better.

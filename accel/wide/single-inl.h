@@ -243,7 +243,7 @@ class Single {
       for (; open != 0; open &= open - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(open));
         // Also a depth that is not a number, of a triangle of which floats know nothing.
-        if (!(from[i] - slack > rays.high[lane_]))
+        if (!(from[i] - slack > rays.high[lane_]) && !is_best(blocks::Block(words).id(i)))
           remember(packet_, lane_, words, static_cast<std::uint32_t>(i), from[i] - slack);
       }
     }
@@ -264,8 +264,15 @@ class Single {
     all.has_best |= bit;
     all.best_block[lane_] = words;
     all.best_triangle[lane_] = triangle;
+    all.best_id[lane_] = blocks::Block(words).id(triangle);
     all.best_low[lane_] = from - slack;
     return true;
+  }
+
+  /// A triangle that lies in several blocks is met again.
+  bool is_best(std::uint32_t id) const {
+    const Candidates& all = packet_.candidates;
+    return (all.has_best >> lane_ & 1) != 0 && all.best_id[lane_] == id;
   }
 
   /// There is a hit at this depth or before.

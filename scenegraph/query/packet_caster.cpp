@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 
 #include "accel/mesh/mesh_tree.h"
-#include "accel/wide/surface.h"
 #include "scenegraph/query/on_deferred.h"
+#include "scenegraph/query/packet_hits.h"
 #include "scenegraph/query/selection.h"
 #include "scenegraph/query/surface.h"
 
@@ -202,8 +201,6 @@ PacketCaster::PacketCaster(const instances::OpenTrees& trees, QueryKind kind,
 void PacketCaster::read() {
   accel::wide::read(rays_, given_);
   for (accel::wide::Packet* packet : {&scene_, &mesh_}) {
-    packet->rays.tmin = given_.tmin;
-    packet->rays.tmax = given_.tmax;
     packet->work.fill(0);
     packet->stopped = false;
   }
@@ -360,52 +357,12 @@ RayTally PacketCaster::list(std::size_t ray, std::vector<Hit>& hits) {
 }
 
 void PacketCaster::write(std::span<Hit> hits) {
-  for (std::size_t i = 0; i < rays_.size(); ++i) {
-    Hit& hit = hits[i];
-    hit.state = state(i);
-    const bool described = hit.state == HitState::kHit && !scene_.any;
-    hit.t = described                         ? best_.t[i]
-            : hit.state != HitState::kInvalid ? accel::geometry::kInfinity
-                                              : std::numeric_limits<double>::quiet_NaN();
-    hit.node = described ? best_.node[i] : 0;
-    hit.primitive = described ? best_.primitive[i] : 0;
-    hit.u = hit.v = 0;
-    hit.normal = {};
-    hit.work = work(i);
-  }
-  if (options_.surface && !scene_.any) set_surfaces(hits);
-}
-
-/// Together for all hits in one instance.
-void PacketCaster::set_surfaces(std::span<Hit> hits) {
-  std::uint32_t left = best_.found & first_lanes(rays_.size()) & ~alone_;
-  while (left != 0) {
-    const auto first = static_cast<std::size_t>(std::countr_zero(left));
-    const instances::Instance& instance = trees_[best_.instance[first]];
-    // Trees that this thread has left may be gone once its pin is renewed.
-    if (renewed_ || best_.block[first] == nullptr) {
-      set_surface(instance, rays_[first], hits[first]);
-      left &= left - 1;
-      continue;
-    }
-    std::uint32_t same = 0;
-    for (std::size_t i = first; i < rays_.size(); ++i) {
-      const bool here = best_.instance[i] == best_.instance[first] && best_.block[i] != nullptr;
-      same |= static_cast<std::uint32_t>(here) << i;
-    }
-    same &= left;
-    left &= ~same;
-    accel::wide::Surfaces surfaces;
-    accel::wide::find_surfaces(given_, best_, instance.local_from_world.m, instance.mirrored, same,
-                               surfaces);
-    for (; same != 0; same &= same - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(same));
-      hits[i].u = surfaces.u[i];
-      hits[i].v = surfaces.v[i];
-      if ((surfaces.no_normal >> i & 1) == 0)
-        hits[i].normal = {surfaces.normal[0][i], surfaces.normal[1][i], surfaces.normal[2][i]};
-    }
-  }
+  for (std::size_t i = 0; i < kLanes; ++i) scene_.work[i] += mesh_.work[i];
+  const PacketHits packet{given_, best_,         scene_.work, first_lanes(rays_.size()) & ~alone_,
+                          valid_, saw_deferred_, scene_.any};
+  write_hits(packet, hits);
+  // Trees that this thread has left may be gone once its pin is renewed.
+  if (options_.surface && !scene_.any) write_surfaces(packet, trees_, !renewed_, rays_, hits);
 }
 
 TraceStats PacketCaster::stats() const {

@@ -83,7 +83,6 @@ class PacketCaster {
   std::uint32_t seeing(std::uint32_t mask, std::uint32_t lanes) const;
   std::uint32_t work(std::size_t ray) const;
   accel::geometry::HitState state(std::size_t ray) const;
-  void set_surfaces(std::span<accel::geometry::Hit> hits);
 
   accel::kdtree::EpochPin pin_;  // renewed for each packet
   const instances::OpenTrees trees_;

@@ -365,5 +365,21 @@ INSTANTIATE_TEST_SUITE_P(Every, OnEveryMesh,
                                   cases()[std::get<1>(test.param)].name;
                          });
 
+class Overflow : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, Overflow, tests::every_simd_target(), tests::simd_target_name);
+
+TEST_P(Overflow, AHitWhoseTIsTooLargeForADoubleIsNone) {
+  const MeshAsTree of(scaled(tests::single_triangle(), 0x1p+24, 0x1p+24, 0x1p+24));
+  const Vec3d from{0x1p+22, 0x1p+22, 0x1p+24};
+  for (const double length : {0x1p-999, 0x1p-1000}) {
+    for (const bool any : {false, true}) {
+      std::uint32_t slow = 0;
+      const Ray ray{from, {0, 0, -length}};
+      const bool is_number = std::isfinite(from.z / length);
+      EXPECT_EQ(ask(of, {&ray, 1}, {.any = any}, slow).front().found, is_number);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline::accel::wide

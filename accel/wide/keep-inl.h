@@ -1,0 +1,87 @@
+// What a packet keeps of the verdicts on one triangle.
+#if defined(SIGHTLINE_WIDE_KEEP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_KEEP_INL
+#undef SIGHTLINE_WIDE_KEEP_INL
+#else
+#define SIGHTLINE_WIDE_KEEP_INL
+#endif
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/blocks/block.h"
+#include "accel/wide/exact.h"
+#include "accel/wide/verdict-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// The rays that certainly have a hit, at these depths, within their limits.
+HWY_INLINE std::uint32_t certain(const Packet& packet, const Verdict& verdict, const Floats& low,
+                                 const Floats& high) {
+  const FloatRays& rays = packet.floats;
+  return verdict.certain & (low >= Floats::load(rays.sure_low.data())) &
+         (high <= Floats::load(rays.sure_high.data()));
+}
+
+/// For queries for any hit: which rays have one in this triangle.
+HWY_INLINE void find(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
+                     const Verdict& verdict) {
+  const std::uint32_t found =
+      certain(packet, verdict, verdict.depth - verdict.off, verdict.depth + verdict.off);
+  packet.best->found |= found;
+  for (std::uint32_t left = verdict.possible & ~found; left != 0; left &= left - 1)
+    decide(packet, static_cast<std::size_t>(std::countr_zero(left)), words, triangle);
+}
+
+/// Remembers what may be the nearest. True: some ray has a nearer certain hit now.
+HWY_INLINE bool keep(Packet& packet, const std::uint32_t* words, std::uint32_t triangle,
+                     const Verdict& verdict) {
+  FloatRays& rays = packet.floats;
+  Candidates& all = packet.candidates;
+  const Floats low = verdict.depth - verdict.off, high = verdict.depth + verdict.off,
+               slack = Floats::load(rays.slack.data()), before = Floats::load(rays.high.data());
+  const std::uint32_t nearer = certain(packet, verdict, low, high) & (high + slack < before);
+  const Floats limit = Floats::pick(nearer, high + slack, before), least = low - slack;
+  limit.store(rays.high.data());
+  using Numbers = Lanes<std::uint32_t, kLanes>;
+  const Numbers id = Numbers::set(blocks::Block(words).id(triangle)),
+                best_id = Numbers::load(all.best_id.data());
+  // A triangle that lies in several blocks is met again.
+  const std::uint32_t others = ~(all.has_best & equal(best_id, id));
+  // What was the best so far, and may still be; and what is neither certain nor too far.
+  std::uint32_t best_before =
+      nearer & all.has_best & others & (Floats::load(all.best_low.data()) <= limit);
+  // Not "least <= limit": a depth that is not a number is one of which floats know nothing.
+  std::uint32_t open = verdict.possible & ~nearer & others & ~(least > limit);
+  for (; best_before != 0; best_before &= best_before - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(best_before));
+    remember(packet, lane, all.best_block[lane], all.best_triangle[lane], all.best_low[lane]);
+  }
+  if (open != 0) {
+    alignas(64) std::array<float, kLanes> depth;
+    least.store(depth.data());
+    for (; open != 0; open &= open - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(open));
+      remember(packet, lane, words, triangle, depth[lane]);
+    }
+  }
+  if (nearer == 0) return false;
+  all.has_best |= nearer;
+  Numbers::pick(nearer, id, best_id).store(all.best_id.data());
+  Numbers::pick(nearer, Numbers::set(triangle), Numbers::load(all.best_triangle.data()))
+      .store(all.best_triangle.data());
+  Floats::pick(nearer, least, Floats::load(all.best_low.data())).store(all.best_low.data());
+  for (std::uint32_t left = nearer; left != 0; left &= left - 1)
+    all.best_block[static_cast<std::size_t>(std::countr_zero(left))] = words;
+  return true;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

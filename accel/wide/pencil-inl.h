@@ -1,0 +1,258 @@
+// The walk of a pencil. docs/hit_rule.md, section 8, derives the constants.
+#if defined(SIGHTLINE_WIDE_PENCIL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_WIDE_PENCIL_INL
+#undef SIGHTLINE_WIDE_PENCIL_INL
+#else
+#define SIGHTLINE_WIDE_PENCIL_INL
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "accel/blocks/block.h"
+#include "accel/wide/keep-inl.h"
+#include "accel/wide/pencil_planes-inl.h"
+#include "accel/wide/pencil_rays-inl.h"
+#include "accel/wide/single-inl.h"
+#include "accel/wide/wide_tree.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// The boxes that a pencil may meet.
+class PencilBoxes {
+ public:
+  HWY_INLINE PencilBoxes(const PencilRays& rays, float extent) {
+    const Point& point = rays.point;
+    float farthest = 0;
+    for (const double at : point.at)
+      farthest = std::max(farthest, std::fabs(static_cast<float>(at)));
+    const float error = (extent + 2 * farthest) * 0x1p-23f + (4 * point.error + kTiny);
+    error_ = Boxes::set(error);
+    for (std::size_t k = 0; k < 2; ++k) {
+      row_[k] = 2 * point.axis[k];
+      const auto at = static_cast<float>(point.at[k]);
+      at_less_[k] = Boxes::set(at - error);
+      at_more_[k] = Boxes::set(at + error);
+      const auto slope = static_cast<float>(point.slope[k]);
+      const float off =
+          0x1p-21f * (std::fabs(slope) + std::max(-rays.spread_lo[k], rays.spread_hi[k]));
+      lo_[k] = Boxes::set(slope + rays.spread_lo[k] - off);
+      hi_[k] = Boxes::set(slope + rays.spread_hi[k] + off);
+    }
+    near_row_ = 2 * point.axis[2] + (point.sign < 0 ? 1 : 0);
+    main_at_ = Boxes::set(static_cast<float>(point.at[2]));
+    sign_ = Boxes::set(point.sign);
+  }
+
+  /// The children that some ray may meet between two depths, and where they begin.
+  HWY_INLINE std::uint32_t met(const WideNode& node, float nearest, float farthest,
+                               Boxes& begin) const {
+    const Boxes zero = Boxes::set(0);
+    begin = max((Boxes::load(node.bounds[near_row_].data()) - main_at_) * sign_ - error_, zero);
+    const Boxes end = (Boxes::load(node.bounds[near_row_ ^ 1].data()) - main_at_) * sign_ + error_;
+    return (begin <= end) & (begin <= Boxes::set(farthest)) & (end >= Boxes::set(nearest)) &
+           beside(node, 0, begin, end) & beside(node, 1, begin, end);
+  }
+
+ private:
+  /// Those that lie neither wholly to one side nor to the other.
+  HWY_INLINE std::uint32_t beside(const WideNode& node, std::size_t k, const Boxes& begin,
+                                  const Boxes& end) const {
+    const Boxes lo = Boxes::load(node.bounds[row_[k]].data()) - at_more_[k],
+                hi = Boxes::load(node.bounds[row_[k] + 1].data()) - at_less_[k];
+    return (max(hi_[k] * begin, hi_[k] * end) >= lo) & (min(lo_[k] * begin, lo_[k] * end) <= hi);
+  }
+
+  std::array<Boxes, 2> at_less_, at_more_, lo_, hi_;
+  Boxes error_, main_at_, sign_;
+  std::array<std::size_t, 2> row_;
+  std::size_t near_row_;
+};
+
+template <bool kAny>
+class Pencil {
+ public:
+  HWY_INLINE Pencil(std::span<Packet> packets, const PencilRays& rays, const Frame& frame,
+                    const PencilLanes& lanes, WalkTotals& totals)
+      : packets_(packets),
+        lanes_(lanes),
+        totals_(totals),
+        boxes_(rays, largest_coordinate(frame.bounds)),
+        planes_(rays) {
+    low_.fill(std::numeric_limits<float>::max());
+    high_.fill(-std::numeric_limits<float>::max());
+    for (std::size_t p = 0; p < kPencilPackets; ++p) {
+      const FloatRays& floats = packets[std::min(p, packets.size() - 1)].floats;
+      slopes_x_[p] = floats.shear_x;
+      slopes_y_[p] = floats.shear_y;
+      if (lanes[p] != 0) read_depths(p);
+    }
+    set_range();
+  }
+
+  /// False: not all of the tree is finished, or it is more than suits a pencil.
+  HWY_INLINE bool walk(Child at) {
+    std::size_t top = 0;
+    do {
+      if (!go_down(at, top)) return false;
+    } while (!is_done() && pop(at, top));
+    count_work();
+    return true;
+  }
+
+ private:
+  struct Waiting {
+    float depth;
+    Child at;
+  };
+
+  /// Of more blocks, most are met by few of the rays.
+  static constexpr std::size_t kMostBlocks = 32;
+
+  HWY_INLINE bool go_down(Child at, std::size_t& top) {
+    for (;;) {
+      if (at.is_node()) {
+        if (!visit_node(*at.node(), at, top)) return true;
+      } else if (at.is_block()) {
+        if (++blocks_ > kMostBlocks) return false;
+        visit_block(at.block());
+        return true;
+      } else {
+        const kdtree::Slot now = kdtree::load(*at.slot());
+        if (now == kdtree::Slot::empty_leaf()) return true;
+        if (!now.is_finished()) return false;
+        at = static_cast<const WideTree*>(now.finished())->root();
+      }
+    }
+  }
+
+  /// Sets `next` to the nearest child that the pencil meets; false if there is none.
+  HWY_INLINE bool visit_node(const WideNode& node, Child& next, std::size_t& top) {
+    ++nodes_;
+    Boxes begin;
+    std::uint32_t met = boxes_.met(node, nearest_, farthest_, begin);
+    if (met == 0) return false;
+    alignas(64) std::array<float, kWidth> depth;
+    begin.store(depth.data());
+    const std::size_t base = top;
+    for (; met != 0; met &= met - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(met));
+      std::size_t k = top++;
+      for (; k > base && stack_[k - 1].depth < depth[i]; --k) stack_[k] = stack_[k - 1];
+      stack_[k] = {depth[i], node.children[i]};
+    }
+    next = stack_[--top].at;
+    return true;
+  }
+
+  HWY_INLINE bool pop(Child& at, std::size_t& top) {
+    while (top > 0) {
+      --top;
+      if (stack_[top].depth > farthest_) continue;
+      at = stack_[top].at;
+      return true;
+    }
+    return false;
+  }
+
+  void visit_block(const std::uint32_t* words) {
+    const blocks::Block block(words);
+    triangles_ += block.triangles;
+    std::uint32_t left = planes_.set(block, nearest_, farthest_);
+    std::uint32_t lowered = 0;
+    for (; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+      // All packets at once, so that none waits for another's branch.
+      std::array<std::uint32_t, kPencilPackets> possible;
+      for (std::size_t p = 0; p < kPencilPackets; ++p)
+        possible[p] = lanes_[p] & planes_.met(i, Floats::load(slopes_x_[p].data()),
+                                              Floats::load(slopes_y_[p].data()));
+      if ((possible[0] | possible[1] | possible[2] | possible[3]) == 0) continue;
+      for (std::size_t p = 0; p < kPencilPackets; ++p) {
+        if (possible[p] != 0 && test(p, possible[p], words, i)) lowered |= 1u << p;
+      }
+      if (kAny && is_done()) return;
+    }
+    if (lowered == 0) return;
+    for (; lowered != 0; lowered &= lowered - 1)
+      read_depths(static_cast<std::size_t>(std::countr_zero(lowered)));
+    set_range();
+  }
+
+  /// Of rays that may meet a triangle. True: the depths that matter have changed.
+  HWY_INLINE bool test(std::size_t p, std::uint32_t lanes, const std::uint32_t* words,
+                       std::uint32_t i) {
+    Packet& packet = packets_[p];
+    const FloatRays& rays = packet.floats;
+    const auto load = [](const Column<float>& column) { return Floats::load(column.data()); };
+    Verdict verdict;
+    if (!judge(planes_.edges(i, load(rays.shear_x), load(rays.shear_y)),
+               {Floats::set(0), load(rays.low), load(rays.high), load(rays.cull)}, lanes, verdict))
+      return false;
+    if constexpr (kAny) {
+      find(packet, words, i, verdict);
+      const std::uint32_t before = lanes_[p];
+      lanes_[p] &= ~packet.best->found;
+      return lanes_[p] != before;
+    } else {
+      return keep(packet, words, i, verdict);
+    }
+  }
+
+  HWY_INLINE bool is_done() const {
+    if constexpr (!kAny) return false;
+    std::uint32_t left = 0;
+    for (const std::uint32_t lanes : lanes_) left |= lanes;
+    return left == 0;
+  }
+
+  /// The depths that matter to a packet.
+  HWY_INLINE void read_depths(std::size_t p) {
+    const FloatRays& rays = packets_[p].floats;
+    const Floats most = Floats::set(std::numeric_limits<float>::max());
+    low_[p] = Floats::pick(lanes_[p], Floats::load(rays.low.data()), most).least();
+    high_[p] = Floats::pick(lanes_[p], Floats::load(rays.high.data()), neg(most)).greatest();
+  }
+
+  HWY_INLINE void set_range() {
+    nearest_ = *std::min_element(low_.begin(), low_.end());
+    farthest_ = *std::max_element(high_.begin(), high_.end());
+  }
+
+  void count_work() {
+    using Counts = Lanes<std::uint32_t, kLanes>;
+    std::uint64_t rays = 0;
+    const Counts work = Counts::set(nodes_ + triangles_);
+    for (std::size_t p = 0; p < packets_.size(); ++p) {
+      rays += static_cast<std::uint64_t>(std::popcount(group_[p]));
+      (Counts::load(packets_[p].work.data()) + work).store(packets_[p].work.data());
+    }
+    totals_.nodes += nodes_ * rays;
+    totals_.triangles += triangles_ * rays;
+  }
+
+  std::span<Packet> packets_;
+  PencilLanes lanes_;
+  const PencilLanes group_ = lanes_;
+  WalkTotals& totals_;
+  const PencilBoxes boxes_;
+  PencilPlanes planes_;
+  std::array<float, kPencilPackets> low_, high_;
+  std::array<Column<float>, kPencilPackets> slopes_x_, slopes_y_;
+  float nearest_ = 0, farthest_ = 0;
+  std::size_t blocks_ = 0;
+  std::uint32_t nodes_ = 0, triangles_ = 0;
+  std::array<Waiting, kStack> stack_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

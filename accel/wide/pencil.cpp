@@ -1,0 +1,75 @@
+// A pencil is looked for among the rays of some packets, and walks.
+#include "accel/wide/pencil.h"
+
+#include <bit>
+#include <limits>
+
+#include "accel/wide/exact.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "accel/wide/pencil.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target.h comes before highway.h.
+#include <hwy/highway.h>
+
+#include "accel/wide/pencil-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::accel::wide {
+namespace HWY_NAMESPACE {
+
+/// Fewer rays than this go on as packets.
+constexpr int kLeastPencil = 8;
+
+int count(const PencilLanes& lanes) {
+  int rays = 0;
+  for (const std::uint32_t of_packet : lanes) rays += std::popcount(of_packet);
+  return rays;
+}
+
+template <bool kAny>
+bool walk_as_pencil(std::span<Packet> packets, PencilRays& rays, bool from_origin,
+                    const Frame& frame, Child root, const PencilLanes& lanes, WalkTotals& totals) {
+  rays.set_floats(from_origin);
+  return Pencil<kAny>(packets, rays, frame, lanes, totals).walk(root);
+}
+
+/// Returns the rays that are done.
+PencilLanes find_and_walk(std::span<Packet> packets, const Frame& frame, Child root,
+                          const PencilLanes& lanes, WalkTotals& totals) {
+  const bool any = packets[0].any;
+  PencilLanes group = lanes;
+  PencilRays rays(packets, frame, group);
+  bool from_origin = rays.from_origin() && count(group) >= kLeastPencil;
+  if (!from_origin) {
+    group = lanes;
+    if (!any || !rays.toward_end() || count(group) < kLeastPencil) return {};
+  }
+  const bool walked =
+      any ? walk_as_pencil<true>(packets, rays, from_origin, frame, root, group, totals)
+          : walk_as_pencil<false>(packets, rays, from_origin, frame, root, group, totals);
+  return walked ? group : PencilLanes{};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sightline::accel::wide
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sightline::accel::wide {
+
+HWY_EXPORT(find_and_walk);
+
+PencilLanes walk_pencil(std::span<Packet> packets, const Frame& frame, Child root,
+                        const PencilLanes& lanes, WalkTotals& totals) {
+  const PencilLanes done = HWY_DYNAMIC_DISPATCH(find_and_walk)(packets, frame, root, lanes, totals);
+  if (!packets[0].any) {
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+      if (done[p] != 0) settle_from_origin(packets[p], done[p]);
+    }
+  }
+  return done;
+}
+
+}  // namespace sightline::accel::wide
+#endif  // HWY_ONCE

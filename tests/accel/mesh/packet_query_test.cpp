@@ -1,0 +1,226 @@
+// Packets in trees of meshes at every stage of growth answer as a search of all triangles.
+#include "accel/mesh/packet_query.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/kdtree/tree_metrics.h"
+#include "accel/published/any_builder.h"
+#include "tests/accel/mesh/packet_answers.h"
+#include "tests/accel/simd_targets.h"
+#include "tests/support/hard_rays.h"
+#include "tests/support/hard_shapes.h"
+
+namespace sightline::accel::mesh {
+namespace {
+
+using geometry::Ray;
+using tests::AskedPacket;
+using tests::kPacketQuestions;
+using tests::PacketAnswer;
+using tests::PacketQuestion;
+using tests::TestMesh;
+
+std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const published::AnyBuilder& builder) {
+  return std::make_unique<MeshTree>(mesh.view(), compute_mesh_stats(mesh.view()), builder);
+}
+
+std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh) {
+  return make_tree(mesh, published::default_builder());
+}
+
+std::vector<TestMesh> meshes() {
+  TestMesh far = tests::random_soup(1200, 0.1, 3);
+  for (geometry::Vec3f& v : far.vertices) v = {v.x + 1e6f, v.y - 1e6f, v.z + 3e5f};
+  return {tests::single_triangle(), tests::duplicates(100),  tests::random_soup(2500, 0.08, 1),
+          tests::icosphere(4),      tests::slivers(1500, 2), far};
+}
+
+/// Hard ones, some from one point side by side, some that are too far away for floats.
+std::vector<Ray> rays_for(const TestMesh& mesh) {
+  std::vector<Ray> rays = tests::make_hard_rays(mesh, 64, 5);
+  const geometry::Vec3d target(mesh.vertices[0]), from = target + geometry::Vec3d{3, 2, 5};
+  for (std::size_t i = 0; i < 32; ++i) {
+    const geometry::Vec3d to(mesh.vertices[i * 17 % mesh.vertices.size()]);
+    if (to != from) rays.push_back({from, to - from});
+  }
+  rays.push_back({target + geometry::Vec3d{0, 0, 0x1p+62}, {0, 0, -1}});
+  rays.push_back({target - geometry::Vec3d{0x1p+70, 0, 0}, {1, 0, 0}});
+  return rays;
+}
+
+/// Half of the rays, one at a time, in their part of the mesh.
+void grow(MeshTree& tree, std::span<const Ray> rays) {
+  for (const Ray& ray : rays.first(rays.size() / 2)) AskedPacket({&ray, 1}, {}).ask(tree);
+}
+
+/// Asks in packets of all sizes, each question.
+void expect_exact(MeshTree& tree, const TestMesh& mesh, std::span<const Ray> rays,
+                  OnDeferred on_deferred = OnDeferred::kExpand) {
+  for (const PacketQuestion& question : kPacketQuestions) {
+    std::size_t size = 1, hits = 0;
+    for (std::size_t i = 0; i < rays.size(); i += size, size = size % wide::kLanes + 1) {
+      const auto part = rays.subspan(i, std::min(size, rays.size() - i));
+      AskedPacket asked(part, question);
+      asked.lazy.on_deferred = on_deferred;
+      asked.ask(tree);
+      ASSERT_FALSE(asked.packet->stopped);
+      ASSERT_EQ(asked.saw_deferred & ~asked.lanes(), 0u);
+      ASSERT_EQ(asked.work(), asked.walked.steps + asked.walked.tests);
+      for (std::size_t lane = 0; lane < part.size(); ++lane) {
+        const PacketAnswer expected = search(mesh, part[lane], question);
+        ASSERT_EQ(asked.answer(lane), expected) << "lane " << lane << " of " << part.size();
+        hits += expected.found ? 1 : 0;
+      }
+    }
+    ASSERT_GT(hits, 0u);
+  }
+}
+
+class PacketQuery : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, PacketQuery, tests::every_simd_target(), tests::simd_target_name);
+
+TEST_P(PacketQuery, InATreeThatTheyGrow) {
+  for (const TestMesh& mesh : meshes()) {
+    const auto tree = make_tree(mesh);
+    expect_exact(*tree, mesh, rays_for(mesh));
+  }
+}
+
+TEST_P(PacketQuery, InAHalfBuiltTree) {
+  for (const TestMesh& mesh : meshes()) {
+    const std::vector<Ray> rays = rays_for(mesh);
+    const auto tree = make_tree(mesh);
+    grow(*tree, rays);
+    expect_exact(*tree, mesh, rays, OnDeferred::kScan);
+    expect_exact(*tree, mesh, rays);
+  }
+}
+
+TEST_P(PacketQuery, InAFinishedTree) {
+  for (const TestMesh& mesh : meshes()) {
+    const auto tree = make_tree(mesh);
+    kdtree::BuildCounters built;
+    tree->expand_all(built);
+    const std::vector<Ray> rays = rays_for(mesh);
+    expect_exact(*tree, mesh, rays);
+    AskedPacket asked(std::span<const Ray>(rays).first(wide::kLanes), {});
+    asked.lazy.on_deferred = OnDeferred::kSkip;
+    asked.ask(*tree);
+    EXPECT_EQ(asked.saw_deferred, 0u);
+    EXPECT_EQ(asked.built.cells_expanded, 0u);
+  }
+}
+
+TEST_P(PacketQuery, InATreeThatIsNeverBuilt) {
+  for (const TestMesh& mesh : meshes()) {
+    const auto tree = make_tree(mesh);
+    expect_exact(*tree, mesh, rays_for(mesh), OnDeferred::kScan);
+    EXPECT_TRUE(tree->untouched());
+  }
+}
+
+TEST_P(PacketQuery, InTreesWithoutBlocks) {
+  split::ScanSplit plain = split::scan_fast();
+  plain.blocks = false;
+  const std::vector<published::AnyBuilder> builders{published::KdBuilder(plain),
+                                                    *published::make_builder("bvh-sweep")};
+  const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
+  for (const published::AnyBuilder& builder : builders)
+    expect_exact(*make_tree(mesh, builder), mesh, rays_for(mesh));
+}
+
+// A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
+// one.
+TEST_P(PacketQuery, SkippedCellsAreReported) {
+  for (const TestMesh& mesh : meshes()) {
+    const std::vector<Ray> rays = rays_for(mesh);
+    const auto untouched = make_tree(mesh), half = make_tree(mesh);
+    grow(*half, rays);
+    for (const PacketQuestion& question : kPacketQuestions) {
+      tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
+        AskedPacket at_first(part, question), later(part, question);
+        at_first.lazy.on_deferred = later.lazy.on_deferred = OnDeferred::kSkip;
+        at_first.ask(*untouched);
+        later.ask(*half);
+        EXPECT_EQ(at_first.best->found, 0u);
+        for (std::size_t lane = 0; lane < part.size(); ++lane) {
+          const PacketAnswer expected = search(mesh, part[lane], question);
+          EXPECT_TRUE(!expected.found || (at_first.saw_deferred >> lane & 1) != 0);
+          if ((later.saw_deferred >> lane & 1) != 0) continue;
+          EXPECT_EQ(later.answer(lane), expected);
+        }
+      });
+    }
+    EXPECT_TRUE(untouched->untouched());
+  }
+}
+
+TEST_P(PacketQuery, SearchedCellsAreReported) {
+  const TestMesh mesh = tests::random_soup(2500, 0.08, 1);
+  const auto tree = make_tree(mesh);
+  const std::vector<Ray> rays = tests::rays_at(mesh, wide::kLanes, 2);
+  AskedPacket searched(rays, {}), built(rays, {});
+  searched.lazy.on_deferred = OnDeferred::kScan;
+  searched.ask(*tree);
+  EXPECT_EQ(searched.saw_deferred, searched.lanes());
+  built.ask(*tree);
+  EXPECT_EQ(built.saw_deferred, 0u);
+  EXPECT_GT(built.built.cells_expanded, 0u);
+}
+
+// Equal hits are those of the least node, then of the least triangle, whichever tree comes first.
+TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
+  const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
+  const std::vector<Ray> rays = rays_for(mesh);
+  const auto first = make_tree(mesh), second = make_tree(mesh);
+  for (const bool second_is_less : {false, true}) {
+    tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
+      AskedPacket asked(part, {});
+      asked.packet->node = second_is_less ? 9 : 3;
+      asked.ask(*first);
+      asked.packet->node = second_is_less ? 3 : 9;
+      asked.packet->instance = 1;
+      asked.ask(*second);
+      for (std::size_t lane = 0; lane < part.size(); ++lane) {
+        EXPECT_EQ(asked.answer(lane), search(mesh, part[lane], {}));
+        if (!asked.answer(lane).found) continue;
+        EXPECT_EQ(asked.best->node[lane], 3u);
+        EXPECT_EQ(asked.best->instance[lane], second_is_less ? 1u : 0u);
+      }
+    });
+  }
+}
+
+TEST_P(PacketQuery, OnlyTheLanesThatAreAskedFor) {
+  const TestMesh mesh = tests::icosphere(3);
+  const auto tree = make_tree(mesh);
+  const std::vector<Ray> rays(wide::kLanes, Ray{{0, 0, 3}, {0, 0, -1}});
+  for (const std::uint32_t lanes : {0u, 1u, 0x8000u, 0x0ff0u, 0x5555u}) {
+    AskedPacket asked(rays, {});
+    const kdtree::EpochPin pin;
+    tree->query(*asked.packet, lanes, asked.lazy, asked.saw_deferred, asked.walked, asked.built);
+    EXPECT_EQ(asked.best->found, lanes);
+    for (std::size_t lane = 0; lane < wide::kLanes; ++lane)
+      EXPECT_EQ(asked.packet->work[lane] > 0, (lanes >> lane & 1) != 0);
+  }
+}
+
+TEST_P(PacketQuery, ACancelledPacketStops) {
+  const TestMesh mesh = tests::random_soup(5000, 0.05, 1);
+  const auto tree = make_tree(mesh);
+  const std::atomic<bool> cancelled{true};
+  AskedPacket asked(tests::rays_at(mesh, wide::kLanes, 2), {});
+  asked.lazy.cancelled = &cancelled;
+  asked.ask(*tree);
+  EXPECT_TRUE(asked.packet->stopped);
+  EXPECT_TRUE(tree->untouched());
+}
+
+}  // namespace
+}  // namespace sightline::accel::mesh

@@ -1,0 +1,311 @@
+// Walks of packets through wide nodes over slots: finished ones, ones that are finished on the way,
+// and ones that never are.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "accel/geometry/intersect.h"
+#include "accel/wide/walk.h"
+#include "tests/accel/simd_targets.h"
+#include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/support/hard_rays.h"
+
+namespace sightline::accel::wide {
+namespace {
+
+using geometry::Ray;
+using tests::MeshAsTree;
+using tests::TestMesh;
+
+class Slots : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, Slots, tests::every_simd_target(), tests::simd_target_name);
+
+/// A mesh in parts, each the subtree of a slot, below one wide tree.
+class Parts {
+ public:
+  Parts(const TestMesh& mesh, std::size_t parts) : of(mesh) {
+    std::vector<kdtree::Reference> refs(mesh.faces.size());
+    refs.resize(mesh::face_references(of.mesh.view(), 0, refs.size(), refs.data()));
+    blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
+    const blocks::Node* root = nullptr;
+    for (std::size_t i = 0; i < parts; ++i) {
+      const std::size_t begin = refs.size() * i / parts, end = refs.size() * (i + 1) / parts;
+      blocks::Arena arena;
+      subtrees.push_back(std::make_unique<WideTree>(
+          *builder.build(std::span(refs).subspan(begin, end - begin), of.bounds, arena),
+          of.frame.center));
+      slots.emplace_back(kdtree::Slot::empty_leaf().bits());
+      ends.push_back(end);
+      const blocks::Node* leaf = leaf_over(slots.back(), subtrees.back()->box());
+      root = root == nullptr ? leaf : join(root, leaf);
+    }
+    top = std::make_unique<WideTree>(*root, of.frame.center);
+  }
+
+  void finish(std::size_t part) {
+    slots[part].store(kdtree::Slot::finished(subtrees[part].get()).bits());
+  }
+
+  std::size_t part_of(const kdtree::AtomicSlot& slot) const {
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      if (&slots[i] == &slot) return i;
+    }
+    return slots.size();
+  }
+
+  MeshAsTree of;
+  std::vector<std::unique_ptr<WideTree>> subtrees;
+  std::deque<kdtree::AtomicSlot> slots;
+  std::vector<std::size_t> ends;  ///< The first face of the next part.
+  std::unique_ptr<WideTree> top;
+
+ private:
+  const blocks::Node* leaf_over(const kdtree::AtomicSlot& slot, const geometry::Aabb& box) {
+    blocks::Node* leaf = arena_.node();
+    leaf->box = box;
+    leaf->words = blocks::Node::kOther;
+    leaf->other = Child::slot(&slot).bits();
+    return leaf;
+  }
+
+  const blocks::Node* join(const blocks::Node* left, const blocks::Node* right) {
+    blocks::Node* node = arena_.node();
+    node->box = left->box;
+    node->box.grow(right->box);
+    node->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
+    node->left = left;
+    node->right = right;
+    return node;
+  }
+
+  blocks::Arena arena_;
+};
+
+enum class AtSlot : std::uint8_t { kFinish, kSkip, kStop };
+
+/// Notes which rays meet which slots.
+class Visitor final : public SlotVisitor {
+ public:
+  Visitor(Parts& parts, Packet& packet, AtSlot does)
+      : met(parts.slots.size()),
+        visits(parts.slots.size()),
+        parts_(parts),
+        packet_(packet),
+        does_(does) {}
+
+  bool visit(kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
+    EXPECT_NE(lanes, 0u);
+    EXPECT_FALSE(packet_.stopped);
+    const std::size_t part = parts_.part_of(slot);
+    met.at(part) |= lanes;
+    ++visits.at(part);
+    if (does_ == AtSlot::kFinish) parts_.finish(part);
+    if (does_ == AtSlot::kStop) packet_.stopped = true;
+    return does_ == AtSlot::kFinish;
+  }
+
+  std::vector<std::uint32_t> met;
+  std::vector<int> visits;
+
+ private:
+  Parts& parts_;
+  Packet& packet_;
+  const AtSlot does_;
+};
+
+struct Answer {
+  bool found = false;
+  double t = 0;
+  std::uint32_t primitive = 0;
+  bool operator==(const Answer&) const = default;
+};
+
+/// The rule over the faces of the parts that count.
+template <class Counts>
+Answer search(const Parts& parts, const Ray& ray, bool any, const Counts& counts) {
+  const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
+  const TestMesh& mesh = parts.of.mesh;
+  Answer best;
+  for (std::size_t part = 0, i = 0; i < mesh.faces.size(); ++i) {
+    if (i == parts.ends[part]) ++part;
+    if (!counts(part)) continue;
+    const geometry::Face& f = mesh.faces[i];
+    const std::optional<double> t =
+        intersect(local, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+    if (!t) continue;
+    const double world = *t * local.unit;
+    if (!(world >= ray.tmin && world <= ray.tmax) || (best.found && world >= best.t)) continue;
+    if (any) return {true};
+    best = {true, world, static_cast<std::uint32_t>(i)};
+  }
+  return best;
+}
+
+/// A packet that has walked.
+struct Walk {
+  Walk(const Parts& parts, std::span<const Ray> rays, bool any) {
+    best->clear();
+    packet->best = best.get();
+    packet->any = any;
+    packet->node = 1;
+    packet->work.fill(0);
+    tests::set_rays(rays, packet->rays);
+    live = prepare(*packet, parts.of.frame, (2u << (rays.size() - 1)) - 1).live;
+  }
+
+  void run(Child root, Visitor& visitor) {
+    WalkTotals totals;
+    walk(*packet, root, live, visitor, totals);
+    if (!packet->any && !packet->stopped) settle(*packet, live);
+  }
+
+  Answer answer(std::size_t lane) const {
+    const bool found = (best->found >> lane & 1) != 0;
+    if (!found || packet->any) return {found};
+    return {true, best->t[lane], best->primitive[lane]};
+  }
+
+  std::unique_ptr<Packet> packet = std::make_unique<Packet>();
+  std::unique_ptr<BestHits> best = std::make_unique<BestHits>();
+  std::uint32_t live = 0;
+};
+
+/// Calls test(parts, rays, any) for trees of 2 to 40 parts, and packets of all kinds of sizes.
+template <class Test>
+void each_packet(const Test& test) {
+  const TestMesh mesh = tests::random_soup(400, 0.2, 3);
+  const std::vector<Ray> hard = tests::make_hard_rays(mesh, 96, 4);
+  std::vector<Ray> rays = tests::rays_at(mesh, 32, 5);
+  // As of a camera: these walk as groups.
+  for (std::size_t i = 0; i < 32; ++i) {
+    const double x = static_cast<double>(i) / 32;
+    rays.push_back({{0.5, 0.5, -2}, {x - 0.5, 0.3 * x, 2}});
+  }
+  rays.insert(rays.end(), hard.begin(), hard.end());
+  for (const std::size_t count : {2u, 8u, 9u, 40u}) {
+    for (const std::size_t size : {1u, 3u, 5u, 16u}) {
+      Parts parts(mesh, count);
+      for (std::size_t i = 0; i < rays.size(); i += size) {
+        const auto packet = std::span<const Ray>(rays).subspan(i, std::min(size, rays.size() - i));
+        for (const bool any : {false, true}) {
+          test(parts, packet, any);
+          if (::testing::Test::HasFatalFailure()) return;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(Slots, FinishedOnesAreWalkedThrough) {
+  std::size_t hits = 0;
+  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+    for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
+    Walk walk(parts, rays, any);
+    Visitor visitor(parts, *walk.packet, AtSlot::kSkip);
+    walk.run(parts.top->root(), visitor);
+    for (const int visits : visitor.visits) ASSERT_EQ(visits, 0);
+    for (std::size_t lane = 0; lane < rays.size(); ++lane) {
+      const Answer expected = search(parts, rays[lane], any, [](std::size_t) { return true; });
+      ASSERT_EQ(walk.answer(lane), expected);
+      hits += expected.found ? 1 : 0;
+    }
+  });
+  EXPECT_GT(hits, 100u);
+}
+
+TEST_P(Slots, OnesThatARayFinishesAreWalkedThrough) {
+  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+    for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
+    Walk walk(parts, rays, any);
+    Visitor visitor(parts, *walk.packet, AtSlot::kFinish);
+    walk.run(parts.top->root(), visitor);
+    for (std::size_t part = 0; part < parts.slots.size(); ++part) {
+      ASSERT_LE(visitor.visits[part], 1);
+      ASSERT_EQ(visitor.met[part] & ~walk.live, 0u);
+    }
+    for (std::size_t lane = 0; lane < rays.size(); ++lane) {
+      ASSERT_EQ(walk.answer(lane),
+                search(parts, rays[lane], any, [](std::size_t) { return true; }));
+    }
+  });
+}
+
+// Every other part is finished. A ray that does not meet a slot has no better hit there.
+TEST_P(Slots, EveryRayWithAHitBelowASlotMeetsIt) {
+  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+    for (std::size_t part = 0; part < parts.slots.size(); ++part) {
+      parts.slots[part] = kdtree::Slot::empty_leaf().bits();
+      if (part % 2 == 0) parts.finish(part);
+    }
+    Walk walk(parts, rays, any);
+    Visitor visitor(parts, *walk.packet, AtSlot::kSkip);
+    walk.run(parts.top->root(), visitor);
+    for (std::size_t lane = 0; lane < rays.size(); ++lane) {
+      const auto is_finished = [](std::size_t part) { return part % 2 == 0; };
+      ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_finished));
+      const auto may_count = [&](std::size_t part) {
+        return part % 2 == 0 || (visitor.met[part] >> lane & 1) == 0;
+      };
+      ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, may_count));
+    }
+  });
+}
+
+TEST_P(Slots, AStoppedPacketGoesNoFurther) {
+  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+    for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
+    Walk walk(parts, rays, any);
+    Visitor visitor(parts, *walk.packet, AtSlot::kStop);
+    walk.run(parts.top->root(), visitor);
+    int visits = 0;
+    for (const int of_part : visitor.visits) visits += of_part;
+    ASSERT_EQ(visits, walk.packet->stopped ? 1 : 0);
+  });
+}
+
+TEST_P(Slots, ARootMayBeASlot) {
+  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+    kdtree::AtomicSlot& root = parts.slots[0];
+    root = kdtree::Slot::empty_leaf().bits();
+    const auto is_first = [](std::size_t part) { return part == 0; };
+    Walk walk(parts, rays, any);
+    Visitor visitor(parts, *walk.packet, AtSlot::kFinish);
+    walk.run(Child::slot(&root), visitor);
+    ASSERT_EQ(visitor.met[0], walk.live);
+    for (std::size_t lane = 0; lane < rays.size(); ++lane)
+      ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_first));
+  });
+}
+
+TEST(WideTree, KeepsOtherLeavesInTheirBoxes) {
+  Parts parts(tests::random_soup(400, 0.2, 3), 40);
+  std::vector<int> seen(parts.slots.size());
+  const auto look = [&](const auto& self, const WideNode& node) -> void {
+    for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {
+      if (node.children[i].is_node()) {
+        self(self, *node.children[i].node());
+        continue;
+      }
+      ASSERT_FALSE(node.children[i].is_block());
+      const std::size_t part = parts.part_of(*node.children[i].slot());
+      ASSERT_LT(part, seen.size());
+      ++seen[part];
+      const geometry::Aabb& box = parts.subtrees[part]->box();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float center = parts.of.frame.center[axis];
+        EXPECT_EQ(node.bounds[2 * axis][i], blocks::relative(box.lo[axis], center));
+        EXPECT_EQ(node.bounds[2 * axis + 1][i], blocks::relative(box.hi[axis], center));
+      }
+    }
+  };
+  look(look, *parts.top->root().node());
+  EXPECT_EQ(seen, std::vector<int>(parts.slots.size(), 1));
+}
+
+}  // namespace
+}  // namespace sightline::accel::wide

@@ -1,0 +1,174 @@
+#include "tests/fuzz/verdict/check_packets.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "accel/blocks/block.h"
+#include "accel/wide/exact.h"
+#include "accel/wide/walk.h"
+
+namespace sightline::tests {
+
+namespace wide = accel::wide;
+
+namespace {
+
+class NoSlotsBelow final : public wide::SlotVisitor {
+ public:
+  bool visit(accel::kdtree::AtomicSlot&, std::uint32_t) override { return false; }
+};
+
+/// What a walk has left in a packet, against the rule.
+class PacketCheck {
+ public:
+  PacketCheck(const ExactAnswers& exact, const PreparedPacket& packet, bool any)
+      : exact_(exact), packet_(*packet.packet), best_(*packet.best), any_(any) {}
+
+  /// Before candidates are decided: the best certain hit is one, at a depth in its interval.
+  std::optional<std::string> check_certain(std::size_t lane) const {
+    const wide::Candidates& all = packet_.candidates;
+    if (any_ || (all.has_best >> lane & 1) == 0) return std::nullopt;
+    const std::uint32_t face =
+        accel::blocks::Block(all.best_block[lane]).id(all.best_triangle[lane]);
+    const ExactPair& pair = exact_.pair(lane, face);
+    if (!pair.local || pair.culled || !pair.in_limits) return "no hit as the nearest";
+    const std::size_t z = packet_.floats.key[lane] >> 3;
+    const double depth = *pair.local * std::fabs(exact_.ray(lane).direction[z]);
+    if (depth < static_cast<double>(all.best_low[lane])) return "the nearest before its interval";
+    if (depth > static_cast<double>(packet_.floats.high[lane]))
+      return "the nearest behind its interval";
+    return check_limits(lane, *pair.local);
+  }
+
+  std::optional<std::string> check_answer(std::size_t lane) const {
+    const bool found = best_.found >> lane & 1;
+    const ExactBest expected = exact_.best(lane, any_);
+    if (found != expected.found) return found ? "finds a miss" : "misses a hit";
+    if (any_ || !found) return std::nullopt;
+    const ExactBest answer{true, best_.t[lane], best_.node[lane], best_.primitive[lane]};
+    if (!(answer == expected))
+      return fmt::format("answers t {:a}, node {}, triangle {}, not t {:a}, node {}, triangle {}",
+                         answer.t, answer.node, answer.primitive, expected.t, expected.node,
+                         expected.primitive);
+    return check_limits(lane, answer.t / exact_.ray(lane).unit);
+  }
+
+ private:
+  /// What may still be met includes the best hit itself, so that equal ones are.
+  std::optional<std::string> check_limits(std::size_t lane, double t) const {
+    if (t > static_cast<double>(packet_.floats.t_out[lane])) return "t_out before the best hit";
+    return std::nullopt;
+  }
+
+  const ExactAnswers& exact_;
+  const wide::Packet& packet_;
+  const wide::BestHits& best_;
+  const bool any_;
+};
+
+std::optional<std::string> walk_and_check(const VerdictCase& asked, const VerdictTree& tree,
+                                          const wide::WideTree& walked, const ExactAnswers& exact,
+                                          std::uint32_t lanes, bool any) {
+  PreparedPacket packet;
+  lanes &= ~prepare_packet(asked, tree, any, packet).slow;
+  const std::uint32_t live = lanes & prepare(*packet.packet, tree.frame(), lanes).live;
+  const PacketCheck check(exact, packet, any);
+  NoSlotsBelow slots;
+  wide::WalkTotals totals;
+  wide::walk(*packet.packet, walked.root(), live, slots, totals);
+  const auto each = [&](auto test) -> std::optional<std::string> {
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      if (const std::optional<std::string> wrong = test(lane))
+        return fmt::format("{} ray{}, {} hit: ray {}: {}", std::popcount(lanes),
+                           std::popcount(lanes) == 1 ? "" : "s", any ? "any" : "nearest", lane,
+                           *wrong);
+    }
+    return std::nullopt;
+  };
+  if (const auto wrong = each([&](std::size_t lane) { return check.check_certain(lane); }))
+    return wrong;
+  if (!any) wide::settle(*packet.packet, live);
+  return each([&](std::size_t lane) { return check.check_answer(lane); });
+}
+
+/// Notes the triangles that it visits.
+class Triangles final : public wide::TriangleVisitor {
+ public:
+  void visit(const accel::blocks::Block& block, std::uint32_t triangles) override {
+    for (; triangles != 0; triangles &= triangles - 1)
+      seen |= 1u << block.id(static_cast<std::size_t>(std::countr_zero(triangles)));
+  }
+
+  std::uint32_t seen = 0;
+};
+
+std::optional<std::string> check_every(const VerdictCase& asked, const VerdictTree& tree,
+                                       const ExactAnswers& exact) {
+  PreparedPacket packet;
+  const wide::Prepared prepared = prepare_packet(asked, tree, false, packet);
+  NoSlotsBelow slots;
+  wide::WalkTotals totals;
+  for (std::size_t lane = 0; lane < asked.rays.size(); ++lane) {
+    if ((prepared.slow >> lane & 1) != 0) continue;
+    Triangles triangles;
+    if ((prepared.live >> lane & 1) != 0)
+      wide::walk_every(*packet.packet, tree.single().root(), lane, slots, triangles, totals);
+    for (std::size_t face = 0; face < asked.faces.size(); ++face) {
+      if (exact.counts(lane, face) && (triangles.seen >> face & 1) == 0)
+        return fmt::format("every hit: ray {}: misses triangle {}", lane, face);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+wide::Prepared prepare_packet(const VerdictCase& asked, const VerdictTree& tree, bool any,
+                              PreparedPacket& out) {
+  wide::Packet& packet = *out.packet;
+  wide::BestHits& best = *out.best;
+  best.clear();
+  packet.best = &best;
+  packet.any = any;
+  packet.culling = asked.culling;
+  packet.node = kAskedNode;
+  packet.work.fill(0);
+  for (std::size_t lane = 0; lane < wide::kLanes; ++lane) {
+    const AskedRay& ray = asked.rays[std::min(lane, asked.rays.size() - 1)];
+    const auto local = *accel::geometry::make_local_ray(ray.ray.origin, ray.ray.direction);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      packet.rays.origin[axis][lane] = local.origin[axis];
+      packet.rays.direction[axis][lane] = local.direction[axis];
+    }
+    packet.rays.unit[lane] = local.unit;
+    packet.rays.tmin[lane] = ray.ray.tmin;
+    packet.rays.tmax[lane] = ray.ray.tmax;
+    if (any || !ray.has_best || lane >= asked.rays.size()) continue;
+    best.t[lane] = ray.best_t;
+    best.node[lane] = ray.best_node;
+    best.primitive[lane] = kBestBefore;
+    best.found |= 1u << lane;
+  }
+  return prepare(packet, tree.frame(), static_cast<std::uint32_t>((1u << asked.rays.size()) - 1));
+}
+
+std::optional<std::string> check_packets(const VerdictCase& asked, const VerdictTree& tree,
+                                         const ExactAnswers& exact) {
+  const auto all = static_cast<std::uint32_t>((1u << asked.rays.size()) - 1);
+  for (const wide::WideTree* walked : {&tree.single(), &tree.dense()}) {
+    for (const bool any : {false, true}) {
+      if (auto wrong = walk_and_check(asked, tree, *walked, exact, all, any)) return wrong;
+      for (std::uint32_t left = all; left != 0; left &= left - 1) {
+        const std::uint32_t lane = left & (~left + 1);
+        if (auto wrong = walk_and_check(asked, tree, *walked, exact, lane, any)) return wrong;
+      }
+    }
+  }
+  return check_every(asked, tree, exact);
+}
+
+}  // namespace sightline::tests
