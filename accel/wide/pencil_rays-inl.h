@@ -38,7 +38,7 @@ struct Point {
   bool backward;                    ///< The rays go down along the main axis.
   float sign;                       ///< -1 where the way from the point goes down along it, else 1.
   std::array<double, 3> at;         ///< Relative to the center of the tree.
-  float error;                      ///< How far rays may pass by it, on each axis.
+  float error;                      ///< How far off rays may run, on each axis.
   double reach;                     ///< From the point to the rays' origins.
   double size;                      ///< The largest coordinate of the point and the tree.
   std::array<double, 2> slope;  ///< The first ray's, on the other axes for a unit of the main one.
