@@ -1,10 +1,11 @@
 // The way of a batch of rays through one revision. Start reading here.
 //
 //   trace_blocks   pins the two trees of the revision and, for each block of rays, an epoch
-//   cast_ray       takes one ray through the trees, their instances and the meshes of those
+//   cast_rays      takes packets of rays through the trees, their instances and the meshes of those
+//   cast_ray       does so with one ray that a packet leaves
 //   trace, count_hits, list_hits   return the hits, their number or all of them
 //
-// Deferred cells on a ray's way are expanded in walk_instances() and ask_mesh(): see
+// Deferred cells on the way are expanded, searched or skipped as TraceOptions::growth says: see
 // accel/lazy/walk_lazily.h.
 #include "scenegraph/trace.h"
 

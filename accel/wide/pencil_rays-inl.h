@@ -38,7 +38,7 @@ struct Point {
   bool backward;                    ///< The rays go down along the main axis.
   float sign;                       ///< -1 where the way from the point goes down along it, else 1.
   std::array<double, 3> at;         ///< Relative to the center of the tree.
-  float error;                      ///< How far rays may pass by it, on each axis.
+  float error;                      ///< How far off rays may run, on each axis.
   double reach;                     ///< From the point to the rays' origins.
   double size;                      ///< The largest coordinate of the point and the tree.
   std::array<double, 2> slope;  ///< The first ray's, on the other axes for a unit of the main one.
@@ -55,6 +55,16 @@ struct FirstRay {
   }
 };
 
+/// Of powers of two.
+HWY_INLINE Doubles inverse_of_power(const Doubles& x) {
+  return Doubles::each([&](std::size_t i) {
+    const Doubles::D d;
+    const hn::RebindToUnsigned<Doubles::D> bits;
+    return hn::BitCast(
+        d, hn::Sub(hn::Set(bits, std::uint64_t{2046} << 52), hn::BitCast(bits, x.v[i])));
+  });
+}
+
 class PencilRays {
  public:
   /// `lanes` are reduced to those of one pencil.
@@ -68,6 +78,7 @@ class PencilRays {
     const Rays& rays = packets_[first.packet].rays;
     std::array<double, 3> origin;
     for (std::size_t axis = 0; axis < 3; ++axis) origin[axis] = rays.origin[axis][first.lane];
+    if (!starts_at(origin)) return false;
     const Doubles zero = Doubles::set(0);
     for (std::size_t p = 0; p < packets_.size(); ++p) {
       const Vectors from = load(packets_[p].rays.origin);
@@ -103,7 +114,7 @@ class PencilRays {
   /// Sets what floats know of the rays, by packet: slopes less the first ray's.
   HWY_INLINE void set_floats(bool from_origin) {
     const std::size_t main = point.axis[2];
-    const Doubles one = Doubles::set(from_origin ? 1.0 : -1.0);
+    const Doubles turn = Doubles::set(from_origin ? 1.0 : -1.0);
     const float infinity = std::numeric_limits<float>::infinity();
     spread_lo = {infinity, infinity};
     spread_hi = {-infinity, -infinity};
@@ -111,18 +122,19 @@ class PencilRays {
       if (lanes_[p] == 0) continue;
       Packet& packet = packets_[p];
       FloatRays& out = packet.floats;
-      const Doubles along = abs(Doubles::load(packet.rays.direction[main].data())),
-                    per = one / along;
+      const Doubles along = abs(Doubles::load(packet.rays.direction[main].data()));
+      const Floats per = Floats::set(1) / to_floats(along);
       for (std::size_t k = 0; k < 2; ++k) {
         const Doubles across = Doubles::load(packet.rays.direction[point.axis[k]].data());
-        const Floats slope = to_floats(across * per - Doubles::set(point.slope[k]));
+        const Floats slope =
+            to_floats(neg_mul_add(along, Doubles::set(point.slope[k]), across * turn)) * per;
         slope.store(k == 0 ? out.shear_x.data() : out.shear_y.data());
         spread_lo[k] =
             std::min(spread_lo[k], Floats::pick(lanes_[p], slope, Floats::set(infinity)).least());
         spread_hi[k] = std::max(spread_hi[k],
                                 Floats::pick(lanes_[p], slope, Floats::set(-infinity)).greatest());
       }
-      (abs(to_floats(per)) * Floats::set(1 + 0x1p-21f)).store(out.per_depth.data());
+      (per * Floats::set(1 + 0x1p-21f)).store(out.per_depth.data());
       set_limits(packet, along, from_origin);
       set_culling(packet);
       packet.center = frame_.center;
@@ -141,10 +153,18 @@ class PencilRays {
     return any != 0;
   }
 
+  /// Whether the first ray of the last packet does, too: most rays that do not start at one point
+  /// need no further look.
+  HWY_INLINE bool starts_at(const std::array<double, 3>& origin) const {
+    const Rays& rays = packets_.back().rays;
+    return rays.origin[0][0] == origin[0] && rays.origin[1][0] == origin[1] &&
+           rays.origin[2][0] == origin[2];
+  }
+
   /// The rays that end there; `most_off` becomes the largest difference.
   HWY_INLINE std::uint32_t ending_at(const Rays& rays, const std::array<double, 3>& end,
                                      double size, double& most_off) {
-    const Doubles per = Doubles::set(1) / Doubles::load(rays.unit.data());
+    const Doubles per = inverse_of_power(Doubles::load(rays.unit.data()));
     Doubles off = Doubles::set(0), largest = off;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Doubles o = Doubles::load(rays.origin[axis].data()),
@@ -199,7 +219,7 @@ class PencilRays {
   HWY_INLINE void set_limits(Packet& packet, const Doubles& along, bool from_origin) const {
     const Rays& rays = packet.rays;
     FloatRays& out = packet.floats;
-    const Doubles per_t = along / Doubles::load(rays.unit.data());
+    const Doubles per_t = along * inverse_of_power(Doubles::load(rays.unit.data()));
     const Doubles tmin = Doubles::load(rays.tmin.data()), tmax = Doubles::load(rays.tmax.data()),
                   one = Doubles::set(1), most = Doubles::set(kFarthest);
     const auto depth = [&](const Doubles& t) { return to_floats(min(t * per_t, most)); };

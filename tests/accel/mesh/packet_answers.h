@@ -78,13 +78,13 @@ class AskedPacket {
 
   void ask(accel::mesh::MeshTree& tree) {
     const accel::kdtree::EpochPin pin;
-    tree.query(*packet, lanes_, lazy, saw_deferred, walked, built);
+    tree.query(*packet, lanes_, {lazy, saw_deferred, walked, built});
   }
   /// For a tree that makes blocks. No ray is too far away.
   void ask(accel::lazy::LazyTree& tree, const accel::geometry::MeshView& mesh) {
     const accel::kdtree::EpochPin pin;
-    const std::uint32_t slow =
-        accel::mesh::query_packet({tree, mesh, lazy, saw_deferred, walked, built}, *packet, lanes_);
+    const std::uint32_t slow = accel::mesh::query_packet(
+        {{lazy, saw_deferred, walked, built}, tree, mesh}, *packet, lanes_);
     ASSERT_EQ(slow, 0u);
   }
 

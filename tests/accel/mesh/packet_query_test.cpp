@@ -204,7 +204,7 @@ TEST_P(PacketQuery, OnlyTheLanesThatAreAskedFor) {
   for (const std::uint32_t lanes : {0u, 1u, 0x8000u, 0x0ff0u, 0x5555u}) {
     AskedPacket asked(rays, {});
     const kdtree::EpochPin pin;
-    tree->query(*asked.packet, lanes, asked.lazy, asked.saw_deferred, asked.walked, asked.built);
+    tree->query(*asked.packet, lanes, {asked.lazy, asked.saw_deferred, asked.walked, asked.built});
     EXPECT_EQ(asked.best->found, lanes);
     for (std::size_t lane = 0; lane < wide::kLanes; ++lane)
       EXPECT_EQ(asked.packet->work[lane] > 0, (lanes >> lane & 1) != 0);

@@ -196,6 +196,22 @@ TEST_P(Carry, RaysAroundACenterEqualSingleOnes) {
   EXPECT_GT(limits.refused, 100u);
 }
 
+TEST_P(Carry, LimitsStayTheSame) {
+  Random random(4);
+  const auto given = std::make_unique<GivenRays>();
+  const auto carried = std::make_unique<Rays>(), centered = std::make_unique<Rays>();
+  const std::vector<Ray> rays = hard_rays(random, kLanes);
+  read(rays, *given);
+  carry(*given, matrices(random).back(), first_lanes(kLanes), *carried);
+  center(*given, {1, 2, 3}, first_lanes(kLanes), *centered);
+  for (const Rays* out : {carried.get(), centered.get()}) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      EXPECT_EQ(bits(out->tmin[lane]), bits(rays[lane].tmin));
+      EXPECT_EQ(bits(out->tmax[lane]), bits(rays[lane].tmax));
+    }
+  }
+}
+
 TEST_P(Carry, OnlyTheLanesThatAreAskedFor) {
   const std::vector<Ray> rays(kLanes, Ray{{1, 2, 3}, {4, 5, 6}});
   const auto given = std::make_unique<GivenRays>();

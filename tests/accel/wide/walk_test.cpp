@@ -41,27 +41,32 @@ std::ostream& operator<<(std::ostream& out, const Answer& answer) {
   return out << "t " << answer.t << ", triangle " << answer.primitive;
 }
 
-Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
+/// t in units of the ray's direction, if the triangle is hit.
+std::optional<double> hit(const TestMesh& mesh, std::size_t face, const Ray& ray, Culling culling) {
   const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
+  const geometry::Face& f = mesh.faces[face];
+  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
+  const std::optional<double> t = intersect(local, a, b, c);
+  if (!t || is_culled(culling, local, a, b, c)) return {};
+  const double world = *t * local.unit;
+  if (!(world >= ray.tmin && world <= ray.tmax)) return {};
+  return world;
+}
+
+Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
   Answer best;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const geometry::Face& f = mesh.faces[i];
-    const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-    const std::optional<double> t = intersect(local, a, b, c);
-    if (!t || is_culled(question.culling, local, a, b, c)) continue;
-    const double world = *t * local.unit;
-    if (!(world >= ray.tmin && world <= ray.tmax) || (best.found && world >= best.t)) continue;
-    best = {true, world, static_cast<std::uint32_t>(i)};
+    const std::optional<double> t = hit(mesh, i, ray, question.culling);
+    if (!t || (best.found && *t >= best.t)) continue;
+    best = {true, *t, static_cast<std::uint32_t>(i)};
     if (question.any) return {true};
   }
   return best;
 }
 
-/// The answers of a packet, and the rays that were too far away.
-std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Question& question,
-                        std::uint32_t& slow) {
-  const auto packet = std::make_unique<Packet>();
-  BestHits best;
+std::unique_ptr<Packet> packet_of(std::span<const Ray> rays, const Question& question,
+                                  BestHits& best) {
+  auto packet = std::make_unique<Packet>();
   best.clear();
   packet->best = &best;
   packet->any = question.any;
@@ -69,6 +74,14 @@ std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Q
   packet->node = 1;
   packet->work.fill(0);
   tests::set_rays(rays, packet->rays);
+  return packet;
+}
+
+/// The answers of a packet, and the rays that were too far away.
+std::vector<Answer> ask(const MeshAsTree& of, std::span<const Ray> rays, const Question& question,
+                        std::uint32_t& slow) {
+  BestHits best;
+  const auto packet = packet_of(rays, question, best);
   const std::uint32_t lanes = (2u << (rays.size() - 1)) - 1;
   const Prepared prepared = prepare(*packet, of.frame, lanes);
   EXPECT_EQ(prepared.live & prepared.slow, 0u);
@@ -124,6 +137,38 @@ std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::s
     }
   }
   return hits;
+}
+
+/// Remembers the triangles that a walk visits.
+class Visited final : public TriangleVisitor {
+ public:
+  explicit Visited(const TestMesh& mesh) : has(mesh.faces.size()) {}
+  void visit(const blocks::Block& block, std::uint32_t triangles) override {
+    for (std::uint32_t i = 0; i < block.triangles; ++i) {
+      if ((triangles >> i & 1) != 0) has[block.id(i)] = true;
+    }
+  }
+  std::vector<bool> has;
+};
+
+/// Every triangle that a ray hits is visited. Returns how many are.
+std::size_t expect_visits(const MeshAsTree& of, std::span<const Ray> rays, Culling culling) {
+  std::size_t visits = 0;
+  tests::NoSlots slots;
+  WalkTotals totals;
+  for (const Ray& ray : rays) {
+    BestHits best;
+    const auto packet = packet_of({&ray, 1}, {.culling = culling}, best);
+    const Prepared prepared = prepare(*packet, of.frame, 1);
+    if (prepared.slow != 0) continue;
+    Visited visited(of.mesh);
+    if (prepared.live != 0) walk_every(*packet, of.tree->root(), 0, slots, visited, totals);
+    for (std::size_t i = 0; i < of.mesh.faces.size(); ++i) {
+      EXPECT_TRUE(visited.has[i] || !hit(of.mesh, i, ray, culling)) << text(ray) << ", face " << i;
+    }
+    visits += static_cast<std::size_t>(std::count(visited.has.begin(), visited.has.end(), true));
+  }
+  return visits;
 }
 
 /// Rays one after the other whose directions have the same signs and main axis as the first: they
@@ -301,6 +346,15 @@ TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
   rays.insert(rays.end(), more.begin(), more.end());
   rays = with_limits_at_hits(of_->mesh, rays);
   for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
+}
+
+TEST_P(OnEveryMesh, EveryHitIsVisited) {
+  const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, 48, 26);
+  EXPECT_GT(expect_visits(*of_, hard, Culling::kNone), 0u);
+  for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
+    expect_visits(*of_, with_limits_at_hits(of_->mesh, hard), culling);
+    expect_visits(*of_, steep(*of_, 48, 27), culling);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, OnEveryMesh,
