@@ -91,9 +91,10 @@ TraceStats cast_alone(const instances::OpenTrees& trees, QueryKind kind, const R
   return caster.stats();
 }
 
-/// Asks for memory that is read later, or written.
+/// Asks for memory that is read later, or written. Always inline: GCC drops calls of functions that
+/// only prefetch.
 template <bool kWritten>
-void prefetch(const std::byte* begin, const std::byte* end) {
+[[gnu::always_inline]] inline void prefetch(const std::byte* begin, const std::byte* end) {
   constexpr std::ptrdiff_t kLine = 64;
   for (; begin < end; begin += kLine) __builtin_prefetch(begin, kWritten);
 }
@@ -107,20 +108,15 @@ class HitPencils {
 
   /// Returns a bit for each packet of these rays that is answered.
   std::uint32_t cast(std::size_t first, std::size_t count) {
-    prefetch_from(first + count);
+    // Structs begin with these columns; the processor foresees narrower ones.
+    const std::size_t next = first + count, end = std::min(next + query::kPencilRays, rays_.size);
+    prefetch<false>(rays_.origin[0].at(next), rays_.origin[0].at(end));
+    if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(next), hits_.t.at(end));
     return caster_.cast(first, count);
   }
   const TraceStats& stats() const { return caster_.stats(); }
 
  private:
-  /// For the next rays. Structs begin with these columns; the processor foresees narrower ones.
-  void prefetch_from(std::size_t first) const {
-    const std::size_t end = std::min(first + query::kPencilRays, rays_.size);
-    const auto& x = rays_.origin[0];
-    prefetch<false>(x.at(first), x.at(end));
-    if (hits_.t.is_asked()) prefetch<true>(hits_.t.at(first), hits_.t.at(end));
-  }
-
   query::PencilCaster caster_;
   const RayColumns& rays_;
   const HitColumns& hits_;
@@ -285,8 +281,8 @@ Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> ra
     const auto part = rays.first(std::min(rays.size(), kRaysPerReport));
     rays = rays.subspan(part.size());
     const auto cast = cast_rays(
-        snapshot, kind, columns_of(part), options, no_pencils, [](std::size_t, std::uint32_t, PacketCaster&) {},
-        [](std::size_t, RayCaster&) {});
+        snapshot, kind, columns_of(part), options, no_pencils,
+        [](std::size_t, std::uint32_t, PacketCaster&) {}, [](std::size_t, RayCaster&) {});
     if (!cast) return cast.error();
     progress.add(cast->cells_expanded, cast->build_seconds);
     progress.rays_done += part.size();

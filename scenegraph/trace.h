@@ -40,8 +40,8 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
                               std::span<const accel::geometry::Ray> rays,
                               std::span<RayTally> tallies, const TraceOptions& options);
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot,
-                              const accel::geometry::RayColumns& rays,
-                              std::span<RayTally> tallies, const TraceOptions& options);
+                              const accel::geometry::RayColumns& rays, std::span<RayTally> tallies,
+                              const TraceOptions& options);
 
 /// kAll: `hits` becomes the hits of the rays, in the order of the rays; those of rays[i]
 /// (tallies[i].count of them) are sorted by (t, node, primitive). An invalid ray has none. Answers

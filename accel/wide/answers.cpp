@@ -58,9 +58,8 @@ HWY_INLINE void clear(const Outcome& outcome, const FieldColumn<T>& field, std::
     return;
   }
   std::byte* const to = field.at(first);
-  each_answered(outcome, [&](std::size_t lane) {
-    std::memset(to + lane * field.stride, 0, sizeof(T));
-  });
+  each_answered(outcome,
+                [&](std::size_t lane) { std::memset(to + lane * field.stride, 0, sizeof(T)); });
 }
 
 /// The numbers of the rays with a described hit, and zero for others.
@@ -78,19 +77,17 @@ HWY_INLINE void put_t(const Outcome& outcome, std::uint32_t described, const Hit
                       std::size_t first) {
   using Doubles = Lanes<double, kLanes>;
   if (!hits.t.is_asked()) return;
-  const Doubles none =
-      Doubles::pick(outcome.valid, Doubles::set(geometry::kInfinity),
-                    Doubles::set(std::numeric_limits<double>::quiet_NaN()));
-  put(outcome, Doubles::pick(described, Doubles::load(outcome.best.t.data()), none), hits.t,
-      first);
+  const Doubles none = Doubles::pick(outcome.valid, Doubles::set(geometry::kInfinity),
+                                     Doubles::set(std::numeric_limits<double>::quiet_NaN()));
+  put(outcome, Doubles::pick(described, Doubles::load(outcome.best.t.data()), none), hits.t, first);
 }
 
 HWY_INLINE void put_work(const Outcome& outcome, const HitColumns& hits, std::size_t first) {
   using Numbers = Lanes<std::uint32_t, kLanes>;
   if (!hits.work.is_asked()) return;
   const Numbers flag = Numbers::set(geometry::kWorkDeferred), zero = Numbers::set(0);
-  const Numbers work = min(Numbers::load(outcome.work.data()),
-                           Numbers::set(geometry::kWorkDeferred - 1));
+  const Numbers work =
+      min(Numbers::load(outcome.work.data()), Numbers::set(geometry::kWorkDeferred - 1));
   put(outcome,
       Numbers::pick(outcome.valid, work + Numbers::pick(outcome.saw_deferred, flag, zero), zero),
       hits.work, first);

@@ -119,10 +119,10 @@ HWY_INLINE void turn_rows(const D d, const std::array<const double*, 8>& rows,
 #endif
 
 HWY_INLINE void read_rows(const RealColumn& x, const Range& range, GivenRays& out) {
-  const std::array<double*, 8> columns{
-      out.origin[0].data(),    out.origin[1].data(),    out.origin[2].data(),
-      out.direction[0].data(), out.direction[1].data(), out.direction[2].data(),
-      out.tmin.data(),         out.tmax.data()};
+  const std::array<double*, 8> columns{out.origin[0].data(),    out.origin[1].data(),
+                                       out.origin[2].data(),    out.direction[0].data(),
+                                       out.direction[1].data(), out.direction[2].data(),
+                                       out.tmin.data(),         out.tmax.data()};
   constexpr std::size_t kPer = Doubles::kPer;
   for (std::size_t lane = 0; lane < kLanes; lane += kPer)
     turn_rows(Doubles::D(), rows_of<kPer>(x, range, lane), columns, lane);

@@ -47,11 +47,7 @@ std::uint32_t seeing(const accel::geometry::MaskColumn& masks, PacketRange range
 
 PencilCaster::PencilCaster(const instances::OpenTrees& trees, const TraceOptions& options,
                            const RayColumns& rays, const HitColumns& hits)
-    : trees_(trees),
-      options_(options),
-      rays_(rays),
-      hits_(hits),
-      only_(find_only(trees, options)) {
+    : trees_(trees), options_(options), rays_(rays), hits_(hits), only_(find_only(trees, options)) {
   if (only_ == nullptr) return;
   for (std::size_t p = 0; p < packets_.size(); ++p) {
     Packet& packet = packets_[p];
@@ -111,8 +107,8 @@ std::uint32_t PencilCaster::write(std::size_t first, std::size_t count, const La
     const std::uint32_t lanes = done[p];
     if (lanes != (std::uint64_t{1} << range.count) - 1) continue;
     answered |= 1u << p;
-    const accel::wide::Outcome outcome{best_[p], packets_[p].work, lanes,
-                                       lanes,    0,                packets_[p].any};
+    const accel::wide::Outcome outcome{best_[p], packets_[p].work, lanes, lanes,
+                                       0,        packets_[p].any};
     accel::wide::write(outcome, hits_, range.first);
     if (options_.surface && !packets_[p].any)
       write_surfaces({given_[p], outcome, range, true}, trees_, rays_, hits_);
