@@ -1,6 +1,7 @@
 // The rays of a batch: columns of the request, or made by a generator.
 #include "server/queries/batch_rays.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/queries/generator_codec.h"
@@ -9,6 +10,8 @@
 namespace sightline::server::queries {
 
 using accel::geometry::Ray;
+using accel::geometry::RayColumns;
+using proto::rays::Vector;
 
 Status BatchRays::begin(const v1::Rays& columns) {
   const auto count = count_rays(columns);
@@ -24,22 +27,39 @@ Status BatchRays::begin(const v1::RayGenerator& generator) {
   if (Status good = check_count(proto::rays::count_of(*decoded)); !good) return good;
   columns_ = nullptr;
   generated_.begin(std::move(*decoded));
+  tmin_ = generated_.tmin();
+  tmax_ = generated_.tmax();
+  mask_ = generated_.mask();
   size_ = generated_.size();
   return {};
 }
 
 void BatchRays::decode(std::size_t first, std::span<Ray> rays) const {
   if (columns_ != nullptr) return decode_rays(*columns_, first, rays);
-  const double tmin = generated_.tmin(), tmax = generated_.tmax();
-  const std::uint32_t mask = generated_.mask();
-  using proto::rays::Vector;
   generated_.make(first, rays.size(), [&](std::size_t i, const Vector& o, const Vector& d) {
     rays[i] = {.origin = {o[0], o[1], o[2]},
                .direction = {d[0], d[1], d[2]},
-               .tmin = tmin,
-               .tmax = tmax,
-               .mask = mask};
+               .tmin = tmin_,
+               .tmax = tmax_,
+               .mask = mask_};
   });
+}
+
+RayColumns BatchRays::view(std::size_t first, std::size_t count, std::vector<double>& made) const {
+  if (columns_ != nullptr) return view_rays(*columns_, first, count);
+  made.resize(6 * count);
+  double* const origins = made.data();
+  double* const directions = origins + 3 * count;
+  generated_.make(first, count, [&](std::size_t i, const Vector& o, const Vector& d) {
+    std::copy(o.begin(), o.end(), origins + 3 * i);
+    std::copy(d.begin(), d.end(), directions + 3 * i);
+  });
+  return {.size = count,
+          .origin = accel::geometry::columns_of_rows(origins, true),
+          .direction = accel::geometry::columns_of_rows(directions, true),
+          .tmin = accel::geometry::for_all(tmin_),
+          .tmax = accel::geometry::for_all(tmax_),
+          .mask = {&mask_, 0}};
 }
 
 }  // namespace sightline::server::queries

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "accel/geometry/ray.h"
+#include "accel/geometry/ray_columns.h"
 #include "accel/result.h"
 #include "proto/rays/generated_rays.h"
 #include "sightline/v1/query.pb.h"
@@ -28,9 +31,18 @@ class BatchRays {
   /// the tracer marks invalid rays. Threads: any.
   void decode(std::size_t first, std::span<accel::geometry::Ray> rays) const;
 
+  /// A view of `count` rays from `first` on, which the batch has. Those of a request are viewed
+  /// where they are; those of a generator are made in `made`. Both, and the batch, must outlive the
+  /// view. Threads: any, each with its own `made`.
+  accel::geometry::RayColumns view(std::size_t first, std::size_t count,
+                                   std::vector<double>& made) const;
+
  private:
   const v1::Rays* columns_ = nullptr;  // null: generated
   proto::rays::GeneratedRays generated_;
+  // Of all generated rays.
+  double tmin_ = 0, tmax_ = 0;
+  std::uint32_t mask_ = 0;
   std::size_t size_ = 0;
 };
 

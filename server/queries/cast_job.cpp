@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "scenegraph/instances/scene_trees.h"
@@ -55,6 +56,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
                              count, query_.max_hits, count * query_.max_hits, kMaxHitsPerReply),
                  "TOO_MANY_HITS"};
   }
+  // Enough for rays that are made for a slice, too.
   constexpr std::size_t kSliceBytesPerRay =
       sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
   const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
@@ -109,17 +111,11 @@ bool CastJob::is_immediate() const {
 bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   if (const Status ready = begin(); !ready) return false;
   resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-  decode(batch_.size());
   scenegraph::TraceOptions built_only = options();
   built_only.growth = scenegraph::Growth::kBuiltOnly;
-  const auto traced = trace_decoded(built_only, reply);
-  const auto met_deferred = [](const auto& answer) {
-    return (answer.work & accel::geometry::kWorkDeferred) != 0;
-  };
-  const bool counts = query_.kind == scenegraph::QueryKind::kCount;
-  const bool incomplete = counts ? std::any_of(tallies_.begin(), tallies_.end(), met_deferred)
-                                 : std::any_of(hits_.begin(), hits_.end(), met_deferred);
-  if (!traced || (incomplete && query_.growth != scenegraph::Growth::kBuiltOnly)) {
+  bool met_deferred = false;
+  const auto traced = trace_immediate(built_only, reply, met_deferred);
+  if (!traced || (met_deferred && query_.growth != scenegraph::Growth::kBuiltOnly)) {
     begun_ = false;
     return false;
   }
@@ -129,6 +125,31 @@ bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   traced_ = Clock::now() - waiting_since_;
   describe(reply);
   return true;
+}
+
+/// The whole batch, and whether a ray met a cell that is not built.
+Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceOptions& options,
+                                                        v1::CastRaysResponse& reply,
+                                                        bool& met_deferred) {
+  const auto is_deferred = [](std::uint32_t work) {
+    return (work & accel::geometry::kWorkDeferred) != 0;
+  };
+  if (query_.kind == scenegraph::QueryKind::kCount) {
+    auto traced = trace_rays(batch_.size(), options, reply);
+    met_deferred = std::any_of(tallies_.begin(), tallies_.end(),
+                               [&](const auto& tally) { return is_deferred(tally.work); });
+    return traced;
+  }
+  std::array<std::uint32_t, kImmediateCast> work{};
+  accel::geometry::HitColumns hits = view_hits(reply, 0, batch_.size());
+  const auto asked = hits.work;
+  hits.work = {work.data()};
+  auto traced = scenegraph::trace(*snapshot_, batch_.view(0, batch_.size(), made_), hits, options);
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    if (asked.is_asked()) asked.set(i, work[i]);
+    met_deferred |= is_deferred(work[i]);
+  }
+  return traced;
 }
 
 void CastJob::push_build(v1::CastRaysResponse& reply, const Done& done) {
@@ -216,7 +237,8 @@ Status CastJob::begin() {
   answered_ = 0;
   stats_ = std::exchange(build_stats_, {});
   if (query_.kind == scenegraph::QueryKind::kAll) {
-    decode(batch_.size());
+    rays_.resize(batch_.size());
+    batch_.decode(0, rays_);
     pager_.begin(rays_);
   }
   begun_ = true;
@@ -235,12 +257,6 @@ scenegraph::TraceOptions CastJob::options() const {
           .cancelled = &cancelled_};
 }
 
-/// The next rays of the batch.
-void CastJob::decode(std::size_t count) {
-  rays_.resize(count);
-  batch_.decode(answered_, rays_);
-}
-
 Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   reply.clear_first_ray();
   reply.clear_more();
@@ -251,27 +267,25 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     return made;
   }
   if (answered_ == 0) resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
-  decode(std::min(batch_.size() - answered_, kRaysPerSlice));
-  const auto traced = trace_decoded(options(), reply);
+  const std::size_t count = std::min(batch_.size() - answered_, kRaysPerSlice);
+  const auto traced = trace_rays(count, options(), reply);
   if (!traced) return traced.error();
   stats_ += *traced;
-  answered_ += rays_.size();
+  answered_ += count;
   if (answered_ < batch_.size()) progress = Progress::kMore;
   return {};
 }
 
-/// Writes the answers to the decoded rays into the reply.
-Result<scenegraph::TraceStats> CastJob::trace_decoded(const scenegraph::TraceOptions& options,
-                                                      v1::CastRaysResponse& reply) {
-  if (query_.kind == scenegraph::QueryKind::kCount) {
-    tallies_.resize(rays_.size());
-    auto traced = scenegraph::count_hits(*snapshot_, rays_, tallies_, options);
-    if (traced) encode_tallies(tallies_, answered_, reply);
-    return traced;
-  }
-  hits_.resize(rays_.size());
-  auto traced = scenegraph::trace(*snapshot_, rays_, hits_, options);
-  if (traced) encode_hits(hits_, answered_, reply);
+/// Writes the answers to the next rays into the reply.
+Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
+                                                   const scenegraph::TraceOptions& options,
+                                                   v1::CastRaysResponse& reply) {
+  const accel::geometry::RayColumns rays = batch_.view(answered_, count, made_);
+  if (query_.kind != scenegraph::QueryKind::kCount)
+    return scenegraph::trace(*snapshot_, rays, view_hits(reply, answered_, count), options);
+  tallies_.resize(count);
+  auto traced = scenegraph::count_hits(*snapshot_, rays, tallies_, options);
+  if (traced) encode_tallies(tallies_, answered_, reply);
   return traced;
 }
 

@@ -77,9 +77,9 @@ static_assert(kRaysPerSlice % kRaysPerBitsByte == 0);
 enum class Replies : std::uint8_t { kOne, kMany };
 
 /// Serves one call: open() and pin() once; then for each batch accept() once, and enqueue() until
-/// the reply says that there is no more. Rays are decoded slice by slice, and their hits written to
-/// the reply's columns, which have their final size from the first slice on. All slices and batches
-/// use the same memory.
+/// the reply says that there is no more. Rays are read slice by slice in the request, and their
+/// hits written to the reply's columns, which have their final size from the first slice on. All
+/// slices and batches use the same memory.
 class CastJob {
  public:
   CastJob(const scenes::Services& services, exec::Caller caller, Replies replies)
@@ -129,10 +129,12 @@ class CastJob {
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
-  void decode(std::size_t count);
   Status trace_slice(v1::CastRaysResponse& reply, Progress& progress);
-  Result<scenegraph::TraceStats> trace_decoded(const scenegraph::TraceOptions& options,
-                                               v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> trace_rays(std::size_t count,
+                                            const scenegraph::TraceOptions& options,
+                                            v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> trace_immediate(const scenegraph::TraceOptions& options,
+                                                 v1::CastRaysResponse& reply, bool& met_deferred);
   void describe(v1::CastRaysResponse& reply);
   scenegraph::TraceOptions options() const;
 
@@ -146,9 +148,9 @@ class CastJob {
   scenes::RevisionToken revision_;
   BatchRays batch_;
   std::size_t answered_ = 0;                // rays of the batch
-  std::vector<accel::geometry::Ray> rays_;  // of the slice; for all hits, of the batch
+  std::vector<accel::geometry::Ray> rays_;  // of the batch, for all hits
+  std::vector<double> made_;                // the generated rays of the slice
   std::optional<scenegraph::query::Selection> selection_;
-  std::vector<accel::geometry::Hit> hits_;     // of the slice
   std::vector<scenegraph::RayTally> tallies_;  // of the slice
   HitPager pager_;
   scenegraph::TraceStats build_stats_;  // of a full build for the batch

@@ -1,7 +1,6 @@
 // Encodes the hit columns of a reply.
 #include "server/queries/hit_codec.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -16,6 +15,7 @@ static_assert(std::endian::native == std::endian::little,
               "columns are little-endian and are copied as they are");
 
 using accel::geometry::Hit;
+using accel::geometry::HitColumns;
 using accel::geometry::HitState;
 using scenegraph::RayTally;
 
@@ -62,39 +62,19 @@ void write_rows(std::span<const Row> rows, std::size_t first, std::string& data,
   }
 }
 
-/// Bit i % 8 of byte i / 8 is that of ray i; the bits beyond the last ray are 0.
-void write_bits(std::span<const Hit> hits, std::size_t first, std::string& data) {
-  char* out = data.data() + first / kRaysPerBitsByte;
-  for (std::size_t i = 0; i < hits.size(); i += kRaysPerBitsByte) {
-    const auto rays = hits.subspan(i, std::min(kRaysPerBitsByte, hits.size() - i));
-    unsigned byte = 0;
-    for (std::size_t bit = 0; bit < rays.size(); ++bit)
-      byte |= (rays[bit].state == HitState::kHit ? 1u : 0u) << bit;
-    *out++ = static_cast<char>(byte);
-  }
-}
-
-void write_hits(std::span<const Hit> hits, std::size_t first, v1::HitField field,
-                std::string& data) {
+/// A column with a row for each listed hit.
+void write_hits(std::span<const Hit> hits, v1::HitField field, std::string& data) {
   switch (field) {
     case v1::HIT_FIELD_T:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.t; });
+      return write_rows(hits, 0, data, [](const Hit& h) { return h.t; });
     case v1::HIT_FIELD_NODE:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.node; });
+      return write_rows(hits, 0, data, [](const Hit& h) { return h.node; });
     case v1::HIT_FIELD_PRIMITIVE:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.primitive; });
+      return write_rows(hits, 0, data, [](const Hit& h) { return h.primitive; });
     case v1::HIT_FIELD_BARYCENTRIC:
-      return write_rows(hits, first, data, [](const Hit& h) {
-        return std::array<float, 2>{h.u, h.v};
-      });
+      return write_rows(hits, 0, data, [](const Hit& h) { return std::array<float, 2>{h.u, h.v}; });
     case v1::HIT_FIELD_NORMAL:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.normal; });
-    case v1::HIT_FIELD_HIT:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.state; });
-    case v1::HIT_FIELD_HIT_BITS:
-      return write_bits(hits, first, data);
-    case v1::HIT_FIELD_WORK:
-      return write_rows(hits, first, data, [](const Hit& h) { return h.work; });
+      return write_rows(hits, 0, data, [](const Hit& h) { return h.normal; });
     default:
       return;  // no field of hits
   }
@@ -126,6 +106,35 @@ void write_offsets(std::span<const RayTally> tallies, std::string& data) {
   write_rows(tallies, 1, data, [&](const RayTally& r) { return end += r.count; });
 }
 
+template <class T>
+void view_rows(char* data, std::size_t first, accel::geometry::FieldColumn<T>& rows) {
+  rows.data = data + first * sizeof(T);
+}
+
+void view_column(v1::HitField field, char* data, std::size_t first, HitColumns& hits) {
+  switch (field) {
+    case v1::HIT_FIELD_T:
+      return view_rows(data, first, hits.t);
+    case v1::HIT_FIELD_NODE:
+      return view_rows(data, first, hits.node);
+    case v1::HIT_FIELD_PRIMITIVE:
+      return view_rows(data, first, hits.primitive);
+    case v1::HIT_FIELD_BARYCENTRIC:
+      return view_rows(data, first, hits.barycentric);
+    case v1::HIT_FIELD_NORMAL:
+      return view_rows(data, first, hits.normal);
+    case v1::HIT_FIELD_HIT:
+      return view_rows(data, first, hits.state);
+    case v1::HIT_FIELD_HIT_BITS:
+      hits.bits = reinterpret_cast<std::uint8_t*>(data) + first / kRaysPerBitsByte;
+      return;
+    case v1::HIT_FIELD_WORK:
+      return view_rows(data, first, hits.work);
+    default:
+      return;  // no field of hits
+  }
+}
+
 }  // namespace
 
 void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std::size_t hits,
@@ -140,9 +149,12 @@ void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std:
   }
 }
 
-void encode_hits(std::span<const Hit> hits, std::size_t first, v1::CastRaysResponse& reply) {
+HitColumns view_hits(v1::CastRaysResponse& reply, std::size_t first, std::size_t rays) {
+  HitColumns hits;
+  hits.size = rays;
   for (v1::HitColumn& column : *reply.mutable_columns())
-    write_hits(hits, first, column.field(), *column.mutable_data());
+    view_column(column.field(), column.mutable_data()->data(), first, hits);
+  return hits;
 }
 
 void encode_tallies(std::span<const RayTally> tallies, std::size_t first,
@@ -159,7 +171,7 @@ void encode_lists(std::span<const RayTally> tallies, std::span<const Hit> hits,
     if (column.field() == v1::HIT_FIELD_OFFSET) {
       write_offsets(tallies, data);
     } else if (!write_tallies(tallies, 0, column.field(), data)) {
-      write_hits(hits, 0, column.field(), data);
+      write_hits(hits, column.field(), data);
     }
   }
 }

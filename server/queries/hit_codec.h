@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "accel/geometry/hit_columns.h"
 #include "accel/geometry/ray.h"
 #include "scenegraph/trace.h"
 #include "sightline/v1/query.pb.h"
@@ -22,12 +23,13 @@ inline constexpr std::size_t kRaysPerBitsByte = 8;
 void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std::size_t hits,
                     v1::CastRaysResponse& reply);
 
-/// Writes the rows of these hits to all columns, from row `first` on, a multiple of
-/// kRaysPerBitsByte. The columns have these rows.
-void encode_hits(std::span<const accel::geometry::Hit> hits, std::size_t first,
-                 v1::CastRaysResponse& reply);
+/// The rows of `rays` hits in the columns, from row `first` on, a multiple of kRaysPerBitsByte. The
+/// columns have these rows, and are not resized before the hits are written.
+accel::geometry::HitColumns view_hits(v1::CastRaysResponse& reply, std::size_t first,
+                                      std::size_t rays);
 
-/// As encode_hits(), for query kinds with a tally per ray.
+/// Writes the rows of these answers to the columns of a query kind with a tally per ray, from row
+/// `first` on. The columns have these rows.
 void encode_tallies(std::span<const scenegraph::RayTally> tallies, std::size_t first,
                     v1::CastRaysResponse& reply);
 

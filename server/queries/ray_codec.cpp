@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -16,43 +14,10 @@ namespace sightline::server::queries {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "columns are little-endian and are copied as they are");
+              "columns are little-endian and are read as they are");
 
 using accel::geometry::Ray;
-
-template <class T>
-T load(const std::string& column, std::size_t row) {
-  T value;
-  std::memcpy(&value, column.data() + row * sizeof(T), sizeof(T));
-  return value;
-}
-
-template <class T>
-accel::geometry::Vec3d load_vector(const std::string& column, std::size_t row) {
-  const auto v = load<std::array<T, 3>>(column, row);
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
-/// The columns are of the right lengths, and have rows up to first + rays.size().
-template <class T>
-void fill(const v1::Rays& columns, std::size_t first, std::span<Ray> rays) {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    rays[i] = {.origin = load_vector<T>(columns.origins(), first + i),
-               .direction = load_vector<T>(columns.directions(), first + i)};
-  }
-  if (!columns.tmin().empty()) {
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      rays[i].tmin = static_cast<double>(load<T>(columns.tmin(), first + i));
-  }
-  if (!columns.tmax().empty()) {
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      rays[i].tmax = static_cast<double>(load<T>(columns.tmax(), first + i));
-  }
-  if (!columns.masks().empty()) {
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      rays[i].mask = load<std::uint32_t>(columns.masks(), first + i);
-  }
-}
+using accel::geometry::RayColumns;
 
 Status check_column(std::string_view name, const std::string& column, std::size_t rays,
                     std::size_t bytes_per_ray) {
@@ -103,12 +68,25 @@ Status check_count(std::size_t rays) {
       "TOO_MANY_RAYS"};
 }
 
+RayColumns view_rays(const v1::Rays& columns, std::size_t first, std::size_t count) {
+  const bool float64 = columns.float64();
+  const std::size_t element = float64 ? sizeof(double) : sizeof(float);
+  RayColumns rays;
+  rays.size = count;
+  rays.origin =
+      accel::geometry::columns_of_rows(columns.origins().data() + 3 * first * element, float64);
+  rays.direction =
+      accel::geometry::columns_of_rows(columns.directions().data() + 3 * first * element, float64);
+  if (!columns.tmin().empty()) rays.tmin = {columns.tmin().data() + first * element, 1, float64};
+  if (!columns.tmax().empty()) rays.tmax = {columns.tmax().data() + first * element, 1, float64};
+  if (!columns.masks().empty())
+    rays.mask = {columns.masks().data() + first * sizeof(std::uint32_t), 1};
+  return rays;
+}
+
 void decode_rays(const v1::Rays& columns, std::size_t first, std::span<Ray> rays) {
-  if (columns.float64()) {
-    fill<double>(columns, first, rays);
-  } else {
-    fill<float>(columns, first, rays);
-  }
+  const RayColumns view = view_rays(columns, first, rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = view[i];
 }
 
 }  // namespace sightline::server::queries

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "accel/geometry/ray.h"
+#include "accel/geometry/ray_columns.h"
 #include "accel/result.h"
 #include "sightline/v1/query.pb.h"
 
@@ -20,8 +21,13 @@ Result<std::size_t> count_rays(const v1::Rays& columns);
 /// As an error of count_rays() if there are more than kMaxRaysPerRequest rays.
 Status check_count(std::size_t rays);
 
-/// Fills `rays` with the rays from `first` on, as far as it has room. count_rays() has accepted the
-/// columns, and these rays are theirs. Values are not checked: the tracer marks invalid rays.
+/// A view of `count` rays from `first` on. count_rays() has accepted the columns, which must
+/// outlive the view, and these rays are theirs. Values are not checked: the tracer marks invalid
+/// rays.
+accel::geometry::RayColumns view_rays(const v1::Rays& columns, std::size_t first,
+                                      std::size_t count);
+
+/// Fills `rays` with those of view_rays(), as far as it has room.
 void decode_rays(const v1::Rays& columns, std::size_t first, std::span<accel::geometry::Ray> rays);
 
 }  // namespace sightline::server::queries

@@ -20,6 +20,12 @@ std::vector<T> values(const std::string& column) {
   return out;
 }
 
+void encode_hits(std::span<const accel::geometry::Hit> hits, std::size_t first,
+                 v1::CastRaysResponse& reply) {
+  const accel::geometry::HitColumns columns = view_hits(reply, first, hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) columns.set(i, hits[i]);
+}
+
 /// All hits at once.
 void encode_all(std::span<const accel::geometry::Hit> hits, std::span<const v1::HitField> fields,
                 v1::CastRaysResponse& reply) {
