@@ -100,6 +100,7 @@ Verb add_verb_trace(CLI::App& app) {
       {"closest", scenegraph::QueryKind::kClosest}, {"any", scenegraph::QueryKind::kAny}};
   verb.add_option("--kind", options->kind, "closest|any")
       ->transform(CLI::CheckedTransformer(kinds));
+  verb.add_flag("--columns", options->columns, "Rays and hits in columns, as messages have them");
   return [options](const CommonOptions& common) { return run_trace(common, *options); };
 }
 

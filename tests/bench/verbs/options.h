@@ -44,6 +44,7 @@ struct TraceOptions {
   std::vector<std::string> builders{};
   RayOptions rays{};
   scenegraph::QueryKind kind = scenegraph::QueryKind::kClosest;
+  bool columns = false;  ///< Rays and hits in columns, not in arrays of structs.
 };
 
 struct LazyOptions {

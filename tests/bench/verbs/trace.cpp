@@ -1,8 +1,11 @@
 // trace: how fast rays are answered from a builder's trees.
+#include <optional>
+
 #include "accel/published/any_builder.h"
 #include "tests/bench/verbs/contenders.h"
 #include "tests/bench/verbs/disagreement.h"
 #include "tests/bench/verbs/hit_hash.h"
+#include "tests/bench/verbs/packed_columns.h"
 #include "tests/bench/verbs/verbs.h"
 #include "tests/bench/verbs/workload.h"
 
@@ -23,6 +26,7 @@ struct Task {
   scenegraph::QueryKind kind;
   scenegraph::Growth growth;
   const AnswerCheck& check;
+  PackedColumns* columns = nullptr;  ///< Null: arrays of structs.
 
   bool any() const { return kind == scenegraph::QueryKind::kAny; }
 };
@@ -33,6 +37,16 @@ struct Reference {
   std::vector<accel::geometry::Hit> hits;
 };
 
+/// The hashes of all builders are compared with the first; this one is that of arrays.
+Status check_columns(const Task& task, const Reference& reference, const Measured& measured) {
+  const std::string expected = hit_hash(reference.hits, task.kind);
+  if (task.columns == nullptr || measured.hash == expected) return {};
+  return Error{
+      Code::kDataLoss,
+      "answers in columns, " + measured.hash + ", differ from those in arrays, " + expected,
+      "HASHES_DIFFER"};
+}
+
 Result<Reference> make_reference(const Task& task) {
   auto snapshot = assemble(task.scene, accel::published::default_builder());
   if (!snapshot.ok()) return snapshot.error();
@@ -42,6 +56,22 @@ Result<Reference> make_reference(const Task& task) {
   if (!traced.ok()) return traced.error();
   if (auto right = task.check(reference.hits); !right.ok()) return right.error();
   return reference;
+}
+
+/// Sets `seconds` to the time that the rays took, and `hits` to their answers.
+Result<scenegraph::TraceStats> trace_timed(const Task& task,
+                                           const scenegraph::revision::Snapshot& snapshot,
+                                           std::vector<accel::geometry::Hit>& hits,
+                                           double& seconds) {
+  const scenegraph::TraceOptions options{
+      .kind = task.kind, .growth = scenegraph::Growth::kFirstTouch, .surface = false};
+  const Stopwatch clock;
+  auto traced = task.columns != nullptr ? scenegraph::trace(snapshot, task.columns->rays(),
+                                                            task.columns->fields(), options)
+                                        : scenegraph::trace(snapshot, task.rays, hits, options);
+  seconds = clock.seconds();
+  if (task.columns != nullptr) hits = task.columns->hits();
+  return traced;
 }
 
 Status measure_ours(const Task& task, const accel::published::AnyBuilder& builder,
@@ -59,11 +89,8 @@ Status measure_ours(const Task& task, const accel::published::AnyBuilder& builde
   const double build_seconds = build_clock.seconds();
 
   std::vector<accel::geometry::Hit> hits(task.rays.size());
-  const Stopwatch trace_clock;
-  auto traced = scenegraph::trace(
-      **snapshot, task.rays, hits,
-      {.kind = task.kind, .growth = scenegraph::Growth::kFirstTouch, .surface = false});
-  const double trace_seconds = trace_clock.seconds();
+  double trace_seconds = 0;
+  const auto traced = trace_timed(task, **snapshot, hits, trace_seconds);
   if (!traced.ok()) return traced.error();
 
   const std::string hash = hit_hash(hits, task.kind);
@@ -111,6 +138,7 @@ Row make_row(const CommonOptions& common, const TraceOptions& options, const Tas
   row["rays"] = options.rays.kind;
   row["count"] = task.rays.size();
   row["kind"] = task.any() ? "any" : "closest";
+  if (ours && task.columns != nullptr) row["entry"] = "columns";
   row["triangles"] = task.scene.unique_triangles();
   row["threads"] = common.threads;
   set_times(row, "build_ms", m.build_ms);
@@ -160,7 +188,9 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
   if (!rays.ok()) return rays.error();
   const auto check = AnswerCheck::make(*scene, *rays, options.kind);
   if (!check.ok()) return check.error();
-  const Task task{*scene, *rays, options.kind, *growth, *check};
+  std::optional<PackedColumns> columns;
+  if (options.columns) columns.emplace(*rays, options.kind);
+  const Task task{*scene, *rays, options.kind, *growth, *check, columns ? &*columns : nullptr};
   const auto peers = open_peers(*contenders, *scene, common.threads);
   if (!peers.ok()) return peers.error();
   const auto reference = make_reference(task);
@@ -177,6 +207,8 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
         return Error{done.error().code, (*contenders)[b].name + ": " + done.error().message,
                      done.error().reason};
       }
+      if (ours == nullptr) continue;
+      if (auto same = check_columns(task, *reference, measured[b]); !same.ok()) return same.error();
     }
     if (auto same = compare_hashes(*contenders, measured); !same.ok()) return same.error();
   }
