@@ -20,7 +20,7 @@ using geometry::RayColumns;
 using geometry::RealColumn;
 
 /// Which rays of a batch are read.
-struct Range {
+struct RayRange {
   std::size_t first, count;
 
   /// The last ray stands for those behind it.
@@ -40,9 +40,9 @@ bool is_aligned(const RealColumn& column) {
 /// The first eight numbers of each ray are doubles side by side, as in an array of structs.
 HWY_INLINE bool are_rows(const RayColumns& rays) {
   const RealColumn& x = rays.origin[0];
-  const auto follows = [&](const RealColumn& column, std::size_t place) {
+  const auto follows = [&](const RealColumn& column, std::size_t index) {
     return column.float64 && column.stride == x.stride &&
-           column.data == static_cast<const std::byte*>(x.data) + place * sizeof(double);
+           column.data == static_cast<const std::byte*>(x.data) + index * sizeof(double);
   };
   return x.stride >= 8 && follows(x, 0) && follows(rays.origin[1], 1) &&
          follows(rays.origin[2], 2) && follows(rays.direction[0], 3) &&
@@ -52,7 +52,7 @@ HWY_INLINE bool are_rows(const RayColumns& rays) {
 
 /// As many rows as vectors have lanes.
 template <std::size_t kCount>
-HWY_INLINE std::array<const double*, kCount> rows_of(const RealColumn& x, const Range& range,
+HWY_INLINE std::array<const double*, kCount> rows_of(const RealColumn& x, const RayRange& range,
                                                      std::size_t lane) {
   std::array<const double*, kCount> rows;
   for (std::size_t i = 0; i < kCount; ++i) rows[i] = numbers<double>(x.at(range.ray(lane + i)));
@@ -118,7 +118,7 @@ HWY_INLINE void turn_rows(const D d, const std::array<const double*, 8>& rows,
 }
 #endif
 
-HWY_INLINE void read_rows(const RealColumn& x, const Range& range, GivenRays& out) {
+HWY_INLINE void read_rows(const RealColumn& x, const RayRange& range, GivenRays& out) {
   const std::array<double*, 8> columns{out.origin[0].data(),    out.origin[1].data(),
                                        out.origin[2].data(),    out.direction[0].data(),
                                        out.direction[1].data(), out.direction[2].data(),
@@ -145,14 +145,14 @@ HWY_INLINE void read_interleaved(const T* from, std::array<Column<double>, 3>& o
 
 /// False: the column is not of such numbers side by side.
 template <class T>
-HWY_INLINE bool read_packed(const RealColumn& column, const Range& range, Column<double>& out) {
+HWY_INLINE bool read_packed(const RealColumn& column, const RayRange& range, Column<double>& out) {
   if (column.stride != 1 || range.count != kLanes || !is_aligned<T>(column)) return false;
   in_doubles(Lanes<T, kLanes>::load_unaligned(numbers<T>(column.at(range.first))))
       .store(out.data());
   return true;
 }
 
-HWY_INLINE void read_column(const RealColumn& column, const Range& range, Column<double>& out) {
+HWY_INLINE void read_column(const RealColumn& column, const RayRange& range, Column<double>& out) {
   if (column.stride == 0) return Doubles::set(column[0]).store(out.data());
   if (column.float64 ? read_packed<double>(column, range, out)
                      : read_packed<float>(column, range, out))
@@ -174,7 +174,7 @@ HWY_INLINE bool are_interleaved(const std::array<RealColumn, 3>& columns) {
   return true;
 }
 
-HWY_INLINE void read_vectors(const std::array<RealColumn, 3>& columns, const Range& range,
+HWY_INLINE void read_vectors(const std::array<RealColumn, 3>& columns, const RayRange& range,
                              std::array<Column<double>, 3>& out) {
   const RealColumn& x = columns[0];
   if (range.count == kLanes && x.stride == 3) {
@@ -187,7 +187,7 @@ HWY_INLINE void read_vectors(const std::array<RealColumn, 3>& columns, const Ran
 }
 
 void read_rays(const RayColumns& rays, std::size_t first, std::size_t count, GivenRays& out) {
-  const Range range{first, count};
+  const RayRange range{first, count};
   if (are_rows(rays)) return read_rows(rays.origin[0], range, out);
   read_vectors(rays.origin, range, out.origin);
   read_vectors(rays.direction, range, out.direction);

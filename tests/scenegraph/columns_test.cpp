@@ -94,13 +94,13 @@ class PackedRays {
   const std::byte* at(const std::vector<std::byte>& column) const {
     return column.data() + misaligned_;
   }
-  void put(std::vector<std::byte>& column, std::size_t place, double number, bool float64) const {
+  void put(std::vector<std::byte>& column, std::size_t index, double number, bool float64) const {
     std::byte* const to = column.data() + misaligned_;
     const auto narrow = static_cast<float>(number);
     if (float64) {
-      std::memcpy(to + place * sizeof(number), &number, sizeof(number));
+      std::memcpy(to + index * sizeof(number), &number, sizeof(number));
     } else {
-      std::memcpy(to + place * sizeof(narrow), &narrow, sizeof(narrow));
+      std::memcpy(to + index * sizeof(narrow), &narrow, sizeof(narrow));
     }
   }
   std::size_t misaligned_;
@@ -110,8 +110,8 @@ class PackedRays {
 
 /// A column of exactly `count` values, filled with what no answer is.
 template <class T>
-struct Room {
-  Room(std::size_t count, std::size_t before)
+struct PackedField {
+  PackedField(std::size_t count, std::size_t before)
       : bytes(before + count * sizeof(T), std::byte{0xa5}), misaligned(before) {}
   accel::geometry::FieldColumn<T> column() { return {bytes.data() + misaligned}; }
   T operator[](std::size_t i) const {
@@ -144,13 +144,13 @@ struct PackedHits {
     columns.state = state.column();
     columns.bits = bits.data();
   }
-  Room<double> t;
-  Room<std::uint64_t> node;
-  Room<std::uint32_t> primitive;
-  Room<std::array<float, 2>> barycentric;
-  Room<Vec3f> normal;
-  Room<std::uint32_t> work;
-  Room<HitState> state;
+  PackedField<double> t;
+  PackedField<std::uint64_t> node;
+  PackedField<std::uint32_t> primitive;
+  PackedField<std::array<float, 2>> barycentric;
+  PackedField<Vec3f> normal;
+  PackedField<std::uint32_t> work;
+  PackedField<HitState> state;
   std::vector<std::uint8_t> bits;
   HitColumns columns;
 };

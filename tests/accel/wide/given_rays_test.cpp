@@ -45,7 +45,7 @@ class Numbers {
         misaligned_(misaligned) {
     for (std::size_t i = 0; i < count; ++i) {
       const float narrow = number(random);
-      const double wide = std::isfinite(narrow) ? narrow * random.uniform(1, 2) : narrow;
+      const double wide = static_cast<double>(narrow) * random.uniform(1, 2);
       if (float64) {
         put(i, wide);
       } else {
@@ -64,9 +64,9 @@ class Numbers {
   std::size_t misaligned_;
 };
 
-enum class Layout { kOneForAll, kSideBySide, kRowsOfThree, kFarApart };
+enum class Layout { kOneForAll, kSideBySide, kRowsOfThree, kStrided };
 constexpr Layout kLayouts[] = {Layout::kOneForAll, Layout::kSideBySide, Layout::kRowsOfThree,
-                               Layout::kFarApart};
+                               Layout::kStrided};
 
 std::size_t stride_of(Layout layout) {
   constexpr std::size_t kStrides[] = {0, 1, 3, 5};
