@@ -74,13 +74,7 @@ class Parts {
   }
 
   const blocks::Node* join(const blocks::Node* left, const blocks::Node* right) {
-    blocks::Node* node = arena_.node();
-    node->box = left->box;
-    node->box.grow(right->box);
-    node->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-    node->left = left;
-    node->right = right;
-    return node;
+    return arena_.join(left, right);
   }
 
   blocks::Arena arena_;
