@@ -220,7 +220,10 @@ class PencilRays {
     const Rays& rays = packet.rays;
     FloatRays& out = packet.floats;
     const Doubles per_t = along * inverse_of_power(Doubles::load(rays.unit.data()));
-    const Doubles tmin = Doubles::load(rays.tmin.data()), tmax = Doubles::load(rays.tmax.data()),
+    // A hit whose t is too large for a double is none.
+    const Doubles tmin = Doubles::load(rays.tmin.data()),
+                  tmax = min(Doubles::load(rays.tmax.data()),
+                             Doubles::set(std::numeric_limits<double>::max())),
                   one = Doubles::set(1), most = Doubles::set(kFarthest);
     const auto depth = [&](const Doubles& t) { return to_floats(min(t * per_t, most)); };
     const Floats begin = depth(from_origin ? tmin : one - tmax);
