@@ -26,7 +26,7 @@ namespace HWY_NAMESPACE {
 
 /// Slopes of a pencil are at most this.
 constexpr double kLargestSlope = 2;
-/// Points and trees beyond would overflow products.
+/// Points, trees and rays beyond would overflow products.
 constexpr double kLargestPencil = 0x1p+50;
 /// Ends of rays that are closer to each other, relative to the rays' size, are one point.
 constexpr double kOneEnd = 0x1p-23;
@@ -212,7 +212,7 @@ class PencilRays {
       lanes_[p] &= (along > Doubles::set(0)) & (abs(d[point.axis[0]]) <= most) &
                    (abs(d[point.axis[1]]) <= most);
     }
-    return size <= kLargestPencil;
+    return std::max(size, point.reach) <= kLargestPencil;
   }
 
   /// Limits of depth, from the point on.
