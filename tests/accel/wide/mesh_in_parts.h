@@ -65,13 +65,7 @@ class MeshInParts {
 
   const accel::blocks::Node* join(const accel::blocks::Node* left,
                                   const accel::blocks::Node* right) {
-    accel::blocks::Node* node = arena_.node();
-    node->box = left->box;
-    node->box.grow(right->box);
-    node->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-    node->left = left;
-    node->right = right;
-    return node;
+    return arena_.join(left, right);
   }
 
   accel::blocks::Arena arena_;
