@@ -61,7 +61,7 @@ class Growth {
     }
     if (left == 0 || !fits(std::max(left, count - left), levels - 1)) left = count / 2;
     const Node* const a = grow(first, left, levels - 1);
-    return join(a, grow(first + left, count - left, levels - 1));
+    return arena_.join(a, grow(first + left, count - left, levels - 1));
   }
 
  private:
@@ -118,7 +118,7 @@ class Growth {
     const Orders divided = divide(orders, count, split);
     const Node* const right =
         grow_orders(divided.behind(split.left), count - split.left, levels - 1);
-    return join(grow_orders(divided, split.left, levels - 1), right);
+    return arena_.join(grow_orders(divided, split.left, levels - 1), right);
   }
 
   static bool leaf_pays(const OrderSplit& split, std::size_t count) {
@@ -140,16 +140,6 @@ class Growth {
     node->box = {{-b.lanes[0], -b.lanes[1], -b.lanes[2]}, {b.lanes[4], b.lanes[5], b.lanes[6]}};
     node->words = static_cast<std::uint32_t>(Block::words(count, shared.count));
     node->block = write_block(mesh_, center_, ids, count, shared, arena_);
-    return node;
-  }
-
-  const Node* join(const Node* left, const Node* right) {
-    Node* const node = arena_.node();
-    node->box = left->box;
-    node->box.grow(right->box);
-    node->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-    node->left = left;
-    node->right = right;
     return node;
   }
 

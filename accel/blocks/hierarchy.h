@@ -1,6 +1,7 @@
 // A binary tree whose leaves are blocks. It lives in an arena until it is compiled to wide nodes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -15,6 +16,7 @@ struct Node {
   geometry::Aabb box;        ///< Of the clipped references below, in mesh coordinates.
   std::uint32_t words = 0;   ///< Of the block; 0: an inner node; kOther: a leaf without a block.
   std::uint16_t levels = 0;  ///< 0: a leaf; otherwise 1 + the larger of the children's.
+  std::uint16_t leaves = 1;  ///< Below, up to kManyLeaves.
   union {
     const Node* left = nullptr;
     const std::uint32_t* block;
@@ -23,6 +25,8 @@ struct Node {
   const Node* right = nullptr;
 
   static constexpr std::uint32_t kOther = ~std::uint32_t{0};
+  /// Not counted further.
+  static constexpr unsigned kManyLeaves = 1024;
   bool leaf() const { return words != 0; }
 };
 
@@ -78,6 +82,18 @@ class Chunks {
 class Arena {
  public:
   Node* node() { return new (nodes_.take(sizeof(Node))) Node; }
+  /// An inner node over two others.
+  Node* join(const Node* left, const Node* right) {
+    Node* const made = node();
+    made->box = left->box;
+    made->box.grow(right->box);
+    made->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
+    made->leaves = static_cast<std::uint16_t>(
+        std::min(unsigned{left->leaves} + right->leaves, Node::kManyLeaves));
+    made->left = left;
+    made->right = right;
+    return made;
+  }
   /// For a block; count > 0.
   std::uint32_t* words(std::size_t count) {
     return static_cast<std::uint32_t*>(words_.take(count * sizeof(std::uint32_t)));

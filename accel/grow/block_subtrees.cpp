@@ -26,13 +26,7 @@ Grown BlockSubtrees::join(const kdtree::Plane& cut, const Grown& left, const Gro
   if (left.node != nullptr && right.node != nullptr) {
     const std::size_t levels = std::size_t{1} + std::max(left.node->levels, right.node->levels);
     if (levels <= wide::kMostLevels) {
-      blocks::Node* node = arena_.node();
-      node->box = left.node->box;
-      node->box.grow(right.node->box);
-      node->levels = static_cast<std::uint16_t>(levels);
-      node->left = left.node;
-      node->right = right.node;
-      return {.node = node};
+      return {.node = arena_.join(left.node, right.node)};
     }
   }
   const std::optional<std::uint32_t> pair = context_.tree.allocate_pair();

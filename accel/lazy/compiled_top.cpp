@@ -43,13 +43,7 @@ class Top {
   const Node* join(const Node* left, const Node* right) {
     if (left == nullptr) return right;
     if (right == nullptr) return left;
-    Node* made = arena_.node();
-    made->box = left->box;
-    made->box.grow(right->box);
-    made->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-    made->left = left;
-    made->right = right;
-    return made;
+    return arena_.join(left, right);
   }
 
   const kdtree::KdTree& tree_;

@@ -32,7 +32,8 @@ class PencilBoxes {
     float farthest = 0;
     for (const double at : point.at)
       farthest = std::max(farthest, std::fabs(static_cast<float>(at)));
-    const float error = (extent + 2 * farthest) * 0x1p-23f + (4 * point.error + kTiny);
+    const float reach = 0x1p-4f * static_cast<float>(point.reach);
+    const float error = (extent + 2 * farthest + reach) * 0x1p-23f + (4 * point.error + kTiny);
     error_ = Boxes::set(error);
     for (std::size_t k = 0; k < 2; ++k) {
       row_[k] = 2 * point.axis[k];

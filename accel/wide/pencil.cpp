@@ -40,7 +40,7 @@ PencilLanes find_and_walk(std::span<Packet> packets, const Frame& frame, Child r
   const bool any = packets[0].any;
   PencilLanes group = lanes;
   PencilRays rays(packets, frame, group);
-  bool from_origin = rays.from_origin() && count(group) >= kLeastPencil;
+  const bool from_origin = rays.from_origin() && count(group) >= kLeastPencil;
   if (!from_origin) {
     group = lanes;
     if (!any || !rays.toward_end() || count(group) < kLeastPencil) return {};

@@ -36,6 +36,7 @@ class PencilPlanes {
     per_depth_ = Floats::set(70 * widest * unit);
     const float off = 4 * point_.error + static_cast<float>(point_.size) * 0x1p-48f;
     beside_ = Floats::set((7 + 8 * widest) * off);
+    tiny_ = Floats::set(kTiny + static_cast<float>(point_.size) * 0x1p-118f);
   }
 
   /// Returns the triangles that some ray may meet between two depths.
@@ -53,8 +54,8 @@ class PencilPlanes {
     const Floats width = most(beside(at[0]), beside(at[1]), beside(at[2])),
                  depth = most(abs(at[0].z), abs(at[1].z), abs(at[2].z)),
                  edge = most(largest(ab), largest(bc), largest(ca));
-    const Floats bound = mul_add(
-        edge, mul_add(width, per_width_, mul_add(depth, per_depth_, beside_)), Floats::set(kTiny));
+    const Floats bound =
+        mul_add(edge, mul_add(width, per_width_, mul_add(depth, per_depth_, beside_)), tiny_);
     const std::array<Corner, 3> planes{across(at[0], sheared(ab)), across(at[1], sheared(bc)),
                                        across(at[2], sheared(ca))};
     bound.store(bound_.data());
@@ -168,7 +169,7 @@ class PencilPlanes {
 
   const Point& point_;
   std::array<Floats, 2> lo_, hi_, slope_;
-  Floats per_width_, per_depth_, beside_;
+  Floats per_width_, per_depth_, beside_, tiny_;
   // Of the triangles of a block: planes by edge, and depths of corners.
   alignas(64) std::array<std::array<float, 16>, 3> x_, y_, z_, depth_;
   alignas(64) std::array<float, 16> bound_;

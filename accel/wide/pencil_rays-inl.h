@@ -26,7 +26,7 @@ namespace HWY_NAMESPACE {
 
 /// Slopes of a pencil are at most this.
 constexpr double kLargestSlope = 2;
-/// Points and trees beyond would overflow products.
+/// Points, trees and rays beyond would overflow products.
 constexpr double kLargestPencil = 0x1p+50;
 /// Ends of rays that are closer to each other, relative to the rays' size, are one point.
 constexpr double kOneEnd = 0x1p-23;
@@ -212,7 +212,7 @@ class PencilRays {
       lanes_[p] &= (along > Doubles::set(0)) & (abs(d[point.axis[0]]) <= most) &
                    (abs(d[point.axis[1]]) <= most);
     }
-    return size <= kLargestPencil;
+    return std::max(size, point.reach) <= kLargestPencil;
   }
 
   /// Limits of depth, from the point on.
@@ -220,7 +220,10 @@ class PencilRays {
     const Rays& rays = packet.rays;
     FloatRays& out = packet.floats;
     const Doubles per_t = along * inverse_of_power(Doubles::load(rays.unit.data()));
-    const Doubles tmin = Doubles::load(rays.tmin.data()), tmax = Doubles::load(rays.tmax.data()),
+    // A hit whose t is too large for a double is none.
+    const Doubles tmin = Doubles::load(rays.tmin.data()),
+                  tmax = min(Doubles::load(rays.tmax.data()),
+                             Doubles::set(std::numeric_limits<double>::max())),
                   one = Doubles::set(1), most = Doubles::set(kFarthest);
     const auto depth = [&](const Doubles& t) { return to_floats(min(t * per_t, most)); };
     const Floats begin = depth(from_origin ? tmin : one - tmax);

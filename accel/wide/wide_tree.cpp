@@ -35,26 +35,76 @@ float area(const geometry::Aabb& box) {
   return x * y + y * z + z * x;
 }
 
-/// Opens the largest inner child until there are kWidth.
-std::array<const Node*, kWidth> open_largest(const Node& node) {
-  std::array<const Node*, kWidth> children{node.left, node.right};
-  std::array<float, kWidth> size{};
-  const auto size_of = [](const Node& child) { return child.leaf() ? -1.0f : area(child.box); };
-  size[0] = size_of(*children[0]);
-  size[1] = size_of(*children[1]);
-  for (std::size_t count = 2; count < kWidth; ++count) {
-    const auto largest = static_cast<std::size_t>(
-        std::max_element(size.begin(), size.begin() + static_cast<std::ptrdiff_t>(count)) -
-        size.begin());
-    if (size[largest] < 0) break;
-    const Node& opened = *children[largest];
-    children[largest] = opened.left;
-    children[count] = opened.right;
-    size[largest] = size_of(*opened.left);
-    size[count] = size_of(*opened.right);
+/// The children of a wide node: those of a binary one, and what is below them, as far as there is
+/// room.
+class Children {
+ public:
+  explicit Children(const Node& node) {
+    add(node.left);
+    add(node.right);
+    // What gains most for the room that it takes. A subtree with few leaves needs no node if there
+    // is room for all of them.
+    while (open(best([&](const Node& child) { return gain(child); }))) {
+    }
+    // Leaves of subtrees that remain.
+    while (count_ < kWidth && open(best([](const Node& child) {
+             const bool with_leaf = !child.leaf() && (child.left->leaf() || child.right->leaf());
+             return with_leaf ? area(child.box) : 0;
+           }))) {
+    }
   }
-  return children;
-}
+
+  const std::array<const Node*, kWidth>& nodes() const { return nodes_; }
+
+ private:
+  void add(const Node* child) {
+    assert(count_ < kWidth);
+    nodes_[count_++] = child;
+  }
+
+  /// The index of the child with the largest value, if that is positive; else kWidth.
+  template <class Value>
+  std::size_t best(const Value& value) const {
+    std::size_t best = kWidth;
+    float most = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const float of_child = value(*nodes_[i]);
+      if (!(of_child > most)) continue;
+      most = of_child;
+      best = i;
+    }
+    return best;
+  }
+
+  /// Area of a box that rays need not enter first, for each child more.
+  float gain(const Node& child) const {
+    if (child.leaf()) return 0;
+    const std::size_t more = child.leaves > kWidth ? 1 : child.leaves - std::size_t{1};
+    return more <= kWidth - count_ ? area(child.box) / static_cast<float>(more) : 0;
+  }
+
+  bool open(std::size_t i) {
+    if (i == kWidth) return false;
+    const Node& opened = *nodes_[i];
+    nodes_[i] = nodes_[--count_];
+    if (opened.leaves <= kWidth && opened.leaves <= kWidth - count_) {
+      add_leaves(opened);
+    } else {
+      add(opened.left);
+      add(opened.right);
+    }
+    return true;
+  }
+
+  void add_leaves(const Node& node) {
+    if (node.leaf()) return add(&node);
+    add_leaves(*node.left);
+    add_leaves(*node.right);
+  }
+
+  std::array<const Node*, kWidth> nodes_{};
+  std::size_t count_ = 0;
+};
 
 class Collapse {
  public:
@@ -76,7 +126,7 @@ class Collapse {
 
   std::uint32_t add(const Node& node) {
     const std::size_t at = nodes_.size();
-    nodes_.push_back({open_largest(node)});
+    nodes_.push_back({Children(node).nodes()});
     for (std::size_t i = 0; i < kWidth; ++i) {
       const Node* child = nodes_[at].children[i];
       if (child == nullptr) break;

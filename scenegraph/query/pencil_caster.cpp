@@ -20,11 +20,11 @@ using accel::wide::Packet;
 const instances::Instance* find_only(const instances::OpenTrees& trees,
                                      const TraceOptions& options) {
   if (trees.size() != 1) return nullptr;
-  const instances::Instances& tree =
-      trees.static_tree.size() == 1 ? trees.static_tree : trees.dynamic_tree;
+  const bool is_static = trees.static_tree.size() == 1;
+  const instances::Instances& tree = is_static ? trees.static_tree : trees.dynamic_tree;
   const accel::kdtree::Slot root = accel::kdtree::load(tree.tree().root());
   if (!root.is_leaf() || root.leaf_count() != 1) return nullptr;
-  if (trees.removed != nullptr && trees.removed->has(0)) return nullptr;
+  if (is_static && trees.removed != nullptr && trees.removed->has(0)) return nullptr;
   if (options.selection != nullptr && !options.selection->selects(0)) return nullptr;
   return &tree[root.leaf_first()];
 }

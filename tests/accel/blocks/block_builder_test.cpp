@@ -71,6 +71,8 @@ class Walk {
     box.grow(node->right->box);
     ASSERT_EQ(node->box, box);
     ASSERT_EQ(node->levels, 1 + std::max(node->left->levels, node->right->levels));
+    ASSERT_EQ(node->leaves,
+              std::min(unsigned{node->left->leaves} + node->right->leaves, Node::kManyLeaves));
     expect_node(node->left);
     expect_node(node->right);
   }
@@ -78,6 +80,7 @@ class Walk {
   void expect_leaf(const Node* node) {
     const Block block(node->block);
     ASSERT_EQ(node->levels, 0);
+    ASSERT_EQ(node->leaves, 1);
     ASSERT_EQ(node->words, block.words());
     ASSERT_EQ(block.words() % 4, 0u);
     ASSERT_GE(block.triangles, 1u);

@@ -4,94 +4,33 @@
 
 #include <array>
 #include <bit>
-#include <deque>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "accel/geometry/intersect.h"
 #include "accel/wide/walk.h"
 #include "tests/accel/simd_targets.h"
 #include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/accel/wide/mesh_in_parts.h"
 #include "tests/support/hard_rays.h"
 
 namespace sightline::accel::wide {
 namespace {
 
 using geometry::Ray;
-using tests::MeshAsTree;
+using tests::Answer;
+using tests::MeshInParts;
+using tests::search;
 using tests::TestMesh;
 
 class Slots : public tests::OnSimdTarget {};
 INSTANTIATE_TEST_SUITE_P(Every, Slots, tests::every_simd_target(), tests::simd_target_name);
-
-/// A mesh in parts, each the subtree of a slot, below one wide tree.
-class Parts {
- public:
-  Parts(const TestMesh& mesh, std::size_t parts) : of(mesh) {
-    std::vector<kdtree::Reference> refs(mesh.faces.size());
-    refs.resize(mesh::face_references(of.mesh.view(), 0, refs.size(), refs.data()));
-    blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
-    const blocks::Node* root = nullptr;
-    for (std::size_t i = 0; i < parts; ++i) {
-      const std::size_t begin = refs.size() * i / parts, end = refs.size() * (i + 1) / parts;
-      blocks::Arena arena;
-      subtrees.push_back(std::make_unique<WideTree>(
-          *builder.build(std::span(refs).subspan(begin, end - begin), of.bounds, arena),
-          of.frame.center));
-      slots.emplace_back(kdtree::Slot::empty_leaf().bits());
-      ends.push_back(end);
-      const blocks::Node* leaf = leaf_over(slots.back(), subtrees.back()->box());
-      root = root == nullptr ? leaf : join(root, leaf);
-    }
-    top = std::make_unique<WideTree>(*root, of.frame.center);
-  }
-
-  void finish(std::size_t part) {
-    slots[part].store(kdtree::Slot::finished(subtrees[part].get()).bits());
-  }
-
-  std::size_t part_of(const kdtree::AtomicSlot& slot) const {
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      if (&slots[i] == &slot) return i;
-    }
-    return slots.size();
-  }
-
-  MeshAsTree of;
-  std::vector<std::unique_ptr<WideTree>> subtrees;
-  std::deque<kdtree::AtomicSlot> slots;
-  std::vector<std::size_t> ends;  ///< The first face of the next part.
-  std::unique_ptr<WideTree> top;
-
- private:
-  const blocks::Node* leaf_over(const kdtree::AtomicSlot& slot, const geometry::Aabb& box) {
-    blocks::Node* leaf = arena_.node();
-    leaf->box = box;
-    leaf->words = blocks::Node::kOther;
-    leaf->other = Child::slot(&slot).bits();
-    return leaf;
-  }
-
-  const blocks::Node* join(const blocks::Node* left, const blocks::Node* right) {
-    blocks::Node* node = arena_.node();
-    node->box = left->box;
-    node->box.grow(right->box);
-    node->levels = static_cast<std::uint16_t>(1 + std::max(left->levels, right->levels));
-    node->left = left;
-    node->right = right;
-    return node;
-  }
-
-  blocks::Arena arena_;
-};
 
 enum class AtSlot : std::uint8_t { kFinish, kSkip, kStop };
 
 /// Notes which rays meet which slots.
 class Visitor final : public SlotVisitor {
  public:
-  Visitor(Parts& parts, Packet& packet, AtSlot does)
+  Visitor(MeshInParts& parts, Packet& packet, AtSlot does)
       : met(parts.slots.size()),
         visits(parts.slots.size()),
         parts_(parts),
@@ -113,42 +52,14 @@ class Visitor final : public SlotVisitor {
   std::vector<int> visits;
 
  private:
-  Parts& parts_;
+  MeshInParts& parts_;
   Packet& packet_;
   const AtSlot does_;
 };
 
-struct Answer {
-  bool found = false;
-  double t = 0;
-  std::uint32_t primitive = 0;
-  bool operator==(const Answer&) const = default;
-};
-
-/// The rule over the faces of the parts that count.
-template <class Counts>
-Answer search(const Parts& parts, const Ray& ray, bool any, const Counts& counts) {
-  const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
-  const TestMesh& mesh = parts.of.mesh;
-  Answer best;
-  for (std::size_t part = 0, i = 0; i < mesh.faces.size(); ++i) {
-    if (i == parts.ends[part]) ++part;
-    if (!counts(part)) continue;
-    const geometry::Face& f = mesh.faces[i];
-    const std::optional<double> t =
-        intersect(local, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
-    if (!t) continue;
-    const double world = *t * local.unit;
-    if (!(world >= ray.tmin && world <= ray.tmax) || (best.found && world >= best.t)) continue;
-    if (any) return {true};
-    best = {true, world, static_cast<std::uint32_t>(i)};
-  }
-  return best;
-}
-
 /// A packet that has walked.
 struct Walk {
-  Walk(const Parts& parts, std::span<const Ray> rays, bool any) {
+  Walk(const MeshInParts& parts, std::span<const Ray> rays, bool any) {
     best->clear();
     packet->best = best.get();
     packet->any = any;
@@ -189,7 +100,7 @@ void each_packet(const Test& test) {
   rays.insert(rays.end(), hard.begin(), hard.end());
   for (const std::size_t count : {2u, 8u, 9u, 40u}) {
     for (const std::size_t size : {1u, 3u, 5u, 16u}) {
-      Parts parts(mesh, count);
+      MeshInParts parts(mesh, count);
       for (std::size_t i = 0; i < rays.size(); i += size) {
         const auto packet = std::span<const Ray>(rays).subspan(i, std::min(size, rays.size() - i));
         for (const bool any : {false, true}) {
@@ -203,7 +114,7 @@ void each_packet(const Test& test) {
 
 TEST_P(Slots, FinishedOnesAreWalkedThrough) {
   std::size_t hits = 0;
-  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+  each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kSkip);
@@ -219,7 +130,7 @@ TEST_P(Slots, FinishedOnesAreWalkedThrough) {
 }
 
 TEST_P(Slots, OnesThatARayFinishesAreWalkedThrough) {
-  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+  each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kFinish);
@@ -237,7 +148,7 @@ TEST_P(Slots, OnesThatARayFinishesAreWalkedThrough) {
 
 // Every other part is finished. A ray that does not meet a slot has no better hit there.
 TEST_P(Slots, EveryRayWithAHitBelowASlotMeetsIt) {
-  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+  each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     for (std::size_t part = 0; part < parts.slots.size(); ++part) {
       parts.slots[part] = kdtree::Slot::empty_leaf().bits();
       if (part % 2 == 0) parts.finish(part);
@@ -257,7 +168,7 @@ TEST_P(Slots, EveryRayWithAHitBelowASlotMeetsIt) {
 }
 
 TEST_P(Slots, AStoppedPacketGoesNoFurther) {
-  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+  each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     for (kdtree::AtomicSlot& slot : parts.slots) slot = kdtree::Slot::empty_leaf().bits();
     Walk walk(parts, rays, any);
     Visitor visitor(parts, *walk.packet, AtSlot::kStop);
@@ -269,7 +180,7 @@ TEST_P(Slots, AStoppedPacketGoesNoFurther) {
 }
 
 TEST_P(Slots, ARootMayBeASlot) {
-  each_packet([&](Parts& parts, std::span<const Ray> rays, bool any) {
+  each_packet([&](MeshInParts& parts, std::span<const Ray> rays, bool any) {
     kdtree::AtomicSlot& root = parts.slots[0];
     root = kdtree::Slot::empty_leaf().bits();
     const auto is_first = [](std::size_t part) { return part == 0; };
@@ -283,7 +194,7 @@ TEST_P(Slots, ARootMayBeASlot) {
 }
 
 TEST(WideTree, KeepsOtherLeavesInTheirBoxes) {
-  Parts parts(tests::random_soup(400, 0.2, 3), 40);
+  MeshInParts parts(tests::random_soup(400, 0.2, 3), 40);
   std::vector<int> seen(parts.slots.size());
   const auto look = [&](const auto& self, const WideNode& node) -> void {
     for (std::size_t i = 0; i < kWidth && node.children[i]; ++i) {

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
-#include "accel/geometry/intersect.h"
 #include "tests/accel/simd_targets.h"
 #include "tests/accel/wide/mesh_as_tree.h"
+#include "tests/accel/wide/rule_over_mesh.h"
+#include "tests/accel/wide/walk_meshes.h"
 #include "tests/support/hard_rays.h"
-#include "tests/support/hard_shapes.h"
 #include "tests/support/random.h"
 
 namespace sightline::accel::wide {
@@ -19,50 +18,11 @@ namespace {
 using geometry::Culling;
 using geometry::Ray;
 using geometry::Vec3d;
-using geometry::Vec3f;
+using tests::Answer;
 using tests::MeshAsTree;
+using tests::Question;
 using tests::Random;
 using tests::TestMesh;
-
-struct Question {
-  bool any = false;
-  Culling culling = Culling::kNone;
-};
-
-struct Answer {
-  bool found = false;
-  double t = 0;
-  std::uint32_t primitive = 0;
-  bool operator==(const Answer&) const = default;
-};
-
-std::ostream& operator<<(std::ostream& out, const Answer& answer) {
-  if (!answer.found) return out << "nothing";
-  return out << "t " << answer.t << ", triangle " << answer.primitive;
-}
-
-/// t in units of the ray's direction, if the triangle is hit.
-std::optional<double> hit(const TestMesh& mesh, std::size_t face, const Ray& ray, Culling culling) {
-  const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
-  const geometry::Face& f = mesh.faces[face];
-  const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-  const std::optional<double> t = intersect(local, a, b, c);
-  if (!t || is_culled(culling, local, a, b, c)) return {};
-  const double world = *t * local.unit;
-  if (!(world >= ray.tmin && world <= ray.tmax)) return {};
-  return world;
-}
-
-Answer search(const TestMesh& mesh, const Ray& ray, const Question& question) {
-  Answer best;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const std::optional<double> t = hit(mesh, i, ray, question.culling);
-    if (!t || (best.found && *t >= best.t)) continue;
-    best = {true, *t, static_cast<std::uint32_t>(i)};
-    if (question.any) return {true};
-  }
-  return best;
-}
 
 std::unique_ptr<Packet> packet_of(std::span<const Ray> rays, const Question& question,
                                   BestHits& best) {
@@ -108,18 +68,6 @@ bool is_far(const Ray& ray, const Frame& frame) {
   return most > 0x1p+61;
 }
 
-std::string text(const Ray& ray) {
-  const auto number = [](double x) {
-    std::array<char, 40> out;
-    std::snprintf(out.data(), out.size(), "%a ", x);
-    return std::string(out.data());
-  };
-  std::string all;
-  for (std::size_t a = 0; a < 3; ++a) all += number(ray.origin[a]);
-  for (std::size_t a = 0; a < 3; ++a) all += number(ray.direction[a]);
-  return all + number(ray.tmin) + number(ray.tmax);
-}
-
 /// Asks in packets of `size`. Returns how many rays hit something.
 std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::size_t size,
                          const Question& question) {
@@ -129,11 +77,12 @@ std::size_t expect_exact(const MeshAsTree& of, std::span<const Ray> rays, std::s
     std::uint32_t slow = 0;
     const std::vector<Answer> answers = ask(of, part, question, slow);
     for (std::size_t k = 0; k < part.size(); ++k) {
-      const Answer expected = search(of.mesh, part[k], question);
+      const Answer expected = tests::search(of.mesh, part[k], question);
       hits += expected.found ? 1 : 0;
       EXPECT_EQ((slow >> k & 1) != 0, is_far(part[k], of.frame));
       if ((slow >> k & 1) != 0) continue;
-      EXPECT_EQ(answers[k], expected) << text(part[k]) << ", lane " << k << " of " << part.size();
+      EXPECT_EQ(answers[k], expected)
+          << tests::text(part[k]) << ", lane " << k << " of " << part.size();
     }
   }
   return hits;
@@ -164,7 +113,8 @@ std::size_t expect_visits(const MeshAsTree& of, std::span<const Ray> rays, Culli
     Visited visited(of.mesh);
     if (prepared.live != 0) walk_every(*packet, of.tree->root(), 0, slots, visited, totals);
     for (std::size_t i = 0; i < of.mesh.faces.size(); ++i) {
-      EXPECT_TRUE(visited.has[i] || !hit(of.mesh, i, ray, culling)) << text(ray) << ", face " << i;
+      EXPECT_TRUE(visited.has[i] || !tests::hit(of.mesh, i, ray, culling))
+          << tests::text(ray) << ", face " << i;
     }
     visits += static_cast<std::size_t>(std::count(visited.has.begin(), visited.has.end(), true));
   }
@@ -217,96 +167,11 @@ std::vector<Ray> steep(const MeshAsTree& of, std::size_t count, std::uint64_t se
   return rays;
 }
 
-/// Limits at, or one double beside, the hits of some rays.
-std::vector<Ray> with_limits_at_hits(const TestMesh& mesh, std::vector<Ray> rays) {
-  Random random(11);
-  for (Ray& ray : rays) {
-    const Answer hit = search(mesh, ray, {});
-    if (!hit.found) continue;
-    const double up = std::nextafter(hit.t, geometry::kInfinity),
-                 down = std::nextafter(hit.t, -geometry::kInfinity);
-    switch (random.below(5)) {
-      case 0:
-        ray.tmax = hit.t;
-        break;
-      case 1:
-        ray.tmax = down;
-        break;
-      case 2:
-        ray.tmin = hit.t;
-        break;
-      case 3:
-        ray.tmin = up;
-        break;
-      default:
-        ray.tmin = ray.tmax = hit.t;
-    }
-  }
-  return rays;
-}
-
-struct Case {
-  std::string name;
-  std::function<TestMesh()> make;
-};
-
-TestMesh scaled(TestMesh mesh, double x, double y, double z) {
-  for (Vec3f& v : mesh.vertices) {
-    v = {static_cast<float>(static_cast<double>(v.x) * x),
-         static_cast<float>(static_cast<double>(v.y) * y),
-         static_cast<float>(static_cast<double>(v.z) * z)};
-  }
-  return mesh;
-}
-
-TestMesh moved(TestMesh mesh, float by) {
-  for (Vec3f& v : mesh.vertices) v = {v.x + by, v.y - by, v.z + 2 * by};
-  return mesh;
-}
-
-/// Pairs of corners that differ by a unit in the last place, and a third far away.
-TestMesh needles(std::uint32_t triangles) {
-  TestMesh mesh;
-  Random random(3);
-  for (std::uint32_t i = 0; i < triangles; ++i) {
-    const auto x = [&] { return static_cast<float>(random.uniform(-1, 1)); };
-    const Vec3f a{x(), x(), x()};
-    const auto near = [](float v) { return std::nextafter(v, 2.0f); };
-    mesh.vertices.insert(mesh.vertices.end(), {a, {near(a.x), a.y, near(a.z)}, {x(), x(), x()}});
-    mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  return mesh;
-}
-
-const std::vector<Case>& cases() {
-  static const std::vector<Case> all{
-      {"triangle", tests::single_triangle},
-      {"soup", [] { return tests::random_soup(300, 0.3, 1); }},
-      {"dust", [] { return tests::random_soup(500, 1e-6, 2); }},
-      {"sheet", [] { return tests::planar_sheet(12); }},
-      {"walls", [] { return tests::flat_walls(60); }},
-      {"duplicates", [] { return tests::duplicates(60); }},
-      {"fan", [] { return tests::fan(64); }},
-      {"sphere", [] { return tests::icosphere(2); }},
-      {"slivers", [] { return tests::slivers(200, 4); }},
-      {"needles", [] { return needles(200); }},
-      {"book", [] { return tests::pages_of_book(100, 5); }},
-      {"far", [] { return moved(tests::icosphere(2), 1e6f); }},
-      {"very_far", [] { return moved(tests::random_soup(300, 0.3, 6), 1e7f); }},
-      {"tiny", [] { return scaled(tests::icosphere(2), 0x1p-39, 0x1p-39, 0x1p-39); }},
-      {"huge", [] { return scaled(tests::icosphere(2), 0x1p+59, 0x1p+59, 0x1p+59); }},
-      {"beam", [] { return scaled(tests::random_soup(300, 0.3, 7), 0x1p+45, 1, 0x1p-20); }},
-      {"plate", [] { return scaled(tests::icosphere(2), 1, 0x1p+58, 0x1p+58); }},
-      {"subnormal", [] { return scaled(tests::random_soup(300, 0.3, 8), 1, 1, 0x1p-130); }},
-  };
-  return all;
-}
-
 class OnEveryMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, std::size_t>> {
  protected:
   void SetUp() override {
     hwy::SetSupportedTargetsForTest(std::get<0>(GetParam()));
-    of_ = std::make_unique<MeshAsTree>(cases()[std::get<1>(GetParam())].make());
+    of_ = std::make_unique<MeshAsTree>(tests::walk_meshes()[std::get<1>(GetParam())].make());
   }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
@@ -344,7 +209,7 @@ TEST_P(OnEveryMesh, LimitsAtHitsAreClosed) {
   std::vector<Ray> rays = tests::make_hard_rays(of_->mesh, 96, 24);
   const std::vector<Ray> more = side_by_side(of_->mesh, 6, 25);
   rays.insert(rays.end(), more.begin(), more.end());
-  rays = with_limits_at_hits(of_->mesh, rays);
+  rays = tests::with_limits_at_hits(of_->mesh, rays);
   for (const Question& question : kQuestions) expect_exact(*of_, rays, kLanes, question);
 }
 
@@ -352,24 +217,25 @@ TEST_P(OnEveryMesh, EveryHitIsVisited) {
   const std::vector<Ray> hard = tests::make_hard_rays(of_->mesh, 48, 26);
   EXPECT_GT(expect_visits(*of_, hard, Culling::kNone), 0u);
   for (const Culling culling : {Culling::kNone, Culling::kBack, Culling::kFront}) {
-    expect_visits(*of_, with_limits_at_hits(of_->mesh, hard), culling);
+    expect_visits(*of_, tests::with_limits_at_hits(of_->mesh, hard), culling);
     expect_visits(*of_, steep(*of_, 48, 27), culling);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, OnEveryMesh,
                          ::testing::Combine(tests::every_simd_target(),
-                                            ::testing::Range(std::size_t{0}, cases().size())),
+                                            ::testing::Range(std::size_t{0},
+                                                             tests::walk_meshes().size())),
                          [](const auto& test) {
                            return std::string(hwy::TargetName(std::get<0>(test.param))) + "_" +
-                                  cases()[std::get<1>(test.param)].name;
+                                  tests::walk_meshes()[std::get<1>(test.param)].name;
                          });
 
 class Overflow : public tests::OnSimdTarget {};
 INSTANTIATE_TEST_SUITE_P(Every, Overflow, tests::every_simd_target(), tests::simd_target_name);
 
 TEST_P(Overflow, AHitWhoseTIsTooLargeForADoubleIsNone) {
-  const MeshAsTree of(scaled(tests::single_triangle(), 0x1p+24, 0x1p+24, 0x1p+24));
+  const MeshAsTree of(tests::scaled(tests::single_triangle(), 0x1p+24, 0x1p+24, 0x1p+24));
   const Vec3d from{0x1p+22, 0x1p+22, 0x1p+24};
   for (const double length : {0x1p-999, 0x1p-1000}) {
     for (const bool any : {false, true}) {

@@ -142,18 +142,25 @@ TEST(WideTree, BlocksMayStayWhereTheyAre) {
   }
 }
 
+std::size_t children_of(const WideNode& node) {
+  const auto absent = [](Child child) { return !child; };
+  return static_cast<std::size_t>(std::find_if(node.children.begin(), node.children.end(), absent) -
+                                  node.children.begin());
+}
+
+/// A node has room only for fewer children than any node below it has, which has no nodes itself.
 void expect_full(Child at) {
   if (at.is_block()) return;
-  std::size_t children = 0;
-  bool opens = false;
-  for (const Child child : at.node()->children) {
-    if (!child) continue;
-    ++children;
-    opens |= child.is_node();
-    expect_full(child);
-  }
+  const std::size_t children = children_of(*at.node());
   EXPECT_GE(children, 2u);
-  EXPECT_TRUE(!opens || children == kWidth);
+  for (std::size_t i = 0; i < children; ++i) {
+    const Child child = at.node()->children[i];
+    expect_full(child);
+    if (children == kWidth || child.is_block()) continue;
+    const WideNode& below = *child.node();
+    EXPECT_GT(children_of(below) - 1, kWidth - children);
+    for (std::size_t k = 0; k < children_of(below); ++k) EXPECT_TRUE(below.children[k].is_block());
+  }
 }
 
 TEST(WideTree, NodesAreFullAboveNodes) {
@@ -167,12 +174,7 @@ const blocks::Node* chain(const MeshAsTree& of, std::size_t levels, blocks::Aren
   blocks::BlockBuilder builder(of.mesh.view(), of.frame.center);
   const blocks::Node* root = builder.build(refs, of.bounds, arena);
   for (std::size_t level = 1; level <= levels; ++level) {
-    blocks::Node* node = arena.node();
-    node->box = of.bounds;
-    node->levels = static_cast<std::uint16_t>(level);
-    node->left = root;
-    node->right = builder.build(refs, of.bounds, arena);
-    root = node;
+    root = arena.join(root, builder.build(refs, of.bounds, arena));
   }
   return root;
 }

@@ -13,6 +13,7 @@
 #include "accel/wide/float_rays.h"
 #include "accel/wide/walk.h"
 #include "tests/fuzz/verdict/check_packets.h"
+#include "tests/fuzz/verdict/check_pencils.h"
 #include "tests/fuzz/verdict/exact_answers.h"
 #include "tests/fuzz/verdict/float_verdicts.h"
 #include "tests/fuzz/verdict/verdict_tree.h"
@@ -215,7 +216,9 @@ std::optional<std::string> check_verdicts(const VerdictCase& asked, VerdictTally
   ++tally.packets;
   VerdictCheck check(asked, tree, exact, tally);
   check.run();
-  return check.finding ? check.finding : check_packets(asked, tree, exact);
+  if (check.finding) return check.finding;
+  if (auto wrong = check_packets(asked, tree, exact)) return wrong;
+  return check_pencils(asked, tree, tally.in_pencils);
 }
 
 }  // namespace

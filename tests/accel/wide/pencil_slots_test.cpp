@@ -1,0 +1,134 @@
+// Pencils through wide nodes over slots: finished ones, and ones that are not.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "accel/wide/pencil.h"
+#include "tests/accel/simd_targets.h"
+#include "tests/accel/wide/mesh_in_parts.h"
+
+namespace sightline::accel::wide {
+namespace {
+
+using geometry::Ray;
+using tests::Answer;
+using tests::MeshInParts;
+using tests::search;
+
+class PencilSlots : public tests::OnSimdTarget {};
+INSTANTIATE_TEST_SUITE_P(Every, PencilSlots, tests::every_simd_target(), tests::simd_target_name);
+
+/// One packet.
+struct PencilWalk {
+  PencilWalk(std::span<const Ray> rays, bool any) {
+    best->clear();
+    packet->best = best.get();
+    packet->any = any;
+    packet->node = 1;
+    packet->work.fill(0);
+    tests::set_rays(rays, packet->rays);
+  }
+
+  Answer answer(std::size_t lane) const {
+    const bool found = (best->found >> lane & 1) != 0;
+    if (!found || packet->any) return {found};
+    return {true, best->t[lane], best->primitive[lane]};
+  }
+
+  std::unique_ptr<Packet> packet = std::make_unique<Packet>();
+  std::unique_ptr<BestHits> best = std::make_unique<BestHits>();
+};
+
+/// Of a camera.
+std::vector<Ray> pencil(double aim) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const double x = static_cast<double>(i) / kLanes;
+    rays.push_back({{0.5, 0.5, -2}, {0.4 * (x - aim), 0.3 * (aim - x * x), 2}});
+  }
+  return rays;
+}
+
+/// Whether all rays are done; else none is.
+bool is_done_as_pencil(const MeshInParts& parts, Child root, std::span<const Ray> rays,
+                       PencilWalk& walk) {
+  PencilLanes lanes{};
+  lanes[0] = (1u << rays.size()) - 1;
+  WalkTotals totals;
+  const PencilLanes done = walk_pencil({walk.packet.get(), 1}, parts.of.frame, root, lanes, totals);
+  EXPECT_TRUE(done == lanes || done == PencilLanes{});
+  return done == lanes;
+}
+
+TEST_P(PencilSlots, GoThroughFinishedOnesAndPassEmptyLeaves) {
+  for (const bool any : {false, true}) {
+    for (const double aim : {0.0, 0.5, 1.0}) {
+      MeshInParts parts(tests::random_soup(80, 0.2, 3), 9);
+      const auto is_finished = [](std::size_t part) { return part % 3 != 1; };
+      for (std::size_t part = 0; part < parts.slots.size(); ++part) {
+        if (is_finished(part)) parts.finish(part);
+      }
+      const std::vector<Ray> rays = pencil(aim);
+      PencilWalk walk(rays, any);
+      ASSERT_TRUE(is_done_as_pencil(parts, parts.top->root(), rays, walk));
+      for (std::size_t lane = 0; lane < rays.size(); ++lane)
+        ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_finished));
+    }
+  }
+}
+
+// A part that is no leaf yet: a pencil that goes on past it has no better hit there.
+TEST_P(PencilSlots, EndAtOnesThatAreNotFinished) {
+  std::size_t done = 0, not_done = 0;
+  for (const bool any : {false, true}) {
+    for (const double aim : {-2.0, 0.0, 0.5, 1.0, 3.0}) {
+      for (std::size_t open = 0; open < 40; ++open) {
+        MeshInParts parts(tests::random_soup(200, 0.05, 3), 40);
+        for (std::size_t part = 0; part < parts.slots.size(); ++part) parts.finish(part);
+        parts.slots[open] = kdtree::Slot::leaf(1, 0).bits();
+        const std::vector<Ray> rays = pencil(aim);
+        PencilWalk walk(rays, any);
+        if (!is_done_as_pencil(parts, parts.top->root(), rays, walk)) {
+          ++not_done;
+          if (any) continue;
+          for (std::size_t lane = 0; lane < rays.size(); ++lane)
+            ASSERT_EQ(walk.answer(lane), Answer{});
+          continue;
+        }
+        ++done;
+        for (std::size_t lane = 0; lane < rays.size(); ++lane)
+          ASSERT_EQ(walk.answer(lane),
+                    search(parts, rays[lane], any, [](std::size_t) { return true; }));
+      }
+    }
+  }
+  EXPECT_GT(done, 20u);
+  EXPECT_GT(not_done, 20u);
+}
+
+TEST_P(PencilSlots, ARootMayBeASlot) {
+  MeshInParts parts(tests::random_soup(80, 0.2, 3), 2);
+  const std::vector<Ray> rays = pencil(0.5);
+  const Child root = Child::slot(&parts.slots[0]);
+  for (const bool any : {false, true}) {
+    parts.slots[0] = kdtree::Slot::empty_leaf().bits();
+    PencilWalk empty(rays, any);
+    EXPECT_TRUE(is_done_as_pencil(parts, root, rays, empty));
+    EXPECT_EQ(empty.best->found, 0u);
+    parts.slots[0] = kdtree::Slot::leaf(2, 0).bits();
+    PencilWalk open(rays, any);
+    EXPECT_FALSE(is_done_as_pencil(parts, root, rays, open));
+    EXPECT_EQ(open.best->found, 0u);
+    parts.finish(0);
+    PencilWalk walk(rays, any);
+    ASSERT_TRUE(is_done_as_pencil(parts, root, rays, walk));
+    for (std::size_t lane = 0; lane < rays.size(); ++lane) {
+      const auto is_first = [](std::size_t part) { return part == 0; };
+      ASSERT_EQ(walk.answer(lane), search(parts, rays[lane], any, is_first));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline::accel::wide
