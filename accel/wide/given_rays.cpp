@@ -50,13 +50,20 @@ HWY_INLINE bool are_rows(const RayColumns& rays) {
          follows(rays.tmax, 7) && is_aligned<double>(x);
 }
 
+/// The rows of the rays of a packet; the last ray stands for lanes behind it.
+struct Rows {
+  const double* first;
+  std::size_t stride, last;
+
+  const double* operator[](std::size_t lane) const { return first + std::min(lane, last) * stride; }
+};
+
 /// As many rows as vectors have lanes.
 template <std::size_t kCount>
-HWY_INLINE std::array<const double*, kCount> rows_of(const RealColumn& x, const RayRange& range,
-                                                     std::size_t lane) {
-  std::array<const double*, kCount> rows;
-  for (std::size_t i = 0; i < kCount; ++i) rows[i] = numbers<double>(x.at(range.ray(lane + i)));
-  return rows;
+HWY_INLINE std::array<const double*, kCount> rows_of(const Rows& rows, std::size_t lane) {
+  std::array<const double*, kCount> some;
+  for (std::size_t i = 0; i < kCount; ++i) some[i] = rows[lane + i];
+  return some;
 }
 
 // Rows of numbers become columns. As wide as vectors are: a load that is wider than the stores
@@ -118,14 +125,14 @@ HWY_INLINE void turn_rows(const D d, const std::array<const double*, 8>& rows,
 }
 #endif
 
-HWY_INLINE void read_rows(const RealColumn& x, const RayRange& range, GivenRays& out) {
+void read_rows(const Rows& rows, GivenRays& out) {
   const std::array<double*, 8> columns{out.origin[0].data(),    out.origin[1].data(),
                                        out.origin[2].data(),    out.direction[0].data(),
                                        out.direction[1].data(), out.direction[2].data(),
                                        out.tmin.data(),         out.tmax.data()};
   constexpr std::size_t kPer = Doubles::kPer;
   for (std::size_t lane = 0; lane < kLanes; lane += kPer)
-    turn_rows(Doubles::D(), rows_of<kPer>(x, range, lane), columns, lane);
+    turn_rows(Doubles::D(), rows_of<kPer>(rows, lane), columns, lane);
 }
 
 using Floats = Lanes<float, kLanes>;
@@ -188,7 +195,10 @@ HWY_INLINE void read_vectors(const std::array<RealColumn, 3>& columns, const Ray
 
 void read_rays(const RayColumns& rays, std::size_t first, std::size_t count, GivenRays& out) {
   const RayRange range{first, count};
-  if (are_rows(rays)) return read_rows(rays.origin[0], range, out);
+  if (are_rows(rays)) {
+    const RealColumn& x = rays.origin[0];
+    return read_rows({numbers<double>(x.at(first)), x.stride, count - 1}, out);
+  }
   read_vectors(rays.origin, range, out.origin);
   read_vectors(rays.direction, range, out.direction);
   read_column(rays.tmin, range, out.tmin);

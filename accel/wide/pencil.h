@@ -21,8 +21,8 @@ using PencilLanes = std::array<std::uint32_t, kPencilPackets>;
 
 /// Takes rays through the finished tree below `root`. Returns the rays that are done: the best hits
 /// of their packets are settled. The others are not of one pencil, or the tree is not finished
-/// where they go, or they meet more blocks than suits a pencil; nothing is known of them, except
-/// for packets that ask for any hit: what is found is found.
+/// where they go, or they meet more blocks than suits a pencil; what their packets have found are
+/// hits, but not all that count.
 ///
 /// A pencil is of rays with one origin and tmin >= 0; or of rays that ask for any hit, with equal
 /// ends at t = 1, nearly, and 0 <= tmin, tmax <= 1. Needs packet.rays, best, any, culling, node and

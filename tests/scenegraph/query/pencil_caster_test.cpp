@@ -109,8 +109,10 @@ std::size_t expect_one_by_one(const revision::Snapshot& snapshot, const std::vec
 int answered(const revision::Snapshot& snapshot, const std::vector<Ray>& rays,
              const TraceOptions& options) {
   std::vector<Hit> hits(kPencilRays);
-  const auto caster = std::make_unique<PencilCaster>(snapshot.trees(), options);
-  return std::popcount(caster->cast({rays.data(), kPencilRays}, hits));
+  const auto given = accel::geometry::columns_of(std::span(rays));
+  const auto found = accel::geometry::columns_of(std::span(hits));
+  const auto caster = std::make_unique<PencilCaster>(snapshot.trees(), options, given, found);
+  return std::popcount(caster->cast(0, kPencilRays));
 }
 
 TraceOptions options_of(QueryKind kind, Culling culling = Culling::kNone) {
