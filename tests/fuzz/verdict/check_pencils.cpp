@@ -77,7 +77,8 @@ class PencilCase {
 /// The packets of a pencil.
 class PencilAsking {
  public:
-  PencilAsking(const VerdictCase& asked, const VerdictTree& tree, bool any) : asked_(asked), any_(any) {
+  PencilAsking(const VerdictCase& asked, const VerdictTree& tree, bool any)
+      : asked_(asked), any_(any) {
     for (std::size_t first = 0, p = 0; first < asked.rays.size(); first += wide::kLanes, ++p) {
       VerdictCase part;
       part.culling = asked.culling;
