@@ -1,6 +1,7 @@
 // sightline-bench: measurements in one process. Exit codes: 0 done, 1 failed or answers wrong, 2
 // usage.
 #include <fmt/core.h>
+#include <hwy/targets.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -33,6 +34,21 @@ int hardware_threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// The names of this program's targets that the processor has.
+std::vector<std::string> simd_targets() {
+  std::vector<std::string> names;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
+    names.emplace_back(hwy::TargetName(target));
+  return names;
+}
+
+/// Empty: no choice.
+void choose_simd(const std::string& name) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    if (name == hwy::TargetName(target)) hwy::SetSupportedTargetsForTest(target);
+  }
+}
+
 void add_common(CLI::App& app, CommonOptions& common) {
   common.threads = hardware_threads();
   app.add_option("--scene", common.scene, "A scene file, or gen:NAME?key=value&...");
@@ -46,6 +62,8 @@ void add_common(CLI::App& app, CommonOptions& common) {
   app.add_option("--set", common.set, "A parameter of our builders, key=value; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--simd", common.simd, "The SIMD target of our kernels (default: the best)")
+      ->check(CLI::IsMember(simd_targets()));
   app.add_flag("--json", common.json, "One JSON object a line");
 }
 
@@ -355,6 +373,7 @@ int main_checked(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   }
+  choose_simd(common.simd);
   return run(common, verbs.at(app.get_subcommands().front()->get_name()));
 }
 

@@ -21,6 +21,7 @@ struct CommonOptions {
   std::string rotate;            ///< "x,y,z" in degrees, or empty.
   bool merge = false;            ///< All instances as one mesh.
   std::vector<std::string> set;  ///< "key=value" for the builder.
+  std::string simd;              ///< A target of Highway, as "AVX2"; empty: the best.
   bool json = false;
 };
 
