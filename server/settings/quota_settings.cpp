@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "server/exec/rpc_status.h"
 #include "server/settings/sources.h"
@@ -28,7 +29,7 @@ std::optional<Quota> quota_of(const std::string& key) {
   return std::nullopt;
 }
 
-Status set(const SettingsFile& file, const Setting& setting, QuotaLimits& limits) {
+Status set_quota(const SettingsFile& file, const Setting& setting, QuotaLimits& limits) {
   const auto quota = quota_of(setting.key);
   if (!quota)
     return file.error(setting.line, fmt::format("there is no quota {}", exec::quote(setting.key)));
@@ -56,27 +57,36 @@ Result<std::map<std::size_t, std::string>> names_of(const SettingsFile& file) {
   return names;
 }
 
+/// Errors: a table that does not exist, a principal without a name; also where they are empty.
+Status check_tables(const SettingsFile& file, const std::map<std::size_t, std::string>& names) {
+  for (const auto& [table, is_list, line] : file.headers) {
+    const std::string_view known = is_list ? kPrincipalTable : kOthersTable;
+    if (table != known) {
+      return file.error(
+          line, fmt::format("there is no {} {}", is_list ? "list" : "table", exec::quote(table)));
+    }
+    if (is_list && !names.contains(line)) return file.error(line, "the principal has no name");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<exec::QuotaConfig> read_quotas(const SettingsFile& file) {
   const auto names = names_of(file);
   if (!names) return names.error();
+  if (const Status known = check_tables(file, *names); !known) return known.error();
   exec::QuotaConfig quotas;
   for (const Setting& setting : file.settings) {
-    if (setting.table.empty() || setting.table == kPrincipalTable) continue;
-    if (setting.table != kOthersTable) {
-      return file.error(setting.header,
-                        fmt::format("there is no table {}", exec::quote(setting.table)));
-    }
-    if (const Status done = set(file, setting, quotas.others); !done) return done.error();
+    if (setting.table != kOthersTable) continue;
+    if (const Status done = set_quota(file, setting, quotas.others); !done) return done.error();
   }
   for (const Setting& setting : file.settings) {
     if (setting.table != kPrincipalTable) continue;
-    const auto name = names->find(setting.header);
-    if (name == names->end()) return file.error(setting.header, "the principal has no name");
-    QuotaLimits& limits = quotas.principals.try_emplace(name->second, quotas.others).first->second;
+    QuotaLimits& limits =
+        quotas.principals.try_emplace(names->at(setting.header), quotas.others).first->second;
     if (setting.key == kName) continue;
-    if (const Status done = set(file, setting, limits); !done) return done.error();
+    if (const Status done = set_quota(file, setting, limits); !done) return done.error();
   }
   return quotas;
 }

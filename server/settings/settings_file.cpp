@@ -58,6 +58,7 @@ class Reader {
       return file_.error(line_, fmt::format("{} is not [TABLE]", exec::quote(text)));
     table_ = CLI::detail::trim_copy(text.substr(brackets, text.size() - 2 * brackets));
     header_ = line_;
+    file_.headers.push_back({.table = table_, .is_list = is_list, .line = line_});
     if (!is_list && !tables_.insert(table_).second)
       return file_.error(line_, fmt::format("the table {} is there twice", exec::quote(table_)));
     return {};

@@ -22,10 +22,18 @@ struct Setting {
   std::size_t line = 0;  ///< From 1.
 };
 
+/// The header of a table, [a.b] or [[a.b]].
+struct TableHeader {
+  std::string table;     ///< "a.b".
+  bool is_list = false;  ///< [[a.b]].
+  std::size_t line = 0;  ///< From 1.
+};
+
 /// A file that was read.
 struct SettingsFile {
   std::filesystem::path path;
-  std::vector<Setting> settings;  ///< In the order of the file.
+  std::vector<Setting> settings;     ///< In the order of the file.
+  std::vector<TableHeader> headers;  ///< In the order of the file, also of empty tables.
 
   /// kInvalidArgument, with the file, the line and why.
   Error error(std::size_t line, const std::string& why) const;

@@ -32,7 +32,7 @@ CLI::Option* find_option(CLI::App& app, const std::string& setting) {
 bool is_flag(const CLI::Option& option) { return option.get_expected_min() == 0; }
 
 /// Errors: why the value is wrong, with `source` before it.
-Status set(CLI::Option& option, const std::string& value, const std::string& source) {
+Status set_option(CLI::Option& option, const std::string& value, const std::string& source) {
   if (is_flag(option) && value != "true" && value != "false") {
     return exec::invalid_argument(
         fmt::format("{}: {} is neither true nor false", source, exec::quote(value)), kBadSettings);
@@ -68,7 +68,7 @@ Result<Sources> set_from_sources(CLI::App& app, const SettingsFile& file) {
     // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing changes the environment
     const char* value = std::getenv(variable.c_str());
     if (value == nullptr || *value == '\0') continue;
-    if (const Status done = set(*option, value, variable); !done) return done.error();
+    if (const Status done = set_option(*option, value, variable); !done) return done.error();
     sources[setting] = "environment " + variable;
   }
   for (const Setting& entry : file.settings) {
@@ -78,7 +78,7 @@ Result<Sources> set_from_sources(CLI::App& app, const SettingsFile& file) {
       return file.error(entry.line, fmt::format("there is no setting {}", exec::quote(entry.key)));
     const std::string source = fmt::format("{}:{}", file.path.string(), entry.line);
     if (sources.contains(entry.key)) continue;
-    if (const Status done = set(*option, entry.value, source); !done) return done.error();
+    if (const Status done = set_option(*option, entry.value, source); !done) return done.error();
     sources[entry.key] = "file " + source;
   }
   return sources;

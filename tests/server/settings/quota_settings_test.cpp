@@ -61,6 +61,12 @@ TEST(QuotaSettings, NameTheLineOfAMistake) {
         {"[quota]\nrays-per-second = 3.5", 2},
         {"[quota]\nname = \"a\"", 2},
         {"[quotas]\nrays-per-second = 3", 1},
+        {"threads = 2\n[quotas]", 2},
+        {"[quota]\n[quota.principals]", 2},
+        {"[quota.principal]\nname = \"a\"", 1},
+        {"[[quota]]\nbytes-stored = 3", 1},
+        {"[[quota.principal]]", 1},
+        {"[[quota.principal]]\n[[quota.principal]]\nname = \"a\"", 1},
         {"[[quota.principal]]\nbytes-stored = 3", 1},
         {"[[quota.principal]]\nname = \"a\"\n[[quota.principal]]\nname = \"a\"", 4}}) {
     const TemporaryFile file(text);

@@ -44,6 +44,11 @@ TEST(SettingsFile, ReadsKeysInTablesWithTheirLines) {
   EXPECT_EQ(settings[4].header, 9u);
   EXPECT_EQ(settings[5].value, "true");
   EXPECT_EQ(settings[5].line, 11u);
+  ASSERT_EQ(read->headers.size(), 3u);
+  EXPECT_EQ(read->headers[0].table, "quota");
+  EXPECT_EQ(read->headers[0].line, 5u);
+  EXPECT_EQ(read->headers[2].table, "quota.principal");
+  EXPECT_EQ(read->headers[2].line, 9u);
 }
 
 TEST(SettingsFile, NamesTheLineOfAMistake) {
