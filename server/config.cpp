@@ -8,13 +8,19 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "server/exec/rpc_status.h"
 #include "server/net/listen_address.h"
+#include "server/settings/quota_settings.h"
+#include "server/settings/settings_file.h"
+#include "server/settings/sources.h"
 
 namespace sightline::server {
 namespace {
@@ -52,6 +58,47 @@ void add_choice(CLI::App& app, const std::string& flag, const std::map<std::stri
       ->default_str(fallback);
 }
 
+/// A flag for a time in whole units of Duration.
+template <class Duration>
+void add_time(CLI::App& app, const std::string& flag, Duration& time, const std::string& help) {
+  const Duration most = ServerConfig::kMaxTime;
+  app.add_option_function<std::int64_t>(
+         flag, [&time](const std::int64_t& count) { time = Duration(count); }, help)
+      ->check(CLI::Range(std::int64_t{0}, static_cast<std::int64_t>(most.count())))
+      ->default_str(std::to_string(time.count()));
+}
+
+void add_operations_flags(CLI::App& app, ServerConfig& config) {
+  app.add_option("--admin", config.admin,
+                 "HOST:PORT of /livez, /readyz and /metrics over HTTP; port 0 picks one")
+      ->check(CLI::Validator(check_address, "HOST:PORT"));
+  app.add_flag("--metrics-per-scene", config.metrics_per_scene,
+               "Metrics with a label for each scene");
+  add_time(app, "--slow-query-ms", config.slow_query,
+           "Log queries that take this long, with what they built; 0: none");
+  add_time(app, "--max-connection-age-s", config.max_connection_age,
+           "Seconds after which a connection is asked to end, so that clients rebalance; 0: none");
+  add_time(app, "--not-ready-ms", config.not_ready,
+           "After SIGTERM: how long to serve on while /readyz says no");
+  add_time(app, "--drain-ms", config.drain, "After that: how long open calls may go on");
+}
+
+/// What the program is asked for instead of serving.
+struct Requests {
+  std::string file;
+  bool print = false;
+};
+
+void add_requests(CLI::App& app, CommandLine& line, Requests& requests) {
+  app.add_option("--config", requests.file, "TOML file of settings, named as the flags")
+      ->configurable(false);
+  app.add_flag("--check-config", line.check_only, "Check the settings and exit")
+      ->configurable(false);
+  app.add_flag("--print-config", requests.print,
+               "Print the settings as TOML, each with its source, and exit")
+      ->configurable(false);
+}
+
 void add_flags(CLI::App& app, CommandLine& line) {
   ServerConfig& config = line.config;
   const CLI::Validator count(check_count, "COUNT");
@@ -70,8 +117,9 @@ void add_flags(CLI::App& app, CommandLine& line) {
              "When trees are built: where rays enter, or fully before the first ray");
   app.add_option(
          "--memory-budget", config.memory_budget,
-         "Bytes to hold at most: meshes, trees, nodes, logs, calls (default: half of the memory)")
-      ->check(count);
+         "Bytes to hold at most: meshes, trees, nodes, logs, calls; by default half of the memory")
+      ->check(count)
+      ->capture_default_str();
   app.add_option("--max-rays-queued", config.admission.rays,
                  "Rays in work at most; more are refused")
       ->check(count)
@@ -84,6 +132,7 @@ void add_flags(CLI::App& app, CommandLine& line) {
       ->check(CLI::Range(0, ServerConfig::kMaxPrefetches))
       ->capture_default_str();
   add_choice(app, "--log-level", kLogLevels, line.log_level, "info", "Least level that is logged");
+  add_operations_flags(app, config);
   app.set_version_flag("--version", "sightlined " SIGHTLINE_VERSION, "Print the version and exit");
 }
 
@@ -105,15 +154,58 @@ std::string policy_name(scenegraph::Growth policy) {
   return policy == scenegraph::Growth::kFull ? "full" : "first-touch";
 }
 
+namespace {
+
+/// The variable that names the file of settings, where no flag does.
+constexpr const char* kFileVariable = "SIGHTLINED_CONFIG";
+
+Result<settings::SettingsFile> settings_file(const Requests& requests) {
+  if (!requests.file.empty()) return settings::read_settings(requests.file);
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing changes the environment
+  const char* named = std::getenv(kFileVariable);
+  if (named == nullptr || *named == '\0') return settings::SettingsFile();
+  return settings::read_settings(named);
+}
+
+/// Sets what no flag has set. Prints the settings if that is requested.
+Status complete(CLI::App& app, const Requests& requests, CommandLine& line) {
+  const auto file = settings_file(requests);
+  if (!file) return file.error();
+  const auto sources = settings::set_from_sources(app, *file);
+  if (!sources) return sources.error();
+  auto quotas = settings::read_quotas(*file);
+  if (!quotas) return quotas.error();
+  line.config.quotas = std::move(*quotas);
+  for (const std::string& variable : settings::unknown_variables(app, environ)) {
+    if (variable != kFileVariable)
+      line.notes.push_back("the environment variable " + variable + " is no setting");
+  }
+  if (requests.print) {
+    const std::string text =
+        settings::print_settings(app, *sources) + settings::print_quotas(*file);
+    std::fputs(text.c_str(), stdout);
+  }
+  return {};
+}
+
+}  // namespace
+
 std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv) {
   CommandLine line;
+  Requests requests;
   CLI::App app("sightlined: answers ray queries against scenes over gRPC", "sightlined");
   add_flags(app, line);
+  add_requests(app, line, requests);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
   }
+  if (const Status completed = complete(app, requests, line); !completed) {
+    std::fprintf(stderr, "sightlined: %s\n", completed.error().message.c_str());
+    return kUsageExit;
+  }
+  if (requests.print) return 0;
   return line;
 }
 

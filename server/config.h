@@ -9,10 +9,12 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "accel/result.h"
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
+#include "server/exec/quotas.h"
 
 namespace sightline::server {
 
@@ -28,11 +30,20 @@ struct ServerConfig {
   std::uint64_t memory_budget = default_memory_budget();        ///< Bytes of all that is held.
   exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
+  exec::QuotaConfig quotas;
+  std::string admin;                           ///< HOST:PORT for probes and metrics. Empty: none.
+  bool metrics_per_scene = false;              ///< Metrics with a label for the scene.
+  std::chrono::milliseconds slow_query{1000};  ///< Slower ones are logged. 0: none.
+  /// A connection of this age is asked to end, and ended kConnectionGrace later. 0: none.
+  std::chrono::seconds max_connection_age{0};
+  std::chrono::milliseconds not_ready{0};  ///< How long drain() only says that it will.
   std::chrono::milliseconds drain =
       std::chrono::seconds(5);  ///< How long drain() waits for open calls before it cancels them.
 
   static constexpr int kMaxThreads = 1024;
   static constexpr int kMaxPrefetches = 64;
+  static constexpr std::chrono::hours kMaxTime{24};  ///< Of every setting that is a time.
+  static constexpr std::chrono::minutes kConnectionGrace{1};
   static constexpr int kMaxCallsPerConnection = 64;  ///< At a time; more wait.
   static constexpr int kMaxMessageBytes = 4 << 20;   ///< Largest message that a client may send.
   static int default_threads();
@@ -43,16 +54,19 @@ struct ServerConfig {
 /// The name of the policy on the command line.
 std::string policy_name(scenegraph::Growth policy);
 
-/// What the flags of sightlined set.
+/// What the settings of sightlined set: flags, else the environment, else the file of --config.
 struct CommandLine {
   ServerConfig config;
   spdlog::level::level_enum log_level = spdlog::level::info;
+  bool check_only = false;         ///< --check-config: only Server::check() is wanted.
+  std::vector<std::string> notes;  ///< What is odd about the settings, for the log.
 };
 
 inline constexpr int kUsageExit = 2;  ///< Exit code after a usage error.
 
-/// Parses the flags. Returns an exit code instead if the program must end: 0 after --help and
-/// --version, kUsageExit after a usage error. The text is then already printed.
+/// Parses the flags, and reads the environment and the file of settings. Returns an exit code
+/// instead if the program must end: 0 after --help, --version and --print-config, kUsageExit after
+/// a usage error. The text is then already printed.
 std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv);
 
 }  // namespace sightline::server

@@ -8,12 +8,14 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <variant>
 
 #include "server/config.h"
 #include "server/exec/arena_priority.h"
 #include "server/logging.h"
 #include "server/server.h"
+#include "server/service_manager.h"
 #include "server/watchdog.h"
 
 namespace {
@@ -46,6 +48,18 @@ sigset_t block_signals() {
 /// How long the process may live after the drain: cancelled calls and tasks end meanwhile.
 constexpr std::chrono::milliseconds kEndAfterDrain{500};
 
+/// Says whether a server would start with these settings. Returns the program's exit code.
+int check(const CommandLine& line) {
+  for (const std::string& note : line.notes) std::fprintf(stderr, "sightlined: %s\n", note.c_str());
+  const auto good = Server::check(line.config);
+  if (good) {
+    std::puts("sightlined: the settings are good");
+    return 0;
+  }
+  std::fprintf(stderr, "sightlined: %s\n", good.error().message.c_str());
+  return kUsageExit;
+}
+
 /// Runs the server until a signal arrives. Returns the program's exit code.
 int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
   auto started = Server::start(config);
@@ -56,10 +70,12 @@ int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog
   // Not destroyed: that waits until oneTBB's threads have left the server's arenas. They yield
   // while they look for work, and on a busy core that takes seconds.
   Server* const server = started->release();
+  tell_service_manager("READY=1");
   int caught = 0;
   sigwait(&ending, &caught);
+  tell_service_manager("STOPPING=1");
   spdlog::info("event=signal signal={}", caught);
-  watchdog.arm(config.drain + kEndAfterDrain);
+  watchdog.arm(config.not_ready + config.drain + kEndAfterDrain);
   server->drain();
   return 0;
 }
@@ -70,9 +86,11 @@ int main(int argc, char** argv) try {
   const auto parsed = parse_command_line(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);
+  if (line.check_only) return check(line);
   keep_memory_at_hand();
   const sigset_t ending = block_signals();
   start_logging(line.log_level);
+  for (const std::string& note : line.notes) spdlog::warn("event=settings {}", note);
 
   static auto& watchdog = *new Watchdog;
   const int code = serve(line.config, ending, watchdog);

@@ -8,15 +8,18 @@
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "accel/split/scan_kernel.h"
+#include "server/admin_port.h"
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
@@ -30,6 +33,7 @@
 #include "server/exec/ticker.h"
 #include "server/exec/unread_replies.h"
 #include "server/info_rpc.h"
+#include "server/metrics/metrics.h"
 #include "server/net/acceptor.h"
 #include "server/net/listening_sockets.h"
 #include "server/queries/cast_rpc.h"
@@ -38,6 +42,7 @@
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
 #include "server/state_files.h"
+#include "server/state_metrics.h"
 #include "server/updates/scene_rpc.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
@@ -55,7 +60,14 @@ constexpr std::size_t kGrpcMemory =
 constexpr std::chrono::milliseconds kGoodbye{100};
 
 /// Settings that differ from the library's defaults. They were measured.
-void configure(grpc::ServerBuilder& builder) {
+void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
+  if (config.max_connection_age.count() > 0) {
+    const std::chrono::milliseconds age = config.max_connection_age;
+    const std::chrono::milliseconds grace = ServerConfig::kConnectionGrace;
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, static_cast<int>(age.count()));
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS,
+                               static_cast<int>(grace.count()));
+  }
   builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, ServerConfig::kMaxCallsPerConnection);
@@ -92,6 +104,7 @@ struct Server::Parts {
             {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}, &memory),
         batch_admission({c.admission.rays, c.admission.bytes / exec::kBatchShare}),
         unread(c.admission.bytes / exec::kUnreadShare, &memory),
+        quotas(c.quotas),
         waiting_reads({.limit = scenes::kMaxWaitingReads,
                        .when_full = "{} reads that wait for a revision are open on the server",
                        .full_reason = "TOO_MANY_WAITING"}),
@@ -126,6 +139,8 @@ struct Server::Parts {
   exec::MemoryAccount memory;
   exec::Admission admission, all_hits_admission, small_admission, batch_admission;
   exec::UnreadReplies unread;
+  exec::Quotas quotas;
+  metrics::Metrics metrics;
   exec::OpenRpcs open_rpcs;
   exec::RefusalPace refusal_pace{ServerConfig::kMaxCallsPerConnection};
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
@@ -141,12 +156,22 @@ struct Server::Parts {
                                   .small_admission = small_admission,
                                   .batch_admission = batch_admission,
                                   .unread = unread,
+                                  .quotas = quotas,
+                                  .metrics = metrics.queries,
                                   .waiting_reads = waiting_reads,
                                   .cast_streams = cast_streams,
                                   .prefetches = prefetches,
                                   .update_streams = update_streams,
                                   .watches = watches,
-                                  .policy = config.policy};
+                                  .policy = config.policy,
+                                  .slow_query = config.slow_query};
+  const StateMetrics state_metrics{.memory = memory,
+                                   .admission = admission,
+                                   .unread = unread,
+                                   .quotas = quotas,
+                                   .scenes = scenes,
+                                   .reclaimer = reclaimer,
+                                   .per_scene = config.metrics_per_scene};
   queries::RayQueryRpc query_rpc{services};
   updates::SceneRpc scene_rpc{services};
   blobs::BlobRpc blob_rpc{blobs, uploads, services.unary()};
@@ -180,23 +205,27 @@ struct Server::Parts {
   std::uint16_t port = 0;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
+  std::atomic<bool> acceptor_failed{false};
   std::unique_ptr<net::Acceptor> acceptor;
   std::once_flag drained;
+  AdminPort admin{config, metrics, state_metrics};
   exec::Ticker ticker{kEnforceEvery, [this] { enforce_limits(); }};
 
   void serve(grpc::ServerBuilder& builder);
   void accept(net::ListeningSockets listening);
+  Status answer_probes();
   void close_idle(std::stop_token stop);
 };
 
 void Server::Parts::serve(grpc::ServerBuilder& builder) {
-  configure(builder);
+  configure(builder, config);
   for (grpc::Service* service :
        std::initializer_list<grpc::Service*>{&query_rpc, &scene_rpc, &blob_rpc, &info_rpc})
     builder.RegisterService(service);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   auto experimental = builder.experimental();
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(metrics::measure_calls(metrics.rpcs));
   interceptors.push_back(exec::count_calls(open_rpcs));
   interceptors.push_back(exec::refuse_malformed());
   interceptors.push_back(exec::pace_refusals(refusal_pace));
@@ -218,7 +247,20 @@ void Server::Parts::accept(net::ListeningSockets listening) {
                 parameters.fd = connection.release();
                 connections->HandleNewConnection(&parameters);
               },
-          .failed = [this] { grpc->GetHealthCheckService()->SetServingStatus(false); }});
+          .failed =
+              [this] {
+                acceptor_failed.store(true);
+                grpc->GetHealthCheckService()->SetServingStatus(false);
+              }});
+}
+
+/// A part that readiness depends on adds its check here.
+Status Server::Parts::answer_probes() {
+  admin.readiness().add("acceptor", [this]() -> Status {
+    if (!acceptor_failed.load()) return {};
+    return Error{Code::kUnavailable, "no connection is accepted any more", "ACCEPTOR_FAILED"};
+  });
+  return admin.open();
 }
 
 /// Closes the connections when no call is open any more: gRPC would wait for clients that do not
@@ -231,7 +273,13 @@ void Server::Parts::close_idle(std::stop_token stop) {
   acceptor->shut_down();
 }
 
+Status Server::check(const ServerConfig& config) {
+  if (const auto address = check_listen(config); !address) return address.error();
+  return AdminPort::check(config);
+}
+
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
+  if (const Status good = check(config); !good) return good.error();
   const auto address = check_listen(config);
   if (!address) return address.error();
   if (const Status made = make_data_dir(config.data_dir); !made) return made.error();
@@ -249,13 +297,14 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (parts->grpc == nullptr) return Error{Code::kInternal, "gRPC does not start", "NOT_STARTED"};
   parts->accept(std::move(*listening));
   std::unique_ptr<Server> server(new Server(std::move(parts)));
+  if (const Status answers = server->parts_->answer_probes(); !answers) return answers.error();
   if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
   spdlog::info(
-      "event=started version={} listen={} port={} threads={} "
+      "event=started version={} listen={} port={} admin_port={} threads={} "
       "policy={} memory_budget={} simd={}",
-      SIGHTLINE_VERSION, config.listen, server->port(), config.threads, policy_name(config.policy),
-      config.memory_budget, accel::split::simd_target());
+      SIGHTLINE_VERSION, config.listen, server->port(), server->admin_port(), config.threads,
+      policy_name(config.policy), config.memory_budget, accel::split::simd_target());
   spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
   return server;
 }
@@ -266,14 +315,20 @@ Server::~Server() { drain(); }
 
 int Server::port() const { return parts_->port; }
 
+int Server::admin_port() const { return parts_->admin.port(); }
+
 void Server::drain() {
   std::call_once(parts_->drained, [this] {
-    spdlog::info("event=draining deadline_ms={}", parts_->config.drain.count());
+    const ServerConfig& config = parts_->config;
+    spdlog::info("event=draining not_ready_ms={} deadline_ms={}", config.not_ready.count(),
+                 config.drain.count());
+    parts_->admin.readiness().drain();
     parts_->grpc->GetHealthCheckService()->SetServingStatus(false);
+    std::this_thread::sleep_for(config.not_ready);
     parts_->stop_waiting();
     parts_->acceptor->stop();
     const std::jthread idle([this](std::stop_token stop) { parts_->close_idle(std::move(stop)); });
-    parts_->grpc->Shutdown(std::chrono::system_clock::now() + parts_->config.drain);
+    parts_->grpc->Shutdown(std::chrono::system_clock::now() + config.drain);
     spdlog::info("event=stopped");
   });
 }

@@ -10,6 +10,9 @@ namespace sightline::server {
 
 class Server {
  public:
+  /// What start() checks before it does anything. Errors: kInvalidArgument.
+  static Status check(const ServerConfig& config);
+
   /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, or one
   /// that other machines can reach without `insecure`), kUnavailable (the port cannot be bound),
   /// kFailedPrecondition (the data directory or the port file cannot be written).
@@ -17,10 +20,12 @@ class Server {
   /// Calls drain().
   ~Server();
 
-  int port() const;  ///< The bound port.
+  int port() const;        ///< The bound port.
+  int admin_port() const;  ///< The bound port of ServerConfig::admin; 0 if there is none.
 
-  /// Sets the health service to NOT_SERVING, refuses new calls, waits up to config.drain for open
-  /// calls and then cancels them. Returns when all calls have ended. A second call does nothing.
+  /// Is not ready from now on (/readyz, the health service), but serves for config.not_ready. Then
+  /// refuses new calls, waits up to config.drain for open calls and then cancels them. Returns when
+  /// all calls have ended. A second call does nothing. The admin port answers until the end.
   void drain();
 
  private:

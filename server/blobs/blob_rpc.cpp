@@ -48,7 +48,8 @@ constexpr const char* kTooSlow = "UPLOAD_TOO_SLOW";
 /// Whether a later call may continue the upload after this error.
 bool leaves_upload_whole(const Error& error) {
   return error.code == Code::kOutOfRange || error.code == Code::kCancelled ||
-         error.reason == exec::kQueueFull || error.reason == kTooSlow;
+         error.reason == exec::kQueueFull || error.reason == exec::kQuotaBytes ||
+         error.reason == exec::kQuotaWork || error.reason == kTooSlow;
 }
 
 /// Reads a chunk, checks and copies it in the arena, and only then reads the next. Deletes itself.
@@ -59,6 +60,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       : blobs_(blobs),
         uploads_(uploads),
         parts_(parts),
+        context_(context),
         caller_(exec::caller_of(context)),
         reply_(reply) {}
 
@@ -74,7 +76,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     if (!stop_reading()) return;  // end_slow() was first
     // A client that ends without `finish` may continue the upload later.
     if (!ok) return end(exec::end_of_reads(chunk_));
-    // The ticket ends with the chunk.
+    // These end with the chunk.
+    auto work = parts_.quotas.begin_work(caller_, 0, chunk_.ByteSizeLong());
+    if (!work) {
+      chunk_ = {};
+      return end(work.error());
+    }
+    quota_ = std::move(*work);
     auto ticket = parts_.admission.admit(caller_, 0, chunk_.SpaceUsedLong());
     if (!ticket) {
       chunk_ = {};  // a refusal may wait: see RefusalPace
@@ -84,6 +92,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     parts_.compute.enqueue_work(caller_, [this] {
       const Status accepted = exec::to_status([this] { return accept(); });
       ticket_ = {};
+      quota_ = {};
       if (!accepted || done_) return end(accepted);
       note_progress();
       read();
@@ -165,7 +174,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
       report(*mesh, digest->size);
       return {};
     }
-    auto upload = blobs_.begin(*digest, chunk_.offset());
+    exec::Quotas::Use stored;
+    if (chunk_.offset() == 0) {  // what is resumed counts already
+      auto granted = parts_.quotas.store(caller_, digest->size);
+      if (!granted) return granted.error();
+      stored = std::move(*granted);
+    }
+    auto upload = blobs_.begin(*digest, chunk_.offset(), std::move(stored));
     if (!upload) return upload.error();
     upload_ = std::move(*upload);
     progressed_to_ = upload_->committed();
@@ -176,8 +191,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const auto mesh = blobs_.complete(upload_);
     if (!mesh) return mesh.error();
     report(**mesh, upload_->digest().size);
-    spdlog::info("event=mesh_uploaded digest={} triangles={} nonfinite={}", digest_text_,
-                 (*mesh)->triangles(), (*mesh)->nonfinite());
+    spdlog::info("event=mesh_uploaded digest={} triangles={} nonfinite={}{}", digest_text_,
+                 (*mesh)->triangles(), (*mesh)->nonfinite(), exec::request_id_of(context_));
     return {};
   }
 
@@ -199,7 +214,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     }
     reply_.set_digest(digest_text_);
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("UploadBlob", answer, begun_, fmt::format("digest={}", digest_text_));
+    exec::log_rpc("UploadBlob", context_, answer, begun_,
+                  [this] { return fmt::format("digest={}", digest_text_); });
     // Before the client knows, which may then begin the next upload. A call that the registry ends
     // does not count any more.
     if (status.ok()) uploads_.leave(this);
@@ -210,12 +226,14 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
   BlobStore& blobs_;
   exec::CallRegistry& uploads_;
   const exec::UnaryParts parts_;
+  grpc::CallbackServerContext& context_;
   const exec::Caller caller_;
   exec::PeerWait progress_;
   std::mutex mutex_;  // held while a read starts, and protects the next two
   bool late_ = false, reading_ = false;
   std::uint64_t progressed_to_ = 0;
   exec::Admission::Ticket ticket_;
+  exec::Quotas::Use quota_;
   v1::UploadBlobResponse& reply_;
   v1::UploadBlobRequest chunk_;
   std::string digest_text_;

@@ -62,7 +62,8 @@ BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
   return found == meshes_.end() ? nullptr : found->second.mesh;
 }
 
-Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::uint64_t offset) {
+Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::uint64_t offset,
+                                                 exec::Quotas::Use stored) {
   if (digest.size < kMeshBlobHeader) {
     return Error{Code::kInvalidArgument,
                  fmt::format("a blob of {} bytes is shorter than the {} bytes of a mesh's header",
@@ -81,7 +82,7 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
     {
       const std::lock_guard lock(mutex_);
       if (pending_.size() < limits_.uploads) {
-        pending_.push_back({upload, std::move(*charge), false});
+        pending_.push_back({upload, std::move(*charge), std::move(stored), false});
         return upload;
       }
     }
@@ -109,13 +110,17 @@ Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std:
 
 Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>& upload) {
   Result<MeshPointer> made = upload->finish();
+  exec::Quotas::Use stored;
   const std::lock_guard lock(mutex_);
+  const auto pending = std::find_if(pending_.begin(), pending_.end(),
+                                    [&](const Pending& one) { return one.upload == upload; });
+  if (pending != pending_.end()) stored = std::move(pending->stored);
   erase(upload.get());
   if (!made) return made;
   const auto [kept, is_new] = meshes_.try_emplace(upload->digest());
   if (is_new) {
     kept->second = {*made, memory_.record(exec::Held::kMeshes, (*made)->bytes()), next_order_++,
-                    Upload::Clock::now()};
+                    Upload::Clock::now(), std::move(stored)};
   }
   return kept->second.mesh;
 }

@@ -17,6 +17,7 @@
 #include "scenegraph/model/mesh.h"
 #include "server/blobs/mesh_blob.h"
 #include "server/exec/memory_account.h"
+#include "server/exec/quotas.h"
 
 namespace sightline::server::blobs {
 
@@ -95,9 +96,11 @@ class BlobStore {
 
   /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. Of too many
   /// uploads those set aside are dropped, oldest first, then idle ones. The account may make room
-  /// for it. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to resume at
-  /// this offset), kResourceExhausted (naming the use and the limit).
-  Result<std::shared_ptr<Upload>> begin(const BlobDigest& digest, std::uint64_t offset);
+  /// for it. `stored` is kept as long as the upload, and then the mesh; a resumed upload keeps what
+  /// it began with. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to
+  /// resume at this offset), kResourceExhausted (naming the use and the limit).
+  Result<std::shared_ptr<Upload>> begin(const BlobDigest& digest, std::uint64_t offset,
+                                        exec::Quotas::Use stored = {});
 
   /// Checks and keeps the mesh. The upload ends in any case. Cost: proportional to the mesh.
   /// Errors: as Upload::finish.
@@ -125,6 +128,7 @@ class BlobStore {
   struct Pending {
     std::shared_ptr<Upload> upload;
     exec::MemoryAccount::Charge charge;
+    exec::Quotas::Use stored;
     bool set_aside = false;
   };
   struct Stored {
@@ -132,6 +136,7 @@ class BlobStore {
     exec::MemoryAccount::Charge charge;
     std::uint64_t order = 0;  // of arrival
     Upload::Clock::time_point arrived = {};
+    exec::Quotas::Use quota = {};
   };
   using PendingList = std::list<Pending>;
 

@@ -13,6 +13,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/exec/admission.h"
+#include "server/exec/quotas.h"
 
 namespace sightline::server::exec {
 namespace {
@@ -54,6 +55,12 @@ GrpcCode grpc_code(Code code) {
   return {grpc::StatusCode::INTERNAL, "INTERNAL"};
 }
 
+/// Whether what is refused may be granted later.
+bool is_temporary(std::string_view reason) {
+  return reason == kQueueFull || reason == kQuotaRays || reason == kQuotaBytes ||
+         reason == kQuotaWork;
+}
+
 /// Cut between UTF-8 characters: the text goes into a protobuf string.
 std::string cut(const std::string& message) {
   if (message.size() <= kMaxStatusMessage) return message;
@@ -81,13 +88,23 @@ grpc::Status to_grpc(const Error& error) {
   status.set_code(code);
   status.set_message(cut(error.message));
   status.add_details()->PackFrom(info);
-  if (info.reason() == kQueueFull) {
+  if (is_temporary(info.reason())) {
     google::rpc::RetryInfo retry;
     *retry.mutable_retry_delay() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
         std::chrono::milliseconds(kRetryDelay).count());
     status.add_details()->PackFrom(retry);
   }
   return {code, status.message(), status.SerializeAsString()};
+}
+
+std::string reason_of(const grpc::Status& status) {
+  google::rpc::Status details;
+  google::rpc::ErrorInfo info;
+  if (!details.ParseFromString(status.error_details())) return {};
+  for (const auto& detail : details.details()) {
+    if (detail.UnpackTo(&info)) return info.reason();
+  }
+  return {};
 }
 
 bool asks_to_retry(const grpc::Status& status) {
@@ -114,19 +131,26 @@ std::string quote(std::string_view text) {
   return out;
 }
 
+std::string request_id_of(const grpc::ServerContextBase& context) {
+  const auto found = context.client_metadata().find(kRequestId);
+  if (found == context.client_metadata().end()) return {};
+  return " request_id=" + quote({found->second.data(), found->second.size()});
+}
+
 bool logs_rpcs() { return spdlog::should_log(spdlog::level::debug); }
 
-void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
-             std::string_view more) {
+void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
+             const grpc::Status& status, LogClock::time_point begun, std::string_view more) {
   if (!logs_rpcs()) return;
   const auto us =
       std::chrono::duration_cast<std::chrono::microseconds>(LogClock::now() - begun).count();
   const auto code = static_cast<int>(status.error_code());
   if (status.ok()) {
-    spdlog::debug("event=rpc method={} code={} us={} {}", method, code, us, more);
+    spdlog::debug("event=rpc method={} code={} us={}{} {}", method, code, us,
+                  request_id_of(context), more);
   } else {
-    spdlog::debug("event=rpc method={} code={} us={} error={} {}", method, code, us,
-                  quote(status.error_message()), more);
+    spdlog::debug("event=rpc method={} code={} us={}{} error={} {}", method, code, us,
+                  request_id_of(context), quote(status.error_message()), more);
   }
 }
 

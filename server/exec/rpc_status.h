@@ -1,6 +1,7 @@
 // How a call ends: errors as gRPC status, quotes of what the client sent, and a log line.
 #pragma once
 
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/status.h>
 
 #include <chrono>
@@ -41,9 +42,12 @@ Status to_status(Work&& work) {
 std::string reason_of(const Error& error);
 
 /// The status with the error's code and message, and with a google.rpc.Status in its details that
-/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline". If a queue is full,
-/// also a google.rpc.RetryInfo with kRetryDelay.
+/// carries one google.rpc.ErrorInfo: reason_of() in the domain "sightline". If a queue is full or a
+/// quota used up, also a google.rpc.RetryInfo with kRetryDelay.
 grpc::Status to_grpc(const Error& error);
+
+/// The reason that to_grpc() wrote; empty if the status has none.
+std::string reason_of(const grpc::Status& status);
 
 /// Whether the status tells its client when to come back.
 bool asks_to_retry(const grpc::Status& status);
@@ -58,23 +62,29 @@ inline constexpr std::size_t kMaxQuoted = 96;  ///< Bytes of a quoted text that 
 /// then appended.
 std::string quote(std::string_view text);
 
+/// The metadata by which a client may name its request, for log lines.
+inline constexpr const char* kRequestId = "x-request-id";
+
+/// " request_id=" and the quoted name that the client gave the call; empty if it gave none.
+std::string request_id_of(const grpc::ServerContextBase& context);
+
 /// Starts when a call arrives; log_rpc() writes the time since.
 using LogClock = std::chrono::steady_clock;
 
 /// Whether log_rpc() writes anything.
 bool logs_rpcs();
 
-/// Logs the end of a call in one line, at level debug: event=rpc method=... code=... us=..., then
-/// `more` ("key=value ..." or nothing).
-void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
-             std::string_view more = {});
+/// Logs the end of a call in one line, at level debug: event=rpc method=... code=... us=...
+/// [request_id=...], then `more` ("key=value ..." or nothing).
+void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
+             const grpc::Status& status, LogClock::time_point begun, std::string_view more = {});
 
 /// As above; more() is only called if the line is written.
 template <class More>
   requires std::is_invocable_r_v<std::string, More>
-void log_rpc(std::string_view method, const grpc::Status& status, LogClock::time_point begun,
-             const More& more) {
-  if (logs_rpcs()) log_rpc(method, status, begun, std::string_view(more()));
+void log_rpc(std::string_view method, const grpc::ServerContextBase& context,
+             const grpc::Status& status, LogClock::time_point begun, const More& more) {
+  if (logs_rpcs()) log_rpc(method, context, status, begun, std::string_view(more()));
 }
 
 }  // namespace sightline::server::exec

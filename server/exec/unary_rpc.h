@@ -11,6 +11,7 @@
 #include "server/exec/admission.h"
 #include "server/exec/caller.h"
 #include "server/exec/executors.h"
+#include "server/exec/quotas.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unread_replies.h"
 
@@ -21,6 +22,7 @@ struct UnaryParts {
   Compute& compute;
   Admission& admission;
   UnreadReplies& unread;
+  Quotas& quotas;
 };
 
 /// Before a reply is handed to gRPC: `held` is set to what accounts for it until the peer has read
@@ -45,6 +47,9 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
         work_(std::move(work)) {}
 
   void start() {
+    auto work = parts_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
+    if (!work) return Finish(to_grpc(work.error()));
+    quota_ = std::move(*work);
     auto admitted = parts_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!admitted) return Finish(to_grpc(admitted.error()));
     ticket_ = std::move(*admitted);
@@ -53,7 +58,8 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
           hold_reply(parts_.unread, context_, caller_, request_, reply_, to_status(work_), held_);
       const grpc::Status status = to_grpc(done);
       ticket_ = {};
-      log_rpc(method_, status, begun_);
+      quota_ = {};
+      log_rpc(method_, context_, status, begun_);
       Finish(status);  // may delete this reactor
     });
   }
@@ -70,6 +76,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   const UnaryParts parts_;
   Work work_;
   Admission::Ticket ticket_;
+  Quotas::Use quota_;
   std::unique_ptr<UnreadReplies::Held> held_;
 };
 

@@ -26,7 +26,7 @@ namespace sightline::server::net {
 namespace {
 
 /// File descriptors that are not connections.
-constexpr std::size_t kOwnFiles = 40;
+constexpr std::size_t kOwnFiles = 80;
 constexpr std::size_t kFilesPerConnection = 2;
 constexpr std::size_t kMaxConnections = 10'000;
 

@@ -45,8 +45,12 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
 }
 
 Status CastJob::accept(const v1::CastRaysRequest& request) {
+  arrived_ = Clock::now();
+  batch_time_ = {};
   if (Status good = batch_.begin(request); !good) return good;
   const std::size_t count = batch_.size();
+  auto quota = services_.quotas.begin_work(caller_, count, request.ByteSizeLong());
+  if (!quota) return quota.error();
   const bool lists = query_.kind == scenegraph::QueryKind::kAll;
   if (lists && replies_ == Replies::kOne && count * query_.max_hits > kMaxHitsPerReply) {
     return Error{Code::kInvalidArgument,
@@ -75,6 +79,7 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   }
   if (!ticket) return ticket.error();
   ticket_ = std::move(*ticket);
+  quota_ = std::move(*quota);
   queued_ = {};
   begun_ = false;
   return {};
@@ -186,6 +191,7 @@ void CastJob::push_cast(v1::CastRaysResponse& reply, const Done& done) {
 /// The admission is given back before the last reply is written: a client that is slow to read must
 /// not hold up the others. `done` may delete this.
 void CastJob::end(const Status& status, const Done& done) {
+  quota_ = {};
   ticket_ = {};
   all_hits_ticket_ = {};
   done(status);
@@ -195,6 +201,8 @@ Status CastJob::build() {
   const auto built = scenegraph::build_all(*snapshot_, &cancelled_);
   if (!built) return built.error();
   build_stats_ = *built;
+  services_.metrics.count_build(metrics::BuildReason::kFull, built->trees_begun,
+                                built->cells_expanded, built->build_seconds);
   waiting_since_ = Clock::now();
   return {};
 }
@@ -218,6 +226,9 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
 void CastJob::describe(v1::CastRaysResponse& reply) {
   encode_revision(revision_, *reply.mutable_served());
   if (reply.more()) return reply.clear_stats();
+  batch_time_ = Clock::now() - arrived_;
+  services_.metrics.count_batch(query_.kind, stats_, batch_time_);
+  stats_ += std::exchange(build_stats_, {});
   v1::CastStats& stats = *reply.mutable_stats();
   encode_stats(stats_, stats);
   stats.set_queue_us(microseconds(queued_));
@@ -235,7 +246,7 @@ Status CastJob::begin() {
   }
   traced_ = {};
   answered_ = 0;
-  stats_ = std::exchange(build_stats_, {});
+  stats_ = {};
   if (query_.kind == scenegraph::QueryKind::kAll) {
     rays_.resize(batch_.size());
     batch_.decode(0, rays_);
@@ -293,6 +304,15 @@ void CastJob::close() {
   selection_.reset();
   scene_.reset();
   snapshot_.reset();
+}
+
+std::string CastJob::slow_description() const {
+  return fmt::format(
+      "scene={} peer={} us={} rays={} queue_us={} trace_us={} cells={} trees={} "
+      "build_us={}",
+      flow_.scene, caller_.connection, microseconds(batch_time_), stats_.rays,
+      microseconds(queued_), microseconds(traced_), stats_.cells_expanded, stats_.trees_begun,
+      static_cast<std::uint64_t>(stats_.build_seconds * 1e6));
 }
 
 std::string CastJob::description() const {

@@ -21,6 +21,7 @@
 #include "server/exec/caller.h"
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
+#include "server/exec/quotas.h"
 #include "server/queries/batch_rays.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/hit_codec.h"
@@ -94,8 +95,8 @@ class CastJob {
   void pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot);
 
   /// Admits the rays of the request, which must not change until the batch's last reply is made.
-  /// Errors: as BatchRays::begin and Admission::admit; kInvalidArgument if one reply cannot hold
-  /// all hits.
+  /// Errors: as BatchRays::begin, Quotas::begin_work and Admission::admit; kInvalidArgument if one
+  /// reply cannot hold all hits.
   Status accept(const v1::CastRaysRequest& request);
 
   /// After accept(): makes the next reply on workers for casts of this size, after a full build on
@@ -113,6 +114,12 @@ class CastJob {
   /// Releases the revision. The last release frees its trees, which may take long.
   void close();
 
+  /// Whether the last batch has taken `limit` or more since it arrived. 0: never.
+  bool is_slow(std::chrono::milliseconds limit) const {
+    return limit.count() > 0 && batch_time_ >= limit;
+  }
+  /// For the log: the scene, the caller, and what the last batch was and built.
+  std::string slow_description() const;
   /// For the log: the scene, the caller, and totals of all batches.
   std::string description() const;
 
@@ -155,10 +162,11 @@ class CastJob {
   HitPager pager_;
   scenegraph::TraceStats build_stats_;  // of a full build for the batch
   scenegraph::TraceStats stats_;        // of the batch
+  exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_, all_hits_ticket_;
-  Clock::time_point waiting_since_;
-  Clock::duration queued_{}, traced_{};  // of the batch
-  bool begun_ = false;                   // the batch has had a slice
+  Clock::time_point arrived_, waiting_since_;
+  Clock::duration queued_{}, traced_{}, batch_time_{};  // of the batch
+  bool begun_ = false;                                  // the batch has had a slice
   std::atomic<bool> cancelled_{false};
   // Of all batches.
   scenegraph::TraceStats total_stats_;

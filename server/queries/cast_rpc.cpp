@@ -2,9 +2,12 @@
 #include "server/queries/cast_rpc.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "server/exec/caller.h"
@@ -17,6 +20,25 @@
 namespace sightline::server::queries {
 namespace {
 
+void log_if_slow(const char* method, const grpc::ServerContextBase& context, const CastJob& job,
+                 std::chrono::milliseconds limit) {
+  if (!job.is_slow(limit)) return;
+  spdlog::warn("event=slow_query method={}{} {}", method, exec::request_id_of(context),
+               job.slow_description());
+}
+
+/// When a read began that asks for a revision or a later one; nothing for other reads.
+using ReadBegin = std::optional<std::chrono::steady_clock::time_point>;
+
+ReadBegin begin_of_read(const v1::CastRaysRequest& request) {
+  if (request.consistency().requirement_case() != v1::Consistency::kAtLeast) return std::nullopt;
+  return std::chrono::steady_clock::now();
+}
+
+void count_read(metrics::QueryMetrics& metrics, const ReadBegin& begin) {
+  if (begin) metrics.count_revision_wait(std::chrono::steady_clock::now() - *begin);
+}
+
 /// Lives until its task has called Finish(), also if the client has cancelled the call.
 class CastRaysReactor final : public grpc::ServerUnaryReactor {
  public:
@@ -24,6 +46,8 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
                   const v1::CastRaysRequest& request, v1::CastRaysResponse& reply)
       : context_(context),
         unread_(services.unread),
+        metrics_(services.metrics),
+        slow_(services.slow_query),
         job_(services, exec::caller_of(context), Replies::kOne),
         wait_(std::make_shared<scenes::RevisionWait>(services.compute, services.admission,
                                                      services.waiting_reads)),
@@ -34,7 +58,10 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
     if (const Status opened = exec::to_status([&] { return job_.open(request_); }); !opened)
       return end(opened);
     wait_->read(job_.scene(), request_.consistency(), context_.deadline(), request_.ByteSizeLong(),
-                job_.caller(), [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+                job_.caller(),
+                [this, begin = begin_of_read(request_)](
+                    Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+                  count_read(metrics_, begin);
                   if (!pinned) return end(pinned.error());
                   job_.pin(std::move(*pinned));
                   cast();
@@ -52,6 +79,7 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
     if (const Status accepted = exec::to_status([&] { return job_.accept(request_); }); !accepted)
       return end(accepted);
     job_.enqueue(reply_, [this](const Status& done) {
+      log_if_slow("CastRays", context_, job_, slow_);
       job_.close();
       end(done);
     });
@@ -60,13 +88,15 @@ class CastRaysReactor final : public grpc::ServerUnaryReactor {
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(
         exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, status, held_));
-    exec::log_rpc("CastRays", answer, begun_, [this] { return job_.description(); });
+    exec::log_rpc("CastRays", context_, answer, begun_, [this] { return job_.description(); });
     Finish(answer);  // may delete this reactor
   }
 
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   grpc::CallbackServerContext& context_;
   exec::UnreadReplies& unread_;
+  metrics::QueryMetrics& metrics_;
+  const std::chrono::milliseconds slow_;
   CastJob job_;
   const std::shared_ptr<scenes::RevisionWait> wait_;
   const v1::CastRaysRequest& request_;
@@ -83,6 +113,8 @@ class CastStream final
   CastStream(const scenes::Services& services, grpc::CallbackServerContext& context)
       : compute_(services.compute),
         unread_(services.unread),
+        metrics_(services.metrics),
+        slow_(services.slow_query),
         context_(context),
         streams_(services.cast_streams),
         job_(services, exec::caller_of(context), Replies::kMany),
@@ -104,12 +136,14 @@ class CastStream final
     const v1::CastRaysRequest& first = request_.request();
     if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
       return end(opened);
-    wait_->read(job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(),
-                job_.caller(), [this](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
-                  if (!pinned) return end(pinned.error());
-                  job_.pin(std::move(*pinned));
-                  cast();
-                });
+    wait_->read(
+        job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(), job_.caller(),
+        [this, begin = begin_of_read(first)](Result<scenes::RevisionWait::SnapshotPointer> pinned) {
+          count_read(metrics_, begin);
+          if (!pinned) return end(pinned.error());
+          job_.pin(std::move(*pinned));
+          cast();
+        });
   }
 
   void OnWriteDone(bool ok) override {
@@ -158,6 +192,7 @@ class CastStream final
 
   void answer() {
     job_.enqueue(*reply_.mutable_response(), [this](const Status& done) {
+      log_if_slow("StreamCastRays", context_, job_, slow_);
       const Status held =
           exec::hold_reply(unread_, context_, job_.caller(), request_, reply_, done, held_);
       if (!held) return end(held);
@@ -168,7 +203,7 @@ class CastStream final
 
   void end(const Status& status) {
     const grpc::Status answer = exec::to_grpc(status);
-    exec::log_rpc("StreamCastRays", answer, begun_,
+    exec::log_rpc("StreamCastRays", context_, answer, begun_,
                   [this] { return fmt::format("batches={} {}", batches_, job_.description()); });
     Finish(answer);
   }
@@ -176,6 +211,8 @@ class CastStream final
   const exec::LogClock::time_point begun_ = exec::LogClock::now();
   exec::Compute& compute_;
   exec::UnreadReplies& unread_;
+  metrics::QueryMetrics& metrics_;
+  const std::chrono::milliseconds slow_;
   grpc::CallbackServerContext& context_;
   exec::CallRegistry& streams_;
   exec::PeerWait idle_;

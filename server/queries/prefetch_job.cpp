@@ -50,11 +50,14 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   }
   const auto scene = services_.scenes.get(request.scene());
   if (!scene) return scene.error();
+  auto quota = services_.quotas.begin_work(caller_, rays.size(), request.ByteSizeLong());
+  if (!quota) return quota.error();
   auto ticket = services_.admission.admit(
       caller_, rays.size(), request.ByteSizeLong() + rays.size() * sizeof(accel::geometry::Ray));
   if (!ticket) return ticket.error();
   rays_.resize(rays.size());
   rays.decode(0, rays_);
+  quota_ = std::move(*quota);
   ticket_ = std::move(*ticket);
   (*scene)->touch();
   snapshot_ = (*scene)->snapshot();
@@ -71,7 +74,13 @@ Status PrefetchJob::check_roots(const v1::PrefetchRequest& request) {
                "TOO_MANY_ROOTS"};
 }
 
-Status PrefetchJob::run() { return has_rays_ ? grow() : build(); }
+Status PrefetchJob::run() {
+  Status done = has_rays_ ? grow() : build();
+  services_.metrics.count_build(metrics::BuildReason::kPrefetch, progress_.meshes_done,
+                                progress_.cells_expanded,
+                                static_cast<double>(progress_.build_us) * 1e-6);
+  return done;
+}
 
 Status PrefetchJob::build() {
   const auto nodes = scenegraph::query::mesh_nodes_under(*snapshot_, roots_, query_.excluded);
@@ -121,6 +130,7 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
 }
 
 void PrefetchJob::close() {
+  quota_ = {};
   ticket_ = {};
   meshes_ = {};
   snapshot_.reset();

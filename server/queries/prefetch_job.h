@@ -57,6 +57,7 @@ class PrefetchJob {
   std::vector<scenegraph::model::NodeId> roots_;
   bool has_rays_ = false;
   std::vector<accel::geometry::Ray> rays_;
+  exec::Quotas::Use quota_;
   exec::Admission::Ticket ticket_;
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot_;
   scenes::RevisionToken revision_;

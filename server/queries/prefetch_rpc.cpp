@@ -128,7 +128,7 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
   }
 
   void log(const grpc::Status& answer) const {
-    exec::log_rpc("Prefetch", answer, log_begun_, [this] {
+    exec::log_rpc("Prefetch", context_, answer, log_begun_, [this] {
       return fmt::format("scene={} peer={} rays={} cells={} trees={} build_us={}", flow_.scene,
                          flow_.connection, last_.rays_total(), last_.cells_expanded(),
                          last_.meshes_done(), last_.build_us());

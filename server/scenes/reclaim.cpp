@@ -60,6 +60,8 @@ void Reclaimer::drop_unused_meshes(std::uint64_t bytes, blobs::Unused which) {
 
 /// Instead of measure(), which visits all scenes.
 void Reclaimer::trees_freed(std::uint64_t bytes) {
+  if (bytes == 0) return;
+  ++evictions_;
   const std::uint64_t now = memory_.used(exec::Held::kTrees);
   memory_.set_trees(now - std::min(now, bytes));
 }

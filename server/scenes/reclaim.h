@@ -1,6 +1,7 @@
 // Keeps the server within its memory budget: measures trees, and drops what can be made again.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -27,6 +28,9 @@ class Reclaimer {
   /// at which rays were cast longest ago. May take long; a second thread waits for the first.
   void reclaim(std::uint64_t bytes);
 
+  /// How many times the trees of a scene or a mesh were dropped.
+  std::uint64_t evictions() const { return evictions_.load(); }
+
  private:
   bool fits(std::uint64_t bytes) const;
   void drop_unused_meshes(std::uint64_t bytes, blobs::Unused which);
@@ -35,6 +39,7 @@ class Reclaimer {
   exec::MemoryAccount& memory_;
   SceneStore& scenes_;
   blobs::BlobStore& blobs_;
+  std::atomic<std::uint64_t> evictions_{0};
   std::mutex mutex_;  // held while memory is freed
 };
 

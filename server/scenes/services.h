@@ -1,6 +1,7 @@
 // The parts of the server that queries and updates use.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -11,8 +12,10 @@
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
 #include "server/exec/memory_account.h"
+#include "server/exec/quotas.h"
 #include "server/exec/unary_rpc.h"
 #include "server/exec/unread_replies.h"
+#include "server/metrics/query_metrics.h"
 #include "server/scenes/names.h"
 #include "server/scenes/scene_store.h"
 
@@ -33,14 +36,17 @@ struct Services {
   /// end their batches cannot use up all of `admission`.
   exec::Admission& batch_admission;
   exec::UnreadReplies& unread;
+  exec::Quotas& quotas;
+  metrics::QueryMetrics& metrics;
   exec::CallRegistry& waiting_reads;  ///< Reads that wait for a revision.
   exec::CallRegistry& cast_streams;
   exec::CallRegistry& prefetches;
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
+  std::chrono::milliseconds slow_query{0};  ///< Slower ones are logged. 0: none.
 
-  exec::UnaryParts unary() const { return {compute, admission, unread}; }
+  exec::UnaryParts unary() const { return {compute, admission, unread, quotas}; }
 
   /// Errors: kInvalidArgument (not a scene name), kNotFound.
   Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const {

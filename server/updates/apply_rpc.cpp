@@ -37,6 +37,9 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
         reply_(reply) {}
 
   void start() {
+    auto work = services_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
+    if (!work) return end(work.error());
+    quota_ = std::move(*work);
     auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!ticket) return end(ticket.error());
     ticket_ = std::move(*ticket);
@@ -105,8 +108,8 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
 
   void log(std::uint64_t revision, std::size_t count) const {
     spdlog::log(changes_content(request_) ? spdlog::level::info : spdlog::level::debug,
-                "event=scene_updated scene={} revision={} updates={}", scene_->info().name,
-                revision, count);
+                "event=scene_updated scene={} revision={} updates={}{}", scene_->info().name,
+                revision, count, exec::request_id_of(context_));
   }
 
   void end(const Status& status) {
@@ -117,9 +120,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     }
     const grpc::Status answer = exec::to_grpc(status);
     ticket_ = {};
+    quota_ = {};
     updates_.reset();
     scene_.reset();
-    exec::log_rpc("ApplyUpdates", answer, begun_);
+    exec::log_rpc("ApplyUpdates", context_, answer, begun_);
     Finish(answer);  // may delete this reactor
   }
 
@@ -131,6 +135,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
   v1::ApplyUpdatesResponse& reply_;
   std::unique_ptr<exec::UnreadReplies::Held> held_;
   exec::Admission::Ticket ticket_;
+  exec::Quotas::Use quota_;
   std::shared_ptr<scenes::StoredScene> scene_;
   std::optional<Result<std::vector<scenegraph::model::Update>>> updates_;
   std::uint64_t content_ = 0;

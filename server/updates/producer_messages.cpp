@@ -74,18 +74,19 @@ Status UpdateBatches::append(const v1::UpdateBatch& message) {
     return {};
   }
   // Small updates take more bytes than their messages.
-  if (Status admitted = admit(std::max<std::size_t>(bytes, scenes::bytes_of(*updates))); !admitted)
-    return admitted;
+  const auto held = std::max<std::size_t>(bytes, scenes::bytes_of(*updates));
+  if (Status admitted = admit(bytes, held); !admitted) return admitted;
   batch_.bytes += bytes;
   batch_.updates.insert(batch_.updates.end(), std::make_move_iterator(updates->begin()),
                         std::make_move_iterator(updates->end()));
   return {};
 }
 
-Status UpdateBatches::admit(std::size_t bytes) {
-  auto batches = batch_admission_.admit(caller_, 0, bytes);
+Status UpdateBatches::admit(std::size_t bytes, std::size_t held) {
+  if (const Status spent = quotas_.spend(caller_, 0, bytes); !spent) return spent;
+  auto batches = batch_admission_.admit(caller_, 0, held);
   if (!batches) return batches.error();
-  auto all = admission_.admit(caller_, 0, bytes);
+  auto all = admission_.admit(caller_, 0, held);
   if (!all) return all.error();
   batch_.tickets.push_back(std::move(*batches));
   batch_.tickets.push_back(std::move(*all));

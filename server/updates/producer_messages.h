@@ -13,6 +13,7 @@
 #include "scenegraph/model/update.h"
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
+#include "server/exec/quotas.h"
 #include "server/scenes/idempotency.h"
 #include "server/scenes/names.h"
 #include "sightline/v1/scene.pb.h"
@@ -33,13 +34,14 @@ struct UpdateBatch {
 /// Assembles batches from messages. Threads: one at a time.
 class UpdateBatches {
  public:
-  /// What a batch holds is admitted by both admissions.
+  /// What a batch holds is admitted by both admissions, and by the quotas of its caller.
   UpdateBatches(const blobs::BlobStore& blobs, exec::Caller caller, exec::Admission& admission,
-                exec::Admission& batch_admission)
+                exec::Admission& batch_admission, exec::Quotas& quotas)
       : blobs_(blobs),
         caller_(std::move(caller)),
         admission_(admission),
-        batch_admission_(batch_admission) {}
+        batch_admission_(batch_admission),
+        quotas_(quotas) {}
 
   /// The next expected batch is the one after this sequence number.
   void begin(std::uint64_t last_committed) { last_ = last_committed; }
@@ -48,7 +50,7 @@ class UpdateBatches {
   enum class Received : std::uint8_t { kPart, kBatch, kRepeat };
   /// Adds a message. After kBatch, batch() returns a complete batch. Errors, which end the call:
   /// kInvalidArgument (a gap in the sequence, or an unfinished batch), kResourceExhausted (as
-  /// Admission::admit). An error of the batch itself is stored in its `bad`.
+  /// Admission::admit and Quotas::spend). An error of the batch itself is stored in its `bad`.
   Result<Received> accept(const v1::UpdateBatch& message);
   /// Returns the complete batch and forgets it.
   UpdateBatch batch();
@@ -61,13 +63,14 @@ class UpdateBatches {
  private:
   Status check_sequence(std::uint64_t sequence) const;
   Status append(const v1::UpdateBatch& message);
-  Status admit(std::size_t bytes);
+  Status admit(std::size_t bytes, std::size_t held);
   void refuse(Error error);
 
   const blobs::BlobStore& blobs_;
   const exec::Caller caller_;
   exec::Admission& admission_;
   exec::Admission& batch_admission_;
+  exec::Quotas& quotas_;
   std::uint64_t last_ = 0;  // sequence number of the last complete batch
   bool open_ = false;       // the last message had `more` set
   std::uint64_t open_sequence_ = 0;

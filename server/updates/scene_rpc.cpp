@@ -63,6 +63,9 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     }
     auto scene = services_.find(request_.scene());
     if (!scene) return scene.error();
+    auto work = services_.quotas.begin_work(caller_, 0, request_.ByteSizeLong());
+    if (!work) return work.error();
+    quota_ = std::move(*work);
     auto ticket = services_.admission.admit(caller_, 0, request_.SpaceUsedLong());
     if (!ticket) return ticket.error();
     scene_ = std::move(*scene);
@@ -83,8 +86,9 @@ class NodesCall final : public grpc::ServerUnaryReactor {
     const grpc::Status answer = exec::to_grpc(
         exec::hold_reply(services_.unread, context_, caller_, request_, reply_, status, held_));
     ticket_ = {};
+    quota_ = {};
     scene_.reset();
-    exec::log_rpc("BatchGetNodes", answer, begun_);
+    exec::log_rpc("BatchGetNodes", context_, answer, begun_);
     Finish(answer);  // may delete this reactor
   }
 
@@ -97,18 +101,21 @@ class NodesCall final : public grpc::ServerUnaryReactor {
   v1::BatchGetNodesResponse& reply_;
   std::shared_ptr<scenes::StoredScene> scene_;
   exec::Admission::Ticket ticket_;
+  exec::Quotas::Use quota_;
   std::unique_ptr<exec::UnreadReplies::Held> held_;
 };
 
 }  // namespace
 
-Status SceneRpc::create(const v1::CreateSceneRequest& request, v1::CreateSceneResponse& reply) {
+Status SceneRpc::create(const grpc::ServerContextBase& context,
+                        const v1::CreateSceneRequest& request, v1::CreateSceneResponse& reply) {
   auto info = decode_scene(request.scene());
   if (!info) return info.error();
   const auto scene = services_.scenes.create(std::move(*info));
   if (!scene) return scene.error();
   encode(**scene, *reply.mutable_scene());
-  spdlog::info("event=scene_created scene={}", (*scene)->info().name);
+  spdlog::info("event=scene_created scene={}{}", (*scene)->info().name,
+               exec::request_id_of(context));
   return {};
 }
 
@@ -143,10 +150,11 @@ Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesRespon
   return {};
 }
 
-Status SceneRpc::remove(const v1::DeleteSceneRequest& request) {
+Status SceneRpc::remove(const grpc::ServerContextBase& context,
+                        const v1::DeleteSceneRequest& request) {
   if (Status good = scenes::check_scene_name(request.name()); !good) return good;
   if (Status removed = services_.scenes.remove(request.name()); !removed) return removed;
-  spdlog::info("event=scene_deleted scene={}", request.name());
+  spdlog::info("event=scene_deleted scene={}{}", request.name(), exec::request_id_of(context));
   return {};
 }
 
@@ -167,7 +175,7 @@ grpc::ServerUnaryReactor* SceneRpc::CreateScene(grpc::CallbackServerContext* con
                                                 const v1::CreateSceneRequest* request,
                                                 v1::CreateSceneResponse* reply) {
   return answer_in_arena("CreateScene", *context, *request, *reply, services_.unary(),
-                         [=, this] { return create(*request, *reply); });
+                         [=, this] { return create(*context, *request, *reply); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::GetScene(grpc::CallbackServerContext* context,
@@ -188,7 +196,7 @@ grpc::ServerUnaryReactor* SceneRpc::DeleteScene(grpc::CallbackServerContext* con
                                                 const v1::DeleteSceneRequest* request,
                                                 v1::DeleteSceneResponse* reply) {
   return answer_in_arena("DeleteScene", *context, *request, *reply, services_.unary(),
-                         [=, this] { return remove(*request); });
+                         [=, this] { return remove(*context, *request); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::BatchGetNodes(grpc::CallbackServerContext* context,

@@ -43,10 +43,11 @@ class SceneRpc final : public v1::SceneService::CallbackService {
                                           v1::GetSceneStatsResponse* reply) override;
 
  private:
-  Status create(const v1::CreateSceneRequest& request, v1::CreateSceneResponse& reply);
+  Status create(const grpc::ServerContextBase& context, const v1::CreateSceneRequest& request,
+                v1::CreateSceneResponse& reply);
   Status get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply);
   Status list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply);
-  Status remove(const v1::DeleteSceneRequest& request);
+  Status remove(const grpc::ServerContextBase& context, const v1::DeleteSceneRequest& request);
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
 
   const scenes::Services services_;

@@ -39,7 +39,8 @@ class UpdateStream final
       : services_(services),
         context_(context),
         caller_(exec::caller_of(context)),
-        batches_(services.blobs, caller_, services.admission, services.batch_admission) {}
+        batches_(services.blobs, caller_, services.admission, services.batch_admission,
+                 services.quotas) {}
 
   void start() {
     const Status entered = services_.update_streams.enter(
@@ -293,7 +294,7 @@ class UpdateStream final
       if (!may_end()) return;
       enter(State::kEnded, status_);
       status = exec::to_grpc(status_);
-      exec::log_rpc("StreamUpdates", status, begun_,
+      exec::log_rpc("StreamUpdates", context_, status, begun_,
                     fmt::format("up_to={} coalesced={}", answered_, coalesced_));
     }
     Finish(status);

@@ -195,7 +195,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
       if (ticking_) return;
       ended_ = true;
       status = exec::to_grpc(*ending_);
-      exec::log_rpc("WatchScene", status, begun_,
+      exec::log_rpc("WatchScene", context_, status, begun_,
                     fmt::format("revision={}", cursor_ ? cursor_->reached() : 0));
     }
     Finish(status);

@@ -36,11 +36,14 @@ scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
 server/net                  server/exec accel/result
+server/settings             server/exec accel/result
+server/metrics              server/exec scenegraph/trace_options accel/result
+server/admin                server/exec server/net accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
-server/scenes               server/exec server/blobs
+server/scenes               server/exec server/metrics server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision accel/result accel/kdtree
-server/queries              server/exec server/scenes scenegraph/* accel/result accel/geometry proto/rays
+server/queries              server/exec server/metrics server/scenes scenegraph/* accel/result accel/geometry proto/rays
 server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
@@ -70,6 +73,7 @@ oneapi          accel scenegraph server
 hwy             accel
 fmt             proto server client
 spdlog          server
+prometheus      server
 grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire

@@ -102,7 +102,9 @@ Wrong check_mesh(const std::string& bytes, std::uint64_t cut) {
 
 Wrong check_batch(const v1::UpdateBatch& batch) {
   server::exec::Admission admission({}), batch_admission({});
-  server::updates::UpdateBatches batches(no_blobs(), {"a", "a:1"}, admission, batch_admission);
+  server::exec::Quotas quotas({});
+  server::updates::UpdateBatches batches(no_blobs(), {"a", "a:1"}, admission, batch_admission,
+                                         quotas);
   batches.begin(batch.sequence() - 1);
   static_cast<void>(batches.accept(batch));
   return check_updates(batch.updates());

@@ -1,8 +1,10 @@
 // The log lines of casts.
+#include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -15,9 +17,16 @@
 namespace sightline::tests {
 namespace {
 
+server::ServerConfig log_config(std::chrono::milliseconds slow_query) {
+  server::ServerConfig config = test_config();
+  config.slow_query = slow_query;
+  return config;
+}
+
 class QueryLogTest : public LiveServer {
  protected:
-  QueryLogTest() {
+  explicit QueryLogTest(std::chrono::milliseconds slow_query = {})
+      : LiveServer(log_config(slow_query)) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(
         "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_)));
     spdlog::set_level(spdlog::level::debug);
@@ -57,6 +66,51 @@ TEST_F(QueryLogTest, NamesTheSceneTheCallerTheRaysAndWhatWasBuilt) {
               std::string::npos)
         << part << " in " << line;
   EXPECT_GT(reply.stats().cells_expanded(), 0u);
+}
+
+TEST_F(QueryLogTest, CarriesTheIdThatTheClientGave) {
+  grpc::ClientContext context;
+  context.AddMetadata("x-request-id", "a \"b\" " + std::string(200, 'c'));
+  v1::GetSceneRequest request;
+  request.set_name("projects/p/scenes/none");
+  v1::GetSceneResponse reply;
+  EXPECT_FALSE(api_.scenes->GetScene(&context, request, &reply).ok());
+  const std::string line = line_of("GetScene");
+  EXPECT_NE(line.find(" request_id=\"a \\\"b\\\" cc"), std::string::npos) << line;
+  EXPECT_EQ(line.find(std::string(100, 'c')), std::string::npos) << "it is cut";
+  ASSERT_TRUE(api_.create(kScene).ok());
+  EXPECT_EQ(line_of("CreateScene").find("request_id"), std::string::npos);
+}
+
+/// A query of some size is slow.
+class SlowQueryTest : public QueryLogTest {
+ protected:
+  SlowQueryTest() : QueryLogTest(std::chrono::milliseconds(1)) {}
+
+  /// The only line of a slow query; empty if there is none.
+  std::string slow_line() const {
+    const std::string text = log_.str();
+    const std::size_t at = text.find("event=slow_query ");
+    return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
+  }
+};
+
+TEST_F(SlowQueryTest, IsLoggedWithWhatItBuilt) {
+  // On a busy machine tracing takes longer, never less.
+  api_.make_scene(kScene, random_soup(200'000, 0.01, 11));
+  EXPECT_EQ(slow_line(), "");
+  v1::CastRaysRequest request = cast_request(kScene, random_rays(16'000, 3));
+  request.set_build(v1::BUILD_MODE_FULL);
+  grpc::ClientContext context;
+  context.AddMetadata("x-request-id", "slow one");
+  v1::CastRaysResponse reply;
+  ASSERT_TRUE(api_.rays->CastRays(&context, request, &reply).ok());
+  const std::string line = slow_line();
+  for (const std::string& part :
+       {std::string("method=CastRays request_id=\"slow one\" scene=") + kScene,
+        std::string("rays=16000 "), "cells=" + std::to_string(reply.stats().cells_expanded()) + " ",
+        std::string("trees=2 ")})
+    EXPECT_NE(line.find(part), std::string::npos) << part << " in " << line;
 }
 
 TEST_F(QueryLogTest, AFullBuildIsNamed) {

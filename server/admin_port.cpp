@@ -1,0 +1,50 @@
+// The probes and the metrics of a server, over HTTP.
+#include "server/admin_port.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "accel/split/scan_kernel.h"
+#include "server/admin/pages.h"
+#include "server/metrics/process.h"
+#include "server/net/listening_sockets.h"
+
+namespace sightline::server {
+
+Status AdminPort::check(const ServerConfig& config) {
+  if (config.admin.empty()) return {};
+  const auto address = net::ListenAddress::parse(config.admin);
+  if (!address) return address.error();
+  if (address->is_loopback() || config.insecure) return {};
+  return Error{Code::kInvalidArgument,
+               fmt::format("the admin address {} can be reached from other machines, and has "
+                           "neither encryption nor authentication: take a loopback address, or "
+                           "allow it with --insecure",
+                           config.admin),
+               "INSECURE_ADDRESS"};
+}
+
+Status AdminPort::open() {
+  if (config_.admin.empty()) return {};
+  if (const Status good = check(config_); !good) return good;
+  auto listening = net::listen_on(*net::ListenAddress::parse(config_.admin));
+  if (!listening) return listening.error();
+  port_ = listening->port;
+  http_ = std::make_unique<admin::HttpServer>(
+      std::move(listening->sockets), admin::pages(readiness_, [this] { return metrics_text(); }));
+  return {};
+}
+
+std::string AdminPort::metrics_text() const {
+  metrics::Samples samples;
+  samples.add_gauge("sightline_build_info", "The program: always 1.", 1,
+                    {{"version", SIGHTLINE_VERSION},
+                     {"simd", std::string(accel::split::simd_target())},
+                     {"policy", policy_name(config_.policy)}});
+  state_.add_to(samples);
+  metrics::add_process(samples);
+  return metrics::to_text(metrics_, samples);
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,47 @@
+// The probes and the metrics of a server, over HTTP.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "accel/result.h"
+#include "server/admin/http_server.h"
+#include "server/admin/readiness.h"
+#include "server/config.h"
+#include "server/metrics/metrics.h"
+#include "server/state_metrics.h"
+
+namespace sightline::server {
+
+class AdminPort {
+ public:
+  /// Whether ServerConfig::admin may be listened on. Errors: kInvalidArgument (not an address, or
+  /// one that other machines can reach without `insecure`: the port is never encrypted).
+  static Status check(const ServerConfig& config);
+
+  /// All arguments outlive this object.
+  AdminPort(const ServerConfig& config, const metrics::Metrics& metrics, const StateMetrics& state)
+      : config_(config), metrics_(metrics), state_(state) {}
+
+  /// What must hold for the server to be ready. Its checks are added before open().
+  admin::Readiness& readiness() { return readiness_; }
+
+  /// Answers from now on, if the settings have an address. Errors: kUnavailable (the port cannot be
+  /// bound), as check().
+  Status open();
+
+  std::uint16_t port() const { return port_; }  ///< The bound port; 0 if there is none.
+
+ private:
+  std::string metrics_text() const;
+
+  const ServerConfig& config_;
+  const metrics::Metrics& metrics_;
+  const StateMetrics& state_;
+  admin::Readiness readiness_;
+  std::uint16_t port_ = 0;
+  std::unique_ptr<admin::HttpServer> http_;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,47 @@
+// The settings of a TOML file, each with its line.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "accel/result.h"
+
+namespace sightline::server::settings {
+
+/// The reason of all errors of settings.
+inline constexpr const char* kBadSettings = "BAD_SETTINGS";
+
+/// One line KEY = VALUE.
+struct Setting {
+  std::string table;       ///< The table that it is in, "a.b" of [a.b] and of [[a.b]]. Empty: none.
+  std::size_t header = 0;  ///< The line of the table's header: tables of a list differ in it.
+  std::string key;
+  std::string value;     ///< Without its quotes.
+  std::size_t line = 0;  ///< From 1.
+};
+
+/// The header of a table, [a.b] or [[a.b]].
+struct TableHeader {
+  std::string table;     ///< "a.b".
+  bool is_list = false;  ///< [[a.b]].
+  std::size_t line = 0;  ///< From 1.
+};
+
+/// A file that was read.
+struct SettingsFile {
+  std::filesystem::path path;
+  std::vector<Setting> settings;     ///< In the order of the file.
+  std::vector<TableHeader> headers;  ///< In the order of the file, also of empty tables.
+
+  /// kInvalidArgument, with the file, the line and why.
+  Error error(std::size_t line, const std::string& why) const;
+};
+
+/// Reads KEY = VALUE, [table], [[table]] and comments; a value is a number, true, false or a string
+/// on the same line, without escapes. Errors: kInvalidArgument, naming the file and the line (not
+/// such a line, a key or a table that is there twice); kNotFound, if the file cannot be read.
+Result<SettingsFile> read_settings(const std::filesystem::path& path);
+
+}  // namespace sightline::server::settings

@@ -1,0 +1,104 @@
+// Metrics of what the server holds now.
+#include "server/state_metrics.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/revision/snapshot.h"
+
+namespace sightline::server {
+namespace {
+
+using metrics::Samples;
+using SceneList = std::vector<std::shared_ptr<scenes::StoredScene>>;
+
+double number(std::uint64_t value) { return static_cast<double>(value); }
+
+void add_memory(Samples& samples, const exec::MemoryAccount& memory) {
+  using exec::Held;
+  constexpr std::array<std::pair<Held, const char*>, exec::kHeldKinds> kNames{
+      {{Held::kMeshes, "meshes"},
+       {Held::kUploads, "uploads"},
+       {Held::kPatches, "patches"},
+       {Held::kNodes, "nodes"},
+       {Held::kLogs, "logs"},
+       {Held::kTrees, "trees"},
+       {Held::kCalls, "calls"}}};
+  samples.add_gauge("memory_budget_bytes", "Limit of what is held.", number(memory.budget()));
+  for (const auto& [kind, name] : kNames) {
+    samples.add_gauge("memory_used_bytes", "What is held, by what it is held for.",
+                      number(memory.used(kind)), {{"kind", name}});
+  }
+  samples.add_gauge("tree_bytes", "Bytes of all trees.", number(memory.used(Held::kTrees)));
+}
+
+void add_queues(Samples& samples, const exec::Admission& admission,
+                const exec::UnreadReplies& unread) {
+  const exec::AdmissionLimits now = admission.in_flight();
+  samples.add_gauge("queue_depth", "Rays and bytes of requests in work, waiting ones included.",
+                    number(now.rays), {{"unit", "rays"}});
+  samples.add_gauge("queue_depth", {}, number(now.bytes), {{"unit", "bytes"}});
+  samples.add_gauge("queue_limit", "Limits of queue_depth.", number(admission.limits().rays),
+                    {{"unit", "rays"}});
+  samples.add_gauge("queue_limit", {}, number(admission.limits().bytes), {{"unit", "bytes"}});
+  samples.add_gauge("unread_reply_bytes", "Bytes of replies that clients have not read.",
+                    number(unread.bytes()));
+}
+
+void add_quotas(Samples& samples, const std::vector<exec::Quotas::Tally>& tallies) {
+  const auto labels = [](const exec::Quotas::Tally& tally) {
+    return prometheus::Labels{{"principal", tally.principal},
+                              {"quota", exec::quota_name(tally.quota)}};
+  };
+  for (const auto& tally : tallies) {
+    samples.add_gauge("quota_limit", "What each principal of this name may use.",
+                      number(tally.limit), labels(tally));
+  }
+  for (const auto& tally : tallies) {
+    samples.add_counter("quota_refused_total", "Requests that a quota refused.",
+                        number(tally.refused), labels(tally));
+  }
+  for (const auto& tally : tallies) {
+    if (tally.quota != exec::Quota::kWork && tally.quota != exec::Quota::kStored) continue;
+    samples.add_gauge("quota_used", "What the principals of this name use now, together.",
+                      number(tally.used), labels(tally));
+  }
+}
+
+void add_scenes(Samples& samples, const SceneList& scenes) {
+  std::vector<std::pair<prometheus::Labels, scenegraph::revision::BuildSummary>> built;
+  for (const auto& scene : scenes) {
+    const auto snapshot = scene->snapshot();
+    const prometheus::Labels label{{"scene", scene->info().name}};
+    samples.add_gauge("scene_revision", "The newest revision.", number(snapshot->revision()),
+                      label);
+    built.emplace_back(label, scenegraph::revision::summarize_build(*snapshot));
+  }
+  for (const auto& [label, summary] : built) {
+    const double total = number(summary.triangles_total);
+    samples.add_gauge("scene_triangles_built_ratio", "Triangles in built leaves, of all.",
+                      total > 0 ? number(summary.triangles_built) / total : 0, label);
+  }
+  for (const auto& [label, summary] : built)
+    samples.add_gauge("scene_tree_bytes", "Bytes of its trees.", number(summary.bytes_trees),
+                      label);
+}
+
+}  // namespace
+
+void StateMetrics::add_to(Samples& samples) const {
+  add_memory(samples, memory);
+  add_queues(samples, admission, unread);
+  add_quotas(samples, quotas.tallies());
+  samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
+                      number(reclaimer.evictions()));
+  const SceneList all = scenes.by_last_cast();
+  samples.add_gauge("scenes", "Scenes.", number(all.size()));
+  if (per_scene) add_scenes(samples, all);
+}
+
+}  // namespace sightline::server

@@ -1,0 +1,28 @@
+// Metrics of what the server holds now.
+#pragma once
+
+#include "server/exec/admission.h"
+#include "server/exec/memory_account.h"
+#include "server/exec/quotas.h"
+#include "server/exec/unread_replies.h"
+#include "server/metrics/samples.h"
+#include "server/scenes/reclaim.h"
+#include "server/scenes/scene_store.h"
+
+namespace sightline::server {
+
+/// The parts that are asked. All outlive the object.
+struct StateMetrics {
+  const exec::MemoryAccount& memory;
+  const exec::Admission& admission;
+  const exec::UnreadReplies& unread;
+  const exec::Quotas& quotas;
+  const scenes::SceneStore& scenes;
+  const scenes::Reclaimer& reclaimer;
+  bool per_scene = false;  ///< Also values with a label for the scene. Walks what is built.
+
+  /// Threads: any.
+  void add_to(metrics::Samples& samples) const;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,111 @@
+// A small HTTP/1.1 server for probes and metrics.
+#include "server/admin/http_server.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/net/listening_sockets.h"
+#include "tests/server/support/tcp.h"
+
+namespace sightline::server::admin {
+namespace {
+
+using net::Descriptor;
+using tests::connect_tcp;
+using tests::receive_bytes;
+using tests::send_bytes;
+
+constexpr std::size_t kLarge = std::size_t{4} << 20;
+
+class HttpServerTest : public testing::Test {
+ protected:
+  HttpServerTest() {
+    auto listening = net::listen_on(*net::ListenAddress::parse("127.0.0.1:0"));
+    port_ = listening->port;
+    server_ = std::make_unique<HttpServer>(std::move(listening->sockets), [](auto path) {
+      if (path == "/throw") throw std::runtime_error("thrown");
+      if (path == "/large") return HttpReply{.body = std::string(kLarge, 'x')};
+      if (path == "/no") return HttpReply{.code = 503, .body = "no\n"};
+      return HttpReply{.body = "path " + std::string(path) + "\n"};
+    });
+  }
+
+  /// All that the server sends until it closes the connection.
+  static std::string rest(const Descriptor& connection) {
+    std::string all;
+    for (std::string some; !(some = receive_bytes(connection)).empty();) all += some;
+    return all;
+  }
+
+  std::string ask(const std::string& request) const {
+    const Descriptor connection = connect_tcp(port_);
+    send_bytes(connection, request);
+    return rest(connection);
+  }
+
+  int port_ = 0;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(HttpServerTest, AnswersGetAndHead) {
+  const std::string reply = ask("GET /a?b=c HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(reply.starts_with("HTTP/1.1 200 OK\r\n")) << reply;
+  EXPECT_NE(reply.find("\r\nContent-Length: 8\r\n"), std::string::npos) << reply;
+  EXPECT_TRUE(reply.ends_with("\r\n\r\npath /a\n")) << reply;
+  const std::string head = ask("HEAD /a HTTP/1.0\r\n\r\n");
+  EXPECT_NE(head.find("\r\nContent-Length: 8\r\n"), std::string::npos) << head;
+  EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
+  EXPECT_TRUE(ask("GET /no HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 503 Service Unavailable\r\n"));
+}
+
+TEST_F(HttpServerTest, RefusesWhatItDoesNotKnow) {
+  EXPECT_TRUE(ask("POST /a HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 405 "));
+  for (const std::string bad : {"\r\n\r\n", "GET\r\n\r\n", "GET /a\r\n\r\n",
+                                "GET /a FTP/1.1\r\n\r\n", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"})
+    EXPECT_TRUE(ask(bad).starts_with("HTTP/1.1 400 ")) << bad;
+  EXPECT_TRUE(ask("GET /throw HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 500 "));
+}
+
+TEST_F(HttpServerTest, EndsARequestThatIsTooLarge) {
+  const Descriptor connection = connect_tcp(port_);
+  send_bytes(connection, "GET /a HTTP/1.1\r\nX: " + std::string(HttpServer::kMaxRequest, 'a'));
+  EXPECT_TRUE(rest(connection).starts_with("HTTP/1.1 431 "));
+}
+
+TEST_F(HttpServerTest, AnswersARequestThatComesInParts) {
+  const Descriptor connection = connect_tcp(port_);
+  for (const char byte : std::string("GET /a HTTP/1.1\r\n\r\n"))
+    send_bytes(connection, std::string(1, byte));
+  EXPECT_TRUE(rest(connection).ends_with("path /a\n"));
+}
+
+TEST_F(HttpServerTest, SendsALargeReplyWhole) {
+  const std::string reply = ask("GET /large HTTP/1.1\r\n\r\n");
+  EXPECT_TRUE(reply.ends_with(std::string(kLarge, 'x')));
+}
+
+TEST_F(HttpServerTest, PeersThatSendOrReadNothingDoNotHoldUpOthers) {
+  std::vector<Descriptor> silent, greedy;
+  for (std::size_t i = 0; i < HttpServer::kMaxConnections; ++i) {
+    silent.push_back(connect_tcp(port_));
+    greedy.push_back(connect_tcp(port_));
+    send_bytes(greedy.back(), "GET /large HTTP/1.1\r\n\r\n");
+  }
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(ask("GET /a HTTP/1.1\r\n\r\n").ends_with("path /a\n"));
+  // They have given way, or their time is over in the end.
+  for (const Descriptor& connection : silent) EXPECT_EQ(rest(connection), "");
+}
+
+TEST_F(HttpServerTest, StopsWithOpenConnections) {
+  const Descriptor silent = connect_tcp(port_);
+  server_.reset();
+  EXPECT_EQ(rest(silent), "");
+}
+
+}  // namespace
+}  // namespace sightline::server::admin

@@ -1,0 +1,50 @@
+// The pages of the admin port, and readiness.
+#include "server/admin/pages.h"
+
+#include <gtest/gtest.h>
+
+namespace sightline::server::admin {
+namespace {
+
+TEST(Pages, AliveWhateverElseFails) {
+  Readiness readiness;
+  readiness.add("store", [] { return Error{Code::kUnavailable, "gone", {}}; });
+  readiness.drain();
+  const auto handler = pages(readiness, [] { return std::string(); });
+  EXPECT_EQ(handler("/livez").code, 200);
+}
+
+TEST(Pages, ReadyUntilACheckFailsOrTheServerDrains) {
+  Readiness readiness;
+  bool disk = true, store = true;
+  const auto check = [](const bool& good, const char* why) {
+    return [&good, why]() -> Status {
+      if (good) return {};
+      return Error{Code::kUnavailable, why, {}};
+    };
+  };
+  readiness.add("disk", check(disk, "it is full"));
+  readiness.add("store", check(store, "it does not answer"));
+  const auto handler = pages(readiness, [] { return std::string(); });
+  EXPECT_EQ(handler("/readyz").code, 200);
+  EXPECT_EQ(handler("/readyz").body, "ready\n");
+  disk = false;
+  EXPECT_EQ(handler("/readyz").code, 503);
+  EXPECT_EQ(handler("/readyz").body, "disk: it is full\n");
+  store = false;
+  readiness.drain();
+  EXPECT_EQ(handler("/readyz").body, "draining\ndisk: it is full\nstore: it does not answer\n");
+  disk = store = true;
+  EXPECT_EQ(handler("/readyz").code, 503);
+}
+
+TEST(Pages, MetricsHaveTheTypeThatPrometheusExpects) {
+  const Readiness readiness;
+  const auto handler = pages(readiness, [] { return std::string("a 1\n"); });
+  EXPECT_EQ(handler("/metrics").body, "a 1\n");
+  EXPECT_TRUE(handler("/metrics").type.starts_with("text/plain; version=0.0.4"));
+  EXPECT_EQ(handler("/").code, 404);
+}
+
+}  // namespace
+}  // namespace sightline::server::admin
