@@ -10,14 +10,15 @@ namespace sightline::server {
 
 class Server {
  public:
-  /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, or one
-  /// that other machines can reach without `insecure`), kUnavailable (the port cannot be bound),
-  /// kFailedPrecondition (the data directory or the port file cannot be written).
+  /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, one that
+  /// other machines can reach without TLS or `insecure`, or bad certificates or tokens),
+  /// kUnavailable (the port cannot be bound), kFailedPrecondition (a file cannot be read, or the
+  /// data directory or the port file cannot be written).
   static Result<std::unique_ptr<Server>> start(const ServerConfig& config);
   /// Calls drain().
   ~Server();
 
-  int port() const;  ///< The bound port.
+  int port() const;  ///< The bound port; 0 for a Unix socket.
 
   /// Sets the health service to NOT_SERVING, refuses new calls, waits up to config.drain for open
   /// calls and then cancels them. Returns when all calls have ended. A second call does nothing.

@@ -36,6 +36,7 @@ scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
 server/net                  server/exec accel/result
+server/security             server/exec accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
@@ -75,6 +76,7 @@ grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire
 openssl         server client/*.cpp
 CLI             server client/cli
+toml++          server/security
 nlohmann        server client/cli client/importer
 png.h           client/cli/picture
 assimp          client/importer
