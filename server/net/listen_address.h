@@ -11,7 +11,7 @@ namespace sightline::server::net {
 
 /// The port, or the Unix socket, that a server listens on.
 struct ListenAddress {
-  std::string host;        ///< A name or an address; an IPv6 address without its brackets.
+  std::string host = {};   ///< A name or an address; an IPv6 address without its brackets.
   std::uint16_t port = 0;  ///< 0: any free one.
   std::string path = {};   ///< Of a Unix socket, without a host and a port. Empty: none.
 

@@ -29,7 +29,7 @@ void must(bool done) {
 }
 
 template <class Write>
-std::string pem_of(Write write) {
+std::string written(Write write) {
   const std::unique_ptr<BIO, Free> bio(BIO_new(BIO_s_mem()));
   must(write(bio.get()) == 1);
   char* data = nullptr;
@@ -38,11 +38,11 @@ std::string pem_of(Write write) {
 }
 
 std::string pem_of(X509& certificate) {
-  return pem_of([&](BIO* bio) { return PEM_write_bio_X509(bio, &certificate); });
+  return written([&](BIO* bio) { return PEM_write_bio_X509(bio, &certificate); });
 }
 
 std::string pem_of(EVP_PKEY& key) {
-  return pem_of([&](BIO* bio) {
+  return written([&](BIO* bio) {
     return PEM_write_bio_PrivateKey(bio, &key, nullptr, nullptr, 0, nullptr, nullptr);
   });
 }
