@@ -288,7 +288,7 @@ class Growth {
   /// The tree's arrays are full. With a budget that is no fault of the mesh.
   kdtree::Slot give_up(std::span<const kdtree::Reference> refs, const geometry::Aabb& cell,
                        const kdtree::CellPath& path) {
-    if (rule_.budget() != 0) throw std::bad_alloc();
+    if (rule_.budget(false) != 0) throw std::bad_alloc();
     return defer(refs, cell, path, Waits::kFailed);
   }
 

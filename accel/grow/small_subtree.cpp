@@ -201,7 +201,7 @@ class SmallGrowth {
 
   /// As Growth::give_up.
   kdtree::Slot give_up(Set set, const geometry::Aabb& cell, const kdtree::CellPath& path) {
-    if (context_.rule.budget() != 0) throw std::bad_alloc();
+    if (context_.rule.budget(false) != 0) throw std::bad_alloc();
     const std::span<const kdtree::Reference> refs = list_of(set);
     kdtree::ReferenceList list(refs.size());
     std::copy(refs.begin(), refs.end(), list.all().begin());

@@ -42,13 +42,6 @@ std::optional<wide::Frame> frame_of(const geometry::Aabb& bounds) {
   return frame;
 }
 
-/// What the cuts of the rule may add, and the cuts above leaf blocks.
-double budget_of(const split::SplitSearch& rule, bool makes_blocks) {
-  const double budget = rule.budget();
-  if (!makes_blocks) return budget;
-  return budget == 0 ? kBlockBudget : std::min(budget, kBlockBudget);
-}
-
 bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* mesh,
                      const geometry::Aabb& bounds) {
   return rule.makes_blocks() && mesh != nullptr && frame_of(bounds);
@@ -58,9 +51,8 @@ bool may_make_blocks(const split::SplitSearch& rule, const geometry::MeshView* m
 
 LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, split::SplitRule rule,
                    ReferenceSource source, const geometry::MeshView* mesh)
-    : tree_(
-          bounds, primitive_count,
-          grow::root_path(budget_of(*rule, may_make_blocks(*rule, mesh, bounds)), primitive_count)),
+    : tree_(bounds, primitive_count,
+            grow::root_path(rule->budget(may_make_blocks(*rule, mesh, bounds)), primitive_count)),
       rule_(std::move(rule)),
       source_(std::move(source)),
       primitive_count_(primitive_count),
@@ -68,7 +60,7 @@ LazyTree::LazyTree(const geometry::Aabb& bounds, std::size_t primitive_count, sp
       frame_(frame_of(bounds)),
       makes_blocks_(may_make_blocks(*rule_, mesh, bounds)) {}
 
-double LazyTree::budget() const { return budget_of(*rule_, makes_blocks()); }
+double LazyTree::budget() const { return rule_->budget(makes_blocks()); }
 
 bool LazyTree::is_eager(const kdtree::DeferredCell& cell) const {
   if (!makes_blocks()) return cell.weight <= kEagerBelow;

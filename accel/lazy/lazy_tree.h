@@ -142,10 +142,6 @@ inline constexpr std::uint64_t kStepsPerNode = 8;
 /// A mesh of at most this number of triangles becomes leaf blocks at once.
 inline constexpr std::size_t kWholeMesh = 1000;
 
-/// Most references for each triangle above leaf blocks. More make trees larger, and those of
-/// architecture slower (docs/decisions/0034-leaf-blocks.md).
-inline constexpr double kBlockBudget = 1.3;
-
 /// Most bytes of deferred cells and their lists for each reference of the root, in a tree with a
 /// budget of references. A cell whose division exceeds it is not divided: its subtree is built at
 /// once. The lists of a mesh whose triangles do not overlap take two thirds of it.

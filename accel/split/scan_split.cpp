@@ -39,7 +39,11 @@ class ScanSearch final : public SplitSearch {
     return rule_.clip ? std::nullopt : rule_.bound_rule(kSmallList);
   }
   bool makes_blocks() const override { return rule_.blocks; }
-  double budget() const override { return rule_.budget; }
+  double budget(bool in_blocks) const override {
+    const bool is_usual = rule_.budget == kUsualBudget;
+    if (in_blocks) return is_usual || rule_.budget == 0 ? kBlockBudget : rule_.budget;
+    return is_usual ? kPlainBudget : rule_.budget;
+  }
 
  private:
   ScanSplit rule_;
@@ -51,7 +55,7 @@ std::optional<std::string> ScanSplit::check() const {
   const auto most = static_cast<std::uint32_t>(kdtree::kUniformPlanes);
   if (auto e = out_of_range("uniform_samples", uniform_samples, 2u, most)) return e;
   if (auto e = out_of_range("exact_below", exact_below, 0u, std::uint32_t{kMaxBoundScan})) return e;
-  if (budget != 0) {
+  if (budget != 0 && budget != kUsualBudget) {
     if (auto e = out_of_range("budget", budget, 1.0, 64.0)) return e;
   }
   if (auto e = out_of_range("cost_traverse", cost.traverse, 0.0, 1e6)) return e;

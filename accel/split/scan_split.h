@@ -12,6 +12,15 @@
 
 namespace sightline::accel::split {
 
+/// Most references for each triangle in a plain tree. Good trees over compact meshes have four to
+/// eight.
+inline constexpr double kPlainBudget = 16;
+/// The same above leaf blocks. More make trees larger, and those of architecture slower; slivers
+/// are traced faster (docs/decisions/0034-leaf-blocks.md).
+inline constexpr double kBlockBudget = 1.3;
+/// kBlockBudget where leaves are blocks, else kPlainBudget.
+inline constexpr double kUsualBudget = -1;
+
 /// The rule as a value: its parameters, `check()`, and `choose()`.
 struct ScanSplit {
   /// Sample planes an axis in the first pass, the cell's faces included. Range 2 to
@@ -34,10 +43,10 @@ struct ScanSplit {
   /// The same, but only for lists with a high straddle ratio (kStraddleShare): triangles that are
   /// long compared with their cells, whose boxes are a poor bound.
   bool clip_dense = false;
-  /// Limit on references per triangle in the tree; each subtree gets a share of it
-  /// (reference_budget.h). Good trees over compact meshes have four to eight. 0: no limit. Range 0,
-  /// 1 to 64.
-  double budget = 16;
+  /// Limit on references per triangle in the tree, or above its leaf blocks; each subtree gets a
+  /// share of it (reference_budget.h). 0: no limit in plain trees, the usual one above blocks.
+  /// Range kUsualBudget, 0, 1 to 64.
+  double budget = kUsualBudget;
   /// Finished cells become leaf blocks (SplitSearch::makes_blocks); false: the plain kd-tree, down
   /// to its leaves.
   bool blocks = true;

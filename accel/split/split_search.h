@@ -61,8 +61,9 @@ class SplitSearch {
   /// smaller than leaves of a kd-tree. Only in trees over meshes.
   virtual bool makes_blocks() const { return false; }
 
-  /// Limit on references per triangle in a tree (reference_budget.h); 0: no limit.
-  virtual double budget() const { return 0; }
+  /// Limit on references per triangle in a tree (reference_budget.h), or above its leaf blocks,
+  /// where a tree ends `in_blocks`; 0: no limit.
+  virtual double budget([[maybe_unused]] bool in_blocks) const { return 0; }
 
   /// Depth at which cells become leaves, for a tree over that many references.
   virtual int depth_bound(std::size_t /*references*/) const {

@@ -34,7 +34,7 @@ class WatchedRule final : public accel::split::SplitSearch {
     return rule_->child_planes(child);
   }
   std::optional<accel::split::BoundRule> small_rule() const override { return rule_->small_rule(); }
-  double budget() const override { return rule_->budget(); }
+  double budget(bool in_blocks) const override { return rule_->budget(in_blocks); }
 
  private:
   const accel::split::SplitRule& rule_ = accel::split::default_rule();

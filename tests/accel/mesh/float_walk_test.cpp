@@ -28,7 +28,7 @@ constexpr std::uint64_t kNode = 7;
 /// Fewer than many rays hit.
 constexpr std::size_t kListed = 3;
 
-std::vector<ListedHit> search(const TestMesh& mesh, const Ray& ray, Culling culling) {
+std::vector<ListedHit> search_exactly(const TestMesh& mesh, const Ray& ray, Culling culling) {
   const geometry::LocalRay local = *make_local_ray(ray.origin, ray.direction);
   std::vector<ListedHit> hits;
   for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
@@ -52,7 +52,7 @@ struct Found {
 };
 
 void expect_all(Found& found, const TestMesh& mesh, const Ray& ray, Culling culling) {
-  std::vector<ListedHit> expected = search(mesh, ray, culling);
+  std::vector<ListedHit> expected = search_exactly(mesh, ray, culling);
   std::vector<std::uint32_t> ids;
   for (const ListedHit& hit : expected) ids.push_back(hit.primitive);
   std::sort(ids.begin(), ids.end());

@@ -26,12 +26,12 @@ using tests::PacketAnswer;
 using tests::PacketQuestion;
 using tests::TestMesh;
 
-std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh, const published::AnyBuilder& builder) {
+std::unique_ptr<MeshTree> tree_over(const TestMesh& mesh, const published::AnyBuilder& builder) {
   return std::make_unique<MeshTree>(mesh.view(), compute_mesh_stats(mesh.view()), builder);
 }
 
-std::unique_ptr<MeshTree> make_tree(const TestMesh& mesh) {
-  return make_tree(mesh, published::default_builder());
+std::unique_ptr<MeshTree> tree_over(const TestMesh& mesh) {
+  return tree_over(mesh, published::default_builder());
 }
 
 std::vector<TestMesh> meshes() {
@@ -42,7 +42,7 @@ std::vector<TestMesh> meshes() {
 }
 
 /// Hard ones, some from one point side by side, some that are too far away for floats.
-std::vector<Ray> rays_for(const TestMesh& mesh) {
+std::vector<Ray> packet_rays_for(const TestMesh& mesh) {
   std::vector<Ray> rays = tests::make_hard_rays(mesh, 64, 5);
   const geometry::Vec3d target(mesh.vertices[0]), from = target + geometry::Vec3d{3, 2, 5};
   for (std::size_t i = 0; i < 32; ++i) {
@@ -87,15 +87,15 @@ INSTANTIATE_TEST_SUITE_P(Every, PacketQuery, tests::every_simd_target(), tests::
 
 TEST_P(PacketQuery, InATreeThatTheyGrow) {
   for (const TestMesh& mesh : meshes()) {
-    const auto tree = make_tree(mesh);
-    expect_exact(*tree, mesh, rays_for(mesh));
+    const auto tree = tree_over(mesh);
+    expect_exact(*tree, mesh, packet_rays_for(mesh));
   }
 }
 
 TEST_P(PacketQuery, InAHalfBuiltTree) {
   for (const TestMesh& mesh : meshes()) {
-    const std::vector<Ray> rays = rays_for(mesh);
-    const auto tree = make_tree(mesh);
+    const std::vector<Ray> rays = packet_rays_for(mesh);
+    const auto tree = tree_over(mesh);
     grow(*tree, rays);
     expect_exact(*tree, mesh, rays, OnDeferred::kScan);
     expect_exact(*tree, mesh, rays);
@@ -104,10 +104,10 @@ TEST_P(PacketQuery, InAHalfBuiltTree) {
 
 TEST_P(PacketQuery, InAFinishedTree) {
   for (const TestMesh& mesh : meshes()) {
-    const auto tree = make_tree(mesh);
+    const auto tree = tree_over(mesh);
     kdtree::BuildCounters built;
     tree->expand_all(built);
-    const std::vector<Ray> rays = rays_for(mesh);
+    const std::vector<Ray> rays = packet_rays_for(mesh);
     expect_exact(*tree, mesh, rays);
     AskedPacket asked(std::span<const Ray>(rays).first(wide::kLanes), {});
     asked.lazy.on_deferred = OnDeferred::kSkip;
@@ -119,8 +119,8 @@ TEST_P(PacketQuery, InAFinishedTree) {
 
 TEST_P(PacketQuery, InATreeThatIsNeverBuilt) {
   for (const TestMesh& mesh : meshes()) {
-    const auto tree = make_tree(mesh);
-    expect_exact(*tree, mesh, rays_for(mesh), OnDeferred::kScan);
+    const auto tree = tree_over(mesh);
+    expect_exact(*tree, mesh, packet_rays_for(mesh), OnDeferred::kScan);
     EXPECT_TRUE(tree->untouched());
   }
 }
@@ -132,15 +132,15 @@ TEST_P(PacketQuery, InTreesWithoutBlocks) {
                                                     *published::make_builder("bvh-sweep")};
   const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
   for (const published::AnyBuilder& builder : builders)
-    expect_exact(*make_tree(mesh, builder), mesh, rays_for(mesh));
+    expect_exact(*tree_over(mesh, builder), mesh, packet_rays_for(mesh));
 }
 
 // A ray that has met no deferred cell has its answer; before the first ray, all that enter meet
 // one.
 TEST_P(PacketQuery, SkippedCellsAreReported) {
   for (const TestMesh& mesh : meshes()) {
-    const std::vector<Ray> rays = rays_for(mesh);
-    const auto untouched = make_tree(mesh), half = make_tree(mesh);
+    const std::vector<Ray> rays = packet_rays_for(mesh);
+    const auto untouched = tree_over(mesh), half = tree_over(mesh);
     grow(*half, rays);
     for (const PacketQuestion& question : kPacketQuestions) {
       tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
@@ -163,7 +163,7 @@ TEST_P(PacketQuery, SkippedCellsAreReported) {
 
 TEST_P(PacketQuery, SearchedCellsAreReported) {
   const TestMesh mesh = tests::random_soup(2500, 0.08, 1);
-  const auto tree = make_tree(mesh);
+  const auto tree = tree_over(mesh);
   const std::vector<Ray> rays = tests::rays_at(mesh, wide::kLanes, 2);
   AskedPacket searched(rays, {}), built(rays, {});
   searched.lazy.on_deferred = OnDeferred::kScan;
@@ -177,8 +177,8 @@ TEST_P(PacketQuery, SearchedCellsAreReported) {
 // Equal hits are those of the least node, then of the least triangle, whichever tree comes first.
 TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
   const TestMesh mesh = tests::random_soup(1500, 0.08, 1);
-  const std::vector<Ray> rays = rays_for(mesh);
-  const auto first = make_tree(mesh), second = make_tree(mesh);
+  const std::vector<Ray> rays = packet_rays_for(mesh);
+  const auto first = tree_over(mesh), second = tree_over(mesh);
   for (const bool second_is_less : {false, true}) {
     tests::each_packet(rays, wide::kLanes, [&](std::span<const Ray> part) {
       AskedPacket asked(part, {});
@@ -188,7 +188,7 @@ TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
       asked.packet->instance = 1;
       asked.ask(*second);
       for (std::size_t lane = 0; lane < part.size(); ++lane) {
-        EXPECT_EQ(asked.answer(lane), search(mesh, part[lane], {}));
+        EXPECT_EQ(asked.answer(lane), search(mesh, part[lane], PacketQuestion{}));
         if (!asked.answer(lane).found) continue;
         EXPECT_EQ(asked.best->node[lane], 3u);
         EXPECT_EQ(asked.best->instance[lane], second_is_less ? 1u : 0u);
@@ -199,7 +199,7 @@ TEST_P(PacketQuery, HitsOfSeveralTreesAreCompared) {
 
 TEST_P(PacketQuery, OnlyTheLanesThatAreAskedFor) {
   const TestMesh mesh = tests::icosphere(3);
-  const auto tree = make_tree(mesh);
+  const auto tree = tree_over(mesh);
   const std::vector<Ray> rays(wide::kLanes, Ray{{0, 0, 3}, {0, 0, -1}});
   for (const std::uint32_t lanes : {0u, 1u, 0x8000u, 0x0ff0u, 0x5555u}) {
     AskedPacket asked(rays, {});
@@ -213,7 +213,7 @@ TEST_P(PacketQuery, OnlyTheLanesThatAreAskedFor) {
 
 TEST_P(PacketQuery, ACancelledPacketStops) {
   const TestMesh mesh = tests::random_soup(5000, 0.05, 1);
-  const auto tree = make_tree(mesh);
+  const auto tree = tree_over(mesh);
   const std::atomic<bool> cancelled{true};
   AskedPacket asked(tests::rays_at(mesh, wide::kLanes, 2), {});
   asked.lazy.cancelled = &cancelled;

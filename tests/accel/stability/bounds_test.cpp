@@ -129,7 +129,7 @@ TEST_P(HardMeshBounds, OfLeafBlocksAreKept) {
     const accel::kdtree::TreeMetrics metrics = blocks.metrics();
     const auto n = static_cast<double>(mesh.faces.size());
     // The coordinates of one mesh are too small for floats: its tree is plain.
-    const double budget = hard.name == "denormal" ? 16 : accel::lazy::kBlockBudget;
+    const double budget = hard.name == "denormal" ? 16 : accel::split::kBlockBudget;
     EXPECT_LE(static_cast<double>(metrics.references), budget * n) << builder;
     EXPECT_LE(levels_beyond_good(metrics.max_depth, mesh.faces.size()), hard.depth) << builder;
     EXPECT_EQ(metrics.failed_cells, 0u) << builder;

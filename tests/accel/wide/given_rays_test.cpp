@@ -20,7 +20,7 @@ using tests::Random;
 class GivenRaysOn : public tests::OnSimdTarget {};
 INSTANTIATE_TEST_SUITE_P(Every, GivenRaysOn, tests::every_simd_target(), tests::simd_target_name);
 
-std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
+std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 
 constexpr std::size_t kRays = 3 * kLanes;
 
@@ -103,11 +103,11 @@ void expect_read(const RayColumns& rays, std::size_t first, std::size_t count) {
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const geometry::Ray ray = rays[first + std::min(lane, count - 1)];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      ASSERT_EQ(bits(given->origin[axis][lane]), bits(ray.origin[axis]));
-      ASSERT_EQ(bits(given->direction[axis][lane]), bits(ray.direction[axis]));
+      ASSERT_EQ(bits_of(given->origin[axis][lane]), bits_of(ray.origin[axis]));
+      ASSERT_EQ(bits_of(given->direction[axis][lane]), bits_of(ray.direction[axis]));
     }
-    ASSERT_EQ(bits(given->tmin[lane]), bits(ray.tmin));
-    ASSERT_EQ(bits(given->tmax[lane]), bits(ray.tmax));
+    ASSERT_EQ(bits_of(given->tmin[lane]), bits_of(ray.tmin));
+    ASSERT_EQ(bits_of(given->tmax[lane]), bits_of(ray.tmax));
   }
 }
 

@@ -174,9 +174,9 @@ class OfMesh {
   const Question question_;
 };
 
-constexpr std::array<Question, 4> kQuestions{Question{}, Question{.any = true},
-                                             Question{.culling = Culling::kBack},
-                                             Question{.any = true, .culling = Culling::kFront}};
+constexpr std::array<Question, 4> kPencilQuestions{
+    Question{}, Question{.any = true}, Question{.culling = Culling::kBack},
+    Question{.any = true, .culling = Culling::kFront}};
 constexpr std::array<Question, 3> kAny{Question{.any = true},
                                        Question{.any = true, .culling = Culling::kBack},
                                        Question{.any = true, .culling = Culling::kFront}};
@@ -198,7 +198,7 @@ class PencilOnMesh : public ::testing::TestWithParam<std::tuple<std::int64_t, st
 TEST_P(PencilOnMesh, RaysFromAnOriginEqualTheRule) {
   Tally tally;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const Question& question = kQuestions[seed % kQuestions.size()];
+    const Question& question = kPencilQuestions[seed % kPencilQuestions.size()];
     const std::vector<Ray> rays = tests::pencil_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed);
     OfMesh(*of_, question).expect_exact(rays, 1, {}, tally);
     if (rays.size() <= 32) OfMesh(*of_, question).expect_exact(rays, 2, {}, tally);
@@ -210,11 +210,11 @@ TEST_P(PencilOnMesh, RaysFromAnOriginEqualTheRule) {
 TEST_P(PencilOnMesh, LimitsAndBestHitsFromAnOriginEqualTheRule) {
   Tally tally;
   for (std::uint64_t seed = 20; seed < 32; ++seed) {
-    const OfMesh asked(*of_, kQuestions[seed % kQuestions.size()]);
+    const OfMesh asked(*of_, kPencilQuestions[seed % kPencilQuestions.size()]);
     const std::vector<Ray> rays = tests::with_limits_at_hits(
         of_->mesh, tests::pencil_from_origin(of_->mesh, 8 + 7 * (seed % 9), seed));
     asked.expect_exact(rays, 1, {}, tally);
-    if (!kQuestions[seed % kQuestions.size()].any)
+    if (!kPencilQuestions[seed % kPencilQuestions.size()].any)
       asked.expect_exact(rays, 1, asked.some_before(rays, seed), tally);
   }
   EXPECT_EQ(tally.done > 0, is_walked());

@@ -143,7 +143,7 @@ void expect_equal(const Ray& ray, const Transform& transform, double t,
     ASSERT_EQ(bits(surfaces.normal[axis][lane]), bits(expected[axis]));
 }
 
-std::vector<TestMesh> meshes() {
+std::vector<TestMesh> surface_meshes() {
   std::vector<TestMesh> all{tests::fan(32), tests::icosphere(1), tests::slivers(60, 1),
                             tests::pages_of_book(40, 2)};
   TestMesh far = tests::random_soup(60, 0.5, 3);
@@ -160,7 +160,7 @@ std::vector<TestMesh> meshes() {
 TEST_P(Surface, EveryHitEqualsASingleOne) {
   const auto given = std::make_unique<GivenRays>();
   const auto surfaces = std::make_unique<Surfaces>();
-  for (const TestMesh& mesh : meshes()) {
+  for (const TestMesh& mesh : surface_meshes()) {
     const MeshAsTree of(mesh);
     const Hits hits(of);
     std::size_t found = 0;

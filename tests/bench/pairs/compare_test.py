@@ -126,13 +126,18 @@ class Tables(unittest.TestCase):
 class Plans(unittest.TestCase):
     def plan(self, **more):
         options = {"kinds": ["trace"], "threads": [1, 2], "scenes": ["bunny", "herd"], "rays": ["random", "shadow"], "count": 100,
-                   "repeat": 1, "seed": 1, "embree": True, "scenes_folder": "/scenes", **more}
+                   "repeat": 1, "seed": 1, "embree": True, "scenes_folder": "/scenes", "merge": False, "columns": False, **more}
         return Plan(argparse.Namespace(**options)).experiments()
 
     def test_shadow_rays_are_traced_for_the_closest_and_any_hit(self):
         self.assertEqual([e.title for e in self.plan(scenes=["bunny"], threads=[1])],
                          ["trace bunny, random, closest, 1 thread", "trace bunny, shadow, closest, 1 thread",
                           "trace bunny, shadow, any, 1 thread"])
+
+    def test_one_mesh_and_columns_are_asked_of_the_program(self):
+        plain, = self.plan(scenes=["bunny"], rays=["random"], threads=[1])
+        other, = self.plan(scenes=["bunny"], rays=["random"], threads=[1], merge=True, columns=True)
+        self.assertEqual(set(other.words) - set(plain.words), {"--merge", "--columns"})
 
     def test_generated_scenes_need_the_files_that_they_name(self):
         files = {e.scene: e.file for e in self.plan(scenes=["bunny", "herd", "terrain", "gen:stadium"])}

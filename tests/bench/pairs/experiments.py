@@ -58,6 +58,9 @@ class Plan:
     def peers(self, *names):
         return names if self.options.embree else ()
 
+    def one_mesh(self):
+        return ("--merge",) if self.options.merge else ()
+
     def make(self, kind, scene, rays, threads, verb, read, *words, timed=True):
         text, file = self.locate(scene) if scene else (None, None)
         common = [*(("--scene", text) if text else ()), *(("--threads", threads) if threads else ()), "--seed", self.options.seed]
@@ -71,12 +74,13 @@ class Plan:
                 for kind in ("closest", "any") if rays == "shadow" else ("closest",):
                     yield self.make("trace", scene, f"{rays}, {kind}", threads, "trace", readings.trace, "--rays", rays, "--kind", kind,
                                     "--count", self.options.count, "--builder",
-                                    ",".join(("scan-fast", *self.peers("embree-medium-robust"))))
+                                    ",".join(("scan-fast", *self.peers("embree-medium-robust"))), *self.one_mesh(),
+                                    *(("--columns",) if self.options.columns else ()))
 
     def build(self, threads):
         builders = ",".join(("scan-fast", *self.peers("embree-medium-robust", "embree-high")))
         for scene in self.options.scenes or TRACED:
-            yield self.make("build", scene, "", threads, "build", readings.build, "--builder", builders)
+            yield self.make("build", scene, "", threads, "build", readings.build, "--builder", builders, *self.one_mesh())
 
     def lazy(self, threads):
         for scene in self.options.scenes or GROWN:

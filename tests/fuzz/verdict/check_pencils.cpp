@@ -75,9 +75,10 @@ class PencilCase {
 };
 
 /// The packets of a pencil.
-class Asking {
+class PencilAsking {
  public:
-  Asking(const VerdictCase& asked, const VerdictTree& tree, bool any) : asked_(asked), any_(any) {
+  PencilAsking(const VerdictCase& asked, const VerdictTree& tree, bool any)
+      : asked_(asked), any_(any) {
     for (std::size_t first = 0, p = 0; first < asked.rays.size(); first += wide::kLanes, ++p) {
       VerdictCase part;
       part.culling = asked.culling;
@@ -140,7 +141,7 @@ std::optional<std::string> check_pencils(const VerdictCase& asked, const Verdict
       for (const wide::WideTree* walked : {&tree.single(), &tree.dense()}) {
         for (const bool any : {false, true}) {
           if (toward && !any) continue;
-          auto wrong = Asking(pencil.made(), tree, any).walk(tree, *walked, exact, done);
+          auto wrong = PencilAsking(pencil.made(), tree, any).walk(tree, *walked, exact, done);
           if (wrong)
             return fmt::format("pencil {} the origin of ray {}, {}", toward ? "toward" : "from",
                                first, *wrong);

@@ -34,9 +34,9 @@ T stepped(T x, int steps) {
   return x;
 }
 
-class Triangles {
+class TrianglesOf {
  public:
-  Triangles(Bytes& bytes, VerdictCase& out) : bytes_(bytes), out_(out) {
+  TrianglesOf(Bytes& bytes, VerdictCase& out) : bytes_(bytes), out_(out) {
     const int size = static_cast<int>(bytes_.below(100)) - 39;
     takes_any_ = bytes_.below(8) == 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -272,7 +272,7 @@ VerdictCase decode_verdict_case(std::span<const std::uint8_t> data) {
   Bytes bytes(data);
   VerdictCase out;
   out.culling = static_cast<accel::geometry::Culling>(bytes.below(3));
-  Triangles(bytes, out).make();
+  TrianglesOf(bytes, out).make();
   Rays(bytes, out).make();
   return out;
 }
