@@ -12,9 +12,9 @@
 namespace sightline::tests {
 namespace {
 
-class RawCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+class SingleMessageCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit RawCall(const std::string& message) : slice_(message), request_(&slice_, 1) {}
+  explicit SingleMessageCall(const std::string& message) : slice_(message), request_(&slice_, 1) {}
 
   grpc::Status run(const std::shared_ptr<grpc::Channel>& channel, grpc::ClientContext& context,
                    const std::string& method) {
@@ -52,7 +52,7 @@ grpc::Status call_raw(const std::shared_ptr<grpc::Channel>& channel, const std::
   grpc::ClientContext context;
   if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
   if (compressed) context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
-  return RawCall(message).run(channel, context, method);
+  return SingleMessageCall(message).run(channel, context, method);
 }
 
 }  // namespace sightline::tests
