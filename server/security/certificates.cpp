@@ -27,7 +27,7 @@ using Bio = std::unique_ptr<BIO, Free>;
 using Certificate = std::unique_ptr<X509, Free>;
 using Key = std::unique_ptr<EVP_PKEY, Free>;
 
-Error bad(const std::filesystem::path& file, const char* what) {
+Error bad_file(const std::filesystem::path& file, const char* what) {
   ERR_clear_error();
   return {Code::kInvalidArgument, fmt::format("{} {}", file.string(), what), "BAD_CERTIFICATE"};
 }
@@ -58,19 +58,19 @@ Result<Certificates> Certificates::read(const CertificateFiles& files) {
   if (!key) return key.error();
   Certificates made{.chain = *std::move(chain), .key = *std::move(key)};
   const Certificate own = first_certificate(made.chain);
-  if (own == nullptr) return bad(files.certificate, "has no certificate in PEM form");
+  if (own == nullptr) return bad_file(files.certificate, "has no certificate in PEM form");
   const Key own_key(PEM_read_bio_PrivateKey(bio_of(made.key).get(), nullptr, no_password, nullptr));
   if (own_key == nullptr)
-    return bad(files.key, "has no private key in PEM form, or one with a password");
+    return bad_file(files.key, "has no private key in PEM form, or one with a password");
   if (X509_check_private_key(own.get(), own_key.get()) != 1)
-    return bad(files.key, "is not the key of the certificate");
+    return bad_file(files.key, "is not the key of the certificate");
   made.expires = expiry_of(*own);
   if (files.client_ca.empty()) return made;
   auto client_ca = read_file(files.client_ca, kMaxFile);
   if (!client_ca) return client_ca.error();
   made.client_ca = *std::move(client_ca);
   if (first_certificate(made.client_ca) == nullptr)
-    return bad(files.client_ca, "has no certificate in PEM form");
+    return bad_file(files.client_ca, "has no certificate in PEM form");
   return made;
 }
 
