@@ -34,11 +34,11 @@ struct ClientOptions {
 
   /// PEM files. With `tls_ca` the connection is encrypted, and the server needs a certificate of
   /// its name that one of these has signed. Empty: no encryption.
-  std::filesystem::path tls_ca;
+  std::filesystem::path tls_ca = {};
   /// The certificate of this client and its key, for servers that ask for one. May be empty.
-  std::filesystem::path tls_cert, tls_key;
+  std::filesystem::path tls_cert = {}, tls_key = {};
   /// Sent with every call; visible ASCII. Empty: none.
-  std::string token;
+  std::string token = {};
 };
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and
