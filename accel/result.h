@@ -14,6 +14,8 @@ enum class Code {
   kInvalidArgument,
   kNotFound,
   kAlreadyExists,
+  kUnauthenticated,
+  kPermissionDenied,
   kFailedPrecondition,
   kAborted,
   kOutOfRange,

@@ -8,6 +8,7 @@
 
 #include "client/calls/apply.h"
 #include "client/calls/cast.h"
+#include "client/calls/channel_credentials.h"
 #include "client/calls/connection.h"
 #include "client/calls/prefetch.h"
 #include "client/calls/update_stream_worker.h"
@@ -61,8 +62,10 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
                  fmt::format("endpoint '{}' is not HOST:PORT or unix:PATH", endpoint),
                  {}};
   }
-  return Client(
-      std::make_unique<calls::Connection>(calls::open_channel(endpoint), options.timeout));
+  const auto credentials = calls::ChannelCredentials::make(endpoint, options);
+  if (!credentials) return credentials.error();
+  return Client(std::make_unique<calls::Connection>(calls::open_channel(endpoint, *credentials),
+                                                    options.timeout));
 }
 
 Result<ServerInfo> Client::server_info() const {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -30,6 +31,14 @@ struct ClientOptions {
   /// How long a call may take before it fails with kDeadlineExceeded. If not set: one minute for
   /// calls that carry neither rays nor meshes, and no limit for the others.
   std::optional<std::chrono::milliseconds> timeout;
+
+  /// PEM files. With `tls_ca` the connection is encrypted, and the server needs a certificate of
+  /// its name that one of these has signed. Empty: no encryption.
+  std::filesystem::path tls_ca = {};
+  /// The certificate of this client and its key, for servers that ask for one. May be empty.
+  std::filesystem::path tls_cert = {}, tls_key = {};
+  /// Sent with every call; visible ASCII. Empty: none.
+  std::string token = {};
 };
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and
@@ -38,7 +47,9 @@ struct ClientOptions {
 class Client {
  public:
   /// `endpoint` is HOST:PORT or unix:PATH. The first call makes the connection, and a later call
-  /// makes it again if it broke. Errors: kInvalidArgument, an endpoint of another form.
+  /// makes it again if it broke. Errors: kInvalidArgument, an endpoint of another form, a file that
+  /// cannot be read, or a bad token; kUnauthenticated, a token that would be sent to another
+  /// machine without encryption.
   static Result<Client> connect(const std::string& endpoint, const ClientOptions& options = {});
 
   Client(Client&&) noexcept;

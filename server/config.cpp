@@ -58,6 +58,24 @@ void add_choice(CLI::App& app, const std::string& flag, const std::map<std::stri
       ->default_str(fallback);
 }
 
+void add_security_flags(CLI::App& app, ServerConfig& config) {
+  app.add_flag("--insecure", config.insecure,
+               "Allow an address that other machines can reach without TLS");
+  CLI::Option* const certificate = app.add_option(
+      "--tls-cert", config.tls.certificate,
+      "Certificate of the server, then those of its issuers (PEM); read again when it changes");
+  CLI::Option* const key =
+      app.add_option("--tls-key", config.tls.key, "Private key of the certificate (PEM)")
+          ->needs(certificate);
+  certificate->needs(key);
+  app.add_option("--tls-client-ca", config.tls.client_ca,
+                 "Clients need a certificate that one of these has signed (PEM)")
+      ->needs(certificate);
+  app.add_option("--tokens", config.tokens,
+                 "Clients need a token of which this TOML file has the hash; read again when it "
+                 "changes");
+}
+
 /// A flag for a time in whole units of Duration.
 template <class Duration>
 void add_time(CLI::App& app, const std::string& flag, Duration& time, const std::string& help) {
@@ -102,11 +120,13 @@ void add_requests(CLI::App& app, CommandLine& line, Requests& requests) {
 void add_flags(CLI::App& app, CommandLine& line) {
   ServerConfig& config = line.config;
   const CLI::Validator count(check_count, "COUNT");
-  app.add_option("--listen", config.listen, "HOST:PORT to listen on; port 0 picks one")
+  app.add_option("--listen", config.listen,
+                 "HOST:PORT to listen on, where port 0 picks one, or unix:PATH")
       ->check(CLI::Validator(check_address, "HOST:PORT"))
       ->capture_default_str();
-  app.add_flag("--insecure", config.insecure, "Allow an address that other machines can reach");
-  app.add_option("--port-file", config.port_file, "File to write the bound port to, once ready");
+  add_security_flags(app, config);
+  app.add_option("--port-file", config.port_file,
+                 "File to write the bound port to, once ready (0: a Unix socket)");
   app.add_option("--data-dir", config.data_dir,
                  "Directory of the server's files; created if missing");
   app.add_option("--threads", config.threads,

@@ -15,13 +15,16 @@
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"
+#include "server/security/certificates.h"
 
 namespace sightline::server {
 
 /// The settings of a server.
 struct ServerConfig {
-  std::string listen = "127.0.0.1:50151";  ///< HOST:PORT; port 0 picks one.
-  bool insecure = false;                   ///< Allow an address that other machines can reach.
+  std::string listen = "127.0.0.1:50151";  ///< HOST:PORT, where port 0 picks one, or unix:PATH.
+  bool insecure = false;            ///< Allow an address that other machines can reach without TLS.
+  security::CertificateFiles tls;   ///< Empty: no TLS.
+  std::filesystem::path tokens;     ///< Who may do what (security/tokens.h). Empty: everyone all.
   std::filesystem::path port_file;  ///< Gets the bound port once the server is ready. Empty: none.
   std::filesystem::path data_dir;   ///< Created if missing. Empty: none.
   int threads = default_threads();  ///< Workers for queries, 1 to kMaxThreads. Updates and

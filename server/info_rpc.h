@@ -8,7 +8,7 @@
 
 namespace sightline::server {
 
-class InfoRpc final : public v1::ServerService::CallbackService {
+class InfoRpc : public v1::ServerService::CallbackService {
  public:
   /// `max_connections`: that are open at a time.
   InfoRpc(const ServerConfig& config, std::size_t max_connections);

@@ -23,6 +23,7 @@
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
+#include "server/exec/call_context.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
 #include "server/exec/malformed.h"
@@ -32,7 +33,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/exec/ticker.h"
 #include "server/exec/unread_replies.h"
-#include "server/info_rpc.h"
+#include "server/guarded_rpcs.h"
 #include "server/metrics/metrics.h"
 #include "server/net/acceptor.h"
 #include "server/net/listening_sockets.h"
@@ -41,6 +42,8 @@
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
 #include "server/scenes/services.h"
+#include "server/security/authenticator.h"
+#include "server/security/tls.h"
 #include "server/state_files.h"
 #include "server/state_metrics.h"
 #include "server/updates/scene_rpc.h"
@@ -51,6 +54,9 @@ namespace sightline::server {
 namespace {
 
 constexpr std::chrono::milliseconds kEnforceEvery{250};
+
+/// How often certificates and tokens are read again.
+constexpr std::chrono::seconds kReloadEvery{1};
 
 constexpr std::size_t kGrpcMemory =
     std::size_t{256} << 20;  // a message over the limit is buffered before it is refused
@@ -70,6 +76,9 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
   }
   builder.SetMaxReceiveMessageSize(ServerConfig::kMaxMessageBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("sightline").Resize(kGrpcMemory));
+  // gRPC 1.51 compares a message with its limit only after it was decompressed.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, ServerConfig::kMaxCallsPerConnection);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20'000);
@@ -80,22 +89,36 @@ void configure(grpc::ServerBuilder& builder, const ServerConfig& config) {
 
 Result<net::ListenAddress> check_listen(const ServerConfig& config) {
   auto address = net::ListenAddress::parse(config.listen);
-  if (!address || address->is_loopback() || config.insecure) return address;
+  if (!address || address->is_local() || !config.tls.empty() || config.insecure) return address;
   return Error{Code::kInvalidArgument,
-               fmt::format("{} can be reached from other machines, and this "
-                           "server has neither encryption nor "
-                           "authentication: listen on a loopback address, or "
-                           "allow it with --insecure",
+               fmt::format("{} can be reached from other machines: encrypt with --tls-cert and "
+                           "--tls-key, listen on a loopback address, or allow it with --insecure",
                            config.listen),
                "INSECURE_ADDRESS"};
+}
+
+/// Null: no TLS.
+Result<std::unique_ptr<security::Tls>> make_tls(const security::CertificateFiles& files) {
+  if (files.empty()) return std::unique_ptr<security::Tls>();
+  return security::Tls::make(files);
+}
+
+void log_open_doors(const ServerConfig& config, const net::ListenAddress& address) {
+  if (address.is_local()) return;
+  if (config.tls.empty()) spdlog::warn("event=not_encrypted listen={}", config.listen);
+  if (config.tokens.empty() && config.tls.client_ca.empty())
+    spdlog::warn("event=not_authenticated every client may do everything listen={}", config.listen);
 }
 
 }  // namespace
 
 /// In order of construction. A member uses only members before it and is destroyed before them.
 struct Server::Parts {
-  explicit Parts(const ServerConfig& c)
+  Parts(const ServerConfig& c, std::unique_ptr<security::Tls> made_tls,
+        std::unique_ptr<security::Authenticator> made_authenticator)
       : config(c),
+        tls(std::move(made_tls)),
+        authenticator(std::move(made_authenticator)),
         memory(c.memory_budget, c.memory_budget / exec::kForCallsShare),
         admission(c.admission, &memory),
         all_hits_admission(
@@ -136,6 +159,9 @@ struct Server::Parts {
   }
 
   const ServerConfig config;
+  const std::unique_ptr<security::Tls> tls;  // null: none
+  const std::unique_ptr<security::Authenticator> authenticator;
+  const Guard guard{*authenticator};
   exec::MemoryAccount memory;
   exec::Admission admission, all_hits_admission, small_admission, batch_admission;
   exec::UnreadReplies unread;
@@ -172,9 +198,9 @@ struct Server::Parts {
                                    .scenes = scenes,
                                    .reclaimer = reclaimer,
                                    .per_scene = config.metrics_per_scene};
-  queries::RayQueryRpc query_rpc{services};
-  updates::SceneRpc scene_rpc{services};
-  blobs::BlobRpc blob_rpc{blobs, uploads, services.unary()};
+  GuardedQueries query_rpc{guard, services};
+  GuardedScenes scene_rpc{guard, services};
+  GuardedBlobs blob_rpc{guard, blobs, uploads, services.unary()};
 
   /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
   /// Streams of rays end by themselves when their clients close them.
@@ -201,8 +227,9 @@ struct Server::Parts {
   }
 
   const std::size_t max_connections = net::connection_limit();
-  InfoRpc info_rpc{config, max_connections};
+  GuardedInfo info_rpc{guard, config, max_connections};
   std::uint16_t port = 0;
+  net::SocketFile socket_file;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections;
   std::unique_ptr<grpc::Server> grpc;
   std::atomic<bool> acceptor_failed{false};
@@ -210,6 +237,17 @@ struct Server::Parts {
   std::once_flag drained;
   AdminPort admin{config, metrics, state_metrics};
   exec::Ticker ticker{kEnforceEvery, [this] { enforce_limits(); }};
+  exec::Ticker reload_ticker{kReloadEvery, [this] { reload(); }};
+
+  /// Reads certificates and tokens again.
+  void reload() {
+    const Status reloaded = exec::to_status([this] {
+      if (tls != nullptr) tls->reload();
+      authenticator->reload();
+      return Status();
+    });
+    if (!reloaded) spdlog::error("event=not_reloaded error={}", reloaded.error().message);
+  }
 
   void serve(grpc::ServerBuilder& builder);
   void accept(net::ListeningSockets listening);
@@ -230,13 +268,15 @@ void Server::Parts::serve(grpc::ServerBuilder& builder) {
   interceptors.push_back(exec::refuse_malformed());
   interceptors.push_back(exec::pace_refusals(refusal_pace));
   experimental.SetInterceptorCreators(std::move(interceptors));
-  connections =
-      experimental.AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
+  builder.SetContextAllocator(exec::make_contexts(authenticator->calls()));
+  connections = experimental.AddExternalConnectionAcceptor(
+      Type::FROM_FD, tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
   grpc = builder.BuildAndStart();
 }
 
 void Server::Parts::accept(net::ListeningSockets listening) {
   port = listening.port;
+  socket_file = std::move(listening.file);
   acceptor = std::make_unique<net::Acceptor>(
       std::move(listening.sockets), max_connections,
       net::Acceptor::Events{
@@ -289,7 +329,11 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
-  auto parts = std::make_unique<Parts>(config);
+  auto tls = make_tls(config.tls);
+  if (!tls) return tls.error();
+  auto authenticator = security::Authenticator::make(config.tokens, !config.tls.client_ca.empty());
+  if (!authenticator) return authenticator.error();
+  auto parts = std::make_unique<Parts>(config, *std::move(tls), *std::move(authenticator));
   auto listening = net::listen_on(*address);
   if (!listening) return listening.error();
   grpc::ServerBuilder builder;
@@ -301,10 +345,12 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (const Status written = write_port_file(config.port_file, server->port()); !written)
     return written.error();
   spdlog::info(
-      "event=started version={} listen={} port={} admin_port={} threads={} "
+      "event=started version={} listen={} port={} admin_port={} tls={} tokens={} threads={} "
       "policy={} memory_budget={} simd={}",
-      SIGHTLINE_VERSION, config.listen, server->port(), server->admin_port(), config.threads,
-      policy_name(config.policy), config.memory_budget, accel::split::simd_target());
+      SIGHTLINE_VERSION, config.listen, server->port(), server->admin_port(), !config.tls.empty(),
+      !config.tokens.empty(), config.threads, policy_name(config.policy), config.memory_budget,
+      accel::split::simd_target());
+  log_open_doors(config, *address);
   spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
   return server;
 }
@@ -327,6 +373,7 @@ void Server::drain() {
     std::this_thread::sleep_for(config.not_ready);
     parts_->stop_waiting();
     parts_->acceptor->stop();
+    parts_->socket_file = {};
     const std::jthread idle([this](std::stop_token stop) { parts_->close_idle(std::move(stop)); });
     parts_->grpc->Shutdown(std::chrono::system_clock::now() + config.drain);
     spdlog::info("event=stopped");

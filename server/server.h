@@ -13,14 +13,15 @@ class Server {
   /// What start() checks before it does anything. Errors: kInvalidArgument.
   static Status check(const ServerConfig& config);
 
-  /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, or one
-  /// that other machines can reach without `insecure`), kUnavailable (the port cannot be bound),
-  /// kFailedPrecondition (the data directory or the port file cannot be written).
+  /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, one that
+  /// other machines can reach without TLS or `insecure`, or bad certificates or tokens),
+  /// kUnavailable (the port cannot be bound), kFailedPrecondition (a file cannot be read, or the
+  /// data directory or the port file cannot be written).
   static Result<std::unique_ptr<Server>> start(const ServerConfig& config);
   /// Calls drain().
   ~Server();
 
-  int port() const;        ///< The bound port.
+  int port() const;        ///< The bound port; 0 for a Unix socket.
   int admin_port() const;  ///< The bound port of ServerConfig::admin; 0 if there is none.
 
   /// Is not ready from now on (/readyz, the health service), but serves for config.not_ready. Then

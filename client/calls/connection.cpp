@@ -91,7 +91,8 @@ std::string reason_of(const grpc::Status& status) {
 
 }  // namespace
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint) {
+std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
+                                            const ChannelCredentials& credentials) {
   grpc::ChannelArguments arguments;
   arguments.SetServiceConfigJSON(kServiceConfig);
   // When a server returns, gRPC must find it within the pauses of our own attempts.
@@ -102,7 +103,10 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint) {
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetUserAgentPrefix("sightline/" SIGHTLINE_VERSION);
-  return grpc::CreateCustomChannel(endpoint, grpc::InsecureChannelCredentials(), arguments);
+  // A proxy would carry what must not leave this machine.
+  if (is_local(endpoint)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::experimental::CreateCustomChannelWithInterceptors(
+      endpoint, credentials.channel, arguments, send_token(credentials.token));
 }
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout) {
@@ -110,6 +114,8 @@ void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::millis
 }
 
 Error rpc_error(const grpc::Status& status) {
+  if (status.error_code() == grpc::UNAVAILABLE && tells_of_tls(status.error_message()))
+    return {Code::kUnauthenticated, status.error_message(), "TLS_FAILED"};
   return {code_of(status.error_code()), status.error_message(), reason_of(status)};
 }
 

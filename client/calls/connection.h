@@ -13,6 +13,7 @@
 #include <stop_token>
 #include <string>
 
+#include "client/calls/channel_credentials.h"
 #include "client/result.h"
 #include "sightline/v1/blob.grpc.pb.h"
 #include "sightline/v1/query.grpc.pb.h"
@@ -23,12 +24,13 @@ namespace sightline::client::calls {
 
 /// Opens a channel. gRPC retries calls that only read when the server is unavailable
 /// (kServiceConfig).
-std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint);
+std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
+                                            const ChannelCredentials& credentials);
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
 
 /// Converts a status that is not OK. The reason is that of the google.rpc.ErrorInfo in its details,
-/// or empty if there is none.
+/// or empty if there is none. A connection that TLS has refused is kUnauthenticated, TLS_FAILED.
 Error rpc_error(const grpc::Status& status);
 
 /// The same for a call that `stop` cancels. If nothing asked for a stop, a call that was cancelled

@@ -1,6 +1,8 @@
 // Adds the flags of the whole command and handles their errors.
 #include "client/cli/program.h"
 
+#include <stdlib.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -27,11 +29,29 @@ Examples:
   sightline stats engine --json
   sightline stream robot --animate robot.glb)";
 
+void add_security_flags(CLI::App& program, Session& session) {
+  CLI::Option* const authority =
+      program.add_option("--tls-ca", session.options.tls_ca,
+                         "Encrypt; the server needs a certificate that one of these has signed");
+  CLI::Option* const certificate =
+      program.add_option("--tls-cert", session.options.tls_cert, "Certificate of this client")
+          ->needs(authority);
+  CLI::Option* const key =
+      program.add_option("--tls-key", session.options.tls_key, "Private key of the certificate")
+          ->needs(certificate);
+  certificate->needs(key);
+  CLI::Option* const token =
+      program.add_option("--token-file", session.token_file,
+                         "File of the token that the server knows this client by (default: the "
+                         "token in SIGHTLINE_TOKEN)");
+  for (CLI::Option* const file : {authority, certificate, key, token}) file->type_name("FILE");
+}
+
 void add_global_flags(CLI::App& program, Session& session) {
   program.set_version_flag("--version", "sightline " SIGHTLINE_VERSION);
   program.add_option("--endpoint", session.endpoint, "Where the server listens")
       ->envname("SIGHTLINE_ENDPOINT")
-      ->type_name("HOST:PORT")
+      ->type_name("HOST:PORT|unix:PATH")
       ->capture_default_str()
       ->check(CLI::Validator(
           [](std::string& text) -> std::string {
@@ -39,6 +59,7 @@ void add_global_flags(CLI::App& program, Session& session) {
             return client ? "" : client.error().message;
           },
           ""));
+  add_security_flags(program, session);
   program.add_flag("--json", session.json, "Print one JSON document");
   program
       .add_option("--deadline", session.deadline, "Give up a call to the server after this long")
@@ -72,6 +93,8 @@ int parse_and_run(int argc, const char* const* argv) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv) {
+  // The errors of calls say what gRPC would log.
+  ::setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe): no other thread yet
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& e) {

@@ -6,15 +6,39 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <utility>
 
 namespace sightline::client::cli {
+namespace {
+
+constexpr const char* kBlank = " \t\r\n";
+
+/// The text of the file without blanks around it, or the variable of the environment.
+Result<std::string> read_token(const std::string& file) {
+  if (file.empty()) {
+    const char* const variable = std::getenv("SIGHTLINE_TOKEN");  // NOLINT(concurrency-mt-unsafe)
+    return std::string(variable != nullptr ? variable : "");
+  }
+  std::ifstream in(file);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (!in || first == std::string::npos)
+    return local_error(fmt::format("cannot read a token from {}", file));
+  return text.substr(first, text.find_last_not_of(kBlank) + 1 - first);
+}
+
+}  // namespace
 
 Result<Client> Session::connect() const {
-  ClientOptions options;
-  if (deadline) {
-    options.timeout = std::chrono::milliseconds(std::llround(std::ceil(*deadline * 1000)));
-  }
-  return Client::connect(endpoint, options);
+  ClientOptions all = options;
+  if (deadline) all.timeout = std::chrono::milliseconds(std::llround(std::ceil(*deadline * 1000)));
+  auto token = read_token(token_file);
+  if (!token) return token.error();
+  all.token = *std::move(token);
+  return Client::connect(endpoint, all);
 }
 
 std::string json_text(const Json& document, int indent) {

@@ -16,8 +16,11 @@ struct Session {
   std::string endpoint = "127.0.0.1:50151";
   bool json = false;
   std::optional<double> deadline;  ///< seconds that a call may take
+  ClientOptions options;           ///< the certificates of the connection
+  std::string token_file;          ///< empty: the token is in the environment, if there is one
   ExitCode exit = kOk;             ///< the result of the verb
 
+  /// Errors: those of Client::connect(); kInvalidArgument, the token cannot be read.
   Result<Client> connect() const;
 };
 

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxUploadCalls = 128;
 /// An upload makes progress (kUploadProgress) at least this often, or its call is ended.
 inline constexpr std::chrono::seconds kUploadTimeout{60};
 
-class BlobRpc final : public v1::BlobService::CallbackService {
+class BlobRpc : public v1::BlobService::CallbackService {
  public:
   /// Calls that upload are registered in `uploads`. All arguments outlive every call.
   BlobRpc(BlobStore& blobs, exec::CallRegistry& uploads, const exec::UnaryParts& parts)

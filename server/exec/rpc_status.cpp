@@ -31,6 +31,10 @@ GrpcCode grpc_code(Code code) {
       return {grpc::StatusCode::NOT_FOUND, "NOT_FOUND"};
     case Code::kAlreadyExists:
       return {grpc::StatusCode::ALREADY_EXISTS, "ALREADY_EXISTS"};
+    case Code::kUnauthenticated:
+      return {grpc::StatusCode::UNAUTHENTICATED, "UNAUTHENTICATED"};
+    case Code::kPermissionDenied:
+      return {grpc::StatusCode::PERMISSION_DENIED, "PERMISSION_DENIED"};
     case Code::kFailedPrecondition:
       return {grpc::StatusCode::FAILED_PRECONDITION, "FAILED_PRECONDITION"};
     case Code::kAborted:

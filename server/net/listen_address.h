@@ -9,17 +9,19 @@
 
 namespace sightline::server::net {
 
-/// The HOST:PORT that a server listens on.
+/// The port, or the Unix socket, that a server listens on.
 struct ListenAddress {
-  std::string host;        ///< A name or an address; an IPv6 address without its brackets.
+  std::string host = {};   ///< A name or an address; an IPv6 address without its brackets.
   std::uint16_t port = 0;  ///< 0: any free one.
+  std::string path = {};   ///< Of a Unix socket, without a host and a port. Empty: none.
 
-  /// Takes HOST:PORT and [IPV6]:PORT. Errors: kInvalidArgument.
+  /// Takes HOST:PORT, [IPV6]:PORT and unix:PATH. Errors: kInvalidArgument.
   static Result<ListenAddress> parse(std::string_view text);
   /// The form gRPC takes.
   std::string text() const;
-  /// Whether only this machine can reach it: 127.0.0.0/8, ::1 or "localhost".
-  bool is_loopback() const;
+  bool is_unix() const { return !path.empty(); }
+  /// Whether only this machine can reach it: a Unix socket, 127.0.0.0/8, ::1 or "localhost".
+  bool is_local() const;
 };
 
 }  // namespace sightline::server::net

@@ -5,6 +5,8 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 
 #include <cerrno>
 #include <cstring>
@@ -63,9 +65,46 @@ std::uint16_t port_of(const Descriptor& listening) {
                                             : reinterpret_cast<sockaddr_in6&>(address).sin6_port);
 }
 
+/// Read and write for the owner and the group: to connect takes the right to write.
+constexpr mode_t kSocketMode = 0660;
+
+/// Whether the path is a socket at which no process listens any more.
+bool is_left_behind(const sockaddr_un& address) {
+  struct stat found {};
+  if (lstat(address.sun_path, &found) != 0 || !S_ISSOCK(found.st_mode)) return false;
+  const Descriptor probe(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  return connect(probe.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
+             0 &&
+         errno == ECONNREFUSED;
+}
+
+Result<ListeningSockets> listen_on_path(const ListenAddress& wanted) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  wanted.path.copy(address.sun_path, sizeof address.sun_path - 1);
+  if (is_left_behind(address)) unlink(address.sun_path);
+  Descriptor made(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  // The file of a socket is never open to all, whatever the umask: it has the socket's mode.
+  const bool bound =
+      made && fchmod(made.number(), kSocketMode) == 0 &&
+      bind(made.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      chmod(address.sun_path, kSocketMode) == 0;
+  if (!bound) return unavailable(wanted, std::generic_category().message(errno));
+  ListeningSockets result{.sockets = {}, .port = 0, .file = SocketFile(wanted.path)};
+  if (listen(made.number(), SOMAXCONN) != 0)
+    return unavailable(wanted, std::generic_category().message(errno));
+  result.sockets.push_back(std::move(made));
+  return result;
+}
+
 }  // namespace
 
+SocketFile::~SocketFile() {
+  if (!path_.empty()) unlink(path_.c_str());
+}
+
 Result<ListeningSockets> listen_on(const ListenAddress& address) {
+  if (address.is_unix()) return listen_on_path(address);
   const auto list = resolve(address);
   if (!list) return list.error();
   ListeningSockets result{.sockets = {}, .port = address.port};

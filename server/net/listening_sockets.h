@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "accel/result.h"
@@ -10,13 +12,31 @@
 
 namespace sightline::server::net {
 
+/// Removes the file of a Unix socket at its end. Empty: none.
+class SocketFile {
+ public:
+  SocketFile() = default;
+  explicit SocketFile(std::string path) : path_(std::move(path)) {}
+  SocketFile(SocketFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  SocketFile& operator=(SocketFile&& other) noexcept {
+    std::swap(path_, other.path_);
+    return *this;
+  }
+  ~SocketFile();
+
+ private:
+  std::string path_;
+};
+
 /// The sockets of one address: a name may stand for several addresses. They do not block.
 struct ListeningSockets {
   std::vector<Descriptor> sockets;
-  std::uint16_t port = 0;  ///< The same for all.
+  std::uint16_t port = 0;  ///< The same for all; 0 for a Unix socket.
+  SocketFile file = {};
 };
 
-/// Errors: kUnavailable, with the system's reason (the name is unknown, the port is in use).
+/// A Unix socket is open to its owner and group. One that a server left behind is replaced. Errors:
+/// kUnavailable, with the system's reason (the name is unknown, the port or the path is in use).
 Result<ListeningSockets> listen_on(const ListenAddress& address);
 
 }  // namespace sightline::server::net

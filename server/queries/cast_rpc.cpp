@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/exec/call_context.h"
 #include "server/exec/caller.h"
 #include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
@@ -134,8 +135,11 @@ class CastStream final
     if (!ok) return end(exec::end_of_reads(request_));
     if (batches_++ > 0) return cast();
     const v1::CastRaysRequest& first = request_.request();
-    if (const Status opened = exec::to_status([&] { return job_.open(first); }); !opened)
-      return end(opened);
+    const Status opened = exec::to_status([&] {
+      const Status allowed = exec::check_role(context_, exec::Role::kRead, first.scene());
+      return allowed ? job_.open(first) : allowed;
+    });
+    if (!opened) return end(opened);
     wait_->read(
         job_.scene(), first.consistency(), context_.deadline(), first.ByteSizeLong(), job_.caller(),
         [this, begin = begin_of_read(first)](Result<scenes::RevisionWait::SnapshotPointer> pinned) {

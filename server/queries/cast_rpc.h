@@ -13,7 +13,7 @@ namespace sightline::server::queries {
 /// Open StreamCastRays calls on the whole server. Each keeps the memory of one batch.
 inline constexpr std::size_t kMaxCastStreams = 256;
 
-class RayQueryRpc final : public v1::RayQueryService::CallbackService {
+class RayQueryRpc : public v1::RayQueryService::CallbackService {
  public:
   explicit RayQueryRpc(const scenes::Services& services);
 

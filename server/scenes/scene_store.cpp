@@ -33,13 +33,14 @@ Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) co
   return found->second;
 }
 
-ScenePage SceneStore::list(const std::string& project, const std::string& after,
-                           std::size_t limit) const {
+ScenePage SceneStore::list(const std::string& project, const std::string& after, std::size_t limit,
+                           const Shown& shown) const {
   const std::string prefix = project + "/";
   const std::lock_guard lock(mutex_);
   ScenePage page;
   for (auto it = scenes_.upper_bound(std::max(prefix, after)); it != scenes_.end(); ++it) {
     if (!it->first.starts_with(prefix)) break;
+    if (shown && !shown(it->first)) continue;
     if (page.scenes.size() == limit) {
       page.next = page.scenes.back()->info().name;
       break;

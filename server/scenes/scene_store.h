@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -32,9 +33,12 @@ class SceneStore {
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
   /// Errors: kNotFound.
   Result<std::shared_ptr<StoredScene>> get(const std::string& name) const;
+  /// Whether a list shows the scene of this name. Must be short and call no member of the store.
+  using Shown = std::function<bool(const std::string& name)>;
   /// Up to `limit` scenes of "projects/{project}" whose names come after `after` (empty: from the
-  /// first).
-  ScenePage list(const std::string& project, const std::string& after, std::size_t limit) const;
+  /// first) and that are shown; without `shown` all are.
+  ScenePage list(const std::string& project, const std::string& after, std::size_t limit,
+                 const Shown& shown = {}) const;
   /// Calls the listeners of the scene. Errors: kNotFound.
   Status remove(const std::string& name);
 

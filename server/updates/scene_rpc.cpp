@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/exec/call_context.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 #include "server/scenes/names.h"
@@ -126,7 +127,8 @@ Status SceneRpc::get(const v1::GetSceneRequest& request, v1::GetSceneResponse& r
   return {};
 }
 
-Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply) {
+Status SceneRpc::list(const grpc::CallbackServerContext& context,
+                      const v1::ListScenesRequest& request, v1::ListScenesResponse& reply) {
   if (Status good = scenes::check_project_name(request.parent()); !good) return good;
   if (request.page_size() < 0) {
     return Error{Code::kInvalidArgument,
@@ -143,8 +145,11 @@ Status SceneRpc::list(const v1::ListScenesRequest& request, v1::ListScenesRespon
   }
   const int size =
       request.page_size() == 0 ? kDefaultPage : std::min(request.page_size(), kMaxPage);
-  const scenes::ScenePage page =
-      services_.scenes.list(request.parent(), token, static_cast<std::size_t>(size));
+  const scenes::ScenePage page = services_.scenes.list(
+      request.parent(), token, static_cast<std::size_t>(size),
+      [principal = exec::principal_of(context)](const std::string& name) {
+        return principal == nullptr || principal->may(exec::Role::kRead, name);
+      });
   for (const auto& scene : page.scenes) encode(*scene, *reply.add_scenes());
   reply.set_next_page_token(page.next);
   return {};
@@ -189,7 +194,7 @@ grpc::ServerUnaryReactor* SceneRpc::ListScenes(grpc::CallbackServerContext* cont
                                                const v1::ListScenesRequest* request,
                                                v1::ListScenesResponse* reply) {
   return answer_in_arena("ListScenes", *context, *request, *reply, services_.unary(),
-                         [=, this] { return list(*request, *reply); });
+                         [=, this] { return list(*context, *request, *reply); });
 }
 
 grpc::ServerUnaryReactor* SceneRpc::DeleteScene(grpc::CallbackServerContext* context,

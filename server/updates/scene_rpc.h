@@ -12,7 +12,7 @@ inline constexpr int kMaxPage = 1000;
 /// Ids of one BatchGetNodes call. A node's name has up to 1 KiB, so the reply stays below 1 MiB.
 inline constexpr int kMaxNodesPerRequest = 512;
 
-class SceneRpc final : public v1::SceneService::CallbackService {
+class SceneRpc : public v1::SceneService::CallbackService {
  public:
   explicit SceneRpc(const scenes::Services& services);
 
@@ -46,7 +46,8 @@ class SceneRpc final : public v1::SceneService::CallbackService {
   Status create(const grpc::ServerContextBase& context, const v1::CreateSceneRequest& request,
                 v1::CreateSceneResponse& reply);
   Status get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply);
-  Status list(const v1::ListScenesRequest& request, v1::ListScenesResponse& reply);
+  Status list(const grpc::CallbackServerContext& context, const v1::ListScenesRequest& request,
+              v1::ListScenesResponse& reply);
   Status remove(const grpc::ServerContextBase& context, const v1::DeleteSceneRequest& request);
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
 

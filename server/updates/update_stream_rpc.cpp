@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/exec/call_context.h"
 #include "server/exec/malformed.h"
 #include "server/exec/rpc_status.h"
 #include "server/updates/producer_messages.h"
@@ -135,6 +136,8 @@ class UpdateStream final
   }
 
   Status open(const v1::OpenProducer& open) {
+    if (Status allowed = exec::check_role(context_, exec::Role::kWrite, open.scene()); !allowed)
+      return allowed;
     if (Status good = scenes::check_producer_name(open.producer()); !good) return good;
     auto scene = services_.find(open.scene());
     if (!scene) return scene.error();

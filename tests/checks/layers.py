@@ -39,6 +39,7 @@ server/net                  server/exec accel/result
 server/settings             server/exec accel/result
 server/metrics              server/exec scenegraph/trace_options accel/result
 server/admin                server/exec server/net accel/result
+server/security             server/exec accel/result
 server/blobs                server/exec scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/metrics server/blobs
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
@@ -79,6 +80,7 @@ grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire
 openssl         server client/*.cpp
 CLI             server client/cli
+toml++          server/security
 nlohmann        server client/cli client/importer
 png.h           client/cli/picture
 assimp          client/importer

@@ -188,6 +188,18 @@ TEST(CommandLine, PrintsWhereEachValueComesFrom) {
   EXPECT_EQ(std::get<CommandLine>(again).config.quotas.others[0], 5u);
 }
 
+TEST(CommandLine, AcceptsTheFlagsOfSecurity) {
+  const auto line = parse({"--listen", "unix:/run/s", "--tls-cert", "c", "--tls-key", "k",
+                           "--tls-client-ca", "a", "--tokens", "t"});
+  ASSERT_TRUE(std::holds_alternative<CommandLine>(line));
+  const ServerConfig& config = std::get<CommandLine>(line).config;
+  EXPECT_EQ(config.listen, "unix:/run/s");
+  EXPECT_EQ(config.tls.certificate, "c");
+  EXPECT_EQ(config.tls.key, "k");
+  EXPECT_EQ(config.tls.client_ca, "a");
+  EXPECT_EQ(config.tokens, "t");
+}
+
 TEST(CommandLine, AnyMistakeIsAUsageError) {
   const std::vector<std::vector<const char*>> mistakes{{"--policy", "demand"},
                                                        {"--policy", "2"},
@@ -201,6 +213,11 @@ TEST(CommandLine, AnyMistakeIsAUsageError) {
                                                        {"positional"},
                                                        {"--log-level", "loud"},
                                                        {"--policy"},
+                                                       {"--listen", "unix:"},
+                                                       {"--tls-cert", "c"},
+                                                       {"--tls-key", "k"},
+                                                       {"--tls-client-ca", "a"},
+                                                       {"--tokens"},
                                                        {"--max-prefetches", "65"}};
   for (const auto& flags : mistakes) {
     const auto line = parse(flags);

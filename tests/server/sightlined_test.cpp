@@ -21,6 +21,8 @@
 #include "tests/server/support/garbage.h"
 #include "tests/server/support/live_server.h"
 #include "tests/server/support/tcp.h"
+#include "tests/server/support/token_file.h"
+#include "tests/support/certificates.h"
 #include "tests/support/child_process.h"
 #include "tests/support/scenes.h"
 
@@ -177,9 +179,38 @@ TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   expect_end({"--listen", "127.0.0.1:0", "--data-dir", root_ / "file"}, 1,
              (root_ / "file").string());
   expect_end({"--listen", "127.0.0.1:0", "--port-file", root_ / "none" / "port"}, 1, "port file");
+  expect_end({"--listen", "127.0.0.1:0", "--tokens", root_ / "none"}, 1, (root_ / "none").string());
+  expect_end({"--listen", "127.0.0.1:0", "--tokens", root_ / "file"}, 1, "line 1");
+  expect_end({"--tls-cert", root_ / "none", "--tls-key", root_ / "file"}, 1,
+             (root_ / "none").string());
+  expect_end({"--tls-cert", root_ / "file", "--tls-key", root_ / "file"}, 1, "no certificate");
   ChildServer first({"--listen", "127.0.0.1:0"});
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   expect_end({"--listen", taken}, 1, taken);
+}
+
+TEST_F(Sightlined, ServesWithTlsAndTokensThatItReadsAgain) {
+  const auto write = [this](const char* name, const std::string& content) {
+    std::ofstream(root_ / name) << content;
+    return (root_ / name).string();
+  };
+  const TestCertificate own = TestAuthority().issue();
+  const std::string row = token_row("robot", "secret", "read", R"("")");
+  ChildServer child({"--listen", "0.0.0.0:0", "--tls-cert", write("own.pem", own.certificate),
+                     "--tls-key", write("own.key", own.key), "--tokens", write("tokens", row)});
+  EXPECT_GT(child.port(), 0) << child.output();
+  EXPECT_TRUE(child.writes("event=certificates_loaded"));
+  EXPECT_TRUE(child.writes("tls=true tokens=true"));
+  write("tokens", "[[token]]\nname = ");
+  EXPECT_TRUE(child.writes("event=tokens_not_loaded kept=old"));
+  write("tokens", row + token_row("other", "secret too", "read", R"("")"));
+  EXPECT_TRUE(child.writes("tokens=2"));
+  write("own.pem", "no certificate");
+  EXPECT_TRUE(child.writes("event=certificates_not_loaded kept=old"));
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0) << child.output();
+  EXPECT_EQ(child.output().find("secret"), std::string::npos);
+  EXPECT_EQ(child.output().find(hash_of("secret")), std::string::npos);
 }
 
 // The address sanitizer keeps freed memory; the thread sanitizer keeps a shadow of it.
@@ -238,6 +269,18 @@ TEST_F(SightlinedAbuse, OversizedMessages) {
               grpc::StatusCode::RESOURCE_EXHAUSTED);
   }
   expect_serving_in_bounds("oversized");
+}
+
+TEST_F(SightlinedAbuse, CompressedMessages) {
+  v1::CastRaysRequest request;
+  request.set_scene(kScene);
+  request.mutable_rays()->set_origins(std::string(std::size_t{256} << 20, '\0'));
+  grpc::ClientContext context;
+  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+  v1::CastRaysResponse reply;
+  EXPECT_EQ(Api(connect(port_)).rays->CastRays(&context, request, &reply).error_code(),
+            grpc::StatusCode::UNIMPLEMENTED);
+  expect_serving_in_bounds("compressed");
 }
 
 TEST_F(SightlinedAbuse, CancelledStreamOfTenMillionRays) {

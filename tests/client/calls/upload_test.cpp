@@ -44,7 +44,8 @@ TEST_F(Upload, ResumesWhereItStopped) {
   const importer::ImportedMesh mesh = tests::sheets(50000);
   const MeshBlob blob(mesh.vertices, mesh.faces);
   {
-    const auto blobs = v1::BlobService::NewStub(open_channel(endpoint()));
+    const auto blobs = v1::BlobService::NewStub(
+        open_channel(endpoint(), *ChannelCredentials::make(endpoint(), {})));
     grpc::ClientContext context;
     v1::UploadBlobResponse response;
     const auto writer = blobs->UploadBlob(&context, &response);

@@ -44,6 +44,8 @@ TEST(RpcStatus, MapsEveryCodeToTheGrpcCodeOfTheSameName) {
       {Code::kDeadlineExceeded, grpc::StatusCode::DEADLINE_EXCEEDED},
       {Code::kUnavailable, grpc::StatusCode::UNAVAILABLE},
       {Code::kDataLoss, grpc::StatusCode::DATA_LOSS},
+      {Code::kUnauthenticated, grpc::StatusCode::UNAUTHENTICATED},
+      {Code::kPermissionDenied, grpc::StatusCode::PERMISSION_DENIED},
       {Code::kUnimplemented, grpc::StatusCode::UNIMPLEMENTED},
       {Code::kInternal, grpc::StatusCode::INTERNAL}};
   for (const auto& [code, expected] : pairs)

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace sightline::server::net {
 namespace {
 
@@ -17,20 +19,29 @@ TEST(ListenAddress, Parses) {
   EXPECT_EQ(v6->text(), "[::1]:0");
 }
 
+TEST(ListenAddress, ParsesAUnixSocket) {
+  const auto address = ListenAddress::parse("unix:/run/sightline/socket");
+  ASSERT_TRUE(address);
+  EXPECT_EQ(address->path, "/run/sightline/socket");
+  EXPECT_EQ(address->text(), "unix:/run/sightline/socket");
+  EXPECT_TRUE(address->is_local());
+}
+
 TEST(ListenAddress, RefusesOtherForms) {
+  EXPECT_FALSE(ListenAddress::parse("unix:" + std::string(108, 'x')));
   for (const char* text : {"", "localhost", "50151", ":50151", "h:", "h:-1", "h:65536", "h:1x",
-                           "::1:5", "[::1]", "[]:1"}) {
+                           "::1:5", "[::1]", "[]:1", "unix:"}) {
     EXPECT_FALSE(ListenAddress::parse(text)) << text;
   }
 }
 
 TEST(ListenAddress, RecognizesLoopback) {
   for (const char* text : {"127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "localhost:1"}) {
-    EXPECT_TRUE(ListenAddress::parse(text)->is_loopback()) << text;
+    EXPECT_TRUE(ListenAddress::parse(text)->is_local()) << text;
   }
   for (const char* text :
        {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "example.org:1", "localhost.example.org:1"}) {
-    EXPECT_FALSE(ListenAddress::parse(text)->is_loopback()) << text;
+    EXPECT_FALSE(ListenAddress::parse(text)->is_local()) << text;
   }
 }
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
+#include "tests/client/support/temp_dir.h"
 #include "tests/server/support/tcp.h"
 
 namespace sightline::server::net {
@@ -23,6 +25,25 @@ TEST(ListeningSockets, AllAddressesOfANameHaveOnePort) {
   ASSERT_TRUE(listening);
   EXPECT_GE(listening->sockets.size(), 1u);
   EXPECT_TRUE(tests::connect_tcp(listening->port));
+}
+
+TEST(ListeningSockets, TakesAUnixSocketThatWasLeftBehindButNoOther) {
+  const tests::TempDir dir;
+  const ListenAddress address{.path = dir.path("socket")};
+  {
+    auto first = listen_on(address);
+    ASSERT_TRUE(first) << first.error().message;
+    EXPECT_EQ(std::filesystem::status(address.path).permissions(), std::filesystem::perms(0660));
+    const auto second = listen_on(address);
+    ASSERT_FALSE(second);
+    EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;
+    first->sockets.clear();
+    EXPECT_TRUE(listen_on(address)) << "the file is there, but no process listens";
+  }
+  EXPECT_EQ(dir.names(), "") << "the file is removed";
+  dir.write("socket", "a file of its own");
+  EXPECT_FALSE(listen_on(address));
+  EXPECT_EQ(dir.read("socket"), "a file of its own");
 }
 
 TEST(ListeningSockets, SaysWhyItFails) {
