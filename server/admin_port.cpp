@@ -16,7 +16,7 @@ Status AdminPort::check(const ServerConfig& config) {
   if (config.admin.empty()) return {};
   const auto address = net::ListenAddress::parse(config.admin);
   if (!address) return address.error();
-  if (address->is_loopback() || config.insecure) return {};
+  if (address->is_local() || config.insecure) return {};
   return Error{Code::kInvalidArgument,
                fmt::format("the admin address {} can be reached from other machines, and has "
                            "neither encryption nor authentication: take a loopback address, or "
@@ -31,6 +31,7 @@ Status AdminPort::open() {
   auto listening = net::listen_on(*net::ListenAddress::parse(config_.admin));
   if (!listening) return listening.error();
   port_ = listening->port;
+  socket_file_ = std::move(listening->file);
   http_ = std::make_unique<admin::HttpServer>(
       std::move(listening->sockets), admin::pages(readiness_, [this] { return metrics_text(); }));
   return {};

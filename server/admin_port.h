@@ -10,6 +10,7 @@
 #include "server/admin/readiness.h"
 #include "server/config.h"
 #include "server/metrics/metrics.h"
+#include "server/net/listening_sockets.h"
 #include "server/state_metrics.h"
 
 namespace sightline::server {
@@ -31,7 +32,7 @@ class AdminPort {
   /// bound), as check().
   Status open();
 
-  std::uint16_t port() const { return port_; }  ///< The bound port; 0 if there is none.
+  std::uint16_t port() const { return port_; }  ///< The bound port; 0: none, or a Unix socket.
 
  private:
   std::string metrics_text() const;
@@ -41,6 +42,7 @@ class AdminPort {
   const StateMetrics& state_;
   admin::Readiness readiness_;
   std::uint16_t port_ = 0;
+  net::SocketFile socket_file_;
   std::unique_ptr<admin::HttpServer> http_;
 };
 

@@ -61,16 +61,12 @@ void add_choice(CLI::App& app, const std::string& flag, const std::map<std::stri
 void add_security_flags(CLI::App& app, ServerConfig& config) {
   app.add_flag("--insecure", config.insecure,
                "Allow an address that other machines can reach without TLS");
-  CLI::Option* const certificate = app.add_option(
+  app.add_option(
       "--tls-cert", config.tls.certificate,
       "Certificate of the server, then those of its issuers (PEM); read again when it changes");
-  CLI::Option* const key =
-      app.add_option("--tls-key", config.tls.key, "Private key of the certificate (PEM)")
-          ->needs(certificate);
-  certificate->needs(key);
+  app.add_option("--tls-key", config.tls.key, "Private key of the certificate (PEM)");
   app.add_option("--tls-client-ca", config.tls.client_ca,
-                 "Clients need a certificate that one of these has signed (PEM)")
-      ->needs(certificate);
+                 "Clients need a certificate that one of these has signed (PEM)");
   app.add_option("--tokens", config.tokens,
                  "Clients need a token of which this TOML file has the hash; read again when it "
                  "changes");
@@ -88,7 +84,7 @@ void add_time(CLI::App& app, const std::string& flag, Duration& time, const std:
 
 void add_operations_flags(CLI::App& app, ServerConfig& config) {
   app.add_option("--admin", config.admin,
-                 "HOST:PORT of /livez, /readyz and /metrics over HTTP; port 0 picks one")
+                 "HOST:PORT or unix:PATH of /livez, /readyz and /metrics over HTTP; port 0 picks one")
       ->check(CLI::Validator(check_address, "HOST:PORT"));
   app.add_flag("--metrics-per-scene", config.metrics_per_scene,
                "Metrics with a label for each scene");

@@ -51,7 +51,8 @@ constexpr std::chrono::milliseconds kEndAfterDrain{500};
 /// Says whether a server would start with these settings. Returns the program's exit code.
 int check(const CommandLine& line) {
   for (const std::string& note : line.notes) std::fprintf(stderr, "sightlined: %s\n", note.c_str());
-  const auto good = Server::check(line.config);
+  auto good = Server::check(line.config);
+  if (good) good = Server::check_files(line.config);
   if (good) {
     std::puts("sightlined: the settings are good");
     return 0;
@@ -62,10 +63,14 @@ int check(const CommandLine& line) {
 
 /// Runs the server until a signal arrives. Returns the program's exit code.
 int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog) {
+  if (const auto good = Server::check(config); !good) {
+    std::fprintf(stderr, "sightlined: %s\n", good.error().message.c_str());
+    return kUsageExit;
+  }
   auto started = Server::start(config);
   if (!started) {
     std::fprintf(stderr, "sightlined: %s\n", started.error().message.c_str());
-    return started.error().reason == "INSECURE_ADDRESS" ? kUsageExit : 1;
+    return 1;
   }
   // Not destroyed: that waits until oneTBB's threads have left the server's arenas. They yield
   // while they look for work, and on a busy core that takes seconds.

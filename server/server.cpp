@@ -314,8 +314,16 @@ void Server::Parts::close_idle(std::stop_token stop) {
 }
 
 Status Server::check(const ServerConfig& config) {
+  if (const Status good = config.tls.check(); !good) return good;
   if (const auto address = check_listen(config); !address) return address.error();
   return AdminPort::check(config);
+}
+
+Status Server::check_files(const ServerConfig& config) {
+  if (const auto tls = make_tls(config.tls); !tls) return tls.error();
+  const bool certified = !config.tls.client_ca.empty();
+  const auto authenticator = security::Authenticator::make(config.tokens, certified);
+  return authenticator ? Status() : Status(authenticator.error());
 }
 
 Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {

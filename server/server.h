@@ -12,6 +12,8 @@ class Server {
  public:
   /// What start() checks before it does anything. Errors: kInvalidArgument.
   static Status check(const ServerConfig& config);
+  /// Whether certificates and tokens can be read. Errors: as start().
+  static Status check_files(const ServerConfig& config);
 
   /// The server accepts calls when this returns. Errors: kInvalidArgument (not an address, one that
   /// other machines can reach without TLS or `insecure`, or bad certificates or tokens),

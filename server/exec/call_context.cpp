@@ -14,6 +14,10 @@ class Allocator final : public grpc::ContextAllocator {
   grpc::CallbackServerContext* NewCallbackServerContext() override {
     return new CallContext(calls_);
   }
+  /// Of methods that do not exist.
+  grpc::GenericCallbackServerContext* NewGenericCallbackServerContext() override {
+    return new grpc::GenericCallbackServerContext();
+  }
   void Release(grpc::CallbackServerContext* context) override { delete context; }
   void Release(grpc::GenericCallbackServerContext* context) override { delete context; }
 

@@ -51,6 +51,13 @@ std::chrono::sys_seconds expiry_of(const X509& certificate) {
 
 }  // namespace
 
+Status CertificateFiles::check() const {
+  if (certificate.empty() == key.empty() && (client_ca.empty() || !certificate.empty())) return {};
+  return Error{Code::kInvalidArgument,
+               "--tls-cert and --tls-key need each other, and --tls-client-ca needs both",
+               "CERTIFICATE_AND_KEY"};
+}
+
 Result<Certificates> Certificates::read(const CertificateFiles& files) {
   auto chain = read_file(files.certificate, kMaxFile);
   if (!chain) return chain.error();

@@ -16,6 +16,9 @@ struct CertificateFiles {
   std::filesystem::path client_ca;    ///< Of clients, each of which needs one then. May be empty.
 
   bool empty() const { return certificate.empty(); }
+  /// Whether they belong together. Errors: kInvalidArgument, reason CERTIFICATE_AND_KEY (one
+  /// without the other, or `client_ca` without them).
+  Status check() const;
 };
 
 /// What the files hold, as PEM.

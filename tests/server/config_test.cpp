@@ -214,9 +214,6 @@ TEST(CommandLine, AnyMistakeIsAUsageError) {
                                                        {"--log-level", "loud"},
                                                        {"--policy"},
                                                        {"--listen", "unix:"},
-                                                       {"--tls-cert", "c"},
-                                                       {"--tls-key", "k"},
-                                                       {"--tls-client-ca", "a"},
                                                        {"--tokens"},
                                                        {"--max-prefetches", "65"}};
   for (const auto& flags : mistakes) {

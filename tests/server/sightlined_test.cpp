@@ -181,6 +181,8 @@ TEST_F(Sightlined, ReportsWhyItDoesNotStart) {
   expect_end({"--listen", "127.0.0.1:0", "--port-file", root_ / "none" / "port"}, 1, "port file");
   expect_end({"--listen", "127.0.0.1:0", "--tokens", root_ / "none"}, 1, (root_ / "none").string());
   expect_end({"--listen", "127.0.0.1:0", "--tokens", root_ / "file"}, 1, "line 1");
+  expect_end({"--tls-cert", "c"}, 2, "need each other");
+  expect_end({"--tls-client-ca", "a"}, 2, "needs both");
   expect_end({"--tls-cert", root_ / "none", "--tls-key", root_ / "file"}, 1,
              (root_ / "none").string());
   expect_end({"--tls-cert", root_ / "file", "--tls-key", root_ / "file"}, 1, "no certificate");

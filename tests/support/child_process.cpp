@@ -9,7 +9,9 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 
 namespace sightline::tests {
@@ -142,6 +144,11 @@ std::uint64_t ChildProcess::resident_bytes() const {
   std::uint64_t size = 0, resident = 0;
   std::ifstream("/proc/" + std::to_string(pid_) + "/statm") >> size >> resident;
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t ChildProcess::open_files() const {
+  const std::filesystem::directory_iterator files("/proc/" + std::to_string(pid_) + "/fd");
+  return static_cast<std::uint64_t>(std::distance(begin(files), end(files)));
 }
 
 }  // namespace sightline::tests
