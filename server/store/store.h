@@ -150,7 +150,7 @@ class Store {
   // --- The update log.
 
   /// Called once, on the store's own thread: success once the batch is durable. Must be short, must
-  /// not throw, and must not call members that wait for the disk; append() is allowed.
+  /// not throw, and may call no other member of the store than append().
   using Done = std::function<void(const Status& committed)>;
 
   /// Queues a batch. Batches are committed, and `done` called, in the order of the calls. Batches

@@ -35,9 +35,10 @@ scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtre
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
-server/net                  server/exec accel/result
+server/net/descriptor
+server/net                  server/net/descriptor server/exec accel/result
 server/blobs/digest         server/exec accel/result
-server/store                server/exec server/blobs/digest accel/result
+server/store                server/exec server/net/descriptor server/blobs/digest accel/result
 server/blobs                server/exec server/store server/blobs/digest
                             scenegraph/model accel/result accel/geometry
 server/scenes               server/exec server/store server/blobs server/blobs/digest
