@@ -108,6 +108,7 @@ std::string policy_name(scenegraph::Growth policy) {
 std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv) {
   CommandLine line;
   CLI::App app("sightlined: answers ray queries against scenes over gRPC", "sightlined");
+  app.footer("sightlined doctor DIR [--repair] examines a data directory.");
   add_flags(app, line);
   try {
     app.parse(argc, argv);

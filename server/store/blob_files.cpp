@@ -69,7 +69,7 @@ Status BlobFiles::write(const Fresh& fresh, std::span<const std::byte> bytes) {
   return files_.write(fresh.file, bytes, fresh.path);
 }
 
-Status BlobFiles::place(Fresh& fresh, const blobs::BlobDigest& digest) {
+Status BlobFiles::publish(Fresh& fresh, const blobs::BlobDigest& digest) {
   if (Status synced = files_.sync(fresh.file, fresh.path); !synced) return synced;
   const Path named = path_of(digest);
   if (Status renamed = files_.rename(fresh.path, named); !renamed) return renamed;

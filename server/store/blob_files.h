@@ -23,7 +23,7 @@ class BlobFiles {
  public:
   using Path = std::filesystem::path;
 
-  /// A file that is being written. It has no name that counts before place().
+  /// A file that is being written. It has no name that counts before publish().
   struct Fresh {
     Path path;
     net::Descriptor file;
@@ -41,8 +41,8 @@ class BlobFiles {
   Result<Fresh> create();
   Status write(const Fresh& fresh, std::span<const std::byte> bytes);
   /// Brings the file to the disk, gives it its name and brings the name to the disk.
-  Status place(Fresh& fresh, const blobs::BlobDigest& digest);
-  /// Removes a file that will not be placed.
+  Status publish(Fresh& fresh, const blobs::BlobDigest& digest);
+  /// Removes a file that will not be published.
   void abandon(Fresh& fresh);
 
   /// Errors: also kDataLoss (BLOB_CORRUPT: missing, or of another size).

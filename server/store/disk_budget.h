@@ -26,11 +26,20 @@ class DiskBudget {
   /// Of stored blobs.
   void add_blob(std::uint64_t bytes) { blobs_ += bytes; }
   void remove_blob(std::uint64_t bytes) { blobs_ -= bytes; }
-  /// Blobs that are being written, until they are stored or abandoned.
+  /// A blob that will be written.
   void reserve(std::uint64_t bytes) { reserved_ += bytes; }
-  void release(std::uint64_t bytes) { reserved_ -= bytes; }
+  /// Of what was reserved, bytes that are written now.
+  void wrote(std::uint64_t bytes) {
+    fresh_ += bytes;
+    reserved_ -= bytes;
+  }
+  /// The blob is stored or abandoned: what was written of it, and what was not.
+  void release(std::uint64_t written, std::uint64_t unwritten) {
+    fresh_ -= written;
+    reserved_ -= unwritten;
+  }
 
-  std::uint64_t used() const { return database_ + blobs_; }
+  std::uint64_t used() const { return database_ + blobs_ + fresh_; }
   std::uint64_t free() const;
 
  private:
@@ -39,7 +48,8 @@ class DiskBudget {
   const StoreLimits& limits_;
   std::atomic<std::uint64_t> database_{0};
   std::atomic<std::uint64_t> blobs_{0};
-  std::atomic<std::uint64_t> reserved_{0};
+  std::atomic<std::uint64_t> fresh_{0};     // of blobs that are not stored yet
+  std::atomic<std::uint64_t> reserved_{0};  // of the same, not written yet
 };
 
 }  // namespace sightline::server::store

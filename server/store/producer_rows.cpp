@@ -32,7 +32,7 @@ Status insert_commit(Database& database, SceneId scene, const ProducerCommit& co
   Status done = database.execute(
       "INSERT INTO producer(scene, name, last_committed) VALUES(?, ?, ?) ON CONFLICT DO UPDATE "
       "SET last_committed = excluded.last_committed "
-      "WHERE excluded.last_committed > last_committed",
+      "WHERE excluded.last_committed > producer.last_committed",
       scene, commit.producer, commit.sequence);
   if (!done) return done;
   if (database.changes() == 0) {

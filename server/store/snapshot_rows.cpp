@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/store/blob_rows.h"
 #include "server/store/checksum.h"
 #include "server/store/errors.h"
@@ -41,10 +43,16 @@ Result<std::int64_t> begin_snapshot(Database& database, SceneId scene, std::uint
   const auto record = find_scene(database, scene);
   if (!record) return record.error();
   if (Status good = check_range(*record, revision); !good) return good.error();
-  const Status inserted = database.execute(
+  Status done = database.execute(
+      "UPDATE snapshot SET state = 2 WHERE scene = ? AND revision = ? AND state = 0", scene,
+      revision);
+  if (done && database.changes() > 0)
+    done = database.execute("UPDATE scene SET garbage = 1 WHERE id = ?", scene);
+  if (!done) return done.error();
+  done = database.execute(
       "INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0) ON CONFLICT DO NOTHING", scene,
       revision);
-  if (!inserted) return inserted.error();
+  if (!done) return done.error();
   if (database.changes() == 0) {
     return Error{Code::kAlreadyExists, fmt::format("there is a snapshot of revision {}", revision),
                  "SNAPSHOT_EXISTS"};
@@ -88,7 +96,12 @@ Status complete_snapshot(Database& database, std::int64_t snapshot) {
   const auto record = find_scene(database, scene);
   if (!record) return record.error();
   if (Status good = check_range(*record, revision); !good) return good;
-  return database.execute("UPDATE snapshot SET state = 1 WHERE id = ?", snapshot);
+  Status done =
+      database.execute("UPDATE snapshot SET state = 1 WHERE id = ? AND state = 0", snapshot);
+  if (!done || database.changes() > 0) return done;
+  return Error{Code::kAborted,
+               fmt::format("another call stores the snapshot of revision {}", revision),
+               "SNAPSHOT_SUPERSEDED"};
 }
 
 Status abandon_snapshot(Database& database, std::int64_t snapshot) {

@@ -14,14 +14,16 @@ namespace sightline::server::store {
 
 /// Errors of all: as Database::error().
 
-/// The row of a snapshot that is being written. Errors: also those of Store::put_snapshot().
+/// The row of a snapshot that is being written. An unfinished one of the revision becomes garbage.
+/// Errors: also those of Store::put_snapshot().
 Result<std::int64_t> begin_snapshot(Database& database, SceneId scene, std::uint64_t revision);
 /// Errors: also kFailedPrecondition (BLOB_NOT_STORED).
 Status name_blobs(Database& database, std::int64_t snapshot,
                   std::span<const blobs::BlobDigest> blobs);
 Status insert_chunk(Database& database, std::int64_t snapshot, std::uint64_t number,
                     std::string_view data);
-/// Errors: also kNotFound (the scene was removed meanwhile), kOutOfRange.
+/// Errors: also kNotFound (the scene was removed meanwhile), kOutOfRange, kAborted
+/// (SNAPSHOT_SUPERSEDED: begin_snapshot() was called again for the revision).
 Status complete_snapshot(Database& database, std::int64_t snapshot);
 /// Its rows become garbage.
 Status abandon_snapshot(Database& database, std::int64_t snapshot);

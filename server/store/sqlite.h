@@ -22,8 +22,8 @@ namespace sightline::server::store {
 /// ended or failed resets itself. Must not outlive its connection.
 class Statement {
  public:
-  /// Binds all parameters, from the first on. Bytes and text are not copied: they must live until
-  /// the statement is reset.
+  /// Binds the parameters, from the first on; values beyond the last are not used. Bytes and text
+  /// are not copied: they must live until the statement is reset.
   template <class... Values>
   Statement& bind(const Values&... values) {
     int index = 0;

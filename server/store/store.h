@@ -183,7 +183,8 @@ class Store {
   using NextChunk = std::function<Result<std::string>()>;
 
   /// Stores a snapshot. Waits for the disk after each chunk, so that batches are committed between.
-  /// `blobs`: those that it names. If it fails, nothing of it stays. Errors: kNotFound,
+  /// `blobs`: those that it names. If it fails, nothing of it stays. Of two calls for one revision
+  /// the later goes on, and the earlier ends with kAborted. Errors: kNotFound,
   /// kOutOfRange (beyond the newest revision, or older than the base), kAlreadyExists,
   /// kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
   virtual Status put_snapshot(SceneId scene, std::uint64_t revision,

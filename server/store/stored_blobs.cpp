@@ -33,7 +33,7 @@ class StoredBlobs::Writing final : public BlobWriter {
   }
   ~Writing() override {
     blobs_.files_.abandon(fresh_);
-    blobs_.budget_.release(digest_.size);
+    blobs_.budget_.release(written_, digest_.size - written_);
   }
   Writing(const Writing&) = delete;
   Writing& operator=(const Writing&) = delete;
@@ -48,6 +48,7 @@ class StoredBlobs::Writing final : public BlobWriter {
     if (Status written = blobs_.files_.write(fresh_, bytes); !written) return written;
     sum_.update(bytes);
     written_ += bytes.size();
+    blobs_.budget_.wrote(bytes.size());
     return {};
   }
 
@@ -86,7 +87,7 @@ Result<std::unique_ptr<BlobWriter>> StoredBlobs::write(const blobs::BlobDigest& 
 
 Status StoredBlobs::store(BlobFiles::Fresh& fresh, const blobs::BlobDigest& digest) {
   const std::shared_lock lock(removing_);
-  if (Status placed = files_.place(fresh, digest); !placed) return placed;
+  if (Status published = files_.publish(fresh, digest); !published) return published;
   bool is_new = false;
   const auto now = std::chrono::system_clock::now();
   Status done = writer_.perform([&](Database& database) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <exception>
 #include <future>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -75,15 +76,20 @@ Status Writer::submit(Run run, Done done, std::uint64_t bytes) {
 }
 
 Status Writer::perform(const Run& run) {
-  std::promise<Status> promise;
+  // Shared, as the writer may still be in set_value() when the caller goes on.
+  const auto outcome = std::make_shared<std::promise<Status>>();
   {
     const std::lock_guard lock(mutex_);
-    queue_.push_back(
-        {run, [&](const Status& status) { promise.set_value(status); }, 0, false, {}, false});
+    queue_.push_back({run,
+                      [outcome](const Status& status) { outcome->set_value(status); },
+                      0,
+                      false,
+                      {},
+                      false});
     ++entered_;
   }
   queued_.notify_one();
-  return promise.get_future().get();
+  return outcome->get_future().get();
 }
 
 void Writer::flush() {
@@ -238,9 +244,12 @@ Status Writer::heal() {
 /// A checkpoint that fails is tried again later: the log still has everything. It does not wait for
 /// readers: the log begins anew when there is none.
 void Writer::checkpoint() {
-  if (unhealed_ || log_pages_ < kCheckpointPages) return;
-  sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr,
-                            nullptr);
+  if (unhealed_ || (log_pages_ < kCheckpointPages && !tight_)) return;
+  int pages = 0;
+  int moved = 0;
+  const int code = sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                             &pages, &moved);
+  if (code == SQLITE_OK && pages == moved) log_pages_ = 0;
 }
 
 void Writer::measure() {
