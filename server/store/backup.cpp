@@ -45,6 +45,7 @@ Status link_blobs(FileSystem& files, const BlobFiles& from, const BlobFiles& to,
   for (const BlobRow& row : rows) {
     const auto target = to.path_of(row.digest);
     Status linked = files.link_or_copy(from.path_of(row.digest), target);
+    if (!linked && linked.error().reason == "FILE_MISSING") continue;  // lost before
     if (!linked) return linked;
     directories.insert(target.parent_path());
   }

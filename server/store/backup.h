@@ -9,8 +9,8 @@
 
 namespace sightline::server::store {
 
-/// As SqliteStore::backup(). `from` may be in use by this process. No blob may be removed
-/// meanwhile.
+/// As SqliteStore::backup(). `from` may be in use by this process; no blob may be removed
+/// meanwhile. A blob whose file is missing is left out, as a finding for the doctor.
 Status copy_store(const DataDirectory& from, const BlobFiles& blobs,
                   const std::filesystem::path& to);
 

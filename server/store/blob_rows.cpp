@@ -9,7 +9,7 @@
 namespace sightline::server::store {
 namespace {
 
-std::span<const std::byte> bytes_of(const blobs::BlobDigest& digest) {
+std::span<const std::byte> sum_of(const blobs::BlobDigest& digest) {
   return std::as_bytes(std::span(digest.sum));
 }
 
@@ -30,12 +30,12 @@ BlobRow read_row(const Statement& row) {
 Status insert_blob(Database& database, const blobs::BlobDigest& digest,
                    std::chrono::system_clock::time_point now) {
   return database.execute(
-      "INSERT INTO blob(sum, size, stored) VALUES(?, ?, ?) ON CONFLICT DO NOTHING",
-      bytes_of(digest), digest.size, to_milliseconds(now));
+      "INSERT INTO blob(sum, size, stored) VALUES(?, ?, ?) ON CONFLICT DO NOTHING", sum_of(digest),
+      digest.size, to_milliseconds(now));
 }
 
 Result<std::optional<std::int64_t>> find_blob(Database& database, const blobs::BlobDigest& digest) {
-  return database.number("SELECT id FROM blob WHERE sum = ? AND size = ?", bytes_of(digest),
+  return database.number("SELECT id FROM blob WHERE sum = ? AND size = ?", sum_of(digest),
                          digest.size);
 }
 

@@ -28,6 +28,10 @@ Error failed(std::string_view action, const fs::path& path) {
   return file_error(action, path, errno);
 }
 
+Error missing(const fs::path& file) {
+  return {Code::kNotFound, "there is no file " + file.string(), "FILE_MISSING"};
+}
+
 /// Calls again what a signal has interrupted.
 template <class Call>
 auto repeat(const Call& call) {
@@ -127,6 +131,7 @@ class LocalFiles final : public FileSystem {
 
   Status link_or_copy(const Path& from, const Path& to) override {
     if (::link(from.c_str(), to.c_str()) == 0) return {};
+    if (errno == ENOENT && !exists(from)) return missing(from);
     if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP)
       return failed("link a file to", to);
     const auto mapped = map(from);
@@ -140,8 +145,7 @@ class LocalFiles final : public FileSystem {
   Result<std::unique_ptr<MappedFile>> map(const Path& file) override {
     const net::Descriptor opened(
         repeat([&] { return ::open(file.c_str(), O_RDONLY | O_CLOEXEC); }));
-    if (!opened && errno == ENOENT)
-      return Error{Code::kNotFound, "there is no file " + file.string(), "FILE_MISSING"};
+    if (!opened && errno == ENOENT) return missing(file);
     struct stat state {};
     if (!opened || ::fstat(opened.number(), &state) != 0) return failed("open", file);
     const auto size = static_cast<std::size_t>(state.st_size);

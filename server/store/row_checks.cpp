@@ -39,7 +39,7 @@ Status check_references(Database& database, Findings& findings) {
 }
 
 /// Revisions from the base to the newest, each once and with its checksum.
-Status check_log(Database& database, const SceneRecord& scene, Findings& findings) {
+Status check_revisions(Database& database, const SceneRecord& scene, Findings& findings) {
   std::uint64_t next = scene.base + 1;
   const auto report_gap = [&](std::uint64_t end) {
     if (next < end) {
@@ -99,7 +99,7 @@ Status check_snapshots(Database& database, const SceneRecord& scene, Findings& f
 }
 
 Status check_scene(Database& database, const SceneRecord& scene, Findings& findings) {
-  Status checked = record_corruption(check_log(database, scene, findings), findings);
+  Status checked = record_corruption(check_revisions(database, scene, findings), findings);
   if (checked) checked = record_corruption(check_snapshots(database, scene, findings), findings);
   if (!checked) return checked;
   if (const auto answers = read_answers(database, scene.id); !answers)

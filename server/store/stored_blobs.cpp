@@ -202,15 +202,16 @@ Status StoredBlobs::remove_rows(std::span<const BlobRow> rows, Clock::time_point
   });
 }
 
-/// A file that is left over by a crash is an orphan, which the doctor removes.
+/// A file that a crash or an error leaves is an orphan, which the doctor removes.
 Result<std::uint64_t> StoredBlobs::remove_some(std::span<const BlobRow> rows,
                                                Clock::time_point since) {
   const std::lock_guard lock(removing_);
   std::vector<blobs::BlobDigest> removed;
   if (Status done = remove_rows(rows, since, removed); !done) return done.error();
   std::uint64_t bytes = 0;
+  Status files_removed;
   for (const blobs::BlobDigest& digest : removed) {
-    if (Status done = files_.remove(digest); !done) return done.error();
+    if (Status done = files_.remove(digest); !done) files_removed = done;
     bytes += digest.size;
     budget_.remove_blob(digest.size);
     const std::lock_guard state_lock(mutex_);
@@ -218,6 +219,7 @@ Result<std::uint64_t> StoredBlobs::remove_some(std::span<const BlobRow> rows,
     totals_.bytes -= digest.size;
     states_.erase(digest);
   }
+  if (!files_removed) return files_removed.error();
   return bytes;
 }
 

@@ -40,7 +40,7 @@ TEST(Backup, IsTakenWhileBatchesAreCommitted) {
   std::atomic<bool> ending{false};
   std::atomic<std::uint64_t> committed{1};
   std::thread writer([&] {
-    for (; !ending; ++committed) ASSERT_TRUE(append(*store, scene, committed, "u").ok());
+    for (; !ending; ++committed) EXPECT_TRUE(append(*store, scene, committed, "u").ok());
   });
   while (committed < 5) std::this_thread::yield();
   const std::uint64_t before = committed;
@@ -62,6 +62,18 @@ TEST(Backup, IsTakenWhileBatchesAreCommitted) {
   EXPECT_EQ(log_of(*restored, scene)->size(), revision);
   EXPECT_EQ(*tests::load_blob(*restored, digest_of_blob(bytes)), bytes);
   EXPECT_TRUE(append(*restored, scene, revision, "u").ok());
+}
+
+TEST(Backup, LeavesOutABlobWhoseFileIsMissing) {
+  const Directory directory;
+  const auto store = open_store(directory.path() / "store");
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(tests::store_blob(*store, blob_bytes(i)).ok());
+  const BlobFiles files(local_files(), directory.path() / "store");
+  std::filesystem::remove(files.path_of(digest_of_blob(blob_bytes(0))));
+  ASSERT_TRUE(store->backup(directory.path() / "copy").ok());
+  const auto copy = open_store(directory.path() / "copy");
+  EXPECT_EQ(reason_of(copy->blob(digest_of_blob(blob_bytes(0)))), "BLOB_CORRUPT");
+  EXPECT_EQ(*tests::load_blob(*copy, digest_of_blob(blob_bytes(1))), blob_bytes(1));
 }
 
 TEST(Backup, IsRefusedWhereThereIsNone) {
