@@ -25,6 +25,9 @@ namespace {
 /// Blobs that a snapshot names in one transaction.
 constexpr std::size_t kNamedAtOnce = 1024;
 
+/// Bytes that the disk must have left for the next write.
+constexpr std::uint64_t kLeastWrite = 4096;
+
 /// About the bytes that a batch writes.
 std::uint64_t bytes_of(const Batch& batch) {
   constexpr std::uint64_t kRow = 64;
@@ -237,7 +240,7 @@ const StoreLimits& SqliteStore::limits() const { return parts_->limits; }
 
 Status SqliteStore::writable() {
   if (Status last = parts_->writer.last(); !last) return last;
-  return parts_->budget.admit(0);
+  return parts_->budget.admit(kLeastWrite);
 }
 
 Status SqliteStore::backup(const std::filesystem::path& directory) {

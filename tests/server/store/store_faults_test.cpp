@@ -143,7 +143,7 @@ bool run_once(const std::filesystem::path& empty_store, int call, int number, bo
   reasons.insert(work.reasons().begin(), work.reasons().end());
   store->reset();
   const std::string failed = files.failed();
-  table[failed].insert(reasons.begin(), reasons.end());
+  if (!failed.empty()) table[failed].insert(reasons.begin(), reasons.end());
   expect_whole(path);
   return !failed.empty();
 }
@@ -165,7 +165,7 @@ TEST_P(EachCallFails, AndNothingIsLost) {
   for (const auto& [name, reasons] : table) {
     std::string all;
     for (const std::string& reason : reasons) all += " " + reason;
-    fmt::print("{:<22}{}\n", name.empty() ? "(none)" : name, all);
+    fmt::print("{:<22}{}\n", name, all);
   }
 }
 
