@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -39,16 +40,41 @@ struct ApplyOptions {
   model::ChargeBytes charge = {};
   /// Once it is true, the batch soon ends with kCancelled and is not applied. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
+  /// Whether readers see the revision at once. If not, publish_next() shows it later.
+  bool publish = true;
+};
+
+/// A scene as it is written down: all nodes at one revision.
+struct SceneContent {
+  std::uint64_t revision = 0;
+  model::NodeId next_id = 1;
+  /// Each after its parent; children of one parent in their order. `children` and `entered` are
+  /// not used.
+  std::vector<model::Node> nodes;
+};
+
+/// A revision, and the node id that the next new node gets.
+struct SceneState {
+  std::shared_ptr<const revision::Snapshot> snapshot;
+  model::NodeId next_id = 1;
 };
 
 class Scene {
  public:
   Scene();
 
-  /// The newest revision. Never waits for a writer. Threads: any.
-  std::shared_ptr<const revision::Snapshot> snapshot() const;
+  /// Begins at this revision. Call it before any other member. Errors: kDataLoss, if the content
+  /// is not that of a scene.
+  Status restore(SceneContent content);
 
-  /// Applies the whole batch, or leaves the scene as it was. Threads: any; one writer at a time.
+  /// The newest published revision. Never waits for a writer. Threads: any.
+  std::shared_ptr<const revision::Snapshot> snapshot() const { return state().snapshot; }
+  SceneState state() const;
+  /// The newest revision that was applied: what the next batch changes. Waits for a writer.
+  std::shared_ptr<const revision::Snapshot> head() const;
+
+  /// Applies the whole batch to the head, or leaves the scene as it was. Threads: any; one writer
+  /// at a time. Where there are revisions that wait for publish_next(), `publish` must be false.
   /// Errors name the update's index in the batch: kNotFound (unknown node or parent),
   /// kInvalidArgument (cycle, singular or non-finite matrix, name too long, depth over kMaxDepth,
   /// counts that disagree), kFailedPrecondition (delete of a node with children), kCancelled, and
@@ -56,10 +82,16 @@ class Scene {
   Result<Applied> apply(const std::vector<model::Update>& updates,
                         const ApplyOptions& options = {});
 
+  /// Publishes the oldest revision that is not published; there must be one. Threads: any.
+  void publish_next() noexcept;
+  /// Drops all revisions that are not published: the head is snapshot() again. Threads: any.
+  void drop_unpublished() noexcept;
+
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the
   /// current revision again, under the same number, since its content is the same. Does nothing if
-  /// another thread does the same, or if no ray has opened the static tree. Threads: any.
+  /// another thread does the same, if no ray has opened the static tree, or if that tree is replaced
+  /// meanwhile. Threads: any.
   void rebuild_static();
 
   /// Begins new trees, of the scene and of its meshes, and publishes the current revision again:
@@ -69,14 +101,17 @@ class Scene {
   std::uint64_t drop_trees();
 
  private:
-  void publish(std::shared_ptr<const revision::Snapshot> next);
+  SceneState newest() const { return unpublished_.empty() ? state() : unpublished_.back(); }
+  void set_published(SceneState next) noexcept;
+  template <class Renew>
+  void renew_trees(const Renew& renew);
 
-  std::mutex writer_;
+  mutable std::mutex writer_;
   revision::SettlePolicy settle_policy_;  // guarded by writer_
+  std::deque<SceneState> unpublished_;         // guarded by writer_; oldest first
   std::mutex rebuilding_;
-  mutable std::mutex current_mutex_;  // held for one pointer copy
-  std::shared_ptr<const revision::Snapshot> current_;
-  model::NodeId next_id_ = 1;
+  mutable std::mutex published_mutex_;  // held for one copy
+  SceneState published_;
 };
 
 }  // namespace sightline::scenegraph

@@ -210,6 +210,7 @@ std::variant<CommandLine, int> parse_command_line(int argc, const char* const* a
   CommandLine line;
   Requests requests;
   CLI::App app("sightlined: answers ray queries against scenes over gRPC", "sightlined");
+  app.footer("sightlined doctor DIR [--repair] examines a data directory.");
   add_flags(app, line);
   add_requests(app, line, requests);
   try {

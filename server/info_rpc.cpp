@@ -9,6 +9,7 @@
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
+#include "server/durable/sweeper.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/rpc_status.h"
@@ -25,6 +26,7 @@
 #include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/scene_store.h"
+#include "server/store/limits.h"
 #include "server/updates/producer_messages.h"
 #include "server/updates/scene_rpc.h"
 #include "server/updates/update_codec.h"
@@ -82,6 +84,20 @@ void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info)
   info.set_retry_delay_ms(milliseconds(exec::kRetryDelay));
 }
 
+void describe_storage(const ServerConfig& config, v1::GetServerInfoResponse& info) {
+  if (config.data_dir.empty()) return;
+  info.add_features("durable");
+  const store::StoreLimits limits;
+  v1::StorageLimits& storage = *info.mutable_storage();
+  storage.set_max_log_revisions(limits.log_revisions);
+  storage.set_max_log_bytes(limits.log_bytes);
+  storage.set_max_disk_bytes(limits.disk_bytes);
+  storage.set_min_free_disk_bytes(limits.min_free_disk);
+  storage.set_max_batches_in_flight(limits.batches_in_flight);
+  storage.set_max_batch_bytes_in_flight(limits.bytes_in_flight);
+  storage.set_mesh_grace_ms(milliseconds(durable::kBlobGrace));
+}
+
 void describe_requests(v1::GetServerInfoResponse& info) {
   info.set_max_scenes(scenes::SceneStore::kMaxScenes);
   info.set_max_nodes_per_patch(static_cast<std::uint32_t>(updates::kMaxNodesPerPatch));
@@ -108,6 +124,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "prefetch",
                               "updates.stream",
                               "updates.coalesced",
+                              "updates.durability",
                               "updates.request-id",
                               "watch",
                               "consistency",
@@ -145,6 +162,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
   info.set_max_request_ids(scenes::AnswerLimits().answers);
   info.set_max_producers(scenes::kMaxProducers);
   describe_memory(config, info);
+  describe_storage(config, info);
   describe_calls(config, info);
   describe_requests(info);
   info.set_max_connections(static_cast<std::uint32_t>(max_connections));

@@ -9,9 +9,11 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "server/config.h"
+#include "server/doctor_command.h"
 #include "server/exec/arena_priority.h"
 #include "server/logging.h"
 #include "server/server.h"
@@ -88,6 +90,7 @@ int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (argc > 1 && std::string_view(argv[1]) == "doctor") return run_doctor(argc - 1, argv + 1);
   const auto parsed = parse_command_line(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);

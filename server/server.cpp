@@ -12,6 +12,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -23,6 +24,9 @@
 #include "server/blobs/blob_rpc.h"
 #include "server/blobs/blob_store.h"
 #include "server/config.h"
+#include "server/durable/open_store.h"
+#include "server/durable/store_keeper.h"
+#include "server/durable/sweeper.h"
 #include "server/exec/call_context.h"
 #include "server/exec/call_registry.h"
 #include "server/exec/executors.h"
@@ -46,6 +50,7 @@
 #include "server/security/tls.h"
 #include "server/state_files.h"
 #include "server/state_metrics.h"
+#include "server/store/store.h"
 #include "server/updates/scene_rpc.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
@@ -115,7 +120,8 @@ void log_open_doors(const ServerConfig& config, const net::ListenAddress& addres
 /// In order of construction. A member uses only members before it and is destroyed before them.
 struct Server::Parts {
   Parts(const ServerConfig& c, std::unique_ptr<security::Tls> made_tls,
-        std::unique_ptr<security::Authenticator> made_authenticator)
+        std::unique_ptr<security::Authenticator> made_authenticator,
+        std::unique_ptr<store::Store> disk)
       : config(c),
         tls(std::move(made_tls)),
         authenticator(std::move(made_authenticator)),
@@ -151,11 +157,16 @@ struct Server::Parts {
                  .when_full = "{} uploads are open on the server",
                  .full_reason = "TOO_MANY_UPLOADS",
                  .gives_way = exec::kIdleGivesWay}),
-        scenes(memory),
-        blobs(memory),
+        store(std::move(disk)),
+        blobs(memory, {}, store.get()),
+        keeper(store == nullptr ? nullptr
+                                : std::make_unique<durable::StoreKeeper>(
+                                      durable::StoreParts{*store, blobs, compute})),
+        scenes(memory, keeper.get()),
         reclaimer(memory, scenes, blobs),
         compute(c.threads) {
     memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
+    if (store != nullptr) sweeper.emplace(durable::StoreParts{*store, blobs, compute});
   }
 
   const ServerConfig config;
@@ -170,10 +181,21 @@ struct Server::Parts {
   exec::OpenRpcs open_rpcs;
   exec::RefusalPace refusal_pace{ServerConfig::kMaxCallsPerConnection};
   exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
-  scenes::SceneStore scenes;
+  const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
   blobs::BlobStore blobs;
+  const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
+  scenes::SceneStore scenes;
+  std::optional<durable::Sweeper> sweeper;  // with a store
   scenes::Reclaimer reclaimer;
   exec::Compute compute;
+  /// The store reports to tasks until nothing is under way any more.
+  struct FlushedStore {
+    store::Store* store;
+    ~FlushedStore() {
+      if (store != nullptr) store->flush();
+    }
+  };
+  const FlushedStore flushed{store.get()};
   const scenes::Services services{.scenes = scenes,
                                   .blobs = blobs,
                                   .compute = compute,
@@ -221,6 +243,8 @@ struct Server::Parts {
   Status try_to_enforce_limits() {
     for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads}) calls->end_late();
     unread.end_late();
+    scenes.retry_writes();
+    if (sweeper) sweeper->tick();
     reclaimer.measure();
     if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
     return {};
@@ -331,6 +355,8 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   const auto address = check_listen(config);
   if (!address) return address.error();
   if (const Status made = make_data_dir(config.data_dir); !made) return made.error();
+  auto disk = durable::open_store(config.data_dir);
+  if (!disk) return disk.error();
 
   static std::once_flag plugins;
   std::call_once(plugins, [] {
@@ -341,7 +367,9 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
   if (!tls) return tls.error();
   auto authenticator = security::Authenticator::make(config.tokens, !config.tls.client_ca.empty());
   if (!authenticator) return authenticator.error();
-  auto parts = std::make_unique<Parts>(config, *std::move(tls), *std::move(authenticator));
+  auto parts = std::make_unique<Parts>(config, *std::move(tls), *std::move(authenticator),
+                                       std::move(*disk));
+  if (const Status opened = parts->scenes.open(); !opened) return opened.error();
   auto listening = net::listen_on(*address);
   if (!listening) return listening.error();
   grpc::ServerBuilder builder;
@@ -359,7 +387,8 @@ Result<std::unique_ptr<Server>> Server::start(const ServerConfig& config) {
       !config.tokens.empty(), config.threads, policy_name(config.policy), config.memory_budget,
       accel::split::simd_target());
   log_open_doors(config, *address);
-  spdlog::warn("event=scenes_in_memory scenes are not kept across restarts");
+  if (config.data_dir.empty())
+    spdlog::warn("event=scenes_in_memory scenes are not kept across restarts: set --data-dir");
   return server;
 }
 
@@ -384,6 +413,7 @@ void Server::drain() {
     parts_->socket_file = {};
     const std::jthread idle([this](std::stop_token stop) { parts_->close_idle(std::move(stop)); });
     parts_->grpc->Shutdown(std::chrono::system_clock::now() + config.drain);
+    if (parts_->store != nullptr) parts_->store->flush();
     spdlog::info("event=stopped");
   });
 }

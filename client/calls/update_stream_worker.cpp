@@ -31,6 +31,7 @@ UpdateStreamWorker::UpdateStreamWorker(std::unique_ptr<v1::SceneService::Stub> s
   open.set_scene(scene);
   open.set_producer(producer);
   open.set_latest_wins(options_.latest_wins);
+  open.set_durability(options_.relaxed ? v1::DURABILITY_RELAXED : v1::DURABILITY_COMMITTED);
   thread_ = std::thread([this] { run(); });
 }
 

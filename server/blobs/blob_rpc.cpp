@@ -28,7 +28,7 @@ Status find_missing(const v1::FindMissingBlobsRequest& request, const BlobStore&
   for (const std::string& text : request.digests()) {
     const auto digest = BlobDigest::parse(text);
     if (!digest) return digest.error();
-    if (blobs.find(*digest) == nullptr) reply.add_digests(text);
+    if (!blobs.has(*digest)) reply.add_digests(text);
   }
   return {};
 }
@@ -170,8 +170,10 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadBlobRequest
     const auto digest = BlobDigest::parse(chunk_.digest());
     if (!digest) return digest.error();
     digest_text_ = chunk_.digest();
-    if (const auto mesh = blobs_.find(*digest)) {
-      report(*mesh, digest->size);
+    if (blobs_.has(*digest)) {
+      const auto mesh = blobs_.load(*digest);
+      if (!mesh) return mesh.error();
+      report(**mesh, digest->size);
       return {};
     }
     exec::Quotas::Use stored;

@@ -16,6 +16,19 @@ Error dropped(const BlobDigest& digest) {
           "UPLOAD_DROPPED"};
 }
 
+Error not_stored(const BlobDigest& digest) {
+  return {Code::kNotFound, fmt::format("there is no mesh {}", digest.text()), "BLOB_NOT_STORED"};
+}
+
+Result<BlobStore::MeshPointer> read_mesh(const BlobDigest& digest, const store::BlobBytes& blob) {
+  MeshBlobReader reader(digest.size);
+  if (const Status read = reader.append(blob.bytes()); !read)
+    return Error{Code::kDataLoss, read.error().message, "BLOB_CORRUPT"};
+  auto mesh = reader.finish();
+  if (!mesh) return Error{Code::kDataLoss, mesh.error().message, "BLOB_CORRUPT"};
+  return mesh;
+}
+
 }  // namespace
 
 Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -29,6 +42,9 @@ Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
   }
   if (Status taken = content_->reader.append(bytes); !taken) return taken;
   content_->sum.update(bytes);
+  if (content_->writer != nullptr) {
+    if (Status written = content_->writer->append(bytes); !written) return written;
+  }
   committed_ = content_->reader.received();
   if (committed_ - progress_ >= kUploadProgress || committed_ == digest_.size) {
     progress_ = committed_;
@@ -46,7 +62,10 @@ Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
                  fmt::format("the bytes that arrived are not those of {}", digest_.text()),
                  "DIGEST_MISMATCH"};
   }
-  return content_->reader.finish();
+  auto mesh = content_->reader.finish();
+  if (!mesh || content_->writer == nullptr) return mesh;
+  if (const Status kept = content_->writer->finish(); !kept) return kept.error();
+  return mesh;
 }
 
 bool Upload::drop() {
@@ -60,6 +79,67 @@ BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
   const std::lock_guard lock(mutex_);
   const auto found = meshes_.find(digest);
   return found == meshes_.end() ? nullptr : found->second.mesh;
+}
+
+bool BlobStore::has(const BlobDigest& digest) const {
+  return disk_ == nullptr ? find(digest) != nullptr : disk_->has_blob(digest);
+}
+
+Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
+  if (auto mesh = find(digest)) return mesh;
+  if (disk_ == nullptr) return not_stored(digest);
+  const auto blob = disk_->blob(digest);
+  if (!blob) return blob.error();
+  auto charge = memory_.reclaim_and_charge(exec::Held::kMeshes, digest.size);
+  if (!charge) return charge.error();
+  auto mesh = read_mesh(digest, **blob);
+  if (!mesh) return mesh.error();
+  return insert(digest, std::move(*mesh), std::move(*charge));
+}
+
+Result<BlobStore::MeshPointer> BlobStore::load_patched(const scenegraph::model::Mesh& base,
+                                                       const BlobDigest& digest) {
+  if (disk_ == nullptr) return not_stored(digest);
+  const auto blob = disk_->blob(digest);
+  if (!blob) return blob.error();
+  auto charge = memory_.reclaim_and_charge(exec::Held::kPatches, base.bytes_deformed());
+  if (!charge) return charge.error();
+  const auto mesh = read_mesh(digest, **blob);
+  if (!mesh) return mesh.error();
+  const auto vertices = (*mesh)->view().vertices;
+  return base.deformed({vertices.begin(), vertices.end()},
+                       std::make_shared<exec::MemoryAccount::Charge>(std::move(*charge)));
+}
+
+Result<BlobDigest> BlobStore::keep(const scenegraph::model::Mesh& mesh) {
+  const BlobDigest digest = digest_of(mesh);
+  if (disk_ == nullptr || disk_->has_blob(digest)) return digest;
+  auto writing = disk_->write_blob(digest);
+  if (!writing && writing.error().code == Code::kAlreadyExists) return digest;
+  if (!writing) return writing.error();
+  const Status written = write_mesh_blob(
+      mesh, [&](std::span<const std::byte> bytes) { return (*writing)->append(bytes); });
+  if (!written) return written.error();
+  if (const Status kept = (*writing)->finish(); !kept) return kept.error();
+  return digest;
+}
+
+BlobStore::MeshPointer BlobStore::insert(const BlobDigest& digest, MeshPointer mesh,
+                                         exec::MemoryAccount::Charge charge) {
+  const std::lock_guard lock(mutex_);
+  const auto [kept, is_new] = meshes_.try_emplace(digest);
+  if (is_new)
+    kept->second = {std::move(mesh), std::move(charge), next_order_++, Upload::Clock::now()};
+  return kept->second.mesh;
+}
+
+/// Null without a disk, or if the blob is there.
+Result<std::unique_ptr<store::BlobWriter>> BlobStore::writer(const BlobDigest& digest) {
+  if (disk_ == nullptr) return std::unique_ptr<store::BlobWriter>();
+  auto writing = disk_->write_blob(digest);
+  if (!writing && writing.error().code == Code::kAlreadyExists)
+    return std::unique_ptr<store::BlobWriter>();
+  return writing;
 }
 
 Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::uint64_t offset,
@@ -77,7 +157,9 @@ Result<std::shared_ptr<Upload>> BlobStore::begin(const BlobDigest& digest, std::
   }
   auto charge = memory_.reclaim_and_charge(exec::Held::kUploads, digest.size);
   if (!charge) return charge.error();
-  auto upload = std::make_shared<Upload>(digest);
+  auto writing = writer(digest);
+  if (!writing) return writing.error();
+  auto upload = std::make_shared<Upload>(digest, std::move(*writing));
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
@@ -111,18 +193,20 @@ Result<std::shared_ptr<Upload>> BlobStore::resume(const BlobDigest& digest, std:
 Result<BlobStore::MeshPointer> BlobStore::complete(const std::shared_ptr<Upload>& upload) {
   Result<MeshPointer> made = upload->finish();
   exec::Quotas::Use stored;
-  const std::lock_guard lock(mutex_);
-  const auto pending = std::find_if(pending_.begin(), pending_.end(),
-                                    [&](const Pending& one) { return one.upload == upload; });
-  if (pending != pending_.end()) stored = std::move(pending->stored);
-  erase(upload.get());
-  if (!made) return made;
-  const auto [kept, is_new] = meshes_.try_emplace(upload->digest());
-  if (is_new) {
-    kept->second = {*made, memory_.record(exec::Held::kMeshes, (*made)->bytes()), next_order_++,
-                    Upload::Clock::now(), std::move(stored)};
+  {
+    const std::lock_guard lock(mutex_);
+    const auto pending = std::find_if(pending_.begin(), pending_.end(),
+                                      [&](const Pending& one) { return one.upload == upload; });
+    if (pending != pending_.end()) stored = std::move(pending->stored);
+    erase(upload.get());
   }
-  return kept->second.mesh;
+  if (!made) return made;
+  auto charge = memory_.record(exec::Held::kMeshes, (*made)->bytes());
+  {
+    const std::lock_guard lock(mutex_);
+    quotas_.try_emplace(upload->digest(), std::move(stored));
+  }
+  return insert(upload->digest(), std::move(*made), std::move(charge));
 }
 
 void BlobStore::set_aside(const std::shared_ptr<Upload>& upload) {
@@ -144,8 +228,8 @@ void BlobStore::abandon(const std::shared_ptr<Upload>& upload) {
 }
 
 UploadStatus BlobStore::status(const BlobDigest& digest) const {
+  if (has(digest)) return {digest.size, true};
   const std::lock_guard lock(mutex_);
-  if (meshes_.contains(digest)) return {digest.size, true};
   const auto found = set_aside_of(digest);
   return {found == pending_.end() ? 0 : found->upload->committed(), false};
 }
@@ -202,8 +286,24 @@ std::optional<std::uint64_t> BlobStore::drop_unused_mesh(Unused which) {
   if (oldest == meshes_.end()) return std::nullopt;
   if (which == Unused::kStale && oldest->second.arrived > stale_since) return std::nullopt;
   dropped = std::move(oldest->second);
+  if (disk_ == nullptr) quotas_.erase(oldest->first);
   meshes_.erase(oldest);
   return dropped.mesh->tree_bytes();
+}
+
+Result<std::uint64_t> BlobStore::sweep(Upload::Clock::duration grace) {
+  std::vector<Stored> dropped;  // destroyed after the lock is released
+  return disk_->sweep(grace, [&](const BlobDigest& digest) {
+    const std::lock_guard lock(mutex_);
+    const auto found = meshes_.find(digest);
+    if (found != meshes_.end()) {
+      if (found->second.mesh.use_count() > 1) return true;
+      dropped.push_back(std::move(found->second));
+      meshes_.erase(found);
+    }
+    quotas_.erase(digest);
+    return false;
+  });
 }
 
 }  // namespace sightline::server::blobs

@@ -18,17 +18,18 @@
 #include "server/blobs/mesh_blob.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/quotas.h"
+#include "server/store/store.h"
 
 namespace sightline::server::blobs {
 
-/// One upload of a blob in progress: its bytes so far and their checksum. Threads: any, for every
-/// member.
+/// One upload of a blob in progress: its bytes so far and their checksum. With a writer, they also
+/// go to disk. Threads: any, for every member.
 class Upload {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit Upload(const BlobDigest& digest)
-      : digest_(digest), content_(std::in_place, digest.size) {}
+  explicit Upload(const BlobDigest& digest, std::unique_ptr<store::BlobWriter> writer = nullptr)
+      : digest_(digest), content_(std::in_place, digest.size, std::move(writer)) {}
 
   const BlobDigest& digest() const { return digest_; }
   std::uint64_t committed() const { return committed_.load(); }  ///< Bytes taken so far.
@@ -36,11 +37,13 @@ class Upload {
   Clock::time_point last_progress() const { return last_progress_.load(); }
 
   /// Adds the bytes at `offset`, which must equal committed().
-  /// Errors: kOutOfRange (another offset), kAborted (dropped meanwhile), as MeshBlobReader::append.
+  /// Errors: kOutOfRange (another offset), kAborted (dropped meanwhile), as MeshBlobReader::append
+  /// and BlobWriter::append.
   Status append(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  /// Makes the mesh after all bytes have arrived. Errors: kDataLoss (the bytes do not match the
-  /// digest), kAborted, as MeshBlobReader::finish.
+  /// Makes the mesh after all bytes have arrived; with a writer, it is then on disk. Errors:
+  /// kDataLoss (the bytes do not match the digest), kAborted, as MeshBlobReader::finish and
+  /// BlobWriter::finish.
   Result<std::shared_ptr<const scenegraph::model::Mesh>> finish();
 
   /// Frees the content, unless a thread uses it now. Returns whether it was freed.
@@ -48,8 +51,9 @@ class Upload {
 
  private:
   struct Content {
-    explicit Content(std::uint64_t size) : reader(size) {}
+    Content(std::uint64_t size, std::unique_ptr<store::BlobWriter> to) : reader(size), writer(std::move(to)) {}
     MeshBlobReader reader;
+    std::unique_ptr<store::BlobWriter> writer;  // null: only in memory
     Sha256 sum;
   };
 
@@ -81,24 +85,38 @@ struct UploadStatus {
   bool complete = false;
 };
 
+/// With a store, meshes are kept on disk, and those in memory are copies that can be read again.
 /// Threads: any, for every member. Two uploads of one digest are independent; the mesh of the first
 /// to complete is kept.
 class BlobStore {
  public:
   using MeshPointer = std::shared_ptr<const scenegraph::model::Mesh>;
 
-  /// Meshes, and uploads at their full size, are charged to `memory`, which outlives the store.
-  explicit BlobStore(exec::MemoryAccount& memory, BlobLimits limits = {})
-      : memory_(memory), limits_(limits) {}
+  /// Meshes, and uploads at their full size, are charged to `memory`. `disk`: null for none. Both
+  /// outlive this object.
+  explicit BlobStore(exec::MemoryAccount& memory, BlobLimits limits = {},
+                     store::Store* disk = nullptr)
+      : memory_(memory), limits_(limits), disk_(disk) {}
 
-  /// Null if there is no such mesh.
+  /// Whether load() finds the mesh. If so, it is not swept soon.
+  bool has(const BlobDigest& digest) const;
+  /// The mesh; from disk if it is not in memory. Errors: kNotFound, kResourceExhausted (the memory
+  /// budget), kDataLoss (its file is corrupt).
+  Result<MeshPointer> load(const BlobDigest& digest);
+  /// A mesh of its own: `base` with the vertices of this one on disk. Errors: as load().
+  Result<MeshPointer> load_patched(const scenegraph::model::Mesh& base, const BlobDigest& digest);
+  /// Keeps the mesh on disk, where there is one, and returns its name. Waits for the disk. Errors:
+  /// as store::Store::write_blob and BlobWriter::finish.
+  Result<BlobDigest> keep(const scenegraph::model::Mesh& mesh);
+  /// The mesh if it is in memory, else null.
   MeshPointer find(const BlobDigest& digest) const;
 
   /// Starts an upload at `offset` 0, or resumes the one that was set aside at `offset`. Of too many
   /// uploads those set aside are dropped, oldest first, then idle ones. The account may make room
   /// for it. `stored` is kept as long as the upload, and then the mesh; a resumed upload keeps what
   /// it began with. Errors: kInvalidArgument (too small for a mesh), kOutOfRange (no upload to
-  /// resume at this offset), kResourceExhausted (naming the use and the limit).
+  /// resume at this offset), kResourceExhausted (naming the use and the limit), as
+  /// store::Store::write_blob.
   Result<std::shared_ptr<Upload>> begin(const BlobDigest& digest, std::uint64_t offset,
                                         exec::Quotas::Use stored = {});
 
@@ -121,6 +139,9 @@ class BlobStore {
   /// Drops the oldest mesh that nothing uses; with kStale, unless it is fresh. Returns the bytes of
   /// its tree; nothing if there was none.
   std::optional<std::uint64_t> drop_unused_mesh(Unused which);
+  /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a disk.
+  /// Returns and errors: as store::Store::sweep().
+  Result<std::uint64_t> sweep(Upload::Clock::duration grace);
   /// Bytes of the trees of all meshes.
   std::uint64_t tree_bytes() const;
 
@@ -136,10 +157,11 @@ class BlobStore {
     exec::MemoryAccount::Charge charge;
     std::uint64_t order = 0;  // of arrival
     Upload::Clock::time_point arrived = {};
-    exec::Quotas::Use quota = {};
   };
   using PendingList = std::list<Pending>;
 
+  MeshPointer insert(const BlobDigest& digest, MeshPointer mesh, exec::MemoryAccount::Charge charge);
+  Result<std::unique_ptr<store::BlobWriter>> writer(const BlobDigest& digest);
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);
   void erase(const Upload* upload);
@@ -147,9 +169,11 @@ class BlobStore {
 
   exec::MemoryAccount& memory_;
   const BlobLimits limits_;
+  store::Store* const disk_;
   mutable std::mutex mutex_;
   PendingList pending_;  // oldest first
   std::map<BlobDigest, Stored> meshes_;
+  std::map<BlobDigest, exec::Quotas::Use> quotas_;  // of uploaded meshes that are still stored
   std::uint64_t next_order_ = 0;
 };
 

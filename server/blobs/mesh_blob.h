@@ -1,57 +1,29 @@
-// A mesh as a blob: the digest that names it, and its bytes, read as they arrive.
+// The bytes of a mesh as a blob, read as they arrive.
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "accel/geometry/triangle_mesh.h"
 #include "accel/result.h"
 #include "scenegraph/model/mesh.h"
-
-struct evp_md_ctx_st;
+#include "server/blobs/digest.h"
 
 namespace sightline::server::blobs {
 
-using Sha256Sum = std::array<std::uint8_t, 32>;
-
-/// SHA-256 of bytes that arrive in pieces.
-class Sha256 {
- public:
-  /// Throws std::bad_alloc where the library cannot give a context.
-  Sha256();
-
-  void update(std::span<const std::byte> bytes);
-  /// The sum of all bytes. Call it once, after the last update().
-  Sha256Sum finish();
-
- private:
-  struct Free {
-    void operator()(evp_md_ctx_st* context) const;
-  };
-  std::unique_ptr<evp_md_ctx_st, Free> context_;
-};
-
-/// The name of a blob, "sha256:<64 hex digits>/<size in bytes>".
-struct BlobDigest {
-  Sha256Sum sum{};
-  std::uint64_t size = 0;  ///< Bytes.
-
-  auto operator<=>(const BlobDigest&) const = default;
-
-  /// Takes only the canonical form (lower-case digits, no leading zeros), so that equal digests are
-  /// equal text. Errors: kInvalidArgument.
-  static Result<BlobDigest> parse(std::string_view text);
-  std::string text() const;
-};
-
 inline constexpr std::size_t kMeshBlobHeader = 24;  ///< Bytes before the positions.
+
+/// Calls part() with the bytes of the mesh's blob, piece after piece. Ends with the first error.
+Status write_mesh_blob(const scenegraph::model::Mesh& mesh,
+                       const std::function<Status(std::span<const std::byte>)>& part);
+
+/// The name of the mesh's blob. Cost: reads the whole mesh.
+BlobDigest digest_of(const scenegraph::model::Mesh& mesh);
 
 /// Reads the bytes of a mesh. proto/sightline/v1/blob.proto documents the layout.
 class MeshBlobReader {

@@ -48,7 +48,7 @@ Status PrefetchJob::open(const v1::PrefetchRequest& request) {
   if (has_rays_) {
     if (Status good = rays.begin(request); !good) return good;
   }
-  const auto scene = services_.scenes.get(request.scene());
+  const auto scene = services_.find_loaded(request.scene());
   if (!scene) return scene.error();
   auto quota = services_.quotas.begin_work(caller_, rays.size(), request.ByteSizeLong());
   if (!quota) return quota.error();

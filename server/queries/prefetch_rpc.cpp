@@ -33,7 +33,12 @@ class PrefetchCall final : public grpc::ServerWriteReactor<v1::PrefetchResponse>
         flow_{caller.principal, caller.connection, scene},
         job_(services, std::move(caller)) {}
 
+  /// `request` lives as long as the call.
   void start(const v1::PrefetchRequest& request) {
+    compute_.enqueue_update([this, &request] { begin(request); });
+  }
+
+  void begin(const v1::PrefetchRequest& request) {
     const Status ready = exec::to_status([&] {
       if (Status opened = job_.open(request); !opened) return opened;
       return calls_.enter(this, job_.caller(), {.on_stop = [this] { job_.cancel(); }});

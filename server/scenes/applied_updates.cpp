@@ -28,6 +28,8 @@ constexpr std::uint64_t kBytesPerNode = sizeof(Node) + 1024;
 /// A node in the newest revision: itself, its share of the maps of nodes and of summaries, its
 /// entry in its parent's list.
 constexpr std::uint64_t kBytesPerHeldNode = sizeof(Node) + 320;
+/// An empty scene.
+constexpr std::uint64_t kBytesPerScene = 4096;
 /// A group or an instance in a scene-level tree.
 constexpr std::uint64_t kBytesPerPlaced = 256;
 
@@ -174,6 +176,10 @@ Result<Needed> needed_by(const Snapshot& before,
 }
 
 std::uint64_t bytes_of_nodes(std::uint64_t nodes) { return nodes * kBytesPerHeldNode; }
+
+std::uint64_t bytes_of_scene(std::uint64_t nodes, std::uint64_t names) {
+  return kBytesPerScene + bytes_of_nodes(nodes) + names;
+}
 
 std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates) {
   std::uint64_t bytes = 0;

@@ -46,6 +46,8 @@ Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
 
 /// About the bytes of `nodes` nodes without their names and digests.
 std::uint64_t bytes_of_nodes(std::uint64_t nodes);
+/// About the bytes of a scene of `nodes` nodes whose names and digests have `names` bytes.
+std::uint64_t bytes_of_scene(std::uint64_t nodes, std::uint64_t names);
 /// Bytes of the names and digests that the updates put.
 std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updates);
 

@@ -31,6 +31,11 @@ struct ChargedUpdates {
 
 }  // namespace
 
+void RecentRevisions::reserve_more(std::size_t entries) {
+  const std::lock_guard lock(mutex_);
+  history_.reserve_more(entries);
+}
+
 RecentRevisions::SnapshotPointer RecentRevisions::retain(SnapshotPointer snapshot) {
   const std::lock_guard lock(mutex_);
   if (!history_.empty() && history_.newest().snapshot->revision() == snapshot->revision()) {
@@ -76,14 +81,20 @@ std::uint64_t bytes_of(const std::vector<scenegraph::model::Update>& updates) {
   return bytes;
 }
 
-UpdateLog::Entry UpdateLog::prepare(std::vector<scenegraph::model::Update> updates) {
+UpdateLog::Entry UpdateLog::prepare(std::vector<scenegraph::model::Update> updates,
+                                    std::size_t waiting) {
   const std::uint64_t bytes = bytes_of(updates);
   const auto charged = std::make_shared<const ChargedUpdates>(
       ChargedUpdates{std::move(updates), memory_.record(exec::Held::kLogs, bytes)});
   Entry entry{Updates(charged, &charged->updates), bytes};
   const std::lock_guard lock(mutex_);
-  history_.reserve_more();
+  history_.reserve_more(waiting + 1);
   return entry;
+}
+
+void UpdateLog::begin_after(std::uint64_t revision) {
+  const std::lock_guard lock(mutex_);
+  last_ = revision;
 }
 
 void UpdateLog::add(Entry entry) noexcept {

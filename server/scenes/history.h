@@ -113,9 +113,13 @@ class RecentRevisions {
   explicit RecentRevisions(RecentLimits limits = {})
       : history_({.entries = limits.revisions, .weight = limits.bytes}) {}
 
+  /// Reserves memory for `entries` more. Throws std::bad_alloc.
+  void reserve_more(std::size_t entries);
+
   /// Adds the next revision, or replaces the snapshot of the newest one. Call it before the
   /// following revision is published: a reader that knows that revision then finds this one.
   /// Returns the replaced snapshot, or null.
+  /// Does not throw after reserve_more().
   [[nodiscard]] SnapshotPointer retain(SnapshotPointer snapshot);
 
   /// Call it after the following revision is published. `bytes`: what that revision does not share
@@ -159,11 +163,12 @@ class UpdateLog {
     Updates updates;
     std::uint64_t bytes = 0;
   };
-  /// Makes an entry, and reserves memory to add it. Throws std::bad_alloc, and then nothing has
-  /// changed.
-  Entry prepare(std::vector<scenegraph::model::Update> updates);
+  /// Makes an entry, and reserves memory to add it and `waiting` others that were made before.
+  /// Throws std::bad_alloc, and then nothing has changed.
+  Entry prepare(std::vector<scenegraph::model::Update> updates, std::size_t waiting = 0);
+  /// The next revision to add is the one after this. Call it while the log is empty.
+  void begin_after(std::uint64_t revision);
   /// Adds the updates of the next revision; the first revision is 1. Nodes are named by their ids.
-  /// `entry`: of the last call of prepare().
   void add(Entry entry) noexcept;
 
   /// Drops all but the newest `revisions`. Returns them, to be destroyed outside a lock.

@@ -15,25 +15,31 @@ Result<const scenegraph::Applied*> RequestAnswers::find(const std::string& id,
   const auto found = answers_.find(id);
   if (found == answers_.end()) return nullptr;
   if (found->second.content == content) return &found->second.answer;
-  return Error{Code::kInvalidArgument,
-               fmt::format("request id {} was used for another request, which made revision {}",
-                           exec::quote(id), found->second.answer.revision),
-               "REQUEST_ID_REUSED"};
+  return request_id_reused(id, found->second.answer.revision);
+}
+
+Error request_id_reused(const std::string& id, std::uint64_t revision) {
+  return {Code::kInvalidArgument,
+          fmt::format("request id {} was used for another request, which made revision {}",
+                      exec::quote(id), revision),
+          "REQUEST_ID_REUSED"};
 }
 
 RequestAnswers::Entry RequestAnswers::prepare(const std::string& id, std::uint64_t content,
-                                              const scenegraph::Applied& answer) {
+                                              const scenegraph::Applied& answer,
+                                              std::size_t waiting) {
   Answers one;
   const std::uint64_t bytes =
       sizeof(Kept) + id.size() + answer.nodes.size() * sizeof(scenegraph::model::NodeId);
   one.emplace(id, Kept{content, answer, memory_.record(exec::Held::kLogs, bytes)});
   Entry entry{id, one.extract(one.begin())};
-  answers_.reserve(answers_.size() + 1);
-  ids_.reserve_more();
+  answers_.reserve(answers_.size() + waiting + 1);
+  ids_.reserve_more(waiting + 1);
   return entry;
 }
 
 void RequestAnswers::retain(Entry entry) noexcept {
+  if (entry.answer.empty()) return;
   ids_.append(std::move(entry.id), entry.answer.mapped().answer.nodes.size());
   answers_.insert(std::move(entry.answer));
   for (const std::string& dropped : ids_.trim()) answers_.erase(dropped);
@@ -61,7 +67,9 @@ Result<Producer*> Producers::open(const std::string& name) {
                              producers_.size(), limit_),
                  "TOO_MANY_PRODUCERS"};
   }
-  return &producers_[name];
+  Producer& producer = producers_[name];
+  producer.name = name;
+  return &producer;
 }
 
 Status check_producer_name(std::string_view name) {

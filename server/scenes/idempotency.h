@@ -47,10 +47,11 @@ class RequestAnswers {
     std::string id;
     Answers::node_type answer;
   };
-  /// Makes an entry, and reserves memory to add it. find() must not know the id. Throws
-  /// std::bad_alloc, and then nothing has changed.
-  Entry prepare(const std::string& id, std::uint64_t content, const scenegraph::Applied& answer);
-  /// Adds the entry of the last call of prepare().
+  /// Makes an entry, and reserves memory to add it and `waiting` others that were made before.
+  /// find() must not know the id. Throws std::bad_alloc, and then nothing has changed.
+  Entry prepare(const std::string& id, std::uint64_t content, const scenegraph::Applied& answer,
+                std::size_t waiting = 0);
+  /// Adds an entry. The entry may be empty: then nothing happens.
   void retain(Entry entry) noexcept;
 
  private:
@@ -58,6 +59,9 @@ class RequestAnswers {
   Answers answers_;
   History<std::string> ids_;  // keys of answers_; weight: node ids of the answer
 };
+
+/// kInvalidArgument: the id stands for another request, which made this revision.
+Error request_id_reused(const std::string& id, std::uint64_t revision);
 
 /// Errors: kInvalidArgument beyond kMaxRequestId.
 Status check_request_id(std::string_view id);
@@ -84,6 +88,7 @@ struct Producer {
   /// put.reserve_more().
   void commit(Put batch);
 
+  std::string name;
   std::uint64_t last_committed = 0;                                 ///< Sequence number.
   History<Put> put{{.entries = kPutsKept, .weight = kPutIdsKept}};  ///< One entry for each batch.
   /// The call that owns the producer now. Written on the write queue, read by any thread.

@@ -16,6 +16,15 @@ Error cancelled() { return {Code::kCancelled, "the call was cancelled", "CANCELL
 void RevisionWait::read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
                         Deadline deadline, std::size_t bytes, const exec::Caller& caller,
                         Done done) {
+  if (!scene->loaded()) {
+    return compute_.enqueue_update([this, self = shared_from_this(), scene = std::move(scene),
+                                    &consistency, deadline, bytes, caller,
+                                    done = std::move(done)]() mutable {
+      const Status loaded = scene->load(compute_);
+      if (!loaded) return done(loaded.error());
+      read(std::move(scene), consistency, deadline, bytes, caller, std::move(done));
+    });
+  }
   if (consistency.requirement_case() == v1::Consistency::kExactRevision)
     return done(scene->at(consistency.exact_revision()));
   if (consistency.requirement_case() != v1::Consistency::kAtLeast) return done(scene->snapshot());

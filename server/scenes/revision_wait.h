@@ -38,9 +38,10 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
       : compute_(compute), admission_(admission), waiting_reads_(waiting_reads) {}
 
   /// Calls done() once: in this call if the revision exists or the request is wrong, else later on
-  /// a worker. A request of `bytes` waits until the call's deadline, and at most kMaxReadWait.
+  /// a worker. A scene that is not loaded is loaded first. `consistency` outlives the wait. A
+  /// request of `bytes` waits until the call's deadline, and at most kMaxReadWait.
   /// Errors: kInvalidArgument (no token of this scene), kOutOfRange (an exact revision that is not
-  /// kept or does not exist), kUnavailable (not published in time, or the server stops), kNotFound
+  /// kept or does not exist), as StoredScene::load, kUnavailable (not published in time, or the server stops), kNotFound
   /// (the scene was removed meanwhile), kCancelled, kResourceExhausted (too many reads wait).
   void read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
             Deadline deadline, std::size_t bytes, const exec::Caller& caller, Done done);

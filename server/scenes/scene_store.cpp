@@ -1,4 +1,4 @@
-// Keeps scenes by name, in memory. They are lost when the process ends.
+// The scenes of the server by name.
 #include "server/scenes/scene_store.h"
 
 #include <fmt/format.h>
@@ -9,27 +9,62 @@
 
 namespace sightline::server::scenes {
 
-Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
+Status SceneStore::open() {
+  if (keeper_ == nullptr) return {};
+  auto found = keeper_->find_all();
+  if (!found) return found.error();
   const std::lock_guard lock(mutex_);
-  if (scenes_.contains(info.name)) {
-    return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", info.name),
-                 "SCENE_EXISTS"};
+  for (SceneKeeper::Found& scene : *found) {
+    const std::string name = scene.info.name;
+    scenes_.emplace(name, std::make_shared<StoredScene>(std::move(scene.info), memory_,
+                                                        std::move(scene.kept)));
   }
-  if (scenes_.size() >= kMaxScenes) {
-    return Error{
-        Code::kResourceExhausted,
-        fmt::format("the server holds {} scenes, the limit is {}", scenes_.size(), kMaxScenes),
-        "TOO_MANY_SCENES"};
+  return {};
+}
+
+Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
+  const std::lock_guard changing(changing_);
+  if (const Status good = check_new(info.name); !good) return good.error();
+  KeptScene kept;
+  if (keeper_ != nullptr) {
+    auto created = keeper_->create(info);
+    if (!created) return created.error();
+    kept = std::move(*created);
   }
-  auto scene = std::make_shared<StoredScene>(std::move(info), memory_);
+  auto scene = std::make_shared<StoredScene>(std::move(info), memory_, std::move(kept));
+  const std::lock_guard lock(mutex_);
   scenes_.emplace(scene->info().name, scene);
   return scene;
 }
 
-Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) const {
+Status SceneStore::check_new(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  if (scenes_.contains(name))
+    return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", name),
+                 "SCENE_EXISTS"};
+  if (scenes_.size() < kMaxScenes) return {};
+  return Error{
+      Code::kResourceExhausted,
+      fmt::format("the server holds {} scenes, the limit is {}", scenes_.size(), kMaxScenes),
+      "TOO_MANY_SCENES"};
+}
+
+Result<std::shared_ptr<StoredScene>> SceneStore::find(const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) return unknown_scene(name);
+  return found->second;
+}
+
+Result<std::shared_ptr<StoredScene>> SceneStore::get(const std::string& name) {
+  auto scene = find(name);
+  if (!scene || !(*scene)->failed()) return scene;
+  // What could not be read may be readable now; what was read of it is dropped.
+  auto fresh = std::make_shared<StoredScene>((*scene)->info(), memory_, (*scene)->kept());
+  const std::lock_guard lock(mutex_);
+  const auto found = scenes_.find(name);
+  if (found == scenes_.end()) return unknown_scene(name);
+  if (found->second == *scene) found->second = std::move(fresh);
   return found->second;
 }
 
@@ -51,16 +86,23 @@ ScenePage SceneStore::list(const std::string& project, const std::string& after,
 }
 
 Status SceneStore::remove(const std::string& name) {
-  std::shared_ptr<StoredScene> removed;
+  const std::lock_guard changing(changing_);
+  const auto removed = find(name);
+  if (!removed) return removed.error();
+  if (const auto journal = (*removed)->kept().journal; journal != nullptr) {
+    if (Status dropped = journal->remove(); !dropped) return dropped;
+  }
   {
     const std::lock_guard lock(mutex_);
-    const auto found = scenes_.find(name);
-    if (found == scenes_.end()) return unknown_scene(name);
-    removed = std::move(found->second);
-    scenes_.erase(found);
+    scenes_.erase(name);
   }
-  removed->remove();
+  (*removed)->remove();
   return {};  // `removed` may free large trees, outside the lock
+}
+
+void SceneStore::retry_writes() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, scene] : scenes_) scene->retry_writes();
 }
 
 std::vector<std::shared_ptr<StoredScene>> SceneStore::by_last_cast() const {

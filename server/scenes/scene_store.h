@@ -1,4 +1,4 @@
-// Keeps scenes by name, in memory. They are lost when the process ends.
+// The scenes of the server by name.
 #pragma once
 
 #include <cstddef>
@@ -26,27 +26,43 @@ class SceneStore {
  public:
   static constexpr std::size_t kMaxScenes = 10'000;
 
-  /// Scenes are charged to `memory`, which outlives them.
-  explicit SceneStore(exec::MemoryAccount& memory) : memory_(memory) {}
+  /// Scenes are charged to `memory`. `keeper` keeps them beyond the process; null: nothing does.
+  /// Both outlive this object.
+  explicit SceneStore(exec::MemoryAccount& memory, SceneKeeper* keeper = nullptr)
+      : memory_(memory), keeper_(keeper) {}
 
-  /// Errors: kAlreadyExists, kResourceExhausted (too many scenes).
+  /// Finds the scenes that are kept. They are loaded when they are used. Call it first. Errors: as
+  /// SceneKeeper::find_all.
+  Status open();
+
+  /// Waits for the disk, where scenes are kept. Errors: kAlreadyExists, kResourceExhausted (too many
+  /// scenes), as SceneKeeper::create.
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
-  /// Errors: kNotFound.
-  Result<std::shared_ptr<StoredScene>> get(const std::string& name) const;
+  /// The scene, which may not be loaded. Errors: kNotFound.
+  Result<std::shared_ptr<StoredScene>> get(const std::string& name);
   /// Whether a list shows the scene of this name. Must be short and call no member of the store.
   using Shown = std::function<bool(const std::string& name)>;
   /// Up to `limit` scenes of "projects/{project}" whose names come after `after` (empty: from the
   /// first) and that are shown; without `shown` all are.
   ScenePage list(const std::string& project, const std::string& after, std::size_t limit,
                  const Shown& shown = {}) const;
-  /// Calls the listeners of the scene. Errors: kNotFound.
+  /// Calls the listeners of the scene. Waits for the disk, where scenes are kept. Errors: kNotFound,
+  /// as Journal::remove.
   Status remove(const std::string& name);
+
+  /// StoredScene::retry_writes() of all scenes.
+  void retry_writes() const;
 
   /// All scenes, those first at which rays were cast longest ago.
   std::vector<std::shared_ptr<StoredScene>> by_last_cast() const;
 
  private:
+  Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
+  Status check_new(const std::string& name) const;
+
   exec::MemoryAccount& memory_;
+  SceneKeeper* const keeper_;
+  std::mutex changing_;  // held while a scene is created or removed
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<StoredScene>> scenes_;
 };

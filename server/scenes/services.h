@@ -48,10 +48,18 @@ struct Services {
 
   exec::UnaryParts unary() const { return {compute, admission, unread, quotas}; }
 
-  /// Errors: kInvalidArgument (not a scene name), kNotFound.
+  /// The scene, which may not be loaded. Errors: kInvalidArgument (not a scene name), kNotFound.
   Result<std::shared_ptr<StoredScene>> find(const std::string& scene) const {
     if (const Status good = check_scene_name(scene); !good) return good.error();
     return scenes.get(scene);
+  }
+
+  /// As find(), and loads it, which may take long. Errors: as StoredScene::load, too.
+  Result<std::shared_ptr<StoredScene>> find_loaded(const std::string& name) const {
+    auto scene = find(name);
+    if (!scene) return scene;
+    if (const Status loaded = (*scene)->load(compute); !loaded) return loaded.error();
+    return scene;
   }
 };
 

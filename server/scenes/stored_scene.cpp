@@ -12,39 +12,6 @@
 #include "server/scenes/applied_updates.h"
 
 namespace sightline::server::scenes {
-namespace {
-
-/// An empty scene.
-constexpr std::uint64_t kBytesPerScene = 4096;
-
-bool is_patch(const scenegraph::model::Update& update) {
-  return std::holds_alternative<scenegraph::model::PatchVertices>(update);
-}
-
-}  // namespace
-
-std::uint64_t SceneEvents::subscribe(Listener listener) {
-  const std::lock_guard lock(mutex_);
-  listeners_.emplace(next_, std::move(listener));
-  return next_++;
-}
-
-void SceneEvents::unsubscribe(std::uint64_t id) {
-  const std::lock_guard lock(mutex_);
-  listeners_.erase(id);
-}
-
-void SceneEvents::notify() noexcept {
-  const std::lock_guard lock(mutex_);
-  for (const auto& [id, listener] : listeners_) {
-    try {
-      listener();
-    } catch (const std::exception& thrown) {
-      spdlog::error("event=listener_failed error={}", thrown.what());
-    }
-  }
-}
-
 Error unknown_scene(const std::string& name) {
   return {Code::kNotFound, fmt::format("there is no scene {}", name), "SCENE_NOT_FOUND"};
 }
@@ -73,89 +40,18 @@ scenegraph::revision::SceneSummary StoredScene::summary() {
   return summary;
 }
 
-StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory)
+StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene kept)
     : memory_(memory),
       info_(std::move(info)),
-      nodes_(memory.record(exec::Held::kNodes, kBytesPerScene)) {}
-
-Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
-                                               exec::Compute& compute,
-                                               const scenegraph::ApplyOptions& options) {
-  if (removed()) return removed_error();
-  auto before = scene_.snapshot();
-  const auto needed = needed_by(*before, updates);
-  if (!needed) return needed.error();
-  if (needed->bytes() > 0) {
-    const Status fits = memory_.reclaim(exec::Held::kPatches, needed->bytes());
-    if (!fits) return fits.error();
-  }
-  auto new_nodes = memory_.record(exec::Held::kNodes, needed->nodes);  // until they are in nodes_
-  auto unsettled = recent_.retain(before);
-  const std::uint64_t names = bytes_of_names(updates);
-  Replaced replaced;
-  UpdateLog::Entry entry;
-  UpdateLog::Updates logged;
-  std::vector<RecentRevisions::Kept> dropped;
-  const auto prepare = [&](const scenegraph::Applied& next) {
-    resolve(updates, next.nodes);
-    replaced = bytes_replaced(*before, updates);
-    if (unsettled != nullptr &&
-        unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
-      replaced.bytes += bytes_of(*unsettled->shared_trees().static_tree);
-    reserve_patched(updates);
-    entry = log_.prepare(std::move(updates));
-    logged = entry.updates;
-    if (options.before_publish) options.before_publish(next);
-  };
-  const auto charge = [this](std::uint64_t bytes) { return charge_patch(bytes); };
-  // Nothing below throws: what is published is in the log.
-  auto applied = scene_.apply(updates, {.expected_revision = options.expected_revision,
-                                        .before_publish = prepare,
-                                        .charge = charge,
-                                        .cancelled = options.cancelled});
-  if (applied) {
-    auto kept = memory_.record(exec::Held::kLogs, replaced.bytes - replaced.meshes);
-    dropped = recent_.account(replaced.bytes, std::move(kept));
-    log_.add(std::move(entry));
-    remember_patched(*logged);
-    const std::size_t nodes = scene_.snapshot()->node_count();
-    name_bytes_ =
-        nodes == 0 ? 0 : name_bytes_ + names - std::min(name_bytes_ + names, replaced.names);
-    nodes_.resize(kBytesPerScene + bytes_of_nodes(nodes) + name_bytes_);
-    events_.notify();
-  }
-  settle_later({std::move(dropped), std::move(unsettled), std::move(before)},
-               applied && applied->rebuild_static, compute);
-  return applied;
-}
-
-Result<std::shared_ptr<const void>> StoredScene::charge_patch(std::uint64_t bytes) {
-  auto charge = memory_.charge(exec::Held::kPatches, bytes);
-  if (!charge) return charge.error();
-  return std::shared_ptr<const void>(
-      std::make_shared<exec::MemoryAccount::Charge>(std::move(*charge)));
-}
-
-/// Makes room for remember_patched().
-void StoredScene::reserve_patched(const std::vector<scenegraph::model::Update>& updates) {
-  const auto patches = static_cast<std::size_t>(std::ranges::count_if(updates, is_patch));
-  if (patches == 0) return;
-  const std::lock_guard lock(patched_mutex_);
-  std::erase_if(patched_, [](const auto& mesh) { return mesh.expired(); });
-  patched_.reserve(patched_.size() + patches);
-}
-
-/// The meshes that the newest revision has from these updates.
-void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>& updates) {
-  const auto snapshot = scene_.snapshot();
-  const std::lock_guard lock(patched_mutex_);
-  for (const scenegraph::model::Update& update : updates) {
-    if (!is_patch(update)) continue;
-    const auto& patch = std::get<scenegraph::model::PatchVertices>(update);
-    const scenegraph::model::Node* node =
-        snapshot->find(static_cast<scenegraph::model::NodeId>(patch.nodes.front()));
-    if (node != nullptr && node->patched) patched_.emplace_back(node->mesh);
-  }
+      incarnation_(kept.incarnation),
+      journal_(std::move(kept.journal)),
+      nodes_(memory.record(exec::Held::kNodes, bytes_of_scene(0, 0))),
+      loaded_(!kept.has_content) {
+  if (journal_ == nullptr) return;
+  line_.emplace(WriteLine::Parts{.journal = *journal_,
+                                 .roll_back = [this] { scene_.drop_unpublished(); },
+                                 .noted = [this] { settle_soon(); },
+                                 .owner = [this] { return shared_from_this(); }});
 }
 
 std::uint64_t StoredScene::tree_bytes() const {
@@ -171,24 +67,6 @@ std::uint64_t StoredScene::tree_bytes() const {
     last = mesh.get();
   }
   return bytes;
-}
-
-/// Freeing old revisions and settling may take long, and no reply waits for them.
-void StoredScene::settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept {
-  try {
-    {
-      const std::lock_guard lock(dropped_mutex_);
-      dropped_.push_back(std::move(dropped));
-    }
-    compute.enqueue_background([self = shared_from_this(), settle] {
-      self->free_dropped();
-      // What could not be refused any more when it was recorded.
-      static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
-      if (settle) self->scene_.rebuild_static();
-    });
-  } catch (const std::bad_alloc&) {  // settles after a later update
-    free_dropped();
-  }
 }
 
 void StoredScene::free_dropped() {

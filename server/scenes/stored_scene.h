@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,53 +18,51 @@
 #include "server/exec/memory_account.h"
 #include "server/scenes/history.h"
 #include "server/scenes/idempotency.h"
+#include "server/scenes/journal.h"
 #include "server/scenes/names.h"
+#include "server/scenes/scene_events.h"
+#include "server/scenes/scene_info.h"
+#include "server/scenes/write_line.h"
 
 namespace sightline::server::scenes {
-
-/// Listeners of one scene. notify() is called after a new revision, after another call takes over a
-/// producer, and after the removal of the scene. The listener checks the scene to find out which.
-/// Threads: any, for every member.
-class SceneEvents {
- public:
-  using Listener = std::function<void()>;
-
-  /// `listener` must be short and must call neither subscribe() nor unsubscribe(). What it throws
-  /// is logged.
-  std::uint64_t subscribe(Listener listener);
-  /// When this returns, the listener is not running and will not be called.
-  void unsubscribe(std::uint64_t id);
-  void notify() noexcept;
-
- private:
-  std::mutex mutex_;
-  std::map<std::uint64_t, Listener> listeners_;
-  std::uint64_t next_ = 1;
-};
-
-enum class UpAxis : std::uint8_t { kUnspecified, kY, kZ };
-
-/// What a scene was created with. The axis and the unit are recorded as given; no value is
-/// converted with them.
-struct SceneInfo {
-  std::string name;  ///< Resource name.
-  UpAxis up_axis = UpAxis::kUnspecified;
-  double meters_per_unit = 0;  ///< 0: unknown.
-};
 
 /// Updates of this many revisions stay in a scene's log when memory is short.
 inline constexpr std::size_t kMinLogged = 4;
 
-/// A scene that clients can name. Must be made by std::make_shared. apply(), answers() and
-/// producers() may only be used by tasks of write_queue(). Threads: any, for every other member.
+/// Who writes a batch, and who is told that it is kept.
+struct SceneWrite {
+  std::string request_id = {};       ///< Empty: none.
+  std::uint64_t content = 0;         ///< Digest of the request.
+  Producer* producer = nullptr;      ///< Of this scene. Null: none.
+  std::uint64_t first_sequence = 0;  ///< Of the producer's batches that make this one.
+  std::uint64_t batches = 1;
+  bool relaxed = false;  ///< Answer before it is committed.
+  /// Called once, on the write queue, after the batch is published or dropped; perhaps before the
+  /// write returns. May be empty.
+  WriteLine::Answer answer = {};
+};
+
+/// A scene that clients can name. Must be made by std::make_shared. The members for writes may only
+/// be used by tasks of write_queue(). Threads: any, for every other member.
 class StoredScene : public std::enable_shared_from_this<StoredScene> {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// What the scene holds is charged to `memory`, which outlives it.
-  StoredScene(SceneInfo info, exec::MemoryAccount& memory);
+  StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene kept = {});
+
+  /// Reads the scene from its journal if it is not loaded. Other members but info(), token() and
+  /// remove() may be used only after that. Waits for another thread that does the same. Errors: as
+  /// Journal::load; after an error the scene cannot be used.
+  Status load(exec::Compute& compute);
+  bool loaded() const { return loaded_.load(std::memory_order_acquire); }
+  /// Whether load() has failed.
+  bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   const SceneInfo& info() const { return info_; }
+  KeptScene kept() const { return {journal_, incarnation_, journal_ != nullptr}; }
+  /// Whether the scene is kept beyond the process.
+  bool is_kept() const { return journal_ != nullptr; }
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
 
   /// The newest revision.
@@ -78,16 +75,37 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   scenegraph::revision::SceneSummary summary();
 
   exec::Strand& write_queue() { return write_queue_; }
-  /// Applies a batch. When it returns, the new revision is in the log and listeners have been
-  /// called. The static tree is settled later, on a background worker. Errors: as Scene::apply and
+
+  /// Applies a batch at the head. It is published, with its updates in the log and listeners called,
+  /// before `write` is answered; without a journal, when this returns. The static tree is settled
+  /// later, on a background worker. Errors, after which nothing is answered: as Scene::apply and
   /// needed_by; kResourceExhausted where the memory budget has no room for it; kNotFound after
-  /// remove(). If memory runs out, nothing has changed.
-  /// `options`: as for Scene::apply, but the scene itself charges for patches.
+  /// remove(); kUnavailable while earlier writes cannot be stored. If memory runs out, nothing has
+  /// changed. The answer is an error if the journal cannot keep the batch; it then had no effect.
+  /// `options`: as for Scene::apply, but the scene itself charges for patches and publishes.
   Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
                                     exec::Compute& compute,
-                                    const scenegraph::ApplyOptions& options = {});
-  RequestAnswers& answers() { return answers_; }
+                                    const scenegraph::ApplyOptions& options = {},
+                                    const SceneWrite& write = {});
+  /// Records that a producer's batch was rejected: it counts, and makes no revision. Errors: as
+  /// apply().
+  Status record_rejected(exec::Compute& compute, const SceneWrite& write);
+  using Repeat =
+      std::function<void(const scenegraph::Applied& earlier, const Result<Durability>& kept)>;
+  /// Whether a request of this id was applied before. If so, answer() is called with what it made
+  /// when it is kept, perhaps before this returns. Errors: kInvalidArgument if it had another
+  /// content.
+  Result<bool> find_earlier(const std::string& request_id, std::uint64_t content,
+                            const Repeat& answer);
+  /// Calls then() when all writes so far are answered, perhaps now.
+  void when_answered(std::function<void()> then);
+  /// Calls then() when all writes so far are committed or answered with an error, perhaps now. An
+  /// error: one that was acknowledged before is not committed.
+  void when_committed(WriteLine::Committed then);
   Producers& producers() { return producers_; }
+
+  /// Tries again to store writes that were acknowledged before, if there are any. Threads: any.
+  void retry_writes();
 
   exec::MemoryAccount& memory() { return memory_; }
 
@@ -122,16 +140,44 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
     std::vector<RecentRevisions::Kept> revisions;
     RecentRevisions::SnapshotPointer unsettled, before;
   };
+  struct Publication;
+  class Loader;
+
+  Status begin_write(exec::Compute& compute);
+  Result<scenegraph::Applied> apply_at_head(std::vector<scenegraph::model::Update> updates,
+                                            const scenegraph::ApplyOptions& options,
+                                            const SceneWrite& write, WriteLine* line);
+  /// Applies a batch that the journal has.
+  Result<scenegraph::Applied> replay(std::vector<scenegraph::model::Update> updates);
+  static JournalEntry entry_of(const SceneWrite& write, const scenegraph::Applied& next);
+  WriteLine::Write line_write(JournalEntry entry, const SceneWrite& write,
+                              const std::shared_ptr<Publication>& publication);
+  void prepare_publication(Publication& publication, const scenegraph::revision::Snapshot& before,
+                           const SceneWrite& write, const scenegraph::Applied& next,
+                           std::vector<scenegraph::model::Update>& updates);
+  void prepare_producer(Publication& publication, const SceneWrite& write,
+                        const scenegraph::Applied& next);
+  void finish_write(WriteLine* line, WriteLine::Prepared item,
+                    Publication& publication, const SceneWrite& write) noexcept;
+  void publish(Publication& publication) noexcept;
+  void settle_soon() noexcept;
+  /// Writes that are not published.
+  std::size_t waiting() const { return line_ ? line_->size() : 0; }
+
   Result<std::shared_ptr<const void>> charge_patch(std::uint64_t bytes);
   void reserve_patched(const std::vector<scenegraph::model::Update>& updates);
   void remember_patched(const std::vector<scenegraph::model::Update>& updates);
-  void settle_later(Dropped dropped, bool settle, exec::Compute& compute) noexcept;
+  void settle_later(Dropped dropped, bool settle) noexcept;
   /// When it returns, nothing that was dropped before the call is held any more.
   void free_dropped();
 
   exec::MemoryAccount& memory_;
   const SceneInfo info_;
-  const std::uint64_t incarnation_ = new_incarnation();
+  const std::uint64_t incarnation_;
+  const std::shared_ptr<Journal> journal_;
+  std::optional<WriteLine> line_;      // with a journal; used on the write queue
+  std::atomic<bool> settling_{false};  // a task is posted to settle the line
+  std::atomic<exec::Compute*> compute_{nullptr};  // of the last write
   std::uint64_t name_bytes_ = 0;       // of the newest revision; used on the write queue
   exec::MemoryAccount::Charge nodes_;  // of the newest revision; used on the write queue
   mutable std::mutex patched_mutex_;
@@ -142,6 +188,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   UpdateLog log_{memory_};
   SceneEvents events_;
   std::atomic<bool> removed_{false};
+  std::mutex loading_;  // held while the scene is loaded
+  std::atomic<bool> loaded_, failed_{false};
   std::mutex freeing_mutex_;  // held while memory is freed
   std::mutex dropped_mutex_;  // protects the next
   std::vector<Dropped> dropped_;

@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
+#include <cstring>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "server/blobs/digest.h"
 #include "server/exec/rpc_status.h"
+#include "server/updates/producer_messages.h"
 #include "server/updates/update_codec.h"
 
 namespace sightline::server::updates {
@@ -22,6 +26,16 @@ bool changes_content(const v1::ApplyUpdatesRequest& request) {
   return std::any_of(
       request.updates().begin(), request.updates().end(),
       [](const v1::Update& update) { return update.has_put_node() || update.has_delete_node(); });
+}
+
+/// The same for every build of the server: scenes keep it.
+std::uint64_t digest_of(const std::string& bytes) {
+  blobs::Sha256 sha;
+  sha.update(std::as_bytes(std::span(bytes)));
+  const blobs::Sha256Sum sum = sha.finish();
+  std::uint64_t digest = 0;
+  std::memcpy(&digest, sum.data(), sizeof(digest));
+  return digest;
 }
 
 /// Decodes the batch on any worker, then applies it on the write queue. The second of two requests
@@ -46,8 +60,10 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     services_.compute.enqueue_update([this] {
       if (const Status ready = exec::to_status([this] { return prepare(); }); !ready)
         return end(ready);
-      scene_->write_queue().post(services_.compute,
-                                 [this] { end(exec::to_status([this] { return apply(); })); });
+      scene_->write_queue().post(services_.compute, [this] {
+        const Status begun = exec::to_status([this] { return apply(); });
+        if (!begun) end(begun);  // else answered() ends the call, perhaps already
+      });
     });
   }
 
@@ -60,40 +76,49 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (!scene) return scene.error();
     if (Status good = scenes::check_request_id(request_.request_id()); !good) return good;
     scene_ = std::move(*scene);
+    if (Status loaded = scene_->load(services_.compute); !loaded) return loaded;
     // A decode error is reported later: a repeated request gets its first answer instead.
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
     if (!request_.request_id().empty())
-      content_ = std::hash<std::string>()(request_.SerializeAsString());
+      content_ = digest_of(request_.SerializeAsString());
     return {};
   }
 
   Status apply() {
     if (cancelled_.load(std::memory_order_relaxed))
       return Error{Code::kCancelled, "the call was cancelled", "CANCELLED"};
-    const std::string& id = request_.request_id();
+    // answered() may end the call, and with it this object, before the members of the scene return.
+    const std::shared_ptr<scenes::StoredScene> scene = scene_;
+    const std::string id = request_.request_id();
     if (!id.empty()) {
-      const auto before = scene_->answers().find(id, content_);
-      if (!before) return before.error();
-      if (*before != nullptr) {
-        answer(**before);
-        reply_.set_replayed(true);
-        return {};
-      }
+      const auto repeat = scene->find_earlier(
+          id, content_,
+          [this](const scenegraph::Applied& earlier, const Result<scenes::Durability>& durability) {
+            encode_applied(earlier);
+            reply_.set_replayed(true);
+            answered(durability);
+          });
+      if (!repeat) return repeat.error();
+      if (*repeat) return {};
     }
     if (!*updates_) return updates_->error();
-    const std::size_t count = (*updates_)->size();
-    scenes::RequestAnswers::Entry entry;
-    const auto record = [&](const scenegraph::Applied& next) {
-      answer(next);
-      if (!id.empty()) entry = scene_->answers().prepare(id, content_, next);
-    };
-    auto applied = scene_->apply(
-        std::move(**updates_), services_.compute,
-        {.expected_revision = expected(), .before_publish = record, .cancelled = &cancelled_});
-    if (!applied) return applied.error();
-    if (!id.empty()) scene_->answers().retain(std::move(entry));
-    log(applied->revision, count);
-    return {};
+    const auto encode = [this](const scenegraph::Applied& next) { encode_applied(next); };
+    auto updates = std::move(**updates_);
+    const auto applied = scene->apply(
+        std::move(updates), services_.compute,
+        {.expected_revision = expected(), .before_publish = encode, .cancelled = &cancelled_},
+        {.request_id = id,
+         .content = content_,
+         .answer = [this](const Result<scenes::Durability>& durability) { answered(durability); }});
+    return applied ? Status() : Status(applied.error());
+  }
+
+  /// On the write queue, when the updates are kept, or cannot be.
+  void answered(const Result<scenes::Durability>& durability) {
+    if (!durability) return end(durability.error());
+    reply_.set_durability(encode_durability(*durability));
+    log();
+    end({});
   }
 
   std::optional<std::uint64_t> expected() const {
@@ -101,15 +126,17 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     return request_.expected_revision();
   }
 
-  void answer(const scenegraph::Applied& applied) {
+  void encode_applied(const scenegraph::Applied& applied) {
     encode_revision(scene_->token(applied.revision), *reply_.mutable_revision());
     reply_.mutable_nodes()->Assign(applied.nodes.begin(), applied.nodes.end());
   }
 
-  void log(std::uint64_t revision, std::size_t count) const {
+  void log() const {
+    if (reply_.replayed()) return;
     spdlog::log(changes_content(request_) ? spdlog::level::info : spdlog::level::debug,
                 "event=scene_updated scene={} revision={} updates={}{}", scene_->info().name,
-                revision, count, exec::request_id_of(context_));
+                reply_.revision().revision(), request_.updates_size(),
+                exec::request_id_of(context_));
   }
 
   void end(const Status& status) {

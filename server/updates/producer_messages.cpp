@@ -100,6 +100,11 @@ void UpdateBatches::refuse(Error error) {
   batch_.bytes = 0;
 }
 
+v1::Durability encode_durability(scenes::Durability durability) {
+  return durability == scenes::Durability::kCommitted ? v1::DURABILITY_COMMITTED
+                                                      : v1::DURABILITY_RELAXED;
+}
+
 void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t window,
                            const scenes::RevisionToken& revision) {
   v1::ProducerOpened& opened = *answers_.emplace_back().message.mutable_opened();
@@ -112,18 +117,20 @@ void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t windo
   }
 }
 
-void UpdateAnswers::ack(std::uint64_t sequence, const scenes::RevisionToken& revision,
-                        std::uint64_t coalesced, const std::vector<scenegraph::model::NodeId>& put,
-                        std::size_t batches) {
+void UpdateAnswers::ack(const Applied& applied,
+                        const std::vector<scenegraph::model::NodeId>& put) {
   Answer& answer = open_ack(put.size());
-  answer.batches += batches;
+  answer.batches += applied.batches;
   answer.ids += put.size();
   v1::UpdateAck& ack = *answer.message.mutable_ack();
-  ack.set_up_to_sequence(sequence);
-  ack.set_coalesced(coalesced);
-  encode_revision(revision, *ack.mutable_revision());
+  ack.set_up_to_sequence(applied.sequence);
+  ack.set_coalesced(applied.coalesced);
+  // The weakest of those that are answered together.
+  if (ack.durability() != v1::DURABILITY_RELAXED)
+    ack.set_durability(encode_durability(applied.durability));
+  encode_revision(applied.revision, *ack.mutable_revision());
   if (put.empty()) return;
-  encode_put(sequence, put, *ack.add_put());
+  encode_put(applied.sequence, put, *ack.add_put());
 }
 
 void UpdateAnswers::reject(std::uint64_t sequence, const Error& error) {

@@ -15,6 +15,7 @@
 #include "server/exec/admission.h"
 #include "server/exec/quotas.h"
 #include "server/scenes/idempotency.h"
+#include "server/scenes/journal.h"
 #include "server/scenes/names.h"
 #include "sightline/v1/scene.pb.h"
 
@@ -35,7 +36,7 @@ struct UpdateBatch {
 class UpdateBatches {
  public:
   /// What a batch holds is admitted by both admissions, and by the quotas of its caller.
-  UpdateBatches(const blobs::BlobStore& blobs, exec::Caller caller, exec::Admission& admission,
+  UpdateBatches(blobs::BlobStore& blobs, exec::Caller caller, exec::Admission& admission,
                 exec::Admission& batch_admission, exec::Quotas& quotas)
       : blobs_(blobs),
         caller_(std::move(caller)),
@@ -66,7 +67,7 @@ class UpdateBatches {
   Status admit(std::size_t bytes, std::size_t held);
   void refuse(Error error);
 
-  const blobs::BlobStore& blobs_;
+  blobs::BlobStore& blobs_;
   const exec::Caller caller_;
   exec::Admission& admission_;
   exec::Admission& batch_admission_;
@@ -77,6 +78,8 @@ class UpdateBatches {
   UpdateBatch batch_;
 };
 
+v1::Durability encode_durability(scenes::Durability durability);
+
 /// The queue of answers to a producer. Consecutive acks are merged while the message stays small.
 /// The queue therefore has at most twice as many answers as batches.
 class UpdateAnswers {
@@ -84,10 +87,16 @@ class UpdateAnswers {
   /// Answers the first message: the last batch committed, and the nodes that recent batches put.
   void opened(const scenes::Producer& producer, std::uint32_t window,
               const scenes::RevisionToken& revision);
-  /// Answers an applied batch; `batches` is 0 for a repeated one. `put`: the ids of the nodes that
-  /// it put.
-  void ack(std::uint64_t sequence, const scenes::RevisionToken& revision, std::uint64_t coalesced,
-           const std::vector<scenegraph::model::NodeId>& put, std::size_t batches = 1);
+  /// An applied batch; a repeated one counts as 0 batches.
+  struct Applied {
+    std::uint64_t sequence = 0;
+    scenes::RevisionToken revision;
+    std::uint64_t coalesced = 0;
+    scenes::Durability durability = scenes::Durability::kRelaxed;
+    std::size_t batches = 1;
+  };
+  /// `put`: the ids of the nodes that it put.
+  void ack(const Applied& applied, const std::vector<scenegraph::model::NodeId>& put);
   void reject(std::uint64_t sequence, const Error& error);
 
   bool empty() const { return answers_.empty(); }

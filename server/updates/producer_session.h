@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -24,6 +25,12 @@ struct BatchOutcome {
   Result<scenegraph::Applied> applied;
 };
 
+/// Batches that are kept as one, or a rejected one.
+struct Answered {
+  std::vector<BatchOutcome> outcomes;
+  scenes::Durability durability = scenes::Durability::kRelaxed;
+};
+
 /// Used only by tasks of the scene's write queue.
 class ProducerSession {
  public:
@@ -31,6 +38,10 @@ class ProducerSession {
     const void* id = nullptr;
     const std::atomic<bool>* cancelled = nullptr;  ///< Null: never.
     bool latest_wins = false;
+    bool relaxed = false;  ///< Acknowledges batches before they are on disk.
+    /// Called on the write queue for every batch that apply_some() has taken, in order. An error
+    /// ends the call: these batches and all that follow had no effect.
+    std::function<void(const Result<Answered>&)> answer;
   };
 
   /// `producer` belongs to `scene`. All arguments, and what `call` points to, outlive this object.
@@ -44,22 +55,22 @@ class ProducerSession {
   void leave();
 
   /// Applies the first batch, or several first batches as one, and removes them from `batches`.
-  /// Returns an outcome for each. Errors end the call and leave all batches unapplied: kNotFound
-  /// (the scene is removed), kAborted (another call has taken over), kResourceExhausted (no
-  /// memory), kCancelled.
-  Result<std::vector<BatchOutcome>> apply_some(std::deque<UpdateBatch>& batches);
+  /// They are answered once they are kept, perhaps before this returns. Errors end the call and
+  /// leave all batches unapplied: kNotFound (the scene is removed), kAborted (another call has taken
+  /// over), kResourceExhausted (no memory), kUnavailable (the store fails), kCancelled.
+  Status apply_some(std::deque<UpdateBatch>& batches);
 
   /// Batches that were merged with newer ones.
   std::uint64_t coalesced() const { return coalesced_; }
 
  private:
-  scenegraph::ApplyOptions options(std::function<void(const scenegraph::Applied&)> record) const;
-  bool apply_together(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
-  Status apply_first(std::deque<UpdateBatch>& batches, std::vector<BatchOutcome>& outcomes);
-  using Puts = std::vector<scenes::Producer::Put>;
-  Puts prepare(const std::deque<UpdateBatch>& batches, std::size_t count,
-               const Result<scenegraph::Applied>& result, std::vector<BatchOutcome>& outcomes);
-  void commit(std::deque<UpdateBatch>& batches, Puts puts) noexcept;
+  using Taken = std::shared_ptr<Answered>;
+  scenegraph::ApplyOptions options(const std::deque<UpdateBatch>& batches, std::size_t count,
+                                   const Taken& taken) const;
+  scenes::SceneWrite write(const UpdateBatch& first, std::size_t count,
+                                   const Taken& taken) const;
+  bool apply_together(std::deque<UpdateBatch>& batches);
+  Status apply_first(std::deque<UpdateBatch>& batches);
 
   scenes::StoredScene& scene_;
   scenes::Producer& producer_;

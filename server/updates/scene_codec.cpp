@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,6 +12,10 @@
 #include "server/scenes/names.h"
 
 namespace sightline::server::updates {
+
+using scenegraph::model::Affine;
+using scenegraph::model::Mobility;
+
 Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene) {
   if (const Status good = scenes::check_scene_name(scene.name()); !good) return good.error();
   scenes::SceneInfo info{scene.name(), scenes::UpAxis::kUnspecified, scene.meters_per_unit()};
@@ -37,6 +42,32 @@ Result<scenes::SceneInfo> decode_scene(const v1::Scene& scene) {
   return info;
 }
 
+Result<Affine> decode_transform(const v1::Transform& transform) {
+  Affine affine;
+  if (static_cast<std::size_t>(transform.matrix_size()) != affine.m.size()) {
+    return exec::invalid_argument(
+        fmt::format("a matrix has {} numbers, expected 12", transform.matrix_size()),
+        "MATRIX_LENGTH");
+  }
+  std::copy(transform.matrix().begin(), transform.matrix().end(), affine.m.begin());
+  return affine;
+}
+
+Result<Mobility> decode_mobility(v1::Mobility mobility) {
+  switch (mobility) {
+    case v1::MOBILITY_UNSPECIFIED:
+    case v1::MOBILITY_STATIC:
+      return Mobility::kStatic;
+    case v1::MOBILITY_RIGID:
+      return Mobility::kRigid;
+    case v1::MOBILITY_DEFORMING:
+      return Mobility::kDeforming;
+    default:
+      return exec::invalid_argument(
+          fmt::format("mobility {} is not known", static_cast<int>(mobility)), "UNKNOWN_MOBILITY");
+  }
+}
+
 v1::Mobility encode_mobility(scenegraph::model::Mobility mobility) {
   switch (mobility) {
     case scenegraph::model::Mobility::kRigid:
@@ -49,14 +80,18 @@ v1::Mobility encode_mobility(scenegraph::model::Mobility mobility) {
   return v1::MOBILITY_STATIC;
 }
 
-void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
-                  const scenegraph::revision::SceneSummary& summary, v1::Scene& scene) {
+void encode_info(const scenes::SceneInfo& info, v1::Scene& scene) {
   scene.set_name(info.name);
-  encode_revision(head, *scene.mutable_head());
   scene.set_up_axis(info.up_axis == scenes::UpAxis::kY   ? v1::UP_AXIS_Y
                     : info.up_axis == scenes::UpAxis::kZ ? v1::UP_AXIS_Z
                                                          : v1::UP_AXIS_UNSPECIFIED);
   scene.set_meters_per_unit(info.meters_per_unit);
+}
+
+void encode_scene(const scenes::SceneInfo& info, const scenes::RevisionToken& head,
+                  const scenegraph::revision::SceneSummary& summary, v1::Scene& scene) {
+  encode_info(info, scene);
+  encode_revision(head, *scene.mutable_head());
   scene.set_nodes(summary.nodes);
   scene.set_instances(summary.instances);
   scene.set_meshes(summary.meshes);
@@ -78,6 +113,21 @@ void encode_node(const scenegraph::model::Node& node, v1::Node& out) {
   out.set_mobility(encode_mobility(node.mobility));
   out.set_mask(node.mask);
   out.set_patched(node.patched);
+}
+
+Result<scenegraph::model::Node> decode_node(const v1::Node& node) {
+  scenegraph::model::Node decoded;
+  decoded.id = node.id();
+  decoded.parent = node.parent();
+  decoded.name = node.name();
+  const auto transform = decode_transform(node.transform());
+  if (!transform) return transform.error();
+  decoded.parent_from_local = *transform;
+  const auto mobility = decode_mobility(node.mobility());
+  if (!mobility) return mobility.error();
+  decoded.mobility = *mobility;
+  decoded.mask = node.mask();
+  return decoded;
 }
 
 void encode_stats(const scenes::RevisionToken& revision,

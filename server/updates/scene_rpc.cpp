@@ -27,6 +27,12 @@ void encode(scenes::StoredScene& scene, v1::Scene& out) {
   encode_scene(scene.info(), scene.token(summary.revision), summary, out);
 }
 
+/// Of a scene that cannot be loaded, only what it was created with.
+void encode_if_loaded(scenes::StoredScene& scene, exec::Compute& compute, v1::Scene& out) {
+  if (scene.load(compute)) return encode(scene, out);
+  encode_info(scene.info(), out);
+}
+
 /// Waits for the revision, then encodes the nodes on a worker. Deletes itself.
 class NodesCall final : public grpc::ServerUnaryReactor {
  public:
@@ -121,7 +127,7 @@ Status SceneRpc::create(const grpc::ServerContextBase& context,
 }
 
 Status SceneRpc::get(const v1::GetSceneRequest& request, v1::GetSceneResponse& reply) {
-  const auto scene = services_.find(request.name());
+  const auto scene = services_.find_loaded(request.name());
   if (!scene) return scene.error();
   encode(**scene, *reply.mutable_scene());
   return {};
@@ -150,7 +156,8 @@ Status SceneRpc::list(const grpc::CallbackServerContext& context,
       [principal = exec::principal_of(context)](const std::string& name) {
         return principal == nullptr || principal->may(exec::Role::kRead, name);
       });
-  for (const auto& scene : page.scenes) encode(*scene, *reply.add_scenes());
+  for (const auto& scene : page.scenes)
+    encode_if_loaded(*scene, services_.compute, *reply.add_scenes());
   reply.set_next_page_token(page.next);
   return {};
 }
@@ -164,7 +171,7 @@ Status SceneRpc::remove(const grpc::ServerContextBase& context,
 }
 
 Status SceneRpc::stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply) {
-  const auto scene = services_.find(request.scene());
+  const auto scene = services_.find_loaded(request.scene());
   if (!scene) return scene.error();
   const auto snapshot = (*scene)->snapshot();
   encode_stats((*scene)->token(snapshot->revision()),

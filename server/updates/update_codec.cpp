@@ -16,42 +16,15 @@ namespace sightline::server::updates {
 namespace {
 
 using scenegraph::model::Affine;
-using scenegraph::model::Mobility;
 
 constexpr std::size_t kMatrixBytes = sizeof(Affine::m);
 constexpr std::size_t kMaxNodeBytes = 10;  // of a node's number on the wire
 constexpr std::size_t kMissingNamed = 4;   // as many digests as fit an error message
 
-Result<Affine> decode_transform(const v1::Transform& transform) {
-  Affine affine;
-  if (static_cast<std::size_t>(transform.matrix_size()) != affine.m.size()) {
-    return exec::invalid_argument(
-        fmt::format("a matrix has {} numbers, expected 12", transform.matrix_size()),
-        "MATRIX_LENGTH");
-  }
-  std::copy(transform.matrix().begin(), transform.matrix().end(), affine.m.begin());
-  return affine;
-}
-
-Result<Mobility> decode_mobility(v1::Mobility mobility) {
-  switch (mobility) {
-    case v1::MOBILITY_UNSPECIFIED:
-    case v1::MOBILITY_STATIC:
-      return Mobility::kStatic;
-    case v1::MOBILITY_RIGID:
-      return Mobility::kRigid;
-    case v1::MOBILITY_DEFORMING:
-      return Mobility::kDeforming;
-    default:
-      return exec::invalid_argument(
-          fmt::format("mobility {} is not known", static_cast<int>(mobility)), "UNKNOWN_MOBILITY");
-  }
-}
-
 /// Decodes one batch, and gathers the digests that no mesh was uploaded for.
 class UpdateDecoder {
  public:
-  explicit UpdateDecoder(const blobs::BlobStore& blobs) : blobs_(blobs) {}
+  explicit UpdateDecoder(blobs::BlobStore& blobs) : blobs_(blobs) {}
 
   Result<scenegraph::model::Update> decode(const v1::Update& update) {
     switch (update.update_case()) {
@@ -101,9 +74,11 @@ class UpdateDecoder {
     if (!put.mesh_digest().empty()) {
       const auto digest = blobs::BlobDigest::parse(put.mesh_digest());
       if (!digest) return digest.error();
-      node.mesh = blobs_.find(*digest);
+      auto mesh = blobs_.load(*digest);
+      if (!mesh && mesh.error().code != Code::kNotFound) return mesh.error();
+      if (!mesh) missing_.insert(put.mesh_digest());
+      if (mesh) node.mesh = std::move(*mesh);
       node.mesh_digest = put.mesh_digest();
-      if (node.mesh == nullptr) missing_.insert(put.mesh_digest());
     }
     return scenegraph::model::Update(std::move(node));
   }
@@ -148,7 +123,7 @@ class UpdateDecoder {
     return scenegraph::model::Update(std::move(vertices));
   }
 
-  const blobs::BlobStore& blobs_;
+  blobs::BlobStore& blobs_;
   std::set<std::string> missing_;
 };
 
@@ -211,21 +186,12 @@ struct Encoder {
   }
 };
 
-}  // namespace
-
-Result<std::vector<scenegraph::model::Update>> decode_updates(
-    const google::protobuf::RepeatedPtrField<v1::Update>& updates, const blobs::BlobStore& blobs,
+Result<std::vector<scenegraph::model::Update>> decode_all(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
     std::size_t first) {
-  const auto count = static_cast<std::size_t>(updates.size());
-  if (first + count > static_cast<std::size_t>(kMaxUpdatesPerBatch)) {
-    return Error{Code::kResourceExhausted,
-                 fmt::format("the batch has {} updates, the limit is {}", first + count,
-                             kMaxUpdatesPerBatch),
-                 "TOO_MANY_UPDATES"};
-  }
   UpdateDecoder decoder(blobs);
   std::vector<scenegraph::model::Update> decoded;
-  decoded.reserve(count);
+  decoded.reserve(static_cast<std::size_t>(updates.size()));
   for (const v1::Update& update : updates) {
     auto one = decoder.decode(update);
     if (!one) {
@@ -237,6 +203,26 @@ Result<std::vector<scenegraph::model::Update>> decode_updates(
   }
   if (const Status found = decoder.check_missing(); !found) return found.error();
   return decoded;
+}
+
+}  // namespace
+
+Result<std::vector<scenegraph::model::Update>> decode_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
+    std::size_t first) {
+  const auto count = static_cast<std::size_t>(updates.size());
+  if (first + count > static_cast<std::size_t>(kMaxUpdatesPerBatch)) {
+    return Error{Code::kResourceExhausted,
+                 fmt::format("the batch has {} updates, the limit is {}", first + count,
+                             kMaxUpdatesPerBatch),
+                 "TOO_MANY_UPDATES"};
+  }
+  return decode_all(updates, blobs, first);
+}
+
+Result<std::vector<scenegraph::model::Update>> decode_kept_updates(
+    const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs) {
+  return decode_all(updates, blobs, 0);
 }
 
 std::size_t encode_update(const scenegraph::model::Update& update, std::size_t first,

@@ -71,7 +71,7 @@ class UpdateStream final
       if (state_ >= State::kDraining) return;
       if (received == Received::kBatch) return add_batch(batches_.batch());
       if (received == Received::kRepeat)
-        answers_.ack(answered_, scene_->token(revision_), coalesced_, {}, 0);
+        answers_.ack({answered_, scene_->token(revision_), coalesced_, durability_, 0}, {});
     });
   }
 
@@ -99,10 +99,10 @@ class UpdateStream final
     services_.compute.enqueue_background([this] {
       if (scene_ == nullptr) return delete this;
       if (listener_ != 0) scene_->events().unsubscribe(listener_);
-      // After all tasks that this call has posted to the write queue.
+      // After all tasks that this call has posted to the write queue, and all answers.
       scene_->write_queue().post(services_.compute, [this] {
         if (session_) session_->leave();
-        delete this;
+        scene_->when_answered([this] { delete this; });
       });
     });
   }
@@ -139,6 +139,11 @@ class UpdateStream final
     if (Status allowed = exec::check_role(context_, exec::Role::kWrite, open.scene()); !allowed)
       return allowed;
     if (Status good = scenes::check_producer_name(open.producer()); !good) return good;
+    if (!v1::Durability_IsValid(open.durability())) {
+      return exec::invalid_argument(
+          fmt::format("durability {} is not known", static_cast<int>(open.durability())),
+          "UNKNOWN_DURABILITY");
+    }
     auto scene = services_.find(open.scene());
     if (!scene) return scene.error();
     {
@@ -147,37 +152,55 @@ class UpdateStream final
       enter(State::kOpening, {});
       working_ = true;
     }
-    scene_->write_queue().post(
-        services_.compute, [this, name = open.producer(), latest_wins = open.latest_wins()] {
-          const Status opened = exec::to_status([&] { return begin_session(name, latest_wins); });
-          advance([&] {
-            working_ = false;
-            if (!opened) return enter(State::kAborting, opened);
-            if (state_ >= State::kAborting) return;
-            enter(State::kOpen, {});
-            answers_.opened(*producer_, kUpdateWindow, scene_->token(revision_));
-          });
-        });
+    scene_->write_queue().post(services_.compute, [this, open] {
+      const Status begun = exec::to_status([&] { return begin_session(open); });
+      if (!begun) return opened(begun);
+      // The producer may have batches that are not answered yet.
+      scene_->when_committed([this](const Status& kept) { opened(kept); });
+    });
     return {};
   }
 
   /// On the write queue.
-  Status begin_session(const std::string& name, bool latest_wins) {
+  Status begin_session(const v1::OpenProducer& open) {
+    if (Status loaded = scene_->load(services_.compute); !loaded) return loaded;
     if (scene_->removed()) return scene_->removed_error();
-    const auto producer = scene_->producers().open(name);
+    const auto producer = scene_->producers().open(open.producer());
     if (!producer) return producer.error();
     producer_ = *producer;
-    session_.emplace(
-        *scene_, *producer_,
-        ProducerSession::Call{.id = this, .cancelled = &aborting_, .latest_wins = latest_wins},
-        services_.compute);
+    const bool relaxed = open.durability() == v1::DURABILITY_RELAXED;
+    durability_ = relaxed || !scene_->is_kept() ? scenes::Durability::kRelaxed
+                                                : scenes::Durability::kCommitted;
+    session_.emplace(*scene_, *producer_,
+                     ProducerSession::Call{
+                         .id = this,
+                         .cancelled = &aborting_,
+                         .latest_wins = open.latest_wins(),
+                         .relaxed = relaxed,
+                         .answer = [this](const Result<Answered>& result) { answered(result); }},
+                     services_.compute);
     session_->take_over();
-    batches_.begin(producer_->last_committed);
-    answered_ = producer_->last_committed;
-    revision_ = scene_->snapshot()->revision();
-    listener_ = scene_->events().subscribe([this] { on_scene_event(); });
-    on_scene_event();  // for an event before the subscription
     return {};
+  }
+
+  /// On the write queue.
+  void opened(const Status& begun) {
+    const Status opened = exec::to_status([&]() -> Status {
+      if (!begun) return begun;
+      batches_.begin(producer_->last_committed);
+      answered_ = producer_->last_committed;
+      revision_ = scene_->snapshot()->revision();
+      listener_ = scene_->events().subscribe([this] { on_scene_event(); });
+      on_scene_event();  // for an event before the subscription
+      return {};
+    });
+    advance([&] {
+      working_ = false;
+      if (!opened) return enter(State::kAborting, opened);
+      if (state_ >= State::kAborting) return;
+      enter(State::kOpen, {});
+      answers_.opened(*producer_, kUpdateWindow, scene_->token(revision_));
+    });
   }
 
   void on_scene_event() {
@@ -194,21 +217,24 @@ class UpdateStream final
       batches.swap(waiting_);
     }
     for (bool more = true; more;) {
-      std::vector<BatchOutcome> outcomes;
       const Status applied = exec::to_status([&]() -> Status {
         if (batches.empty()) return {};  // an abort has dropped them
-        auto some = session_->apply_some(batches);
-        if (!some) return some.error();
-        outcomes = std::move(*some);
-        return {};
+        return session_->apply_some(batches);
       });
       advance([&] {
-        answer(outcomes);
         if (!applied) enter(State::kAborting, applied);
         more = state_ < State::kAborting && !batches.empty();
         working_ = more;
       });
     }
+  }
+
+  /// On the write queue, also after the call has ended.
+  void answered(const Result<Answered>& result) {
+    advance([&] {
+      if (!result) return enter(State::kAborting, result.error());
+      answer(*result);
+    });
   }
 
   // The members below are called with the mutex held.
@@ -232,14 +258,15 @@ class UpdateStream final
     waiting_.push_back(std::move(batch));
   }
 
-  void answer(const std::vector<BatchOutcome>& outcomes) {
+  void answer(const Answered& result) {
     coalesced_ = session_->coalesced();
-    for (const BatchOutcome& outcome : outcomes) {
+    for (const BatchOutcome& outcome : result.outcomes) {
       window_bytes_ -= outcome.bytes;
       answered_ = outcome.sequence;
       if (outcome.applied) {
         revision_ = outcome.applied->revision;
-        answers_.ack(answered_, scene_->token(revision_), coalesced_, outcome.applied->nodes);
+        answers_.ack({answered_, scene_->token(revision_), coalesced_, result.durability},
+                     outcome.applied->nodes);
       } else {
         answers_.reject(answered_, outcome.applied.error());
       }
@@ -267,8 +294,9 @@ class UpdateStream final
   }
 
   bool may_end() const {
+    const bool all_answered = window_ == 0 || state_ == State::kAborting;
     return (state_ == State::kDraining || state_ == State::kAborting) && !working_ && !writing_ &&
-           waiting_.empty() && answers_.empty();
+           waiting_.empty() && answers_.empty() && all_answered;
   }
 
   /// Makes the change, then starts every operation that may run, or ends the call. The call may be
@@ -316,6 +344,7 @@ class UpdateStream final
   std::uint64_t listener_ = 0;
   std::optional<ProducerSession> session_;  // used on the write queue
   std::atomic<bool> aborting_{false};       // the state has reached kAborting
+  scenes::Durability durability_ = scenes::Durability::kRelaxed;  // of repeated batches
 
   std::mutex mutex_;  // protects all members below
   State state_ = State::kAwaitingOpen;

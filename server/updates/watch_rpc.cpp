@@ -79,12 +79,17 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
   Watch(const scenes::Services& services, grpc::CallbackServerContext& context)
       : services_(services), context_(context), caller_(exec::caller_of(context)) {}
 
+  /// `request` lives as long as the call.
   void start(const v1::WatchSceneRequest& request) {
+    services_.compute.enqueue_update([this, &request] { begin(request); });
+  }
+
+  void begin(const v1::WatchSceneRequest& request) {
     const Status ready = exec::to_status([&] { return open(request); });
     advance([&] {
       starting_ = false;
-      if (!ready) return end(ready);
-      set_clock();
+      if (!ready) end(ready);
+      if (!ending_) set_clock();
     });
   }
 
@@ -110,7 +115,7 @@ class Watch final : public grpc::ServerWriteReactor<v1::WatchSceneResponse> {
 
  private:
   Status open(const v1::WatchSceneRequest& request) {
-    auto scene = services_.find(request.scene());
+    auto scene = services_.find_loaded(request.scene());
     if (!scene) return scene.error();
     scene_ = std::move(*scene);
     const std::uint64_t head = scene_->snapshot()->revision();

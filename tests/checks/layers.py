@@ -35,17 +35,23 @@ scenegraph/trace            scenegraph/* accel/result accel/geometry accel/kdtre
 scenegraph/scene            scenegraph/* accel/result accel/geometry
 
 server/exec                 accel/result
-server/net                  server/exec accel/result
+server/net/descriptor
+server/net                  server/net/descriptor server/exec accel/result
 server/settings             server/exec accel/result
 server/metrics              server/exec scenegraph/trace_options accel/result
 server/admin                server/exec server/net accel/result
 server/security             server/exec accel/result
-server/blobs                server/exec scenegraph/model accel/result accel/geometry
-server/scenes               server/exec server/metrics server/blobs
+server/blobs/digest         server/exec accel/result
+server/store                server/exec server/net/descriptor server/blobs/digest accel/result
+server/blobs                server/exec server/store server/blobs/digest
+                            scenegraph/model accel/result accel/geometry
+server/scenes               server/exec server/metrics server/store server/blobs server/blobs/digest
                             scenegraph/scene scenegraph/trace_options scenegraph/model scenegraph/instances
                             scenegraph/revision accel/result accel/kdtree
 server/queries              server/exec server/metrics server/scenes scenegraph/* accel/result accel/geometry proto/rays
-server/updates              server/exec server/blobs server/scenes scenegraph/* accel/result
+server/updates              server/exec server/store server/blobs server/blobs/digest server/scenes scenegraph/* accel/result
+server/durable              server/exec server/store server/blobs server/blobs/digest server/scenes server/updates
+                            scenegraph/* accel/result
 server                      server/* scenegraph/* accel/result accel/split
 
 client/*.h                  proto/rays
@@ -79,6 +85,7 @@ grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire
 openssl         server client/*.cpp
+sqlite3.h       server/store
 CLI             server client/cli
 toml++          server/security
 nlohmann        server client/cli client/importer

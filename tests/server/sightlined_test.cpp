@@ -1,4 +1,5 @@
 // The server program: its exit codes, its files, and its memory under abuse.
+#include <fmt/format.h>
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -52,7 +53,7 @@ class Sightlined : public testing::Test {
 TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
   for (const int number : {SIGTERM, SIGINT}) {
     const fs::path port_file = root_ / "port";
-    const fs::path data_dir = root_ / "data" / "dir";
+    const fs::path data_dir = root_ / "data" / fmt::format("of signal {}", number);
     ChildServer child({"--listen", "127.0.0.1:0", "--port-file", port_file, "--data-dir", data_dir,
                        "--threads", "1"});
     const int port = child.port();
@@ -64,8 +65,49 @@ TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
     Api(connect(port)).make_scene(kScene, cube());
     child.signal(number);
     EXPECT_EQ(child.wait(), 0) << child.output();
-    EXPECT_NE(child.output().find("not kept across restarts"), std::string::npos);
+    EXPECT_EQ(child.output().find("not kept across restarts"), std::string::npos);
   }
+}
+
+TEST_F(Sightlined, KeepsScenesInItsDataDirectory) {
+  const std::vector<std::string> flags{"--listen", "127.0.0.1:0", "--data-dir", root_ / "data",
+                                       "--threads", "1"};
+  std::string token, digest;
+  {
+    ChildServer child(flags);
+    Api api(connect(child.port()));
+    digest = api.add_mesh(cube());
+    ASSERT_TRUE(api.create(kScene).ok());
+    v1::ApplyUpdatesResponse reply;
+    ASSERT_TRUE(api.apply(kScene, {put_node(-1, digest)}, &reply).ok());
+    EXPECT_EQ(reply.durability(), v1::DURABILITY_COMMITTED);
+    ASSERT_TRUE(api.apply(kScene, {put_node(-1, digest)}, &reply).ok());
+    token = reply.revision().token();
+    child.signal(SIGKILL);
+    child.wait();
+  }
+  ChildServer child(flags);
+  Api api(connect(child.port()));
+  for (const std::uint64_t exact : {0, 1}) {
+    v1::CastRaysRequest request = cast_request(kScene, rays_downward(10));
+    if (exact == 0) {
+      request.mutable_consistency()->set_at_least(token);
+    } else {
+      request.mutable_consistency()->set_exact_revision(exact);
+    }
+    v1::CastRaysResponse reply;
+    const grpc::Status cast = api.cast(request, &reply);
+    ASSERT_TRUE(cast.ok()) << cast.error_message();
+    EXPECT_EQ(reply.served().revision(), exact == 0 ? 2u : 1u);
+  }
+  EXPECT_EQ(api.get(kScene).nodes(), 2u);
+  EXPECT_EQ(api.get(kScene).head().token(), token);
+  ASSERT_TRUE(api.remove(kScene).ok());
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
+  ChildServer last(flags);
+  Api again(connect(last.port()));
+  EXPECT_TRUE(again.create(kScene).ok()) << "it was removed";
 }
 
 /// Lets this process and its children run on one core.

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
+#include <thread>
 
 #include "scenegraph/query/selection.h"
 #include "scenegraph/trace.h"
@@ -215,6 +217,32 @@ TEST(Settle, OfATreeWithoutRaysDoesNothing) {
   const auto before = scene.snapshot();
   scene.rebuild_static();
   EXPECT_EQ(scene.snapshot(), before);
+}
+
+/// A node moves after its tree was dropped, while the tree that replaces it is made.
+TEST(Settle, MissesNoChangeWhileTreesAreDropped) {
+  std::vector<Ray> rays;  // where the node was, and where it is then
+  for (int i = 0; i < 10; ++i) {
+    for (const double x : {50.0, -50.0}) rays.push_back({{x + 0.1 * i, 0.2, 9}, {0, 0, -1}});
+  }
+  for (int round = 0; round < 30; ++round) {
+    Scene scene;
+    add_row(scene, 3000);
+    cast(*scene.snapshot(), {{{0, 0, 9}, {0, 0, -1}}});
+    std::atomic<bool> begun{false};
+    std::thread rebuilding([&] {
+      begun = true;
+      scene.rebuild_static();
+    });
+    while (!begun) std::this_thread::yield();
+    for (int i = 0; i < 10 * round; ++i) std::this_thread::yield();
+    scene.drop_trees();
+    ASSERT_TRUE(scene.apply({model::SetTransforms{{5}, {at(-50)}}}));
+    rebuilding.join();
+    const auto compared =
+        tests::compare(rays, cast(*scene.snapshot(), rays), tests::BruteForce(scene.snapshot()));
+    ASSERT_TRUE(compared.clean()) << "in round " << round << ": " << compared.report();
+  }
 }
 
 /// All together: groups and instances of all mobilities change, some of them are seen by rays, and

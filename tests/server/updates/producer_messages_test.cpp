@@ -8,11 +8,11 @@ namespace {
 
 TEST(UpdateAnswers, MergesConsecutiveAcks) {
   UpdateAnswers answers;
-  answers.ack(1, {7, 1}, 0, {10, 11});
-  answers.ack(2, {7, 2}, 3, {});
-  answers.ack(2, {7, 2}, 3, {}, 0);
+  answers.ack({1, {7, 1}, 0}, {10, 11});
+  answers.ack({2, {7, 2}, 3}, {});
+  answers.ack({2, {7, 2}, 3, scenes::Durability::kRelaxed, 0}, {});
   answers.reject(3, Error{Code::kNotFound, "gone", "NODE_NOT_FOUND"});
-  answers.ack(4, {7, 3}, 5, {12});
+  answers.ack({4, {7, 3}, 5}, {12});
   v1::StreamUpdatesResponse out;
   EXPECT_EQ(answers.pop(out), 2u);
   EXPECT_EQ(out.ack().up_to_sequence(), 2u);
@@ -34,7 +34,7 @@ TEST(UpdateAnswers, MergesConsecutiveAcks) {
 TEST(UpdateAnswers, AreSmallMessages) {
   UpdateAnswers answers;
   const std::vector<scenegraph::model::NodeId> many(65536, ~scenegraph::model::NodeId{0});
-  for (std::uint64_t i = 1; i <= 4; ++i) answers.ack(i, {7, i}, 0, many);
+  for (std::uint64_t i = 1; i <= 4; ++i) answers.ack({i, {7, i}, 0}, many);
   v1::StreamUpdatesResponse out;
   for (std::uint64_t i = 1; i <= 4; ++i) {
     EXPECT_EQ(answers.pop(out), 1u);

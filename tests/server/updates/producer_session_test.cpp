@@ -37,14 +37,22 @@ class ProducerSessionTest : public testing::Test {
   }
   /// The answers to all batches, in order.
   std::vector<BatchOutcome> apply_all(ProducerSession& session) {
-    std::vector<BatchOutcome> all;
     while (!batches_.empty()) {
-      auto some = session.apply_some(batches_);
-      EXPECT_TRUE(some);
-      if (!some) break;
-      for (BatchOutcome& outcome : *some) all.push_back(std::move(outcome));
+      const Status applied = session.apply_some(batches_);
+      EXPECT_TRUE(applied);
+      if (!applied) break;
     }
-    return all;
+    return std::exchange(answered_, {});
+  }
+  ProducerSession::Call call_of(const void* id, bool latest_wins = false,
+                                const std::atomic<bool>* cancelled = nullptr) {
+    return {.id = id,
+            .cancelled = cancelled,
+            .latest_wins = latest_wins,
+            .answer = [this](const Result<Answered>& result) {
+              ASSERT_TRUE(result);
+              answered_.insert(answered_.end(), result->outcomes.begin(), result->outcomes.end());
+            }};
   }
 
   exec::MemoryAccount memory_{std::uint64_t{1} << 30};
@@ -55,13 +63,13 @@ class ProducerSessionTest : public testing::Test {
   int call_ = 0;
   std::uint64_t sequence_ = 0;
   std::deque<UpdateBatch> batches_;
+  std::vector<BatchOutcome> answered_;
 };
 
 TEST_F(ProducerSessionTest, ACancelledCallLeavesItsBatchesUnapplied) {
   const std::atomic<bool> cancelled{true};
   for (const bool latest_wins : {false, true}) {
-    ProducerSession session(*scene_, producer_,
-                            {.id = &call_, .cancelled = &cancelled, .latest_wins = latest_wins},
+    ProducerSession session(*scene_, producer_, call_of(&call_, latest_wins, &cancelled),
                             compute_);
     session.take_over();
     add_pose(1, 5);
@@ -73,7 +81,7 @@ TEST_F(ProducerSessionTest, ACancelledCallLeavesItsBatchesUnapplied) {
 }
 
 TEST_F(ProducerSessionTest, MakesARevisionOfEachBatch) {
-  ProducerSession session(*scene_, producer_, {.id = &call_}, compute_);
+  ProducerSession session(*scene_, producer_, call_of(&call_), compute_);
   session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1, i);
   const auto outcomes = apply_all(session);
@@ -84,7 +92,7 @@ TEST_F(ProducerSessionTest, MakesARevisionOfEachBatch) {
 }
 
 TEST_F(ProducerSessionTest, TheLatestPosesWin) {
-  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
+  ProducerSession session(*scene_, producer_, call_of(&call_, true), compute_);
   session.take_over();
   for (int i = 1; i <= 4; ++i) add_pose(1 + i % 2, i);
   add({DeleteNode{3}});
@@ -106,7 +114,7 @@ TEST_F(ProducerSessionTest, TheLatestPosesWin) {
 }
 
 TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
-  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
+  ProducerSession session(*scene_, producer_, call_of(&call_, true), compute_);
   session.take_over();
   add_pose(1, 1);
   add_pose(99, 2);
@@ -127,7 +135,7 @@ TEST_F(ProducerSessionTest, RejectsOnlyTheInvalidBatchOfAGroup) {
 }
 
 TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
-  ProducerSession session(*scene_, producer_, {.id = &call_, .latest_wins = true}, compute_);
+  ProducerSession session(*scene_, producer_, call_of(&call_, true), compute_);
   session.take_over();
   add_pose(1, 1);
   add({});
@@ -140,11 +148,11 @@ TEST_F(ProducerSessionTest, RejectsAnUnreadableBatchInOrder) {
 }
 
 TEST_F(ProducerSessionTest, EndsWhenAnotherCallTakesOver) {
-  ProducerSession older(*scene_, producer_, {.id = &call_}, compute_);
+  ProducerSession older(*scene_, producer_, call_of(&call_), compute_);
   older.take_over();
   int newer_call = 0, events = 0;
   const auto listener = scene_->events().subscribe([&] { ++events; });
-  ProducerSession newer(*scene_, producer_, {.id = &newer_call}, compute_);
+  ProducerSession newer(*scene_, producer_, call_of(&newer_call), compute_);
   newer.take_over();
   EXPECT_EQ(events, 1);
   scene_->events().unsubscribe(listener);

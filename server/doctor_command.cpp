@@ -1,0 +1,38 @@
+// The command line `sightlined doctor`.
+#include "server/doctor_command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "server/config.h"
+#include "server/store/doctor.h"
+
+namespace sightline::server {
+
+int run_doctor(int argc, const char* const* argv) {
+  std::filesystem::path directory;
+  bool repair = false;
+  CLI::App app("Examines a data directory that no server uses", "sightlined doctor");
+  app.add_option("DIR", directory, "The directory that --data-dir names")->required();
+  app.add_flag("--repair", repair,
+               "Move damaged meshes aside, so that they can be uploaded again, and remove files "
+               "that the database does not name");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageExit;
+  }
+  const auto found = store::examine(store::local_files(), directory, repair);
+  if (!found) {
+    std::fprintf(stderr, "sightlined: %s\n", found.error().message.c_str());
+    return 1;
+  }
+  for (const std::string& finding : found->findings) std::printf("found: %s\n", finding.c_str());
+  for (const std::string& done : found->repairs) std::printf("repaired: %s\n", done.c_str());
+  if (found->findings.empty()) std::printf("%s is sound\n", directory.c_str());
+  return found->findings.empty() ? 0 : 1;
+}
+
+}  // namespace sightline::server

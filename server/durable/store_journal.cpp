@@ -1,0 +1,182 @@
+// A scene's journal in a store: the update log, and all nodes from time to time.
+#include "server/durable/store_journal.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/durable/batch_codec.h"
+#include "server/exec/rpc_status.h"
+
+namespace sightline::server::durable {
+namespace {
+
+/// Updates that are read from the log at a time.
+constexpr std::uint64_t kReadBytes = std::uint64_t{16} << 20;
+/// Of a part of a snapshot, about.
+constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+static_assert(2 * kPartBytes <= store::kMaxSnapshotChunk);
+
+/// A snapshot is not written before the log has this many bytes.
+constexpr std::uint64_t kLeastLog = std::uint64_t{1} << 20;
+/// What applying a batch again costs beside its updates, in bytes.
+constexpr std::uint64_t kBatchCost = 1024;
+
+}  // namespace
+
+StoreJournal::StoreJournal(const StoreParts& parts, const store::SceneRecord& record)
+    : parts_(parts),
+      id_(record.id),
+      log_bytes_(record.log_bytes + kBatchCost * (record.revision - record.base)),
+      snapshots_(record.snapshots) {}
+
+Status StoreJournal::load(scenes::JournalReader& into) {
+  const auto record = parts_.store.scene(id_);
+  if (!record) return record.error();
+  if (Status loaded = load_base(*record, into); !loaded) return loaded;
+  if (Status loaded = load_log(record->base, into); !loaded) return loaded;
+  return load_writers(into);
+}
+
+Status StoreJournal::load_base(const store::SceneRecord& record, scenes::JournalReader& into) {
+  if (record.base == 0) return {};
+  NodesReader reader(parts_.blobs);
+  for (std::uint64_t index = 0;; ++index) {
+    const auto part = parts_.store.read_snapshot(id_, record.base, index);
+    if (!part) return part.error();
+    if (part->empty()) break;
+    if (Status added = reader.add(*part); !added) return added;
+  }
+  return into.base(std::move(reader).finish(record.base));
+}
+
+Status StoreJournal::load_log(std::uint64_t base, scenes::JournalReader& into) {
+  for (std::uint64_t last = base;;) {
+    const auto batches = parts_.store.read(id_, last, kReadBytes);
+    if (!batches) return batches.error();
+    if (batches->empty()) return {};
+    for (const store::LoggedBatch& logged : *batches) {
+      if (logged.revision != ++last) {
+        return Error{Code::kDataLoss,
+                     fmt::format("revision {} is missing from the log: run sightlined doctor", last),
+                     "STORE_CORRUPT"};
+      }
+      auto batch = decode_batch(logged.updates, parts_.blobs);
+      if (!batch) return batch.error();
+      if (Status taken = into.batch(last, std::move(batch->updates), batch->nodes); !taken)
+        return taken;
+    }
+  }
+}
+
+Status StoreJournal::load_writers(scenes::JournalReader& into) {
+  const auto answers = parts_.store.answers(id_);
+  if (!answers) return answers.error();
+  for (const store::RequestAnswer& answer : *answers) {
+    const Status taken =
+        into.answer(answer.request_id, answer.content, {answer.revision, answer.nodes});
+    if (!taken) return taken;
+  }
+  const auto producers = parts_.store.producers(id_);
+  if (!producers) return producers.error();
+  for (const store::ProducerRecord& producer : *producers) {
+    std::vector<scenes::ProducerBatch> recent;
+    for (const store::ProducerCommit& commit : producer.recent)
+      recent.push_back({commit.sequence, commit.nodes});
+    const Status taken = into.producer(producer.name, producer.last_committed, std::move(recent));
+    if (!taken) return taken;
+  }
+  return {};
+}
+
+std::string StoreJournal::encode(const std::vector<scenegraph::model::Update>& updates,
+                                 const std::vector<scenegraph::model::NodeId>& nodes) const {
+  return encode_batch(updates, nodes);
+}
+
+Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
+  store::Batch batch;
+  batch.scene = id_;
+  batch.expected = entry.expected;
+  batch.updates = entry.updates;
+  for (const std::string& text : entry.mesh_digests) {
+    const auto digest = blobs::BlobDigest::parse(text);
+    if (!digest) return digest.error();
+    batch.blobs.push_back(*digest);
+  }
+  if (!entry.request_id.empty()) {
+    batch.answer = store::RequestAnswer{entry.request_id, entry.content, entry.expected + 1,
+                                        entry.nodes};
+  }
+  for (const scenes::ProducerBatch& one : entry.batches)
+    batch.commits.push_back({entry.producer, one.sequence, one.nodes});
+  if (entry.updates) log_bytes_ += entry.updates->size() + kBatchCost;
+  return parts_.store.append(std::move(batch), std::move(done));
+}
+
+void StoreJournal::published(const scenegraph::SceneState& newest,
+                             std::uint64_t oldest) noexcept {
+  if (log_bytes_ < std::max(kLeastLog, last_cost_.load()) || writing_.exchange(true)) return;
+  const Status begun = exec::to_status([&]() -> Status {
+    parts_.compute.enqueue_background([self = shared_from_this(), newest, oldest] {
+      const Status written =
+          exec::to_status([&] { return self->write_snapshot(newest, oldest); });
+      if (!written) self->note_failure(newest.snapshot->revision(), written.error());
+      self->writing_ = false;
+    });
+    return {};
+  });
+  if (!begun) writing_ = false;  // a later revision tries again
+}
+
+Status StoreJournal::write_snapshot(const scenegraph::SceneState& state, std::uint64_t oldest) {
+  const std::uint64_t revision = state.snapshot->revision();
+  const std::uint64_t logged = log_bytes_;
+  parts_.store.flush();  // a relaxed revision is published before it is in the log
+  NodesWriter writer(state);
+  std::uint64_t cost = 0;
+  for (NodesWriter::Patched& patched : writer.patched()) {
+    const auto digest = parts_.blobs.keep(*patched.mesh);
+    if (!digest) return digest.error();
+    patched.digest = *digest;
+    cost += digest->size;
+  }
+  const auto bytes = write_parts(writer, revision);
+  if (!bytes) return bytes.error();
+  last_cost_ = cost + *bytes;
+  log_bytes_ -= logged;
+  const std::lock_guard lock(mutex_);
+  snapshots_.push_back(revision);
+  const auto after = std::ranges::upper_bound(snapshots_, oldest);
+  if (after == snapshots_.begin()) return {};
+  const std::uint64_t base = *std::prev(after);
+  if (Status dropped = parts_.store.drop_before(id_, base); !dropped) return dropped;
+  snapshots_.erase(snapshots_.begin(), std::prev(after));
+  return {};
+}
+
+/// The next snapshot is tried when the log has doubled.
+void StoreJournal::note_failure(std::uint64_t revision, const Error& error) {
+  last_cost_ = 2 * log_bytes_;
+  if (error.code == Code::kNotFound) return;  // the scene was removed
+  spdlog::error("event=snapshot_failed revision={} error={}", revision, error.message);
+}
+
+/// Returns the bytes of the parts.
+Result<std::uint64_t> StoreJournal::write_parts(NodesWriter& writer, std::uint64_t revision) {
+  std::uint64_t bytes = 0;
+  const Status put = parts_.store.put_snapshot(
+      id_, revision, writer.blobs(), [&]() -> Result<std::string> {
+        std::string part = writer.next(kPartBytes);
+        bytes += part.size();
+        return part;
+      });
+  if (!put) return put.error();
+  return bytes;
+}
+
+Status StoreJournal::remove() { return parts_.store.remove_scene(id_); }
+
+}  // namespace sightline::server::durable

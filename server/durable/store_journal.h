@@ -1,0 +1,49 @@
+// A scene's journal in a store: the update log, and all nodes from time to time.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/durable/nodes_codec.h"
+#include "server/durable/store_keeper.h"
+#include "server/scenes/journal.h"
+#include "server/store/store.h"
+
+namespace sightline::server::durable {
+
+/// All nodes are written down when the log since the last time has grown to what that cost. Must be
+/// made by std::make_shared.
+class StoreJournal final : public scenes::Journal,
+                           public std::enable_shared_from_this<StoreJournal> {
+ public:
+  StoreJournal(const StoreParts& parts, const store::SceneRecord& record);
+
+  Status load(scenes::JournalReader& into) override;
+  std::string encode(const std::vector<scenegraph::model::Update>& updates,
+                     const std::vector<scenegraph::model::NodeId>& nodes) const override;
+  Status append(const scenes::JournalEntry& entry, Done done) override;
+  void published(const scenegraph::SceneState& newest, std::uint64_t oldest) noexcept override;
+  Status remove() override;
+
+ private:
+  Status load_base(const store::SceneRecord& record, scenes::JournalReader& into);
+  Status load_log(std::uint64_t base, scenes::JournalReader& into);
+  Status load_writers(scenes::JournalReader& into);
+  Status write_snapshot(const scenegraph::SceneState& state, std::uint64_t oldest);
+  void note_failure(std::uint64_t revision, const Error& error);
+  Result<std::uint64_t> write_parts(NodesWriter& writer, std::uint64_t revision);
+
+  const StoreParts parts_;
+  const store::SceneId id_;
+  std::atomic<std::uint64_t> log_bytes_;   // of updates since the last snapshot
+  std::atomic<std::uint64_t> last_cost_{0};  // bytes of the last snapshot
+  std::atomic<bool> writing_{false};       // a task writes a snapshot
+  std::mutex mutex_;
+  std::vector<std::uint64_t> snapshots_;  // protected by mutex_; ascending
+};
+
+}  // namespace sightline::server::durable

@@ -1,0 +1,93 @@
+// Reads a scene from its journal.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/exec/rpc_status.h"
+#include "server/scenes/applied_updates.h"
+#include "server/scenes/stored_scene.h"
+
+namespace sightline::server::scenes {
+
+/// Applies the batches to the base as they were applied first.
+class StoredScene::Loader final : public JournalReader {
+ public:
+  explicit Loader(StoredScene& scene) : scene_(scene) {}
+
+  Status base(scenegraph::SceneContent content) override {
+    std::uint64_t names = 0;
+    for (const scenegraph::model::Node& node : content.nodes)
+      names += node.name.size() + node.mesh_digest.size();
+    const std::size_t nodes = content.nodes.size();
+    const std::uint64_t revision = content.revision;
+    auto charge = scene_.memory_.reclaim_and_charge(exec::Held::kNodes, bytes_of_scene(nodes, names));
+    if (!charge) return charge.error();
+    if (Status restored = scene_.scene_.restore(std::move(content)); !restored) return restored;
+    scene_.log_.begin_after(revision);
+    scene_.name_bytes_ = names;
+    scene_.nodes_ = std::move(*charge);
+    return {};
+  }
+
+  Status batch(std::uint64_t revision, std::vector<scenegraph::model::Update> updates,
+               const std::vector<scenegraph::model::NodeId>& nodes) override {
+    const auto applied = scene_.replay(std::move(updates));
+    if (!applied) return corrupt(revision, applied.error().message);
+    if (applied->revision == revision && applied->nodes == nodes) return {};
+    return corrupt(revision, fmt::format("it makes revision {} and other nodes than it did before",
+                                         applied->revision));
+  }
+
+  Status answer(const std::string& request_id, std::uint64_t content,
+                const scenegraph::Applied& applied) override {
+    scene_.answers_.retain(scene_.answers_.prepare(request_id, content, applied));
+    return {};
+  }
+
+  Status producer(const std::string& name, std::uint64_t last_committed,
+                  std::vector<ProducerBatch> recent) override {
+    const auto producer = scene_.producers_.open(name);
+    if (!producer) return producer.error();
+    (*producer)->put.reserve_more(recent.size());
+    for (ProducerBatch& batch : recent) {
+      const std::size_t bytes = batch.nodes.size() * sizeof(scenegraph::model::NodeId);
+      (*producer)->commit({batch.sequence, std::move(batch.nodes),
+                           scene_.memory_.record(exec::Held::kLogs, bytes)});
+    }
+    (*producer)->last_committed = last_committed;
+    return {};
+  }
+
+ private:
+  Error corrupt(std::uint64_t revision, const std::string& why) const {
+    return {Code::kDataLoss,
+            fmt::format("{} cannot be read beyond revision {}: its next batch is corrupt: {}",
+                        scene_.info_.name, revision - 1, why),
+            "STORE_CORRUPT"};
+  }
+
+  StoredScene& scene_;
+};
+
+Status StoredScene::load(exec::Compute& compute) {
+  if (loaded()) return {};
+  const std::lock_guard lock(loading_);
+  if (loaded()) return {};
+  compute_.store(&compute, std::memory_order_release);
+  const Clock::time_point begun = Clock::now();
+  Loader loader(*this);
+  const Status read = exec::to_status([&] { return journal_->load(loader); });
+  if (!read) {
+    failed_.store(true, std::memory_order_release);
+    spdlog::error("event=scene_not_loaded scene={} error={}", info_.name, read.error().message);
+    return read;
+  }
+  loaded_.store(true, std::memory_order_release);
+  const auto time = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun);
+  spdlog::info("event=scene_loaded scene={} revision={} ms={}", info_.name,
+               scene_.snapshot()->revision(), time.count());
+  return {};
+}
+
+}  // namespace sightline::server::scenes

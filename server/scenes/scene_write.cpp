@@ -1,0 +1,296 @@
+// Writes of a scene: applied at its head, kept in its journal, then published.
+#include <algorithm>
+#include <new>
+#include <set>
+#include <utility>
+
+#include "server/exec/rpc_status.h"
+#include "server/scenes/applied_updates.h"
+#include "server/scenes/stored_scene.h"
+
+namespace sightline::server::scenes {
+namespace {
+
+bool is_patch(const scenegraph::model::Update& update) {
+  return std::holds_alternative<scenegraph::model::PatchVertices>(update);
+}
+
+std::vector<std::string> mesh_digests(const std::vector<scenegraph::model::Update>& updates) {
+  std::set<std::string> digests;
+  for (const scenegraph::model::Update& update : updates) {
+    const auto* put = std::get_if<scenegraph::model::PutNode>(&update);
+    if (put != nullptr && !put->mesh_digest.empty()) digests.insert(put->mesh_digest);
+  }
+  return {digests.begin(), digests.end()};
+}
+
+}  // namespace
+
+/// What is made of an update before it is published.
+struct StoredScene::Publication {
+  bool revises = true;  ///< Makes a revision.
+  bool rebuild_static = false;
+  exec::MemoryAccount::Charge new_nodes;  ///< Until they are in nodes_.
+  Replaced replaced;
+  std::uint64_t names = 0;
+  UpdateLog::Entry entry;
+  RequestAnswers::Entry answer;
+  Producer* producer = nullptr;
+  std::vector<Producer::Put> puts;
+};
+
+Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Update> updates,
+                                               exec::Compute& compute,
+                                               const scenegraph::ApplyOptions& options,
+                                               const SceneWrite& write) {
+  if (Status ready = begin_write(compute); !ready) return ready.error();
+  return apply_at_head(std::move(updates), options, write, line_ ? &*line_ : nullptr);
+}
+
+Result<scenegraph::Applied> StoredScene::replay(std::vector<scenegraph::model::Update> updates) {
+  return apply_at_head(std::move(updates), {}, {}, nullptr);
+}
+
+/// Without a line, the revision is published at once.
+Result<scenegraph::Applied> StoredScene::apply_at_head(
+    std::vector<scenegraph::model::Update> updates, const scenegraph::ApplyOptions& options,
+    const SceneWrite& write, WriteLine* line) {
+  const auto before = scene_.head();
+  const auto needed = needed_by(*before, updates);
+  if (!needed) return needed.error();
+  if (needed->bytes() > 0) {
+    const Status fits = memory_.reclaim(exec::Held::kPatches, needed->bytes());
+    if (!fits) return fits.error();
+  }
+  auto publication = std::make_shared<Publication>();
+  publication->new_nodes = memory_.record(exec::Held::kNodes, needed->nodes);
+  publication->names = bytes_of_names(updates);
+  WriteLine::Prepared item;
+  const auto prepare = [&](const scenegraph::Applied& next) {
+    if (line != nullptr) {
+      JournalEntry entry = entry_of(write, next);
+      entry.updates = journal_->encode(updates, next.nodes);
+      entry.mesh_digests = mesh_digests(updates);
+      item = line->prepare(line_write(std::move(entry), write, publication));
+    }
+    prepare_publication(*publication, *before, write, next, updates);
+    if (options.before_publish) options.before_publish(next);
+  };
+  const auto charge = [this](std::uint64_t bytes) { return charge_patch(bytes); };
+  // Nothing below throws: what is applied is published or rolled back.
+  auto applied = scene_.apply(updates, {.expected_revision = options.expected_revision,
+                                        .before_publish = prepare,
+                                        .charge = charge,
+                                        .cancelled = options.cancelled,
+                                        .publish = false});
+  if (applied) finish_write(line, std::move(item), *publication, write);
+  return applied;
+}
+
+Status StoredScene::record_rejected(exec::Compute& compute, const SceneWrite& write) {
+  if (Status ready = begin_write(compute); !ready) return ready;
+  auto publication = std::make_shared<Publication>();
+  publication->revises = false;
+  scenegraph::Applied next;  // as if it made the next revision
+  next.revision = scene_.head()->revision() + 1;
+  prepare_producer(*publication, write, next);
+  WriteLine* const line = line_ ? &*line_ : nullptr;
+  WriteLine::Prepared item;
+  if (line != nullptr) {
+    item = line->prepare(line_write(entry_of(write, next), write, publication));
+  }
+  finish_write(line, std::move(item), *publication, write);
+  return {};
+}
+
+Status StoredScene::begin_write(exec::Compute& compute) {
+  if (removed()) return removed_error();
+  compute_.store(&compute, std::memory_order_release);
+  return line_ ? line_->ready() : Status();
+}
+
+JournalEntry StoredScene::entry_of(const SceneWrite& write, const scenegraph::Applied& next) {
+  JournalEntry entry;
+  entry.expected = next.revision - 1;
+  entry.nodes = next.nodes;
+  entry.request_id = write.request_id;
+  entry.content = write.content;
+  if (write.producer == nullptr) return entry;
+  entry.producer = write.producer->name;
+  for (std::uint64_t i = 0; i < write.batches; ++i)
+    entry.batches.push_back({write.first_sequence + i, next.nodes});
+  return entry;
+}
+
+WriteLine::Write StoredScene::line_write(JournalEntry entry, const SceneWrite& write,
+                                         const std::shared_ptr<Publication>& publication) {
+  return {.entry = std::move(entry),
+          .relaxed = write.relaxed,
+          .publish = [this, publication] { publish(*publication); },
+          .answer = write.answer};
+}
+
+void StoredScene::prepare_publication(Publication& publication,
+                                      const scenegraph::revision::Snapshot& before,
+                                      const SceneWrite& write, const scenegraph::Applied& next,
+                                      std::vector<scenegraph::model::Update>& updates) {
+  resolve(updates, next.nodes);
+  publication.rebuild_static = next.rebuild_static;
+  publication.replaced = bytes_replaced(before, updates);
+  reserve_patched(updates);
+  recent_.reserve_more(waiting() + 1);
+  publication.entry = log_.prepare(std::move(updates), waiting());
+  if (!write.request_id.empty()) {
+    publication.answer =
+        answers_.prepare(write.request_id, write.content, next, waiting());
+  }
+  prepare_producer(publication, write, next);
+}
+
+void StoredScene::prepare_producer(Publication& publication, const SceneWrite& write,
+                                   const scenegraph::Applied& next) {
+  publication.producer = write.producer;
+  if (write.producer == nullptr) return;
+  for (std::uint64_t i = 0; i < write.batches; ++i) {
+    publication.puts.push_back(
+        {write.first_sequence + i, next.nodes,
+         memory_.record(exec::Held::kLogs,
+                        next.nodes.size() * sizeof(scenegraph::model::NodeId))});
+  }
+  // A write that waits is of at most a window of batches.
+  write.producer->put.reserve_more(write.batches + kPutsKept * waiting());
+}
+
+void StoredScene::finish_write(WriteLine* line, WriteLine::Prepared item,
+                               Publication& publication, const SceneWrite& write) noexcept {
+  if (line != nullptr) return line->add(std::move(item));
+  publish(publication);
+  if (write.answer) write.answer(Durability::kRelaxed);
+}
+
+/// Makes what was applied next visible. Does not throw: memory was reserved for it.
+void StoredScene::publish(Publication& publication) noexcept {
+  for (Producer::Put& put : publication.puts) publication.producer->commit(std::move(put));
+  if (!publication.revises) return;
+  auto before = scene_.snapshot();
+  auto unsettled = recent_.retain(before);
+  Replaced& replaced = publication.replaced;
+  if (unsettled != nullptr &&
+      unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
+    replaced.bytes += bytes_of(*unsettled->shared_trees().static_tree);
+  scene_.publish_next();
+  auto kept = memory_.record(exec::Held::kLogs, replaced.bytes - replaced.meshes);
+  auto dropped = recent_.account(replaced.bytes, std::move(kept));
+  const UpdateLog::Updates logged = publication.entry.updates;
+  log_.add(std::move(publication.entry));
+  remember_patched(*logged);
+  const std::size_t nodes = scene_.snapshot()->node_count();
+  const std::uint64_t names = name_bytes_ + publication.names;
+  name_bytes_ = nodes == 0 ? 0 : names - std::min(names, replaced.names);
+  nodes_.resize(bytes_of_scene(nodes, name_bytes_));
+  publication.new_nodes = {};
+  answers_.retain(std::move(publication.answer));
+  events_.notify();
+  settle_later({std::move(dropped), std::move(unsettled), std::move(before)},
+               publication.rebuild_static);
+  if (journal_ != nullptr && loaded())
+    journal_->published(scene_.state(), recent_.oldest_or(scene_.snapshot()->revision()));
+}
+
+/// After the journal has told what became of writes.
+void StoredScene::settle_soon() noexcept {
+  if (settling_.exchange(true)) return;
+  exec::Compute& compute = *compute_.load(std::memory_order_acquire);
+  const Status posted = exec::to_status([&]() -> Status {
+    write_queue_.post(compute, [self = shared_from_this()] {
+      self->settling_ = false;
+      self->line_->settle();
+    });
+    return {};
+  });
+  if (!posted) settling_ = false;  // a later call settles
+}
+
+void StoredScene::retry_writes() {
+  if (!line_ || !line_->stalled()) return;
+  write_queue_.post(*compute_.load(std::memory_order_acquire), [self = shared_from_this()] {
+    static_cast<void>(self->line_->ready());
+  });
+}
+
+Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint64_t content,
+                                       const Repeat& answer) {
+  const auto known = answers_.find(request_id, content);
+  if (!known) return known.error();
+  if (*known != nullptr) {
+    const scenegraph::Applied applied = **known;
+    answer(applied, is_kept() ? Durability::kCommitted : Durability::kRelaxed);
+    return true;
+  }
+  const JournalEntry* waiting = line_ ? line_->find(request_id) : nullptr;
+  if (waiting == nullptr) return false;
+  const scenegraph::Applied applied{waiting->expected + 1, waiting->nodes, false};
+  if (waiting->content != content) return request_id_reused(request_id, applied.revision);
+  line_->join(*waiting,
+              [answer, applied](const Result<Durability>& kept) { answer(applied, kept); });
+  return true;
+}
+
+void StoredScene::when_answered(std::function<void()> then) {
+  if (!line_) return then();
+  line_->when_answered(std::move(then));
+}
+
+void StoredScene::when_committed(WriteLine::Committed then) {
+  if (!line_) return then({});
+  line_->when_committed(std::move(then));
+}
+
+Result<std::shared_ptr<const void>> StoredScene::charge_patch(std::uint64_t bytes) {
+  auto charge = memory_.charge(exec::Held::kPatches, bytes);
+  if (!charge) return charge.error();
+  return std::shared_ptr<const void>(
+      std::make_shared<exec::MemoryAccount::Charge>(std::move(*charge)));
+}
+
+/// Makes room for remember_patched().
+void StoredScene::reserve_patched(const std::vector<scenegraph::model::Update>& updates) {
+  const auto patches = static_cast<std::size_t>(std::ranges::count_if(updates, is_patch));
+  if (patches == 0) return;
+  const std::lock_guard lock(patched_mutex_);
+  std::erase_if(patched_, [](const auto& mesh) { return mesh.expired(); });
+  patched_.reserve(patched_.size() + patches);
+}
+
+/// The meshes that the newest revision has from these updates.
+void StoredScene::remember_patched(const std::vector<scenegraph::model::Update>& updates) {
+  const auto snapshot = scene_.snapshot();
+  const std::lock_guard lock(patched_mutex_);
+  for (const scenegraph::model::Update& update : updates) {
+    if (!is_patch(update)) continue;
+    const auto& patch = std::get<scenegraph::model::PatchVertices>(update);
+    const scenegraph::model::Node* node =
+        snapshot->find(static_cast<scenegraph::model::NodeId>(patch.nodes.front()));
+    if (node != nullptr && node->patched) patched_.emplace_back(node->mesh);
+  }
+}
+
+/// Freeing old revisions and settling may take long, and no reply waits for them.
+void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
+  try {
+    {
+      const std::lock_guard lock(dropped_mutex_);
+      dropped_.push_back(std::move(dropped));
+    }
+    compute_.load(std::memory_order_acquire)->enqueue_background([self = shared_from_this(), settle] {
+      self->free_dropped();
+      // What could not be refused any more when it was recorded.
+      static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
+      if (settle) self->scene_.rebuild_static();
+    });
+  } catch (const std::bad_alloc&) {  // settles after a later update
+    free_dropped();
+  }
+}
+
+}  // namespace sightline::server::scenes

@@ -1,0 +1,20 @@
+// The table of answers to requests with a request id.
+#pragma once
+
+#include <vector>
+
+#include "accel/result.h"
+#include "server/store/sqlite.h"
+#include "server/store/store.h"
+
+namespace sightline::server::store {
+
+/// Errors of all: as Database::error().
+
+/// Adds an answer, and drops the oldest beyond the limits. Errors: also kAlreadyExists.
+Status insert_answer(Database& database, SceneId scene, const RequestAnswer& answer,
+                     const StoreLimits& limits);
+/// Oldest first. Errors: also kDataLoss.
+Result<std::vector<RequestAnswer>> read_answers(Database& database, SceneId scene);
+
+}  // namespace sightline::server::store

@@ -1,0 +1,74 @@
+// The tables of producers and of the nodes that their last batches put.
+#include "server/store/producer_rows.h"
+
+#include <fmt/format.h>
+
+#include "server/store/errors.h"
+#include "server/store/node_ids.h"
+
+namespace sightline::server::store {
+namespace {
+
+Status insert_put(Database& database, SceneId scene, const ProducerCommit& commit,
+                  const StoreLimits& limits) {
+  const std::string nodes = encode_ids(commit.nodes);
+  Status done = database.execute(
+      "INSERT INTO put(scene, producer, sequence, node_count, nodes) VALUES(?, ?, ?, ?, ?)", scene,
+      commit.producer, commit.sequence, static_cast<std::uint64_t>(commit.nodes.size()),
+      as_bytes(nodes));
+  if (!done) return done;
+  return database.execute(
+      "DELETE FROM put WHERE scene = ?1 AND producer = ?2 AND sequence <= coalesce(("
+      "SELECT max(sequence) FROM (SELECT sequence, row_number() OVER newest AS number, "
+      "sum(node_count) OVER newest AS nodes FROM put WHERE scene = ?1 AND producer = ?2 "
+      "WINDOW newest AS (ORDER BY sequence DESC)) WHERE number > ?3 OR nodes > ?4), 0)",
+      scene, commit.producer, limits.puts, limits.put_nodes);
+}
+
+}  // namespace
+
+Status insert_commit(Database& database, SceneId scene, const ProducerCommit& commit,
+                     const StoreLimits& limits) {
+  Status done = database.execute(
+      "INSERT INTO producer(scene, name, last_committed) VALUES(?, ?, ?) ON CONFLICT DO UPDATE "
+      "SET last_committed = excluded.last_committed "
+      "WHERE excluded.last_committed > producer.last_committed",
+      scene, commit.producer, commit.sequence);
+  if (!done) return done;
+  if (database.changes() == 0) {
+    return Error{
+        Code::kOutOfRange,
+        fmt::format("batch {} of the producer {} is stored", commit.sequence, commit.producer),
+        "SEQUENCE_KNOWN"};
+  }
+  if (commit.nodes.empty()) return {};
+  return insert_put(database, scene, commit, limits);
+}
+
+Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId scene) {
+  std::vector<ProducerRecord> producers;
+  const Status read = database.each(
+      "SELECT name, last_committed, sequence, nodes FROM producer LEFT JOIN put "
+      "ON put.scene = producer.scene AND put.producer = producer.name "
+      "WHERE producer.scene = ? ORDER BY name, sequence",
+      [&](const Statement& row) -> Status {
+        std::string name = row.text(0);
+        if (producers.empty() || producers.back().name != name)
+          producers.push_back({name, row.unsigned_number(1), {}});
+        const std::uint64_t sequence = row.unsigned_number(2);
+        if (sequence == 0) return {};  // it has put no nodes
+        auto nodes = decode_ids(row.bytes(3));
+        if (!nodes) {
+          return corrupt(database.file(), fmt::format("the producer {} of the scene with the "
+                                                      "number {}",
+                                                      name, scene));
+        }
+        producers.back().recent.push_back({std::move(name), sequence, std::move(*nodes)});
+        return {};
+      },
+      scene);
+  if (!read) return read.error();
+  return producers;
+}
+
+}  // namespace sightline::server::store

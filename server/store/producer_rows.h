@@ -1,0 +1,21 @@
+// The tables of producers and of the nodes that their last batches put.
+#pragma once
+
+#include <vector>
+
+#include "accel/result.h"
+#include "server/store/sqlite.h"
+#include "server/store/store.h"
+
+namespace sightline::server::store {
+
+/// Errors of all: as Database::error().
+
+/// Records a producer's progress. Errors: also kOutOfRange (a sequence that is not beyond its
+/// last).
+Status insert_commit(Database& database, SceneId scene, const ProducerCommit& commit,
+                     const StoreLimits& limits);
+/// By name. Errors: also kDataLoss.
+Result<std::vector<ProducerRecord>> read_producers(Database& database, SceneId scene);
+
+}  // namespace sightline::server::store

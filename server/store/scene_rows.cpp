@@ -1,0 +1,104 @@
+// The table of scenes.
+#include "server/store/scene_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sightline::server::store {
+namespace {
+
+SceneRecord read_record(const Statement& row) {
+  SceneRecord record;
+  record.id = row.number(0);
+  record.info.name = row.text(1);
+  record.info.incarnation = row.unsigned_number(2);
+  record.info.up_axis = static_cast<UpAxis>(row.number(3));
+  record.info.meters_per_unit = row.real(4);
+  record.revision = row.unsigned_number(5);
+  record.base = row.unsigned_number(6);
+  record.log_bytes = row.unsigned_number(7);
+  return record;
+}
+
+}  // namespace
+
+Error no_scene(SceneId scene) {
+  return {Code::kNotFound, fmt::format("the scene with the number {} is not stored", scene),
+          "SCENE_NOT_FOUND"};
+}
+
+Result<SceneId> insert_scene(Database& database, const SceneInfo& info) {
+  const auto known =
+      database.number("SELECT id FROM scene WHERE name = ? AND removed = 0", info.name);
+  if (!known) return known.error();
+  if (*known) {
+    return Error{Code::kAlreadyExists, fmt::format("the scene {} exists", info.name),
+                 "SCENE_EXISTS"};
+  }
+  const Status inserted = database.execute(
+      "INSERT INTO scene(name, incarnation, up_axis, meters_per_unit) VALUES(?, ?, ?, ?)",
+      info.name, info.incarnation, static_cast<std::int64_t>(info.up_axis), info.meters_per_unit);
+  if (!inserted) return inserted.error();
+  return database.last_row();
+}
+
+Result<SceneRecord> find_scene(Database& database, SceneId scene) {
+  std::vector<SceneRecord> found;
+  Status read = database.each(
+      "SELECT id, name, incarnation, up_axis, meters_per_unit, revision, base, "
+      "logged - base_logged FROM scene WHERE id = ? AND removed = 0",
+      [&](const Statement& row) {
+        found.push_back(read_record(row));
+        return Status();
+      },
+      scene);
+  if (!read) return read.error();
+  if (found.empty()) return no_scene(scene);
+  read = database.each(
+      "SELECT revision FROM snapshot WHERE scene = ? AND state = 1 ORDER BY revision",
+      [&](const Statement& row) {
+        found.front().snapshots.push_back(row.unsigned_number(0));
+        return Status();
+      },
+      scene);
+  if (!read) return read.error();
+  return std::move(found.front());
+}
+
+Result<std::vector<SceneRecord>> all_scenes(Database& database) {
+  std::vector<SceneRecord> scenes;
+  Status read = database.each(
+      "SELECT id, name, incarnation, up_axis, meters_per_unit, revision, base, "
+      "logged - base_logged FROM scene WHERE removed = 0 ORDER BY id",
+      [&](const Statement& row) {
+        scenes.push_back(read_record(row));
+        return Status();
+      });
+  if (!read) return read.error();
+  read =
+      database.each("SELECT scene, revision FROM snapshot WHERE state = 1 ORDER BY scene, revision",
+                    [&](const Statement& row) {
+                      const auto scene = std::lower_bound(
+                          scenes.begin(), scenes.end(), row.number(0),
+                          [](const SceneRecord& one, SceneId id) { return one.id < id; });
+                      if (scene != scenes.end() && scene->id == row.number(0))
+                        scene->snapshots.push_back(row.unsigned_number(1));
+                      return Status();
+                    });
+  if (!read) return read.error();
+  std::sort(scenes.begin(), scenes.end(),
+            [](const SceneRecord& a, const SceneRecord& b) { return a.info.name < b.info.name; });
+  return scenes;
+}
+
+Status mark_removed(Database& database, SceneId scene) {
+  if (Status done = database.execute(
+          "UPDATE scene SET removed = 1, garbage = 1 WHERE id = ? AND removed = 0", scene);
+      !done)
+    return done;
+  if (database.changes() == 0) return no_scene(scene);
+  return {};
+}
+
+}  // namespace sightline::server::store

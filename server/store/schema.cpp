@@ -1,0 +1,200 @@
+// The tables of a store, and their versions.
+#include "server/store/schema.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+#include "server/store/checksum.h"
+
+namespace sightline::server::store {
+namespace {
+
+/// "SLst", in the header of the file.
+constexpr int kApplicationId = 0x534C7374;
+
+// Rows of a scene that was removed, or that its base has passed, are garbage: purge.cpp deletes
+// them step by step. `logged` counts the bytes of updates since the scene was made.
+constexpr const char* kTables = R"(
+  CREATE TABLE scene(
+    id INTEGER PRIMARY KEY AUTOINCREMENT,
+    name TEXT NOT NULL,
+    incarnation INTEGER NOT NULL,
+    up_axis INTEGER NOT NULL CHECK(up_axis BETWEEN 0 AND 2),
+    meters_per_unit REAL NOT NULL,
+    revision INTEGER NOT NULL DEFAULT 0,
+    logged INTEGER NOT NULL DEFAULT 0,
+    base INTEGER NOT NULL DEFAULT 0,
+    base_logged INTEGER NOT NULL DEFAULT 0,
+    answers INTEGER NOT NULL DEFAULT 0,
+    answer_nodes INTEGER NOT NULL DEFAULT 0,
+    removed INTEGER NOT NULL DEFAULT 0,
+    garbage INTEGER NOT NULL DEFAULT 0) STRICT;
+  CREATE UNIQUE INDEX scene_name ON scene(name) WHERE removed = 0;
+  CREATE INDEX scene_garbage ON scene(id) WHERE garbage = 1;
+
+  CREATE TABLE blob(
+    id INTEGER PRIMARY KEY,
+    sum BLOB NOT NULL UNIQUE CHECK(length(sum) = 32),
+    size INTEGER NOT NULL,
+    stored INTEGER NOT NULL) STRICT;
+
+  CREATE TABLE batch(
+    id INTEGER PRIMARY KEY,
+    scene INTEGER NOT NULL REFERENCES scene(id),
+    revision INTEGER NOT NULL,
+    time INTEGER NOT NULL,
+    logged INTEGER NOT NULL,
+    checksum INTEGER NOT NULL,
+    updates BLOB NOT NULL,
+    UNIQUE(scene, revision)) STRICT;
+  CREATE TABLE batch_blob(
+    batch INTEGER NOT NULL REFERENCES batch(id) ON DELETE CASCADE,
+    blob INTEGER NOT NULL REFERENCES blob(id),
+    PRIMARY KEY(batch, blob)) STRICT, WITHOUT ROWID;
+  CREATE INDEX batch_blob_blob ON batch_blob(blob);
+
+  CREATE TABLE answer(
+    id INTEGER PRIMARY KEY,
+    scene INTEGER NOT NULL REFERENCES scene(id),
+    request_id TEXT NOT NULL,
+    content INTEGER NOT NULL,
+    revision INTEGER NOT NULL,
+    node_count INTEGER NOT NULL,
+    nodes BLOB NOT NULL,
+    UNIQUE(scene, request_id)) STRICT;
+  CREATE INDEX answer_order ON answer(scene);
+
+  CREATE TABLE producer(
+    scene INTEGER NOT NULL REFERENCES scene(id),
+    name TEXT NOT NULL,
+    last_committed INTEGER NOT NULL,
+    PRIMARY KEY(scene, name)) STRICT, WITHOUT ROWID;
+  CREATE TABLE put(
+    scene INTEGER NOT NULL,
+    producer TEXT NOT NULL,
+    sequence INTEGER NOT NULL,
+    node_count INTEGER NOT NULL,
+    nodes BLOB NOT NULL,
+    PRIMARY KEY(scene, producer, sequence),
+    FOREIGN KEY(scene, producer) REFERENCES producer(scene, name)) STRICT, WITHOUT ROWID;
+
+  CREATE TABLE snapshot(
+    id INTEGER PRIMARY KEY,
+    scene INTEGER NOT NULL REFERENCES scene(id),
+    revision INTEGER NOT NULL,
+    state INTEGER NOT NULL) STRICT;
+  CREATE UNIQUE INDEX snapshot_revision ON snapshot(scene, revision) WHERE state < 2;
+  CREATE INDEX snapshot_scene ON snapshot(scene);
+  CREATE TABLE snapshot_chunk(
+    id INTEGER PRIMARY KEY,
+    snapshot INTEGER NOT NULL REFERENCES snapshot(id),
+    number INTEGER NOT NULL,
+    checksum INTEGER NOT NULL,
+    data BLOB NOT NULL,
+    UNIQUE(snapshot, number)) STRICT;
+  CREATE TABLE snapshot_blob(
+    snapshot INTEGER NOT NULL REFERENCES snapshot(id),
+    blob INTEGER NOT NULL REFERENCES blob(id),
+    PRIMARY KEY(snapshot, blob)) STRICT, WITHOUT ROWID;
+  CREATE INDEX snapshot_blob_blob ON snapshot_blob(blob);
+)";
+
+/// Version 1 had no checksums of updates.
+Status add_checksums(Database& database) {
+  if (Status added =
+          database.run("ALTER TABLE batch ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0");
+      !added)
+    return added;
+  std::int64_t last = 0;
+  for (bool more = true; more;) {
+    more = false;
+    std::int64_t checksum = 0;
+    Status done = database.each(
+        "SELECT id, updates FROM batch WHERE id > ? ORDER BY id LIMIT 1",
+        [&](const Statement& row) {
+          more = true;
+          last = row.number(0);
+          checksum = checksum_of(row.bytes(1));
+          return Status();
+        },
+        last);
+    if (done && more)
+      done = database.execute("UPDATE batch SET checksum = ? WHERE id = ?", checksum, last);
+    if (!done) return done;
+  }
+  return {};
+}
+
+/// Entry v - 1 brings version v to the next.
+constexpr std::array<Status (*)(Database&), kSchemaVersion - 1> kMigrations{add_checksums};
+
+Status set_version(Database& database) {
+  return database.run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                  kApplicationId, kSchemaVersion)
+                          .c_str());
+}
+
+Error newer(const Database& database, std::int64_t version) {
+  return {Code::kFailedPrecondition,
+          fmt::format("{} was written by a newer version of this program (format {}, this one "
+                      "knows up to {}); use that version, or restore a backup made by this one",
+                      database.file().string(), version, kSchemaVersion),
+          "STORE_NEWER"};
+}
+
+Error foreign(const Database& database) {
+  return {Code::kFailedPrecondition,
+          fmt::format("{} is a database of another program; name another directory",
+                      database.file().string()),
+          "NOT_A_STORE"};
+}
+
+/// Makes or migrates the tables, in a transaction.
+Status bring_up(Database& database, std::int64_t version) {
+  if (version == 0) {
+    if (Status made = database.run(kTables); !made) return made;
+  } else {
+    for (auto step = static_cast<std::size_t>(version - 1); step < kMigrations.size(); ++step) {
+      if (Status migrated = kMigrations[step](database); !migrated) return migrated;
+    }
+  }
+  return set_version(database);
+}
+
+}  // namespace
+
+Status configure(Database& database) {
+  // Before there are tables: pages that get free can be given back to the file system.
+  return database.run(
+      "PRAGMA auto_vacuum = INCREMENTAL;"
+      "PRAGMA journal_mode = WAL;"
+      "PRAGMA synchronous = FULL;"
+      "PRAGMA foreign_keys = ON;"
+      "PRAGMA wal_autocheckpoint = 0;"
+      "PRAGMA journal_size_limit = 67108864;"
+      "PRAGMA temp_store = MEMORY;"
+      "PRAGMA cell_size_check = ON;"
+      "PRAGMA trusted_schema = OFF");
+}
+
+Status prepare_tables(Database& database) {
+  const auto version = database.number("PRAGMA user_version");
+  if (!version) return version.error();
+  const auto application = database.number("PRAGMA application_id");
+  if (!application) return application.error();
+  const auto tables = database.number("SELECT count(*) FROM sqlite_schema");
+  if (!tables) return tables.error();
+  const bool fresh = **version == 0 && **application == 0 && **tables == 0;
+  if (!fresh && **application != kApplicationId) return foreign(database);
+  if (**version > kSchemaVersion) return newer(database, **version);
+  if (**version == kSchemaVersion) return {};
+  if (Status begun = database.run("BEGIN IMMEDIATE"); !begun) return begun;
+  Status done = bring_up(database, **version);
+  if (done) done = database.run("COMMIT");
+  if (!done && database.in_transaction()) (void)database.run("ROLLBACK");
+  return done;
+}
+
+}  // namespace sightline::server::store

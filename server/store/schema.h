@@ -1,0 +1,21 @@
+// The tables of a store, and their versions.
+#pragma once
+
+#include "accel/result.h"
+#include "server/store/sqlite.h"
+
+namespace sightline::server::store {
+
+/// Of the tables that this program writes.
+inline constexpr int kSchemaVersion = 2;
+
+/// Sets the connection up: durable commits, write-ahead log, foreign keys. Errors: as
+/// Database::error().
+Status configure(Database& database);
+
+/// Makes the tables of a new file, or brings those of an older version up to this one. Errors:
+/// kFailedPrecondition (STORE_NEWER: a newer version has written the file; NOT_A_STORE: another
+/// program has), as Database::error().
+Status prepare_tables(Database& database);
+
+}  // namespace sightline::server::store

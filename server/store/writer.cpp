@@ -1,0 +1,292 @@
+// The one thread that writes to a database: it commits what waits together.
+#include "server/store/writer.h"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <exception>
+#include <future>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "server/exec/rpc_status.h"
+#include "server/store/errors.h"
+#include "server/store/purge.h"
+
+namespace sightline::server::store {
+namespace {
+
+/// The most that one transaction holds.
+constexpr std::size_t kGroupSize = 1024;
+constexpr std::uint64_t kGroupBytes = std::uint64_t{16} << 20;
+/// After a transaction for several, how long the thread waits for as many to come again.
+constexpr std::chrono::milliseconds kGather{2};
+/// Pages in the write-ahead log from which on they are moved to the database.
+constexpr int kCheckpointPages = 4096;
+
+int pages_in_log(void* count, sqlite3* /*handle*/, const char* /*name*/, int pages) {
+  *static_cast<int*>(count) = pages;
+  return SQLITE_OK;
+}
+
+/// Whether the transaction failed for a reason that lies in the disk and not in the work.
+bool is_of_disk(const Error& error) {
+  return (error.code == Code::kUnavailable && error.reason != "STORE_BUSY") ||
+         error.reason == "DISK_FULL" || error.reason == "STORE_READ_ONLY";
+}
+
+}  // namespace
+
+Writer::Writer(Database database, DiskBudget& budget, const StoreLimits& limits)
+    : database_(std::move(database)), budget_(budget), limits_(limits) {
+  sqlite3_wal_hook(database_.handle(), pages_in_log, &log_pages_);
+  measure();
+  thread_ = std::thread([this] { loop(); });
+}
+
+Writer::~Writer() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  queued_.notify_one();
+  thread_.join();
+}
+
+Status Writer::submit(Run run, Done done, std::uint64_t bytes) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (figures_.in_flight >= limits_.batches_in_flight) {
+      return over_limit("batches_in_flight", figures_.in_flight + 1, limits_.batches_in_flight,
+                        "TOO_MANY_COMMITS");
+    }
+    if (figures_.bytes_in_flight > 0 &&
+        figures_.bytes_in_flight + bytes > limits_.bytes_in_flight) {
+      return over_limit("bytes_in_flight", figures_.bytes_in_flight + bytes,
+                        limits_.bytes_in_flight, "TOO_MANY_COMMITS");
+    }
+    queue_.push_back({std::move(run), std::move(done), bytes, true, {}, false});
+    ++entered_;
+    ++figures_.in_flight;
+    figures_.bytes_in_flight += bytes;
+  }
+  queued_.notify_one();
+  return {};
+}
+
+Status Writer::perform(const Run& run) {
+  // Shared, as the writer may still be in set_value() when the caller goes on.
+  const auto outcome = std::make_shared<std::promise<Status>>();
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.push_back({run,
+                      [outcome](const Status& status) { outcome->set_value(status); },
+                      0,
+                      false,
+                      {},
+                      false});
+    ++entered_;
+  }
+  queued_.notify_one();
+  return outcome->get_future().get();
+}
+
+void Writer::flush() {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t mine = entered_;
+  idle_.wait(lock, [&] { return left_ >= mine; });
+}
+
+void Writer::expect_garbage() {
+  {
+    const std::lock_guard lock(mutex_);  // so that a thread that is about to wait sees it
+    garbage_ = true;
+  }
+  queued_.notify_one();
+}
+
+Status Writer::last() const {
+  const std::lock_guard lock(mutex_);
+  return last_;
+}
+
+WriterFigures Writer::figures() const {
+  const std::lock_guard lock(mutex_);
+  return figures_;
+}
+
+void Writer::loop() {
+  for (;;) {
+    Group group = next_group();
+    if (group.empty() && !garbage_) return;
+    commit(group);
+  }
+}
+
+/// Waits for work. Empty: there is garbage to purge, or the writer ends.
+Writer::Group Writer::next_group() {
+  std::unique_lock lock(mutex_);
+  queued_.wait(lock, [&] { return !queue_.empty() || ending_ || garbage_; });
+  if (ending_) garbage_ = false;  // the next process goes on with it
+  if (!queue_.empty()) gather(lock);
+  Group group;
+  std::uint64_t bytes = 0;
+  while (!queue_.empty() && group.size() < kGroupSize &&
+         (group.empty() || bytes + queue_.front().bytes <= kGroupBytes)) {
+    bytes += queue_.front().bytes;
+    group.push_back(std::move(queue_.front()));
+    queue_.pop_front();
+  }
+  last_group_ = group.size();
+  return group;
+}
+
+/// Clients that wait for each answer come back together: it takes a moment until all have.
+void Writer::gather(std::unique_lock<std::mutex>& lock) {
+  if (last_group_ < 2 || ending_) return;
+  queued_.wait_for(lock, kGather,
+                   [&] { return queue_.size() >= std::min(last_group_, kGroupSize) || ending_; });
+}
+
+void Writer::commit(Group& group) {
+  const auto begun = std::chrono::steady_clock::now();
+  refuse_growth(group);
+  Status outcome = exec::to_status([&] { return heal(); });
+  if (outcome) outcome = exec::to_status([&] { return transact(group); });
+  if (database_.in_transaction()) (void)database_.run("ROLLBACK");
+  if (!outcome && is_of_disk(outcome.error())) unhealed_ = true;
+  if (!outcome) garbage_ = garbage_ && !group.empty();
+  finish(group, outcome, std::chrono::steady_clock::now() - begun);
+  checkpoint();
+  measure();
+}
+
+/// Where the disk has no space, work that needs it fails, and the rest is done.
+void Writer::refuse_growth(Group& group) {
+  std::uint64_t bytes = 0;
+  for (const Work& work : group) bytes += work.bytes;
+  const Status fits = budget_.admit(bytes);
+  tight_ = !fits;
+  if (fits) return;
+  for (Work& work : group) {
+    if (work.bytes == 0) continue;
+    work.status = fits;
+    work.ended = true;
+  }
+}
+
+/// Runs all work and commits. If work undoes the transaction, it begins again without that work.
+Status Writer::transact(Group& group) {
+  for (std::size_t attempt = 0; attempt <= group.size(); ++attempt) {
+    if (Status begun = database_.run("BEGIN IMMEDIATE"); !begun) return begun;
+    if (Status ran = run_all(group); !ran) return ran;
+    if (!database_.in_transaction()) continue;
+    purge();
+    return database_.run("COMMIT");
+  }
+  return Error{Code::kInternal, "the store's transaction was undone again and again", "UNEXPECTED"};
+}
+
+/// Fails if the disk has; then nothing of the group can be done.
+Status Writer::run_all(Group& group) {
+  for (Work& work : group) {
+    if (work.ended) continue;
+    work.status = exec::to_status([&] { return run_one(work); });
+    if (work.status) continue;
+    if (is_of_disk(work.status.error())) return work.status;
+    if (!database_.in_transaction()) {
+      work.ended = true;
+      return {};
+    }
+  }
+  return {};
+}
+
+Status Writer::run_one(Work& work) {
+  if (Status begun = database_.execute("SAVEPOINT one"); !begun) return begun;
+  Status done = exec::to_status([&] { return work.run(database_); });
+  if (!database_.in_transaction()) return done;
+  if (!done) {
+    if (Status undone = database_.execute("ROLLBACK TO one"); !undone) return undone;
+  }
+  if (Status released = database_.execute("RELEASE one"); !released) return released;
+  return done;
+}
+
+/// A step, within the transaction. Garbage that cannot be purged stays until the next start.
+void Writer::purge() {
+  if (!garbage_) return;
+  Work step;
+  bool more = false;
+  step.run = [&](Database& database) -> Status {
+    const auto purged = purge_some(database);
+    if (!purged) return purged.error();
+    more = *purged;
+    return return_pages(database, tight_);
+  };
+  const Status done = exec::to_status([&] { return run_one(step); });
+  if (!done || !more) garbage_ = false;
+}
+
+/// After a failed transaction, the write-ahead log may end in pages of which it is unknown whether
+/// they are on disk. Moving all that was committed to the database and cutting the log removes
+/// them.
+Status Writer::heal() {
+  if (!unhealed_) return {};
+  if (sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr,
+                                nullptr) != SQLITE_OK)
+    return database_.error();
+  unhealed_ = false;
+  return {};
+}
+
+/// A checkpoint that fails is tried again later: the log still has everything. It does not wait for
+/// readers: the log begins anew when there is none.
+void Writer::checkpoint() {
+  if (unhealed_ || (log_pages_ < kCheckpointPages && !tight_)) return;
+  int pages = 0;
+  int moved = 0;
+  const int code = sqlite3_wal_checkpoint_v2(database_.handle(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                             &pages, &moved);
+  if (code == SQLITE_OK && pages == moved) log_pages_ = 0;
+}
+
+void Writer::measure() {
+  const auto size = database_.number("PRAGMA page_size");
+  const auto pages = database_.number("PRAGMA page_count");
+  const auto free = database_.number("PRAGMA freelist_count");
+  if (!size || !pages || !free) return;
+  budget_.set_database(static_cast<std::uint64_t>((**pages - **free + log_pages_) * **size));
+}
+
+/// Tells the callers how their work ended, in order.
+void Writer::finish(Group& group, const Status& outcome, std::chrono::nanoseconds took) {
+  std::uint64_t limited = 0;
+  std::uint64_t bytes = 0;
+  for (const Work& work : group) {
+    if (!work.limited) continue;
+    ++limited;
+    bytes += work.bytes;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    last_ = outcome;
+    figures_.in_flight -= limited;
+    figures_.bytes_in_flight -= bytes;
+    figures_.failures += outcome ? 0 : 1;
+    if (outcome && !group.empty()) {
+      figures_.commits += 1;
+      figures_.batches += limited;
+      figures_.commit_time += took;
+    }
+  }
+  for (const Work& work : group) work.done(work.ended || outcome ? work.status : outcome);
+  {
+    const std::lock_guard lock(mutex_);
+    left_ += group.size();
+  }
+  idle_.notify_all();
+}
+
+}  // namespace sightline::server::store

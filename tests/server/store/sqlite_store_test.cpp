@@ -1,0 +1,443 @@
+// The embedded store: what is kept over a restart, in which order, and what is refused.
+#include "server/store/sqlite_store.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+#include <thread>
+
+#include "tests/server/store/directory.h"
+#include "tests/server/store/store_steps.h"
+
+namespace sightline::server::store {
+namespace {
+
+using tests::append;
+using tests::blob_bytes;
+using tests::digest_of_blob;
+using tests::Directory;
+using tests::log_of;
+using tests::make_scene;
+using tests::open_store;
+using tests::put_snapshot;
+using tests::reason_of;
+using tests::store_blob;
+
+constexpr std::chrono::seconds kNoGrace{0};
+using Strings = std::vector<std::string>;
+
+TEST(SqliteStore, KeepsScenesOverARestart) {
+  const Directory directory;
+  const SceneInfo city{"projects/p/scenes/city", 18446744073709551615ull, UpAxis::kZ, 0.01};
+  auto store = open_store(directory.path());
+  ASSERT_TRUE(store->create_scene({.name = "projects/p/scenes/z"}).ok());
+  const auto id = store->create_scene(city);
+  ASSERT_TRUE(id.ok());
+  ASSERT_TRUE(append(*store, *id, 0, "first").ok());
+  store.reset();
+
+  store = open_store(directory.path());
+  const auto scenes = store->scenes();
+  ASSERT_TRUE(scenes.ok());
+  ASSERT_EQ(scenes->size(), 2u);
+  const SceneRecord& kept = scenes->front();
+  EXPECT_EQ(kept.id, *id);
+  EXPECT_EQ(kept.info.name, city.name);
+  EXPECT_EQ(kept.info.incarnation, city.incarnation);
+  EXPECT_EQ(kept.info.up_axis, UpAxis::kZ);
+  EXPECT_EQ(kept.info.meters_per_unit, 0.01);
+  EXPECT_EQ(kept.revision, 1u);
+  EXPECT_EQ(kept.log_bytes, 5u);
+  EXPECT_EQ(kept.base, 0u);
+}
+
+TEST(SqliteStore, RefusesASecondSceneOfAName) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  make_scene(*store, "a");
+  EXPECT_EQ(reason_of(store->create_scene({.name = "a"})), "SCENE_EXISTS");
+}
+
+TEST(SqliteStore, RemovesAScene) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, scene, 0, "first").ok());
+  ASSERT_TRUE(store->remove_scene(scene).ok());
+  EXPECT_EQ(reason_of(store->remove_scene(scene)), "SCENE_NOT_FOUND");
+  EXPECT_EQ(reason_of(store->read(scene, 0, 1)), "SCENE_NOT_FOUND");
+  EXPECT_EQ(reason_of(append(*store, scene, 1, "second")), "SCENE_NOT_FOUND");
+  const SceneId again = make_scene(*store, "a");
+  EXPECT_NE(again, scene);
+  EXPECT_EQ(*log_of(*store, again), Strings{});
+}
+
+TEST(SqliteStore, ReadsTheLogInBoundedParts) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  for (std::uint64_t i = 0; i < 10; ++i)
+    ASSERT_TRUE(append(*store, scene, i, std::string(100, static_cast<char>('a' + i))).ok());
+  const auto part = store->read(scene, 2, 350);
+  ASSERT_TRUE(part.ok());
+  ASSERT_EQ(part->size(), 3u);
+  EXPECT_EQ(part->front().revision, 3u);
+  EXPECT_EQ(part->back().updates, std::string(100, 'e'));
+  EXPECT_EQ(store->read(scene, 2, 1)->size(), 1u) << "at least one";
+  EXPECT_EQ(store->read(scene, 10, 1000)->size(), 0u);
+}
+
+TEST(SqliteStore, FailsWhatBuildsOnAFailedBatch) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  const SceneId other = make_scene(*store, "b");
+  std::vector<std::string> reasons(4);
+  const auto record = [&](std::size_t i) {
+    return [&reasons, i](const Status& done) { reasons[i] = reason_of(done); };
+  };
+  const auto missing = digest_of_blob("never stored");
+  ASSERT_TRUE(store->append({scene, 0, "1", {}, {}, {}}, record(0)).ok());
+  ASSERT_TRUE(store->append({scene, 1, "2", {missing}, {}, {}}, record(1)).ok());
+  ASSERT_TRUE(store->append({scene, 2, "3", {}, {}, {}}, record(2)).ok());
+  ASSERT_TRUE(store->append({other, 0, "x", {}, {}, {}}, record(3)).ok());
+  store->flush();
+  EXPECT_EQ(reasons, (Strings{"", "BLOB_NOT_STORED", "REVISION_MISMATCH", ""}));
+  EXPECT_EQ(*log_of(*store, scene), Strings{"1"});
+  EXPECT_EQ(*log_of(*store, other), Strings{"x"});
+}
+
+TEST(SqliteStore, CommitsManyThreadsWithoutGaps) {
+  const Directory directory;
+  auto store = open_store(directory.path());
+  constexpr int kThreads = 8;
+  constexpr std::uint64_t kBatches = 50;
+  std::vector<SceneId> scenes;
+  for (int i = 0; i < kThreads; ++i) scenes.push_back(make_scene(*store, std::to_string(i)));
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&, scene = scenes[static_cast<std::size_t>(i)]] {
+      for (std::uint64_t r = 0; r < kBatches; ++r)
+        EXPECT_TRUE(append(*store, scene, r, std::to_string(r)).ok());
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(store->figures().batches, kThreads * kBatches);
+  EXPECT_EQ(store->figures().batches_in_flight, 0u);
+  store = nullptr;
+  store = open_store(directory.path());
+  for (const SceneId scene : scenes) EXPECT_EQ(log_of(*store, scene)->size(), kBatches);
+}
+
+TEST(SqliteStore, KeepsTheLastAnswers) {
+  const Directory directory;
+  StoreLimits limits = tests::small_disk();
+  limits.answers = 3;
+  limits.answer_nodes = 10;
+  auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const SceneId scene = make_scene(*store, "a");
+  const auto answer = [&](std::uint64_t revision, std::vector<NodeId> nodes) {
+    Batch batch{scene, revision - 1, "u", {}, {}, {}};
+    batch.answer = {"id" + std::to_string(revision), 77, revision, std::move(nodes)};
+    return append(*store, batch);
+  };
+  for (std::uint64_t revision = 1; revision <= 5; ++revision)
+    ASSERT_TRUE(answer(revision, {revision, 9}).ok());
+  auto answers = store->answers(scene);
+  ASSERT_EQ(answers->size(), 3u);
+  EXPECT_EQ(answers->front().request_id, "id3");
+  EXPECT_EQ(answers->back().content, 77u);
+  EXPECT_EQ(answers->back().revision, 5u);
+  EXPECT_EQ(answers->back().nodes, (std::vector<NodeId>{5, 9}));
+
+  ASSERT_TRUE(answer(6, std::vector<NodeId>(20, 1)).ok());
+  answers = store->answers(scene);
+  ASSERT_EQ(answers->size(), 1u) << "the newest, though it is beyond the limit";
+  Batch again{scene, 6, "u", {}, RequestAnswer{"id6", 1, 7, {}}, {}};
+  EXPECT_EQ(reason_of(append(*store, again)), "REQUEST_ID_KNOWN");
+  EXPECT_EQ(store->scene(scene)->revision, 6u) << "nothing of the refused batch stays";
+}
+
+TEST(SqliteStore, KeepsWhatProducersCommitted) {
+  const Directory directory;
+  StoreLimits limits = tests::small_disk();
+  limits.puts = 2;
+  auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const SceneId scene = make_scene(*store, "a");
+  Batch coalesced{scene, 0, "u", {}, {}, {{"lidar", 1, {1}}, {"lidar", 2, {2, 3}}}};
+  ASSERT_TRUE(append(*store, coalesced).ok());
+  const Batch rejected{scene, 1, std::nullopt, {}, {}, {{"lidar", 3, {}}, {"arm", 9, {}}}};
+  ASSERT_TRUE(append(*store, rejected).ok());
+  EXPECT_EQ(store->scene(scene)->revision, 1u) << "without updates there is no revision";
+  ASSERT_TRUE(append(*store, {scene, 1, "u", {}, {}, {{"lidar", 4, {8, 7}}}}).ok());
+  store.reset();
+
+  store = open_store(directory.path());
+  const auto producers = store->producers(scene);
+  ASSERT_EQ(producers->size(), 2u);
+  EXPECT_EQ(producers->front().name, "arm");
+  EXPECT_EQ(producers->front().last_committed, 9u);
+  EXPECT_TRUE(producers->front().recent.empty());
+  const ProducerRecord& lidar = producers->back();
+  EXPECT_EQ(lidar.last_committed, 4u);
+  ASSERT_EQ(lidar.recent.size(), 2u);
+  EXPECT_EQ(lidar.recent[0].sequence, 2u);
+  EXPECT_EQ(lidar.recent[0].nodes, (std::vector<NodeId>{2, 3}));
+  EXPECT_EQ(lidar.recent[1].nodes, (std::vector<NodeId>{8, 7}));
+  const Batch repeated{scene, 2, "u", {}, {}, {{"lidar", 4, {}}}};
+  EXPECT_EQ(reason_of(append(*store, repeated)), "SEQUENCE_KNOWN");
+}
+
+TEST(SqliteStore, ContinuesTheLogAfterASnapshot) {
+  const Directory directory;
+  auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  for (std::uint64_t i = 0; i < 6; ++i) ASSERT_TRUE(append(*store, scene, i, "0123456789").ok());
+  EXPECT_EQ(reason_of(store->drop_before(scene, 4)), "NO_SNAPSHOT");
+  ASSERT_TRUE(put_snapshot(*store, scene, 2, {"old"}).ok());
+  ASSERT_TRUE(put_snapshot(*store, scene, 4, {"nodes of ", "revision 4"}).ok());
+  EXPECT_EQ(reason_of(put_snapshot(*store, scene, 4, {"x"})), "SNAPSHOT_EXISTS");
+  EXPECT_EQ(reason_of(put_snapshot(*store, scene, 7, {"x"})), "REVISION_NOT_KEPT");
+  ASSERT_TRUE(store->drop_before(scene, 4).ok());
+  store.reset();
+
+  store = open_store(directory.path());
+  const auto record = store->scene(scene);
+  EXPECT_EQ(record->base, 4u);
+  EXPECT_EQ(record->snapshots, std::vector<std::uint64_t>{4});
+  EXPECT_EQ(record->log_bytes, 20u);
+  EXPECT_EQ(*store->read_snapshot(scene, 4, 0), "nodes of ");
+  EXPECT_EQ(*store->read_snapshot(scene, 4, 1), "revision 4");
+  EXPECT_EQ(*store->read_snapshot(scene, 4, 2), "");
+  EXPECT_EQ(reason_of(store->read_snapshot(scene, 2, 0)), "NO_SNAPSHOT");
+  EXPECT_EQ(reason_of(store->read(scene, 3, 1000)), "REVISION_NOT_KEPT");
+  EXPECT_EQ(log_of(*store, scene, 4)->size(), 2u);
+  EXPECT_EQ(reason_of(put_snapshot(*store, scene, 3, {"x"})), "REVISION_NOT_KEPT");
+}
+
+TEST(SqliteStore, KeepsNothingOfAFailedSnapshot) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, scene, 0, "u").ok());
+  int calls = 0;
+  const Status failed = store->put_snapshot(scene, 1, {}, [&]() -> Result<std::string> {
+    if (++calls == 2) return Error{Code::kInternal, "no more", "TEST"};
+    return std::string("chunk");
+  });
+  EXPECT_EQ(reason_of(failed), "TEST");
+  EXPECT_TRUE(store->scene(scene)->snapshots.empty());
+  EXPECT_TRUE(put_snapshot(*store, scene, 1, {"again"}).ok());
+  EXPECT_EQ(reason_of(put_snapshot(*store, scene + 1, 1, {"x"})), "SCENE_NOT_FOUND");
+}
+
+TEST(SqliteStore, RefusesASnapshotOfASceneThatIsRemovedMeanwhile) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const SceneId scene = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, scene, 0, "u").ok());
+  int calls = 0;
+  const Status failed = store->put_snapshot(scene, 1, {}, [&]() -> Result<std::string> {
+    ++calls;
+    EXPECT_TRUE(calls != 2 || store->remove_scene(scene).ok());
+    return calls < 20 ? std::string("chunk") : std::string();
+  });
+  EXPECT_EQ(reason_of(failed), "SCENE_NOT_FOUND");
+}
+
+TEST(SqliteStore, RefusesBeyondTheLimitsOfALog) {
+  const Directory directory;
+  StoreLimits limits = tests::small_disk();
+  limits.log_revisions = 3;
+  limits.log_bytes = 20;
+  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const SceneId few = make_scene(*store, "few");
+  for (std::uint64_t i = 0; i < 3; ++i) ASSERT_TRUE(append(*store, few, i, "u").ok());
+  const Status beyond = append(*store, few, 3, "u");
+  EXPECT_EQ(reason_of(beyond), "LOG_FULL");
+  EXPECT_EQ(beyond.error().message, "log_revisions would be 4, the limit is 3");
+  ASSERT_TRUE(put_snapshot(*store, few, 3, {"all"}).ok());
+  ASSERT_TRUE(store->drop_before(few, 3).ok());
+  EXPECT_TRUE(append(*store, few, 3, "u").ok());
+
+  const SceneId large = make_scene(*store, "large");
+  EXPECT_EQ(append(*store, large, 0, std::string(21, 'x')).error().message,
+            "log_bytes would be 21, the limit is 20");
+}
+
+TEST(SqliteStore, RefusesMoreThanItsQueueHolds) {
+  const Directory directory;
+  StoreLimits limits = tests::small_disk();
+  limits.batches_in_flight = 2;
+  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const SceneId scene = make_scene(*store, "a");
+  std::promise<void> release;
+  const auto held = release.get_future().share();
+  const auto wait = [held](const Status&) { held.wait(); };
+  ASSERT_TRUE(store->append({scene, 0, "u", {}, {}, {}}, wait).ok());
+  // The `done` of the first holds the writer, so that the queue fills.
+  std::size_t queued = 1;
+  Status refused;
+  while (refused && queued < 10) {
+    refused = store->append({scene, queued, "u", {}, {}, {}}, [](const Status&) {});
+    if (refused) ++queued;
+  }
+  EXPECT_EQ(reason_of(refused), "TOO_MANY_COMMITS");
+  EXPECT_EQ(refused.error().message, "batches_in_flight would be 3, the limit is 2");
+  release.set_value();
+  store->flush();
+  EXPECT_EQ(store->figures().batches_in_flight, 0u);
+  EXPECT_EQ(store->scene(scene)->revision, queued);
+}
+
+TEST(SqliteStore, KeepsALeastFreeDisk) {
+  const Directory directory;
+  StoreLimits limits;
+  limits.min_free_disk = std::uint64_t{1} << 60;
+  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const auto refused = store->create_scene({.name = "a"});
+  EXPECT_EQ(reason_of(refused), "DISK_FULL");
+  EXPECT_NE(refused.error().message.find("min_free_disk is 1152921504606846976"),
+            std::string::npos);
+  EXPECT_EQ(reason_of(store->writable()), "DISK_FULL");
+  EXPECT_EQ(reason_of(store_blob(*store, "abc")), "DISK_FULL");
+}
+
+TEST(SqliteStore, BoundsTheBytesOnDisk) {
+  const Directory directory;
+  StoreLimits limits = tests::small_disk();
+  limits.disk_bytes = 1 << 20;
+  const auto store = std::move(*SqliteStore::open(directory.path(), limits));
+  const SceneId scene = make_scene(*store, "a");
+  EXPECT_EQ(reason_of(store_blob(*store, blob_bytes(1, 2 << 20))), "TOO_MANY_BYTES");
+  std::uint64_t revision = 0;
+  Status last;
+  while ((last = append(*store, scene, revision, std::string(100'000, 'x'))) && revision < 100)
+    ++revision;
+  EXPECT_EQ(reason_of(last), "TOO_MANY_BYTES");
+  EXPECT_GT(revision, 3u);
+  // What is freed can be used again.
+  ASSERT_TRUE(store->remove_scene(scene).ok());
+  for (int i = 0; i < 1000 && store->figures().bytes_on_disk > limits.disk_bytes / 2; ++i) {
+    store->flush();
+    std::this_thread::yield();
+  }
+  const SceneId next = make_scene(*store, "b");
+  Status again = append(*store, next, 0, std::string(100'000, 'x'));
+  for (int i = 0; i < 1000 && !again; ++i)
+    again = append(*store, next, 0, std::string(100'000, 'x'));
+  EXPECT_TRUE(again.ok()) << again.error().message;
+}
+
+TEST(SqliteStore, KeepsBlobsOverARestart) {
+  const Directory directory;
+  auto store = open_store(directory.path());
+  const std::string bytes = blob_bytes(1, 100'000);
+  const auto digest = digest_of_blob(bytes);
+  EXPECT_FALSE(store->has_blob(digest));
+  ASSERT_TRUE(store_blob(*store, bytes).ok());
+  EXPECT_TRUE(store->has_blob(digest));
+  EXPECT_EQ(reason_of(store->write_blob(digest)), "BLOB_STORED");
+  EXPECT_EQ(store->figures().blob_bytes, bytes.size());
+  store.reset();
+  store = open_store(directory.path());
+  EXPECT_TRUE(store->has_blob(digest));
+  EXPECT_EQ(store->figures().blob_bytes, bytes.size());
+  EXPECT_EQ(*tests::load_blob(*store, digest), bytes);
+  EXPECT_EQ(reason_of(tests::load_blob(*store, digest_of_blob("x"))), "BLOB_NOT_STORED");
+}
+
+TEST(SqliteStore, RefusesBytesThatAreNotThoseOfTheDigest) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const std::string bytes = blob_bytes(1);
+  std::string wrong = bytes;
+  wrong[3] = '!';
+  const auto digest = digest_of_blob(bytes);
+  {
+    const auto writer = std::move(*store->write_blob(digest));
+    ASSERT_TRUE(writer->append(std::as_bytes(std::span(wrong))).ok());
+    EXPECT_EQ(reason_of(writer->append(std::as_bytes(std::span("x", 1)))), "BLOB_TOO_LONG");
+    EXPECT_EQ(reason_of(writer->finish()), "DIGEST_MISMATCH");
+  }
+  EXPECT_FALSE(store->has_blob(digest));
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path() / "blobs" / "tmp"));
+}
+
+TEST(SqliteStore, TwoWritersOfABlobBothSucceed) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const std::string bytes = blob_bytes(1);
+  const auto one = std::move(*store->write_blob(digest_of_blob(bytes)));
+  const auto two = std::move(*store->write_blob(digest_of_blob(bytes)));
+  ASSERT_TRUE(one->append(std::as_bytes(std::span(bytes))).ok());
+  ASSERT_TRUE(two->append(std::as_bytes(std::span(bytes))).ok());
+  EXPECT_TRUE(one->finish().ok());
+  EXPECT_TRUE(two->finish().ok());
+  EXPECT_EQ(store->figures().blobs, 1u);
+}
+
+TEST(SqliteStore, SweepsBlobsThatNothingNames) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  std::vector<blobs::BlobDigest> digests;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(store_blob(*store, blob_bytes(i)).ok());
+    digests.push_back(digest_of_blob(blob_bytes(i)));
+  }
+  const SceneId scene = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, scene, 0, "u", {digests[0], digests[0]}).ok());
+  ASSERT_TRUE(append(*store, scene, 1, "u").ok());
+  ASSERT_TRUE(put_snapshot(*store, scene, 1, {"s"}, {digests[0], digests[1]}).ok());
+  EXPECT_EQ(*store->sweep(std::chrono::hours(1), {}), 0u);
+  const auto swept =
+      store->sweep(kNoGrace, [&](const blobs::BlobDigest& digest) { return digest == digests[2]; });
+  EXPECT_EQ(*swept, blob_bytes(3).size() + blob_bytes(4).size());
+  EXPECT_TRUE(store->has_blob(digests[0]));
+  EXPECT_TRUE(store->has_blob(digests[1]));
+  EXPECT_TRUE(store->has_blob(digests[2]));
+  EXPECT_FALSE(store->has_blob(digests[3]));
+  EXPECT_EQ(store->figures().blobs, 3u);
+  EXPECT_EQ(reason_of(append(*store, scene, 2, "u", {digests[3]})), "BLOB_NOT_STORED");
+}
+
+TEST(SqliteStore, ASweptBlobThatIsMappedStaysReadable) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const std::string bytes = blob_bytes(1);
+  ASSERT_TRUE(store_blob(*store, bytes).ok());
+  const auto mapped = std::move(*store->blob(digest_of_blob(bytes)));
+  EXPECT_EQ(*store->sweep(kNoGrace, {}), bytes.size());
+  EXPECT_TRUE(std::ranges::equal(mapped->bytes(), std::as_bytes(std::span(bytes))));
+}
+
+TEST(SqliteStore, SweepsTheBlobsOfARemovedScene) {
+  const Directory directory;
+  const auto store = open_store(directory.path());
+  const std::string bytes = blob_bytes(1);
+  ASSERT_TRUE(store_blob(*store, bytes).ok());
+  const SceneId scene = make_scene(*store, "a");
+  for (std::uint64_t i = 0; i < 600; ++i) {
+    const Status queued = store->append({scene,
+                                         i,
+                                         "u",
+                                         {digest_of_blob(bytes)},
+                                         RequestAnswer{std::to_string(i), 1, i + 1, {i}},
+                                         {{"p", i + 1, {i}}}},
+                                        [](const Status& done) { EXPECT_TRUE(done.ok()); });
+    ASSERT_TRUE(queued.ok());
+  }
+  store->flush();
+  ASSERT_TRUE(put_snapshot(*store, scene, 600, {"s"}, {digest_of_blob(bytes)}).ok());
+  ASSERT_TRUE(store->remove_scene(scene).ok());
+  std::uint64_t swept = 0;
+  for (int i = 0; i < 1000 && swept == 0; ++i) {
+    make_scene(*store, std::to_string(i));  // each commit takes a step
+    swept = *store->sweep(kNoGrace, {});
+  }
+  EXPECT_EQ(swept, bytes.size());
+}
+
+}  // namespace
+}  // namespace sightline::server::store
