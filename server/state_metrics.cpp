@@ -2,6 +2,7 @@
 #include "server/state_metrics.h"
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -69,6 +70,23 @@ void add_quotas(Samples& samples, const std::vector<exec::Quotas::Tally>& tallie
   }
 }
 
+void add_store(Samples& samples, const store::StoreFigures& store) {
+  using Seconds = std::chrono::duration<double>;
+  samples.add_summary("commit_seconds", "Transactions of the store.", store.commits,
+                      Seconds(store.commit_time).count());
+  samples.add_summary("commit_batch_size", "Batches of updates in a transaction.", store.commits,
+                      number(store.batches));
+  samples.add_counter("commit_failures_total", "Transactions that failed.", number(store.failures));
+  samples.add_gauge("commits_in_flight", "Batches of updates that are not on disk yet.",
+                    number(store.batches_in_flight));
+  samples.add_gauge("log_bytes", "Updates on disk that no snapshot has replaced.",
+                    number(store.log_bytes));
+  samples.add_gauge("blob_bytes", "Meshes on disk.", number(store.blob_bytes));
+  samples.add_gauge("disk_used_bytes", "The data directory.", number(store.bytes_on_disk));
+  samples.add_gauge("disk_free_bytes", "What the data directory's disk has left.",
+                    number(store.bytes_free));
+}
+
 void add_scenes(Samples& samples, const SceneList& scenes) {
   std::vector<std::pair<prometheus::Labels, scenegraph::revision::BuildSummary>> built;
   for (const auto& scene : scenes) {
@@ -96,6 +114,11 @@ void StateMetrics::add_to(Samples& samples) const {
   add_quotas(samples, quotas.tallies());
   samples.add_counter("tree_evictions_total", "Scenes and meshes whose trees were dropped.",
                       number(reclaimer.evictions()));
+  if (store != nullptr) add_store(samples, store->figures());
+  if (tls != nullptr) {
+    samples.add_gauge("certificate_expires_seconds", "When the server's certificate does: Unix time.",
+                      static_cast<double>(tls->expires().time_since_epoch().count()));
+  }
   const SceneList all = scenes.by_last_cast();
   samples.add_gauge("scenes", "Scenes.", number(all.size()));
   if (per_scene) add_scenes(samples, all);

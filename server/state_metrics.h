@@ -8,6 +8,8 @@
 #include "server/metrics/samples.h"
 #include "server/scenes/reclaim.h"
 #include "server/scenes/scene_store.h"
+#include "server/security/tls.h"
+#include "server/store/store.h"
 
 namespace sightline::server {
 
@@ -19,6 +21,8 @@ struct StateMetrics {
   const exec::Quotas& quotas;
   const scenes::SceneStore& scenes;
   const scenes::Reclaimer& reclaimer;
+  const store::Store* store = nullptr;  ///< Null: scenes are in memory only.
+  const security::Tls* tls = nullptr;   ///< Null: no TLS.
   bool per_scene = false;  ///< Also values with a label for the scene. Walks what is built.
 
   /// Threads: any.

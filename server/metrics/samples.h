@@ -4,6 +4,7 @@
 #include <prometheus/labels.h>
 #include <prometheus/metric_family.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ class Samples {
   void add_counter(const std::string& name, const std::string& help, double value,
                    const prometheus::Labels& labels = {}) {
     add(name, help, prometheus::MetricType::Counter, labels).counter.value = value;
+  }
+  /// `count` values with this sum; both only grow.
+  void add_summary(const std::string& name, const std::string& help, std::uint64_t count,
+                   double sum) {
+    auto& summary = add(name, help, prometheus::MetricType::Summary, {}).summary;
+    summary.sample_count = count;
+    summary.sample_sum = sum;
   }
 
   /// In the order of their first values. Values of one name must have been added one after another.

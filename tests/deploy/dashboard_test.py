@@ -2,6 +2,7 @@
 """Every metric that the dashboard and the alerts ask for exists in a running server, and every query is valid."""
 
 import json
+import pathlib
 import re
 import sys
 import tempfile
@@ -52,14 +53,19 @@ def check_syntax(queries):
 
 def main():
     needs("promtool")
+    needs("openssl")
     dashboard, alerts = list(dashboard_queries()), list(alert_queries())
     if len(dashboard) < 20 or len(alerts) < 10:
         sys.exit("failed: the queries were not found")
     check_syntax(dashboard)
-    with tempfile.NamedTemporaryFile("w", suffix=".toml") as settings:
-        settings.write("[quota]\nconcurrent-work = 1000\n")  # quotas that are not set have no metrics
-        settings.flush()
-        with server(sys.argv[1], "--config", settings.name) as url:
+    # What is not set has no metrics.
+    with tempfile.TemporaryDirectory() as folder:
+        settings, certificate, key = (f"{folder}/{name}" for name in ("settings.toml", "own.pem", "own.key"))
+        pathlib.Path(settings).write_text("[quota]\nconcurrent-work = 1000\n")
+        run("openssl", "req", "-x509", "-newkey", "ed25519", "-nodes", "-subj", "/CN=localhost", "-keyout", key,
+            "-out", certificate)
+        with server(sys.argv[1], "--config", settings, "--data-dir", f"{folder}/data", "--tls-cert", certificate,
+                    "--tls-key", key) as url:
             there = metric_names(url) | OWN
     missing = {(name, query) for query in dashboard + alerts for name in names_in(query) - there}
     for name, query in sorted(missing):

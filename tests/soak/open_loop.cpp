@@ -80,6 +80,7 @@ Outcome OpenLoop::run(double rate, std::chrono::duration<double> time) {
   std::this_thread::sleep_until(begin + std::chrono::duration_cast<Clock::duration>(time));
   std::unique_lock lock(tally.mutex);
   tally.outcome.seconds = ms_since(begin) / 1000;
+  tally.outcome.in_time = tally.outcome.answered_ms.size();
   tally.changed.wait(lock, [&] { return tally.open == 0; });
   return std::move(tally.outcome);
 }

@@ -18,8 +18,9 @@ struct Outcome {
   std::vector<double> refused_ms;   ///< RESOURCE_EXHAUSTED; from the time that it was sent.
   std::vector<std::string> failed;  ///< Messages of other errors.
   double seconds = 0;
+  std::size_t in_time = 0;  ///< Answered before the end of the stretch.
 
-  double answered_per_second() const { return static_cast<double>(answered_ms.size()) / seconds; }
+  double answered_per_second() const { return static_cast<double>(in_time) / seconds; }
 };
 
 /// Sends the same cast over and over. Threads: one caller.
@@ -29,7 +30,7 @@ class OpenLoop {
   OpenLoop(int port, int connections, v1::CastRaysRequest request, std::string token = {});
   ~OpenLoop();
 
-  /// Sends `rate` calls a second, and waits for all answers. The rate counts without those.
+  /// Sends `rate` calls a second, and then waits for all answers.
   Outcome run(double rate, std::chrono::duration<double> time);
 
  private:

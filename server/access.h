@@ -1,0 +1,31 @@
+// Who may connect: the address, TLS, and tokens.
+#pragma once
+
+#include <memory>
+
+#include "accel/result.h"
+#include "server/config.h"
+#include "server/net/listen_address.h"
+#include "server/security/authenticator.h"
+#include "server/security/tls.h"
+
+namespace sightline::server {
+
+/// The address to listen on. Errors: kInvalidArgument (not an address, or one that other machines
+/// can reach without TLS or `insecure`).
+Result<net::ListenAddress> check_listen(const ServerConfig& config);
+
+/// Warns of an address that other machines can reach without encryption or authentication.
+void log_open_doors(const ServerConfig& config, const net::ListenAddress& address);
+
+struct Access {
+  std::unique_ptr<security::Tls> tls;  ///< Null: none.
+  std::unique_ptr<security::Authenticator> authenticator;
+
+  /// Reads the files. Errors: kFailedPrecondition, kInvalidArgument, each naming the file.
+  static Result<Access> make(const ServerConfig& config);
+  /// Reads the files again. What cannot be used is logged, and changes nothing.
+  void reload() const;
+};
+
+}  // namespace sightline::server

@@ -1,0 +1,83 @@
+// What a server holds between calls.
+#include "server/state.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/blobs/blob_rpc.h"
+#include "server/exec/rpc_status.h"
+#include "server/queries/cast_rpc.h"
+#include "server/scenes/revision_wait.h"
+#include "server/updates/update_stream_rpc.h"
+#include "server/updates/watch_rpc.h"
+
+namespace sightline::server {
+
+State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
+    : config(c),
+      memory(c.memory_budget, c.memory_budget / exec::kForCallsShare),
+      admission(c.admission, &memory),
+      all_hits_admission(
+          {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
+      small_admission(
+          {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}, &memory),
+      batch_admission({c.admission.rays, c.admission.bytes / exec::kBatchShare}),
+      unread(c.admission.bytes / exec::kUnreadShare, &memory),
+      quotas(c.quotas),
+      waiting_reads({.limit = scenes::kMaxWaitingReads,
+                     .when_full = "{} reads that wait for a revision are open on the server",
+                     .full_reason = "TOO_MANY_WAITING"}),
+      cast_streams({.limit = queries::kMaxCastStreams,
+                    .when_full = "{} streams of rays are open",
+                    .full_reason = "TOO_MANY_STREAMS",
+                    .gives_way = exec::kIdleGivesWay}),
+      prefetches({.limit = static_cast<std::size_t>(c.max_prefetches),
+                  .when_full = "the server is at work on {} prefetches",
+                  .full_reason = "TOO_MANY_PREFETCHES",
+                  .when_stopped = "the server is stopping; what is built was not finished",
+                  .shared = false}),
+      update_streams({.limit = updates::kMaxUpdateStreams,
+                      .when_full = "{} streams of updates are open on the server",
+                      .full_reason = "TOO_MANY_STREAMS",
+                      .gives_way = exec::kIdleGivesWay}),
+      watches({.limit = updates::kMaxWatches,
+               .when_full = "{} watches of scenes are open on the server",
+               .full_reason = "TOO_MANY_WATCHES"}),
+      uploads({.limit = blobs::kMaxUploadCalls,
+               .when_full = "{} uploads are open on the server",
+               .full_reason = "TOO_MANY_UPLOADS",
+               .gives_way = exec::kIdleGivesWay}),
+      store(std::move(disk)),
+      blobs(memory, {}, store.get()),
+      keeper(store == nullptr ? nullptr
+                              : std::make_unique<durable::StoreKeeper>(
+                                    durable::StoreParts{*store, blobs, compute})),
+      scenes(memory, keeper.get()),
+      reclaimer(memory, scenes, blobs),
+      compute(c.threads) {
+  memory.set_reclaim([this](std::uint64_t bytes) { reclaimer.reclaim(bytes); });
+  if (store != nullptr) sweeper.emplace(durable::StoreParts{*store, blobs, compute});
+}
+
+void State::stop_waiting() {
+  prefetches.stop();
+  waiting_reads.stop();
+  update_streams.stop();
+  watches.stop();
+}
+
+void State::enforce_limits() {
+  const Status enforced = exec::to_status([this]() -> Status {
+    for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads}) calls->end_late();
+    unread.end_late();
+    scenes.retry_writes();
+    if (sweeper) sweeper->tick();
+    reclaimer.measure();
+    if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
+    return {};
+  });
+  if (!enforced) spdlog::error("event=limits_not_enforced error={}", enforced.error().message);
+}
+
+}  // namespace sightline::server

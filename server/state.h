@@ -1,0 +1,80 @@
+// What a server holds between calls: scenes, meshes, limits, workers and what it counts.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "accel/result.h"
+#include "server/blobs/blob_store.h"
+#include "server/config.h"
+#include "server/durable/store_keeper.h"
+#include "server/durable/sweeper.h"
+#include "server/exec/admission.h"
+#include "server/exec/call_registry.h"
+#include "server/exec/executors.h"
+#include "server/exec/memory_account.h"
+#include "server/exec/quotas.h"
+#include "server/exec/unread_replies.h"
+#include "server/metrics/metrics.h"
+#include "server/scenes/reclaim.h"
+#include "server/scenes/scene_store.h"
+#include "server/scenes/services.h"
+#include "server/store/store.h"
+
+namespace sightline::server {
+
+/// In order of construction. A member uses only members before it and is destroyed before them.
+struct State {
+  /// `disk`: null keeps scenes in memory only.
+  State(const ServerConfig& config, std::unique_ptr<store::Store> disk);
+
+  const ServerConfig config;
+  exec::MemoryAccount memory;
+  exec::Admission admission, all_hits_admission, small_admission, batch_admission;
+  exec::UnreadReplies unread;
+  exec::Quotas quotas;
+  metrics::Metrics metrics;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
+  const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
+  blobs::BlobStore blobs;
+  const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
+  scenes::SceneStore scenes;
+  std::optional<durable::Sweeper> sweeper;  // with a store
+  scenes::Reclaimer reclaimer;
+  exec::Compute compute;
+  /// The store reports to tasks until nothing is under way any more.
+  struct FlushedStore {
+    store::Store* store;
+    ~FlushedStore() {
+      if (store != nullptr) store->flush();
+    }
+  };
+  const FlushedStore flushed{store.get()};
+  const scenes::Services services{.scenes = scenes,
+                                  .blobs = blobs,
+                                  .compute = compute,
+                                  .admission = admission,
+                                  .all_hits_admission = all_hits_admission,
+                                  .small_admission = small_admission,
+                                  .batch_admission = batch_admission,
+                                  .unread = unread,
+                                  .quotas = quotas,
+                                  .metrics = metrics.queries,
+                                  .waiting_reads = waiting_reads,
+                                  .cast_streams = cast_streams,
+                                  .prefetches = prefetches,
+                                  .update_streams = update_streams,
+                                  .watches = watches,
+                                  .policy = config.policy,
+                                  .slow_query = config.slow_query};
+
+  /// Ends the calls that would otherwise run until a client or a writer acts, and refuses new ones.
+  /// Streams of rays end by themselves when their clients close them.
+  void stop_waiting();
+
+  /// Ends calls whose peers keep the server waiting, keeps trees within the memory budget, and looks
+  /// after the store. To be called often. Errors are logged.
+  void enforce_limits();
+};
+
+}  // namespace sightline::server
