@@ -83,8 +83,9 @@ void add_time(CLI::App& app, const std::string& flag, Duration& time, const std:
 }
 
 void add_operations_flags(CLI::App& app, ServerConfig& config) {
-  app.add_option("--admin", config.admin,
-                 "HOST:PORT or unix:PATH of /livez, /readyz and /metrics over HTTP; port 0 picks one")
+  app.add_option(
+         "--admin", config.admin,
+         "HOST:PORT or unix:PATH of /livez, /readyz and /metrics over HTTP; port 0 picks one")
       ->check(CLI::Validator(check_address, "HOST:PORT"));
   app.add_flag("--metrics-per-scene", config.metrics_per_scene,
                "Metrics with a label for each scene");

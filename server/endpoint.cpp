@@ -85,7 +85,8 @@ void Endpoint::start_grpc() {
   experimental.SetInterceptorCreators(std::move(interceptors));
   builder.SetContextAllocator(exec::make_contexts(access_.authenticator->calls()));
   connections_ = experimental.AddExternalConnectionAcceptor(
-      Type::FROM_FD, access_.tls != nullptr ? access_.tls->credentials() : grpc::InsecureServerCredentials());
+      Type::FROM_FD,
+      access_.tls != nullptr ? access_.tls->credentials() : grpc::InsecureServerCredentials());
   grpc_ = builder.BuildAndStart();
 }
 

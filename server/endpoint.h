@@ -37,8 +37,8 @@ class Endpoint {
 
   /// What the health service says from now on.
   void not_serving();
-  /// Refuses new calls, waits up to ServerConfig::drain for open ones and then cancels them. Returns
-  /// when all have ended.
+  /// Refuses new calls, waits up to ServerConfig::drain for open ones and then cancels them.
+  /// Returns when all have ended.
   void shut_down();
 
  private:

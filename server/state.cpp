@@ -20,8 +20,8 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
       admission(c.admission, &memory),
       all_hits_admission(
           {c.admission.rays / exec::kAllHitsShare, c.admission.bytes / exec::kAllHitsShare}),
-      small_admission(
-          {c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare}, &memory),
+      small_admission({c.admission.rays / exec::kSmallShare, c.admission.bytes / exec::kSmallShare},
+                      &memory),
       batch_admission({c.admission.rays, c.admission.bytes / exec::kBatchShare}),
       unread(c.admission.bytes / exec::kUnreadShare, &memory),
       quotas(c.quotas),
@@ -73,6 +73,7 @@ void State::enforce_limits() {
     unread.end_late();
     scenes.retry_writes();
     if (sweeper) sweeper->tick();
+    blobs.drop_unused_meshes();
     reclaimer.measure();
     if (memory.used() > memory.limit(exec::Held::kTrees)) reclaimer.reclaim(0);
     return {};

@@ -72,8 +72,8 @@ struct State {
   /// Streams of rays end by themselves when their clients close them.
   void stop_waiting();
 
-  /// Ends calls whose peers keep the server waiting, keeps trees within the memory budget, and looks
-  /// after the store. To be called often. Errors are logged.
+  /// Ends calls whose peers keep the server waiting, keeps trees within the memory budget, and
+  /// looks after the store. To be called often. Errors are logged.
   void enforce_limits();
 };
 

@@ -116,7 +116,8 @@ void StateMetrics::add_to(Samples& samples) const {
                       number(reclaimer.evictions()));
   if (store != nullptr) add_store(samples, store->figures());
   if (tls != nullptr) {
-    samples.add_gauge("certificate_expires_seconds", "When the server's certificate does: Unix time.",
+    samples.add_gauge("certificate_expires_seconds",
+                      "When the server's certificate does: Unix time.",
                       static_cast<double>(tls->expires().time_since_epoch().count()));
   }
   const SceneList all = scenes.by_last_cast();

@@ -82,7 +82,12 @@ BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
 }
 
 bool BlobStore::has(const BlobDigest& digest) const {
-  return disk_ == nullptr ? find(digest) != nullptr : disk_->has_blob(digest);
+  if (disk_ != nullptr) return disk_->has_blob(digest);
+  const std::lock_guard lock(mutex_);
+  const auto found = meshes_.find(digest);
+  if (found == meshes_.end()) return false;
+  found->second.used = Upload::Clock::now();
+  return true;
 }
 
 Result<BlobStore::MeshPointer> BlobStore::load(const BlobDigest& digest) {
@@ -130,6 +135,7 @@ BlobStore::MeshPointer BlobStore::insert(const BlobDigest& digest, MeshPointer m
   const auto [kept, is_new] = meshes_.try_emplace(digest);
   if (is_new)
     kept->second = {std::move(mesh), std::move(charge), next_order_++, Upload::Clock::now()};
+  kept->second.used = Upload::Clock::now();
   return kept->second.mesh;
 }
 
@@ -289,6 +295,21 @@ std::optional<std::uint64_t> BlobStore::drop_unused_mesh(Unused which) {
   if (disk_ == nullptr) quotas_.erase(oldest->first);
   meshes_.erase(oldest);
   return dropped.mesh->tree_bytes();
+}
+
+void BlobStore::drop_unused_meshes() {
+  std::vector<Stored> dropped;  // destroyed after the lock is released
+  const auto now = Upload::Clock::now();
+  const auto since = now - (disk_ == nullptr ? limits_.unused : limits_.unused_on_disk);
+  const std::lock_guard lock(mutex_);
+  for (auto it = meshes_.begin(); it != meshes_.end();) {
+    const auto mesh = it++;
+    if (mesh->second.mesh.use_count() > 1) mesh->second.used = now;
+    if (mesh->second.used > since) continue;
+    dropped.push_back(std::move(mesh->second));
+    if (disk_ == nullptr) quotas_.erase(mesh->first);
+    meshes_.erase(mesh);
+  }
 }
 
 Result<std::uint64_t> BlobStore::sweep(Upload::Clock::duration grace) {

@@ -51,7 +51,8 @@ class Upload {
 
  private:
   struct Content {
-    Content(std::uint64_t size, std::unique_ptr<store::BlobWriter> to) : reader(size), writer(std::move(to)) {}
+    Content(std::uint64_t size, std::unique_ptr<store::BlobWriter> to)
+        : reader(size), writer(std::move(to)) {}
     MeshBlobReader reader;
     std::unique_ptr<store::BlobWriter> writer;  // null: only in memory
     Sha256 sum;
@@ -74,6 +75,10 @@ struct BlobLimits {
   std::chrono::steady_clock::duration idle = std::chrono::seconds(10);
   /// A mesh that arrived within this time is fresh: its client may be about to use it.
   std::chrono::steady_clock::duration fresh = std::chrono::minutes(1);
+  /// A mesh that nothing has used for this long is dropped: from memory, if it is on disk...
+  std::chrono::steady_clock::duration unused_on_disk = std::chrono::minutes(1);
+  /// ...or altogether.
+  std::chrono::steady_clock::duration unused = std::chrono::minutes(30);
 };
 
 /// Which unused meshes may be dropped.
@@ -98,7 +103,7 @@ class BlobStore {
                      store::Store* disk = nullptr)
       : memory_(memory), limits_(limits), disk_(disk) {}
 
-  /// Whether load() finds the mesh. If so, it is not swept soon.
+  /// Whether load() finds the mesh. If so, it is neither dropped nor swept soon.
   bool has(const BlobDigest& digest) const;
   /// The mesh; from disk if it is not in memory. Errors: kNotFound, kResourceExhausted (the memory
   /// budget), kDataLoss (its file is corrupt).
@@ -139,8 +144,11 @@ class BlobStore {
   /// Drops the oldest mesh that nothing uses; with kStale, unless it is fresh. Returns the bytes of
   /// its tree; nothing if there was none.
   std::optional<std::uint64_t> drop_unused_mesh(Unused which);
-  /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a disk.
-  /// Returns and errors: as store::Store::sweep().
+  /// Drops the meshes that nothing has used for BlobLimits::unused, as far as calls of this could
+  /// see: call it often.
+  void drop_unused_meshes();
+  /// Removes meshes from the disk that nothing names and nothing in this process uses. Needs a
+  /// disk. Returns and errors: as store::Store::sweep().
   Result<std::uint64_t> sweep(Upload::Clock::duration grace);
   /// Bytes of the trees of all meshes.
   std::uint64_t tree_bytes() const;
@@ -157,10 +165,12 @@ class BlobStore {
     exec::MemoryAccount::Charge charge;
     std::uint64_t order = 0;  // of arrival
     Upload::Clock::time_point arrived = {};
+    mutable Upload::Clock::time_point used = arrived;  // or asked for
   };
   using PendingList = std::list<Pending>;
 
-  MeshPointer insert(const BlobDigest& digest, MeshPointer mesh, exec::MemoryAccount::Charge charge);
+  MeshPointer insert(const BlobDigest& digest, MeshPointer mesh,
+                     exec::MemoryAccount::Charge charge);
   Result<std::unique_ptr<store::BlobWriter>> writer(const BlobDigest& digest);
   PendingList::const_iterator set_aside_of(const BlobDigest& digest) const;
   Result<std::shared_ptr<Upload>> resume(const BlobDigest& digest, std::uint64_t offset);

@@ -39,7 +39,7 @@ server/net/descriptor
 server/net                  server/net/descriptor server/exec accel/result
 server/settings             server/exec accel/result
 server/metrics              server/exec scenegraph/trace_options accel/result
-server/admin                server/exec server/net accel/result
+server/admin                server/exec server/net server/net/descriptor accel/result
 server/security             server/exec accel/result
 server/blobs/digest         server/exec accel/result
 server/store                server/exec server/net/descriptor server/blobs/digest accel/result
@@ -70,7 +70,7 @@ client/cli/main             client/cli/program
 """
 
 # Messages, generated from proto.
-MESSAGES = ("sightline/v1/", "google/rpc/")
+MESSAGES = ("sightline/v1/", "sightline/stored/v1/", "google/rpc/")
 MESSAGE_USERS = ("server", "client/*.h", "client/*.cpp", "client/calls", "client/wire")
 
 # A package, by how its headers begin, and who may include them: rooms with what is in them.

@@ -55,9 +55,8 @@ void StreamingProducer::write(Call& call, std::uint64_t count, std::uint64_t win
   for (std::uint64_t sent = answered_; sent < count && !testing::Test::HasFailure(); ++sent) {
     std::unique_lock lock(mutex_);
     if (sent == drawn()) draw();
-    answered_changed_.wait(lock, [&] {
-      return over_ || testing::Test::HasFailure() || sent < answered_ + window;
-    });
+    answered_changed_.wait(
+        lock, [&] { return over_ || testing::Test::HasFailure() || sent < answered_ + window; });
     if (over_) ADD_FAILURE() << "the call has ended";
     if (testing::Test::HasFailure()) return;
     const v1::StreamUpdatesRequest message = batch(sent + 1).message;

@@ -70,8 +70,8 @@ TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
 }
 
 TEST_F(Sightlined, KeepsScenesInItsDataDirectory) {
-  const std::vector<std::string> flags{"--listen", "127.0.0.1:0", "--data-dir", root_ / "data",
-                                       "--threads", "1"};
+  const std::vector<std::string> flags{"--listen",     "127.0.0.1:0", "--data-dir",
+                                       root_ / "data", "--threads",   "1"};
   std::string token, digest;
   {
     ChildServer child(flags);

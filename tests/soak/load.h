@@ -23,7 +23,7 @@ struct Progress {
   bool done() const { return over || testing::Test::HasFailure(); }
 };
 
-/// Of the casts of every load, one in so many is compared with brute force.
+/// Of the casts of every load, one in this many is compared with brute force.
 inline constexpr std::uint64_t kOneIn = 100;
 
 /// Streams random updates of all kinds to the moving scene, and breaks the call now and then.

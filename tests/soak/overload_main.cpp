@@ -61,12 +61,13 @@ double p(const std::vector<double>& values, double share) {
 }
 
 void print(const char* what, const Outcome& outcome, const ChildProcess& server) {
-  fmt::print("{:<34} answered/s {:>7.0f}  p50 {:>7.2f} p99 {:>7.2f} ms  refused {:>6}  p50 {:>5.2f} "
-             "p99 {:>6.2f} max {:>6.2f} ms  failed {}  RSS {:.0f} MiB\n",
-             what, outcome.answered_per_second(), p(outcome.answered_ms, 0.5),
-             p(outcome.answered_ms, 0.99), outcome.refused_ms.size(), p(outcome.refused_ms, 0.5),
-             p(outcome.refused_ms, 0.99), p(outcome.refused_ms, 1), outcome.failed.size(),
-             static_cast<double>(server.resident_bytes()) / kMib);
+  fmt::print(
+      "{:<34} answered/s {:>7.0f}  p50 {:>7.2f} p99 {:>7.2f} ms  refused {:>6}  p50 {:>5.2f} "
+      "p99 {:>6.2f} max {:>6.2f} ms  failed {}  RSS {:.0f} MiB\n",
+      what, outcome.answered_per_second(), p(outcome.answered_ms, 0.5),
+      p(outcome.answered_ms, 0.99), outcome.refused_ms.size(), p(outcome.refused_ms, 0.5),
+      p(outcome.refused_ms, 0.99), p(outcome.refused_ms, 1), outcome.failed.size(),
+      static_cast<double>(server.resident_bytes()) / kMib);
   for (std::size_t i = 0; i < std::min<std::size_t>(outcome.failed.size(), 3); ++i)
     fmt::print("  {}\n", outcome.failed[i]);
   std::fflush(stdout);
@@ -82,14 +83,20 @@ double measure_peak(int port, const v1::CastRaysRequest& request, Seconds time) 
       callers.emplace_back([&] {
         Api api(connect(port));
         v1::CastRaysResponse reply;
-        while (std::chrono::steady_clock::now() - begin < time) calls += api.cast(request, &reply).ok();
+        while (std::chrono::steady_clock::now() - begin < time)
+          calls += api.cast(request, &reply).ok();
       });
     }
   }
   return static_cast<double>(calls) / Seconds(std::chrono::steady_clock::now() - begin).count();
 }
 
-bool overload(const Options& options) {
+struct Overload {
+  bool good = false;
+  double peak = 0;  ///< Calls a second.
+};
+
+Overload overload(const Options& options) {
   ChildProcess server(options.server, {"--listen", "127.0.0.1:0"});
   const int port = std::atoi(server.rest_of_line(" port=").c_str());
   Api(connect(port)).make_scene(kScene, random_soup(20'000, 0.05, 1));
@@ -112,20 +119,23 @@ bool overload(const Options& options) {
              100 * over.answered_per_second() / peak);
   server.signal(SIGTERM);
   server.wait();
-  return before.failed.empty() && over.failed.empty() && after.failed.empty() &&
-         later.failed.empty() && later.refused_ms.empty();
+  const bool good = before.failed.empty() && over.failed.empty() && after.failed.empty() &&
+                    later.failed.empty() && later.refused_ms.empty();
+  return {good, peak};
 }
 
-/// Two principals: one sends four times its quota, the other little.
-bool quota(const Options& options) {
+/// Two principals: one sends four times its quota, an eighth of the peak, the other a quarter of
+/// the peak.
+bool quota(const Options& options, double peak) {
   const TempDir files;
-  const std::string tokens = files.write(
-      "tokens.toml", token_row("greedy", "greedy-token", "admin", R"("")") +
-                         token_row("other", "other-token", "admin", R"("")"));
-  constexpr double kQuotaCalls = 20, kOtherCalls = 50;
-  const std::string config = files.write(
-      "sightlined.toml", fmt::format("[[quota.principal]]\nname = \"greedy\"\nrays-per-second = {}\n",
-                                     static_cast<std::uint64_t>(kQuotaCalls) * options.rays));
+  const std::string tokens =
+      files.write("tokens.toml", token_row("greedy", "greedy-token", "admin", R"("")") +
+                                     token_row("other", "other-token", "admin", R"("")"));
+  const double quota_calls = std::max(1.0, peak / 8), other_calls = peak / 4;
+  const std::string config =
+      files.write("sightlined.toml",
+                  fmt::format("[[quota.principal]]\nname = \"greedy\"\nrays-per-second = {}\n",
+                              static_cast<std::uint64_t>(quota_calls) * options.rays));
   // The scene is made before tokens are asked for.
   const std::string data = files.path("data");
   {
@@ -142,18 +152,18 @@ bool quota(const Options& options) {
   const Seconds time(options.seconds);
   OpenLoop greedy(port, kConnections, request, "greedy-token");
   OpenLoop other(port, 1, request, "other-token");
-  other.run(kOtherCalls, time / 5);  // grows trees
-  const Outcome alone = other.run(kOtherCalls, time);
+  other.run(other_calls, time / 5);  // grows trees
+  const Outcome alone = other.run(other_calls, time);
   print("a principal alone", alone, server);
   Outcome within, beyond;
   {
-    const std::jthread load([&] { within = greedy.run(kQuotaCalls, time); });
-    print("beside one within its quota", other.run(kOtherCalls, time), server);
+    const std::jthread load([&] { within = greedy.run(quota_calls, time); });
+    print("beside one within its quota", other.run(other_calls, time), server);
   }
   Outcome beside;
   {
-    const std::jthread load([&] { beyond = greedy.run(kOverload * kQuotaCalls * 4, time); });
-    beside = other.run(kOtherCalls, time);
+    const std::jthread load([&] { beyond = greedy.run(kOverload * quota_calls, time); });
+    beside = other.run(other_calls, time);
   }
   print("beside one at its quota", beside, server);
   print("  the one within its quota", within, server);
@@ -171,8 +181,8 @@ int run(int argc, char** argv) {
   app.add_option("--rays", options.rays, "A call; a multiple of 64")->check(CLI::Range(64, 16'384));
   app.add_option("--server", options.server);
   CLI11_PARSE(app, argc, argv);
-  const bool good = overload(options);
-  return quota(options) && good ? 0 : 1;
+  const Overload first = overload(options);
+  return quota(options, first.peak) && first.good ? 0 : 1;
 }
 
 }  // namespace

@@ -75,9 +75,10 @@ void report(const Progress& progress, const ServedStress& stress,
   // The first part grows trees, caches and recent revisions.
   const auto settled = std::span(windows).subspan(windows.size() / 3);
   if (settled.size() < 2) return;
-  fmt::print("slopes per hour, after the first third: RSS {:+.1f} MiB, files {:+.1f}, p99 {:+.2f} ms\n",
-             slope_per_hour(settled, &Window::resident_mib),
-             slope_per_hour(settled, &Window::files), slope_per_hour(settled, &Window::p99_ms));
+  fmt::print(
+      "slopes per hour, after the first third: RSS {:+.1f} MiB, files {:+.1f}, p99 {:+.2f} ms\n",
+      slope_per_hour(settled, &Window::resident_mib), slope_per_hour(settled, &Window::files),
+      slope_per_hour(settled, &Window::p99_ms));
 }
 
 int soak(const Options& options) {

@@ -40,8 +40,7 @@ std::string heading() {
 
 std::string line_of(const Window& window) {
   return fmt::format("{:>9.0f} {:>9.1f} {:>6.0f} {:>8.0f} {:>8.2f} {:>8.2f}", window.seconds,
-                     window.resident_mib, window.files, window.calls, window.p50_ms,
-                     window.p99_ms);
+                     window.resident_mib, window.files, window.calls, window.p50_ms, window.p99_ms);
 }
 
 }  // namespace sightline::tests::soak

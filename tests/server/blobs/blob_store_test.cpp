@@ -138,6 +138,21 @@ TEST(BlobStore, DropsUnusedMeshesOldestFirst) {
   EXPECT_NE(blobs.find(digest_of(sheet_blob(2))), nullptr);
 }
 
+TEST(BlobStore, DropsWhatNothingHasUsedForLong) {
+  Budgeted patient(kRoomy, {.unused = kNever});
+  ASSERT_NE(store(patient.blobs, sheet_blob(1)), nullptr);
+  patient.blobs.drop_unused_meshes();
+  EXPECT_TRUE(patient.blobs.has(digest_of(sheet_blob(1))));
+
+  Budgeted hasty(kRoomy, {.unused = std::chrono::seconds(0)});
+  const auto used = store(hasty.blobs, sheet_blob(1));
+  ASSERT_NE(store(hasty.blobs, sheet_blob(2)), nullptr);
+  hasty.blobs.drop_unused_meshes();
+  EXPECT_TRUE(hasty.blobs.has(digest_of(sheet_blob(1))));
+  EXPECT_FALSE(hasty.blobs.has(digest_of(sheet_blob(2))));
+  EXPECT_EQ(hasty.memory.used(exec::Held::kMeshes), used->bytes());
+}
+
 TEST(BlobStore, AMeshThatHasJustArrivedIsFresh) {
   Budgeted patient(kRoomy), hasty(kRoomy, {.idle = kNever, .fresh = std::chrono::seconds(0)});
   store(patient.blobs, sheet_blob(0));

@@ -185,7 +185,8 @@ TEST(StoreFaults, ADirectoryThatCouldNotBeMadeCanBeMadeLater) {
     const auto failed = SqliteStore::open(directory.path() / "new", tests::small_disk(), files);
     if (files.failed().empty()) break;
     if (failed) continue;
-    EXPECT_EQ(tests::reason_of(failed), "STORE_IO") << files.failed() << ": " << failed.error().message;
+    EXPECT_EQ(tests::reason_of(failed), "STORE_IO")
+        << files.failed() << ": " << failed.error().message;
     files.heal();
     EXPECT_NE(tests::open_store(directory.path() / "new", files), nullptr) << files.failed();
     call += call > 40 && call < 280 ? 60 : 0;  // most calls make one folder each

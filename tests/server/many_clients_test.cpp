@@ -1,4 +1,4 @@
-// Many clients at once, many one after another, and a server that stands still for seconds.
+// Many clients at once, many one after another, and a server that pauses for seconds.
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -27,9 +27,9 @@ void open_many_files() {
   setrlimit(RLIMIT_NOFILE, &files);
 }
 
-class Crowd : public testing::Test {
+class ManyClients : public testing::Test {
  protected:
-  Crowd() : child_(SIGHTLINED, {"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
+  ManyClients() : child_(SIGHTLINED, {"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
     open_many_files();
     port_ = std::atoi(child_.rest_of_line(" port=").c_str());
     Api(connect(port_)).make_scene(kScene, cube());
@@ -52,12 +52,13 @@ class Crowd : public testing::Test {
   int port_ = 0;
 };
 
-TEST_F(Crowd, AThousandConnectionsAreServedAtOnce) {
+TEST_F(ManyClients, AThousandConnectionsAreServedAtOnce) {
   constexpr std::size_t kCount = 1000, kAlone = 10;
   const std::uint64_t before = child_.open_files();
   {
     std::vector<std::unique_ptr<Api>> clients;
-    for (std::size_t i = 0; i < kCount; ++i) clients.push_back(std::make_unique<Api>(connect(port_)));
+    for (std::size_t i = 0; i < kCount; ++i)
+      clients.push_back(std::make_unique<Api>(connect(port_)));
     EXPECT_GE(child_.open_files(), before + kCount);
     for (const auto& client : clients) {
       const grpc::Status status = cast(*client);
@@ -67,7 +68,7 @@ TEST_F(Crowd, AThousandConnectionsAreServedAtOnce) {
   expect_files(before + kAlone);
 }
 
-TEST_F(Crowd, TenThousandShortConnectionsLeaveNothingBehind) {
+TEST_F(ManyClients, TenThousandShortConnectionsLeaveNothingBehind) {
   constexpr int kThreads = 4, kEach = 2500;
   constexpr std::uint64_t kAlone = 10;
   const std::uint64_t before = child_.open_files();
@@ -87,7 +88,7 @@ TEST_F(Crowd, TenThousandShortConnectionsLeaveNothingBehind) {
   expect_files(before + kAlone);
 }
 
-TEST_F(Crowd, AServerThatStandsStillLosesNothing) {
+TEST_F(ManyClients, AServerThatPausesLosesNothing) {
   constexpr int kClients = 4;
   std::atomic<bool> over{false};
   std::atomic<int> casts{0}, updates{0}, failed{0};
@@ -109,9 +110,9 @@ TEST_F(Crowd, AServerThatStandsStillLosesNothing) {
   wait_for_more(10);
   child_.signal(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::seconds(3));
-  const int still = updates;
+  const int acknowledged = updates;
   child_.signal(SIGCONT);
-  wait_for_more(still + 10);
+  wait_for_more(acknowledged + 10);
   over = true;
   clients.clear();
   EXPECT_EQ(failed, 0);
