@@ -304,8 +304,9 @@ void BlobStore::drop_unused_meshes() {
   const std::lock_guard lock(mutex_);
   for (auto it = meshes_.begin(); it != meshes_.end();) {
     const auto mesh = it++;
-    if (mesh->second.mesh.use_count() > 1) mesh->second.used = now;
-    if (mesh->second.used > since) continue;
+    const bool in_use = mesh->second.mesh.use_count() > 1;
+    if (in_use) mesh->second.used = now;
+    if (in_use || mesh->second.used > since) continue;
     dropped.push_back(std::move(mesh->second));
     if (disk_ == nullptr) quotas_.erase(mesh->first);
     meshes_.erase(mesh);
