@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/backup.h"
 #include "client/cast_options.h"
 #include "client/mesh_blob.h"
 #include "client/prefetch.h"
@@ -65,6 +66,19 @@ class Client {
   /// All scenes of projects/{project}, by name.
   Result<std::vector<SceneInfo>> list_scenes(const std::string& project) const;
   Status delete_scene(const std::string& scene) const;
+
+  /// Copies the server's scenes to a directory that is empty or missing, each as it is when its
+  /// turn comes. Writers go on. Errors: kFailedPrecondition (the directory is not empty, or the
+  /// server keeps scenes in memory only), kInvalidArgument (a file cannot be written), kNotFound.
+  Result<std::vector<BackupScene>> backup(const std::filesystem::path& directory,
+                                          const BackupOptions& options = {}) const;
+  /// Puts the scenes of a backup in the place of those with the same names, or makes them. After an
+  /// error some may be restored. Errors: kDataLoss (the backup is not whole), kOutOfRange (it does
+  /// not have the revision), kNotFound (nor the scene), kInvalidArgument (a file cannot be read),
+  /// kFailedPrecondition (the server keeps scenes in memory only).
+  Result<std::vector<RestoredScene>> restore(const std::filesystem::path& directory,
+                                             const RestoreOptions& options = {}) const;
+
   Result<SceneStats> scene_stats(const std::string& scene) const;
   /// Returns one node per id, in order. A node that does not exist has id 0.
   Result<std::vector<NodeInfo>> get_nodes(const std::string& scene,

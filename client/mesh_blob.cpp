@@ -2,40 +2,19 @@
 #include "client/mesh_blob.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
-#include <memory>
-#include <new>
+
+#include "client/sha256.h"
 
 namespace sightline::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are sent as they are in memory");
 static_assert(sizeof(Vertex) == 12 && sizeof(Face) == 12);
-
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
-      throw std::bad_alloc();
-    }
-  }
-  void add(std::span<const std::byte> bytes) {
-    EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size());
-  }
-  std::string hex() {
-    std::array<unsigned char, 32> sum{};
-    EVP_DigestFinal_ex(context_.get(), sum.data(), nullptr);
-    return fmt::format("{:02x}", fmt::join(sum, ""));
-  }
-
- private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
 
 std::array<std::byte, 24> make_header(std::uint32_t copy_number, std::uint64_t vertices,
                                       std::uint64_t faces) {

@@ -101,8 +101,8 @@ struct UpdateStreamOptions {
   /// The server may merge waiting batches: for each node, only the newest transform and the newest
   /// vertices count. A batch with any other update is applied as it is.
   bool latest_wins = false;
-  /// The server may acknowledge batches before they are on disk. If it dies, it may lose the last of
-  /// them, and the stream ends with kAborted.
+  /// The server may acknowledge batches before they are on disk. If it dies, it may lose the last
+  /// of them, and the stream ends with kAborted.
   bool relaxed = false;
   /// How many times in a row the call is opened before a broken connection becomes an error.
   int attempts = 8;

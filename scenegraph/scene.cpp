@@ -38,8 +38,8 @@ Scene::Scene()
 Status Scene::restore(SceneContent content) {
   auto hierarchy = revision::restore_hierarchy(std::move(content.nodes), content.next_id);
   if (!hierarchy) return hierarchy.error();
-  set_published({std::make_shared<const revision::Snapshot>(content.revision, *hierarchy),
-                 content.next_id});
+  set_published(
+      {std::make_shared<const revision::Snapshot>(content.revision, *hierarchy), content.next_id});
   return {};
 }
 

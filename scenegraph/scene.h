@@ -90,8 +90,8 @@ class Scene {
   /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
   /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the
   /// current revision again, under the same number, since its content is the same. Does nothing if
-  /// another thread does the same, if no ray has opened the static tree, or if that tree is replaced
-  /// meanwhile. Threads: any.
+  /// another thread does the same, if no ray has opened the static tree, or if that tree is
+  /// replaced meanwhile. Threads: any.
   void rebuild_static();
 
   /// Begins new trees, of the scene and of its meshes, and publishes the current revision again:
@@ -108,7 +108,7 @@ class Scene {
 
   mutable std::mutex writer_;
   revision::SettlePolicy settle_policy_;  // guarded by writer_
-  std::deque<SceneState> unpublished_;         // guarded by writer_; oldest first
+  std::deque<SceneState> unpublished_;    // guarded by writer_; oldest first
   std::mutex rebuilding_;
   mutable std::mutex published_mutex_;  // held for one copy
   SceneState published_;

@@ -72,8 +72,8 @@ Status Endpoint::serve(const net::ListenAddress& address) {
 void Endpoint::start_grpc() {
   grpc::ServerBuilder builder;
   configure(builder, state_.config);
-  for (grpc::Service* service :
-       std::initializer_list<grpc::Service*>{&query_rpc_, &scene_rpc_, &blob_rpc_, &info_rpc_})
+  for (grpc::Service* service : std::initializer_list<grpc::Service*>{
+           &query_rpc_, &scene_rpc_, &blob_rpc_, &backup_rpc_, &info_rpc_})
     builder.RegisterService(service);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   auto experimental = builder.experimental();

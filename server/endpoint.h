@@ -55,6 +55,10 @@ class Endpoint {
   GuardedQueries query_rpc_{guard_, state_.services};
   GuardedScenes scene_rpc_{guard_, state_.services};
   GuardedBlobs blob_rpc_{guard_, state_.blobs, state_.uploads, state_.services.unary()};
+  GuardedBackups backup_rpc_{guard_, durable::BackupRpc::Parts{.services = state_.services,
+                                                               .memory = state_.memory,
+                                                               .store = state_.store.get(),
+                                                               .calls = state_.backups}};
   GuardedInfo info_rpc_{guard_, state_.config, max_connections_};
   std::uint16_t port_ = 0;
   net::SocketFile socket_file_;

@@ -8,6 +8,13 @@ namespace sightline::server {
 
 using exec::Role;
 
+namespace {
+
+/// Begins with no prefix but the empty one.
+constexpr const char* kAllScenes = "";
+
+}  // namespace
+
 std::optional<exec::Refusal> Guard::refuse(grpc::CallbackServerContext* context, Role role) const {
   auto& call = static_cast<exec::CallContext&>(*context);
   Status allowed = authenticator_.authenticate(call);
@@ -123,6 +130,18 @@ grpc::ServerUnaryReactor* GuardedBlobs::GetUploadStatus(grpc::CallbackServerCont
                                                         v1::GetUploadStatusResponse* reply) {
   if (const auto refusal = guard_.refuse(context, Role::kWrite)) return *refusal;
   return BlobRpc::GetUploadStatus(context, request, reply);
+}
+
+grpc::ServerWriteReactor<v1::BackupResponse>* GuardedBackups::Backup(
+    grpc::CallbackServerContext* context, const v1::BackupRequest* request) {
+  if (const auto refusal = guard_.refuse(context, Role::kAdmin, request->scene())) return *refusal;
+  return BackupRpc::Backup(context, request);
+}
+
+grpc::ServerReadReactor<v1::RestoreRequest>* GuardedBackups::Restore(
+    grpc::CallbackServerContext* context, v1::RestoreResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kAdmin, kAllScenes)) return *refusal;
+  return BackupRpc::Restore(context, reply);
 }
 
 grpc::ServerUnaryReactor* GuardedInfo::GetServerInfo(grpc::CallbackServerContext* context,

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/blobs/blob_rpc.h"
+#include "server/durable/backup_rpc.h"
 #include "server/exec/refusal.h"
 #include "server/info_rpc.h"
 #include "server/queries/cast_rpc.h"
@@ -98,6 +99,23 @@ class GuardedBlobs final : public blobs::BlobRpc {
   grpc::ServerUnaryReactor* GetUploadStatus(grpc::CallbackServerContext* context,
                                             const v1::GetUploadStatusRequest* request,
                                             v1::GetUploadStatusResponse* reply) override;
+
+ private:
+  const Guard guard_;
+};
+
+class GuardedBackups final : public durable::BackupRpc {
+ public:
+  template <class... Arguments>
+  explicit GuardedBackups(const Guard& guard, Arguments&&... arguments)
+      : BackupRpc(std::forward<Arguments>(arguments)...), guard_(guard) {}
+
+  /// Of all scenes: for administrators of all scenes.
+  grpc::ServerWriteReactor<v1::BackupResponse>* Backup(grpc::CallbackServerContext* context,
+                                                       const v1::BackupRequest* request) override;
+  /// For administrators of all scenes.
+  grpc::ServerReadReactor<v1::RestoreRequest>* Restore(grpc::CallbackServerContext* context,
+                                                       v1::RestoreResponse* reply) override;
 
  private:
   const Guard guard_;

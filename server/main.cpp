@@ -82,7 +82,7 @@ int serve(const ServerConfig& config, const sigset_t& ending, Watchdog& watchdog
   sigwait(&ending, &caught);
   tell_service_manager("STOPPING=1");
   spdlog::info("event=signal signal={}", caught);
-  watchdog.arm(config.not_ready + config.drain + kEndAfterDrain);
+  watchdog.arm(config.not_ready + 2 * config.drain + kEndAfterDrain);
   server->drain();
   return 0;
 }

@@ -123,7 +123,7 @@ void Server::drain() {
     parts_->endpoint.not_serving();
     std::this_thread::sleep_for(config.not_ready);
     parts_->endpoint.shut_down();
-    if (parts_->state.store != nullptr) parts_->state.store->flush();
+    parts_->state.scenes.flush(std::chrono::steady_clock::now() + config.drain);
     spdlog::info("event=stopped");
   });
 }

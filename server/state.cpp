@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/blobs/blob_rpc.h"
+#include "server/durable/backup_rpc.h"
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_rpc.h"
 #include "server/scenes/revision_wait.h"
@@ -48,6 +49,10 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
                .when_full = "{} uploads are open on the server",
                .full_reason = "TOO_MANY_UPLOADS",
                .gives_way = exec::kIdleGivesWay}),
+      backups({.limit = durable::kMaxBackupCalls,
+               .when_full = "{} backups and restores are under way",
+               .full_reason = "TOO_MANY_BACKUPS",
+               .shared = false}),
       store(std::move(disk)),
       blobs(memory, {}, store.get()),
       keeper(store == nullptr ? nullptr
@@ -62,6 +67,7 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
 
 void State::stop_waiting() {
   prefetches.stop();
+  backups.stop();
   waiting_reads.stop();
   update_streams.stop();
   watches.stop();
@@ -69,7 +75,8 @@ void State::stop_waiting() {
 
 void State::enforce_limits() {
   const Status enforced = exec::to_status([this]() -> Status {
-    for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads}) calls->end_late();
+    for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads, &backups})
+      calls->end_late();
     unread.end_late();
     scenes.retry_writes();
     if (sweeper) sweeper->tick();

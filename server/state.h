@@ -34,7 +34,8 @@ struct State {
   exec::UnreadReplies unread;
   exec::Quotas quotas;
   metrics::Metrics metrics;
-  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads,
+      backups;
   const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
   blobs::BlobStore blobs;
   const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store

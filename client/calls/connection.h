@@ -15,6 +15,7 @@
 
 #include "client/calls/channel_credentials.h"
 #include "client/result.h"
+#include "sightline/v1/backup.grpc.pb.h"
 #include "sightline/v1/blob.grpc.pb.h"
 #include "sightline/v1/query.grpc.pb.h"
 #include "sightline/v1/scene.grpc.pb.h"
@@ -85,6 +86,7 @@ struct Connection {
         scenes(v1::SceneService::NewStub(channel_in_use)),
         blobs(v1::BlobService::NewStub(channel_in_use)),
         queries(v1::RayQueryService::NewStub(channel_in_use)),
+        backups(v1::BackupService::NewStub(channel_in_use)),
         server(v1::ServerService::NewStub(channel_in_use)),
         timeout(call_timeout) {}
 
@@ -92,6 +94,7 @@ struct Connection {
   std::unique_ptr<v1::SceneService::Stub> scenes;
   std::unique_ptr<v1::BlobService::Stub> blobs;
   std::unique_ptr<v1::RayQueryService::Stub> queries;
+  std::unique_ptr<v1::BackupService::Stub> backups;
   std::unique_ptr<v1::ServerService::Stub> server;
   std::optional<std::chrono::milliseconds> timeout;  ///< as ClientOptions::timeout
 

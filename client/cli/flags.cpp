@@ -83,20 +83,35 @@ void require_verb(CLI::App& app) {
   });
 }
 
+namespace {
+
+/// Makes a full name of a short one.
+CLI::Validator scene_name() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        const auto full = parse_scene_name(text);
+        if (!full) {
+          return "'" + text +
+                 "' is no scene name: 1 to 63 of a-z 0-9 . _ -, the first a letter or digit";
+        }
+        text = *full;
+        return {};
+      },
+      "");
+}
+
+}  // namespace
+
 void add_scene_argument(CLI::App& verb, std::string& name) {
   verb.add_option("SCENE", name, "The scene: a name, or projects/PROJECT/scenes/NAME")
       ->required()
-      ->transform(CLI::Validator(
-          [](std::string& text) -> std::string {
-            const auto full = parse_scene_name(text);
-            if (!full) {
-              return "'" + text +
-                     "' is no scene name: 1 to 63 of a-z 0-9 . _ -, the first a letter or digit";
-            }
-            text = *full;
-            return {};
-          },
-          ""));
+      ->transform(scene_name());
+}
+
+void add_scene_option(CLI::App& verb, std::string& name) {
+  verb.add_option("--scene", name, "Only this one: a name, or projects/PROJECT/scenes/NAME")
+      ->transform(scene_name())
+      ->type_name("SCENE");
 }
 
 CLI::Validator positive_number() {

@@ -45,6 +45,9 @@ void require_verb(CLI::App& app);
 /// Adds the positional argument SCENE. `name` receives the full resource name.
 void add_scene_argument(CLI::App& verb, std::string& name);
 
+/// Adds --scene. `name` receives the full resource name, or stays as it is.
+void add_scene_option(CLI::App& verb, std::string& name);
+
 /// A check for options that take a number above 0.
 CLI::Validator positive_number();
 

@@ -82,6 +82,7 @@ int parse_and_run(int argc, const char* const* argv) {
   verbs::add_update_verb(program, session);
   verbs::add_stream_verb(program, session);
   verbs::add_watch_verb(program, session);
+  verbs::add_backup_verbs(program, session);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -21,7 +21,8 @@ struct LoggedUpdates {
 std::string encode_batch(const std::vector<scenegraph::model::Update>& updates,
                          const std::vector<scenegraph::model::NodeId>& nodes);
 
-/// Meshes come from `blobs`. Errors: kDataLoss (encode_batch() has not made it), as BlobStore::load.
+/// Meshes come from `blobs`. Errors: kDataLoss (encode_batch() has not made it), as
+/// BlobStore::load.
 Result<LoggedUpdates> decode_batch(std::string_view bytes, blobs::BlobStore& blobs);
 
 }  // namespace sightline::server::durable

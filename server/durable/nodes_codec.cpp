@@ -39,6 +39,17 @@ void NodesWriter::add_mesh(const scenegraph::model::Node& node) {
   meshes_.push_back({node.mesh_digest, node.patched ? patched_.size() : 0});
 }
 
+Result<std::uint64_t> NodesWriter::keep_patched(blobs::BlobStore& blobs) {
+  std::uint64_t bytes = 0;
+  for (Patched& patched : patched_) {
+    const auto digest = blobs.keep(*patched.mesh);
+    if (!digest) return digest.error();
+    patched.digest = *digest;
+    bytes += digest->size;
+  }
+  return bytes;
+}
+
 std::vector<blobs::BlobDigest> NodesWriter::blobs() const {
   std::vector<blobs::BlobDigest> digests;
   for (const Listed& mesh : meshes_) {

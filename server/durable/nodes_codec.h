@@ -15,26 +15,30 @@
 
 namespace sightline::server::durable {
 
+/// Of a part, about.
+inline constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+
 /// Writes a revision in parts. Threads: one at a time.
 class NodesWriter {
  public:
   /// Numbers the meshes. Cost: one walk of the scene.
   explicit NodesWriter(const scenegraph::SceneState& state);
 
-  /// A mesh whose vertices were changed, and the blob that gets them.
-  struct Patched {
-    const scenegraph::model::Mesh* mesh = nullptr;
-    blobs::BlobDigest digest;
-  };
-  /// The patched meshes. The caller sets their digests before it calls next().
-  std::vector<Patched>& patched() { return patched_; }
-  /// Of all blobs that the parts name. After the digests are set.
+  /// Makes blobs of the meshes whose vertices were changed. Call it first. Waits for the disk.
+  /// Returns their bytes. Errors: as BlobStore::keep.
+  Result<std::uint64_t> keep_patched(blobs::BlobStore& blobs);
+  /// Of all blobs that the parts name.
   std::vector<blobs::BlobDigest> blobs() const;
 
   /// The next part, of about `bytes` bytes; empty after the last.
   std::string next(std::size_t bytes);
 
  private:
+  /// A mesh whose vertices were changed, and the blob that has them.
+  struct Patched {
+    const scenegraph::model::Mesh* mesh = nullptr;
+    blobs::BlobDigest digest;
+  };
   struct Listed {
     std::string digest;
     std::size_t patched = 0;  ///< Index in patched_, plus 1; 0: not patched.
@@ -49,7 +53,7 @@ class NodesWriter {
   std::vector<Patched> patched_;
   std::unordered_map<const scenegraph::model::Mesh*, std::uint32_t> numbers_;  // from 1
   std::vector<scenegraph::model::NodeId> ahead_;  // nodes to write, the next one last
-  std::size_t listed_ = 0;  // meshes that parts have listed
+  std::size_t listed_ = 0;                        // meshes that parts have listed
   bool begun_ = false;
 };
 

@@ -15,8 +15,6 @@ namespace {
 
 /// Updates that are read from the log at a time.
 constexpr std::uint64_t kReadBytes = std::uint64_t{16} << 20;
-/// Of a part of a snapshot, about.
-constexpr std::size_t kPartBytes = std::size_t{1} << 20;
 static_assert(2 * kPartBytes <= store::kMaxSnapshotChunk);
 
 /// A snapshot is not written before the log has this many bytes.
@@ -59,9 +57,10 @@ Status StoreJournal::load_log(std::uint64_t base, scenes::JournalReader& into) {
     if (batches->empty()) return {};
     for (const store::LoggedBatch& logged : *batches) {
       if (logged.revision != ++last) {
-        return Error{Code::kDataLoss,
-                     fmt::format("revision {} is missing from the log: run sightlined doctor", last),
-                     "STORE_CORRUPT"};
+        return Error{
+            Code::kDataLoss,
+            fmt::format("revision {} is missing from the log: run sightlined doctor", last),
+            "STORE_CORRUPT"};
       }
       auto batch = decode_batch(logged.updates, parts_.blobs);
       if (!batch) return batch.error();
@@ -107,8 +106,8 @@ Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
     batch.blobs.push_back(*digest);
   }
   if (!entry.request_id.empty()) {
-    batch.answer = store::RequestAnswer{entry.request_id, entry.content, entry.expected + 1,
-                                        entry.nodes};
+    batch.answer =
+        store::RequestAnswer{entry.request_id, entry.content, entry.expected + 1, entry.nodes};
   }
   for (const scenes::ProducerBatch& one : entry.batches)
     batch.commits.push_back({entry.producer, one.sequence, one.nodes});
@@ -116,13 +115,11 @@ Status StoreJournal::append(const scenes::JournalEntry& entry, Done done) {
   return parts_.store.append(std::move(batch), std::move(done));
 }
 
-void StoreJournal::published(const scenegraph::SceneState& newest,
-                             std::uint64_t oldest) noexcept {
+void StoreJournal::published(const scenegraph::SceneState& newest, std::uint64_t oldest) noexcept {
   if (log_bytes_ < std::max(kLeastLog, last_cost_.load()) || writing_.exchange(true)) return;
   const Status begun = exec::to_status([&]() -> Status {
     parts_.compute.enqueue_background([self = shared_from_this(), newest, oldest] {
-      const Status written =
-          exec::to_status([&] { return self->write_snapshot(newest, oldest); });
+      const Status written = exec::to_status([&] { return self->write_snapshot(newest, oldest); });
       if (!written) self->note_failure(newest.snapshot->revision(), written.error());
       self->writing_ = false;
     });
@@ -136,16 +133,11 @@ Status StoreJournal::write_snapshot(const scenegraph::SceneState& state, std::ui
   const std::uint64_t logged = log_bytes_;
   parts_.store.flush();  // a relaxed revision is published before it is in the log
   NodesWriter writer(state);
-  std::uint64_t cost = 0;
-  for (NodesWriter::Patched& patched : writer.patched()) {
-    const auto digest = parts_.blobs.keep(*patched.mesh);
-    if (!digest) return digest.error();
-    patched.digest = *digest;
-    cost += digest->size;
-  }
+  const auto cost = writer.keep_patched(parts_.blobs);
+  if (!cost) return cost.error();
   const auto bytes = write_parts(writer, revision);
   if (!bytes) return bytes.error();
-  last_cost_ = cost + *bytes;
+  last_cost_ = *cost + *bytes;
   log_bytes_ -= logged;
   const std::lock_guard lock(mutex_);
   snapshots_.push_back(revision);
@@ -167,8 +159,8 @@ void StoreJournal::note_failure(std::uint64_t revision, const Error& error) {
 /// Returns the bytes of the parts.
 Result<std::uint64_t> StoreJournal::write_parts(NodesWriter& writer, std::uint64_t revision) {
   std::uint64_t bytes = 0;
-  const Status put = parts_.store.put_snapshot(
-      id_, revision, writer.blobs(), [&]() -> Result<std::string> {
+  const Status put =
+      parts_.store.put_snapshot(id_, revision, writer.blobs(), [&]() -> Result<std::string> {
         std::string part = writer.next(kPartBytes);
         bytes += part.size();
         return part;

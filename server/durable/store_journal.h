@@ -39,9 +39,9 @@ class StoreJournal final : public scenes::Journal,
 
   const StoreParts parts_;
   const store::SceneId id_;
-  std::atomic<std::uint64_t> log_bytes_;   // of updates since the last snapshot
+  std::atomic<std::uint64_t> log_bytes_;     // of updates since the last snapshot
   std::atomic<std::uint64_t> last_cost_{0};  // bytes of the last snapshot
-  std::atomic<bool> writing_{false};       // a task writes a snapshot
+  std::atomic<bool> writing_{false};         // a task writes a snapshot
   std::mutex mutex_;
   std::vector<std::uint64_t> snapshots_;  // protected by mutex_; ascending
 };

@@ -11,16 +11,36 @@ namespace {
 
 static_assert(static_cast<int>(scenes::UpAxis::kZ) == static_cast<int>(store::UpAxis::kZ));
 
+store::SceneInfo stored_info(const scenes::SceneInfo& info) {
+  return {info.name, scenes::new_incarnation(), static_cast<store::UpAxis>(info.up_axis),
+          info.meters_per_unit};
+}
+
 }  // namespace
 
 Result<scenes::KeptScene> StoreKeeper::create(const scenes::SceneInfo& info) {
-  const std::uint64_t incarnation = scenes::new_incarnation();
-  const auto id = parts_.store.create_scene(
-      {info.name, incarnation, static_cast<store::UpAxis>(info.up_axis), info.meters_per_unit});
+  const store::SceneInfo stored = stored_info(info);
+  const auto id = parts_.store.create_scene(stored);
   if (!id) return id.error();
   store::SceneRecord record;
   record.id = *id;
-  return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, record), incarnation, false};
+  return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, record), stored.incarnation,
+                           false};
+}
+
+Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
+                                               const scenegraph::SceneState& state) {
+  NodesWriter writer(state);
+  if (const auto kept = writer.keep_patched(parts_.blobs); !kept) return kept.error();
+  const store::SceneInfo stored = stored_info(info);
+  const auto id =
+      parts_.store.restore_scene(stored, state.snapshot->revision(), writer.blobs(),
+                                 [&]() -> Result<std::string> { return writer.next(kPartBytes); });
+  if (!id) return id.error();
+  const auto record = parts_.store.scene(*id);
+  if (!record) return record.error();
+  return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, *record), stored.incarnation,
+                           true};
 }
 
 Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
@@ -29,9 +49,10 @@ Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
   std::vector<Found> found;
   found.reserve(records->size());
   for (const store::SceneRecord& record : *records) {
-    found.push_back({{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
-                      record.info.meters_per_unit},
-                     {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation, true}});
+    found.push_back(
+        {{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
+          record.info.meters_per_unit},
+         {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation, true}});
   }
   return found;
 }

@@ -20,6 +20,8 @@ class StoreKeeper final : public scenes::SceneKeeper {
   explicit StoreKeeper(const StoreParts& parts) : parts_(parts) {}
 
   Result<scenes::KeptScene> create(const scenes::SceneInfo& info) override;
+  Result<scenes::KeptScene> restore(const scenes::SceneInfo& info,
+                                    const scenegraph::SceneState& state) override;
   Result<std::vector<Found>> find_all() override;
 
  private:

@@ -14,7 +14,7 @@ namespace sightline::server::exec {
 enum class Role : std::uint8_t {
   kRead,   ///< Casts rays; reads, lists and watches scenes.
   kWrite,  ///< Creates and updates scenes, and uploads meshes.
-  kAdmin,  ///< Deletes scenes: what no later update can undo.
+  kAdmin,  ///< Deletes, backs up and restores scenes.
 };
 
 /// "read", "write" or "admin".

@@ -33,7 +33,7 @@ struct JournalEntry {
   std::uint64_t expected = 0;  ///< The newest revision before it.
   /// As Journal::encode() made them; they make the next revision. Nothing: a rejected batch.
   std::optional<std::string> updates;
-  std::vector<std::string> mesh_digests;  ///< Of the meshes that the updates put.
+  std::vector<std::string> mesh_digests;         ///< Of the meshes that the updates put.
   std::vector<scenegraph::model::NodeId> nodes;  ///< That the updates put, in order.
   std::string request_id;                        ///< Empty: none.
   std::uint64_t content = 0;                     ///< Digest of the request.
@@ -75,8 +75,8 @@ class Journal {
   /// thread, in the order of the calls. Returns an error, and never calls it, if it takes no more.
   virtual Status append(const JournalEntry& entry, Done done) = 0;
 
-  /// Called after a revision was published, on the write queue: from time to time the journal writes
-  /// all nodes down. `oldest`: the oldest revision that can be read. Returns soon.
+  /// Called after a revision was published, on the write queue: from time to time the journal
+  /// writes all nodes down. `oldest`: the oldest revision that can be read. Returns soon.
   virtual void published(const scenegraph::SceneState& newest, std::uint64_t oldest) noexcept = 0;
 
   /// Drops all that is kept of the scene. Waits for the disk. Errors: kNotFound, kUnavailable.
@@ -97,6 +97,10 @@ class SceneKeeper {
 
   /// Waits for the disk. Errors: kAlreadyExists, kResourceExhausted, kUnavailable.
   virtual Result<KeptScene> create(const SceneInfo& info) = 0;
+
+  /// Keeps a scene with these nodes, in place of the one of its name, if there is one. Waits for
+  /// the disk. Errors: as create(), but for kAlreadyExists.
+  virtual Result<KeptScene> restore(const SceneInfo& info, const scenegraph::SceneState& state) = 0;
 
   struct Found {
     SceneInfo info;

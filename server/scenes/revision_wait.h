@@ -41,8 +41,9 @@ class RevisionWait : public std::enable_shared_from_this<RevisionWait> {
   /// a worker. A scene that is not loaded is loaded first. `consistency` outlives the wait. A
   /// request of `bytes` waits until the call's deadline, and at most kMaxReadWait.
   /// Errors: kInvalidArgument (no token of this scene), kOutOfRange (an exact revision that is not
-  /// kept or does not exist), as StoredScene::load, kUnavailable (not published in time, or the server stops), kNotFound
-  /// (the scene was removed meanwhile), kCancelled, kResourceExhausted (too many reads wait).
+  /// kept or does not exist), as StoredScene::load, kUnavailable (not published in time, or the
+  /// server stops), kNotFound (the scene was removed meanwhile), kCancelled, kResourceExhausted
+  /// (too many reads wait).
   void read(std::shared_ptr<StoredScene> scene, const v1::Consistency& consistency,
             Deadline deadline, std::size_t bytes, const exec::Caller& caller, Done done);
 

@@ -21,7 +21,8 @@ class StoredScene::Loader final : public JournalReader {
       names += node.name.size() + node.mesh_digest.size();
     const std::size_t nodes = content.nodes.size();
     const std::uint64_t revision = content.revision;
-    auto charge = scene_.memory_.reclaim_and_charge(exec::Held::kNodes, bytes_of_scene(nodes, names));
+    auto charge =
+        scene_.memory_.reclaim_and_charge(exec::Held::kNodes, bytes_of_scene(nodes, names));
     if (!charge) return charge.error();
     if (Status restored = scene_.scene_.restore(std::move(content)); !restored) return restored;
     scene_.log_.begin_after(revision);

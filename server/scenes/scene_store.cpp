@@ -16,8 +16,8 @@ Status SceneStore::open() {
   const std::lock_guard lock(mutex_);
   for (SceneKeeper::Found& scene : *found) {
     const std::string name = scene.info.name;
-    scenes_.emplace(name, std::make_shared<StoredScene>(std::move(scene.info), memory_,
-                                                        std::move(scene.kept)));
+    scenes_.emplace(
+        name, std::make_shared<StoredScene>(std::move(scene.info), memory_, std::move(scene.kept)));
   }
   return {};
 }
@@ -38,15 +38,40 @@ Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
 }
 
 Status SceneStore::check_new(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  if (scenes_.contains(name))
+  if (find(name))
     return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", name),
                  "SCENE_EXISTS"};
+  return check_number();
+}
+
+Status SceneStore::check_number() const {
+  const std::lock_guard lock(mutex_);
   if (scenes_.size() < kMaxScenes) return {};
   return Error{
       Code::kResourceExhausted,
       fmt::format("the server holds {} scenes, the limit is {}", scenes_.size(), kMaxScenes),
       "TOO_MANY_SCENES"};
+}
+
+Result<std::shared_ptr<StoredScene>> SceneStore::restore(const SceneInfo& info,
+                                                         const scenegraph::SceneState& state) {
+  if (keeper_ == nullptr)
+    return Error{Code::kFailedPrecondition, "the server keeps scenes in memory only",
+                 "NOT_DURABLE"};
+  const std::lock_guard changing(changing_);
+  const auto before = find(info.name);
+  if (!before) {
+    if (const Status fits = check_number(); !fits) return fits.error();
+  }
+  auto kept = keeper_->restore(info, state);
+  if (!kept) return kept.error();
+  auto scene = std::make_shared<StoredScene>(info, memory_, std::move(*kept));
+  {
+    const std::lock_guard lock(mutex_);
+    scenes_[info.name] = scene;
+  }
+  if (before) (*before)->remove();
+  return scene;
 }
 
 Result<std::shared_ptr<StoredScene>> SceneStore::find(const std::string& name) const {
@@ -103,6 +128,10 @@ Status SceneStore::remove(const std::string& name) {
 void SceneStore::retry_writes() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [name, scene] : scenes_) scene->retry_writes();
+}
+
+void SceneStore::flush(StoredScene::Clock::time_point until) const {
+  for (const auto& scene : by_last_cast()) scene->flush(until);
 }
 
 std::vector<std::shared_ptr<StoredScene>> SceneStore::by_last_cast() const {

@@ -35,9 +35,14 @@ class SceneStore {
   /// SceneKeeper::find_all.
   Status open();
 
-  /// Waits for the disk, where scenes are kept. Errors: kAlreadyExists, kResourceExhausted (too many
-  /// scenes), as SceneKeeper::create.
+  /// Waits for the disk, where scenes are kept. Errors: kAlreadyExists, kResourceExhausted (too
+  /// many scenes), as SceneKeeper::create.
   Result<std::shared_ptr<StoredScene>> create(SceneInfo info);
+  /// A scene with these nodes, in place of the one of its name, if there is one. Waits for the
+  /// disk. Errors: kFailedPrecondition (scenes are not kept), kResourceExhausted, as
+  /// SceneKeeper::restore.
+  Result<std::shared_ptr<StoredScene>> restore(const SceneInfo& info,
+                                               const scenegraph::SceneState& state);
   /// The scene, which may not be loaded. Errors: kNotFound.
   Result<std::shared_ptr<StoredScene>> get(const std::string& name);
   /// Whether a list shows the scene of this name. Must be short and call no member of the store.
@@ -46,12 +51,14 @@ class SceneStore {
   /// first) and that are shown; without `shown` all are.
   ScenePage list(const std::string& project, const std::string& after, std::size_t limit,
                  const Shown& shown = {}) const;
-  /// Calls the listeners of the scene. Waits for the disk, where scenes are kept. Errors: kNotFound,
-  /// as Journal::remove.
+  /// Calls the listeners of the scene. Waits for the disk, where scenes are kept. Errors:
+  /// kNotFound, as Journal::remove.
   Status remove(const std::string& name);
 
   /// StoredScene::retry_writes() of all scenes.
   void retry_writes() const;
+  /// StoredScene::flush() of all scenes.
+  void flush(StoredScene::Clock::time_point until) const;
 
   /// All scenes, those first at which rays were cast longest ago.
   std::vector<std::shared_ptr<StoredScene>> by_last_cast() const;
@@ -59,6 +66,7 @@ class SceneStore {
  private:
   Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
   Status check_new(const std::string& name) const;
+  Status check_number() const;
 
   exec::MemoryAccount& memory_;
   SceneKeeper* const keeper_;

@@ -1,5 +1,6 @@
 // Writes of a scene: applied at its head, kept in its journal, then published.
 #include <algorithm>
+#include <future>
 #include <new>
 #include <set>
 #include <utility>
@@ -141,8 +142,7 @@ void StoredScene::prepare_publication(Publication& publication,
   recent_.reserve_more(waiting() + 1);
   publication.entry = log_.prepare(std::move(updates), waiting());
   if (!write.request_id.empty()) {
-    publication.answer =
-        answers_.prepare(write.request_id, write.content, next, waiting());
+    publication.answer = answers_.prepare(write.request_id, write.content, next, waiting());
   }
   prepare_producer(publication, write, next);
 }
@@ -154,15 +154,14 @@ void StoredScene::prepare_producer(Publication& publication, const SceneWrite& w
   for (std::uint64_t i = 0; i < write.batches; ++i) {
     publication.puts.push_back(
         {write.first_sequence + i, next.nodes,
-         memory_.record(exec::Held::kLogs,
-                        next.nodes.size() * sizeof(scenegraph::model::NodeId))});
+         memory_.record(exec::Held::kLogs, next.nodes.size() * sizeof(scenegraph::model::NodeId))});
   }
   // A write that waits is of at most a window of batches.
   write.producer->put.reserve_more(write.batches + kPutsKept * waiting());
 }
 
-void StoredScene::finish_write(WriteLine* line, WriteLine::Prepared item,
-                               Publication& publication, const SceneWrite& write) noexcept {
+void StoredScene::finish_write(WriteLine* line, WriteLine::Prepared item, Publication& publication,
+                               const SceneWrite& write) noexcept {
   if (line != nullptr) return line->add(std::move(item));
   publish(publication);
   if (write.answer) write.answer(Durability::kRelaxed);
@@ -213,9 +212,18 @@ void StoredScene::settle_soon() noexcept {
 
 void StoredScene::retry_writes() {
   if (!line_ || !line_->stalled()) return;
-  write_queue_.post(*compute_.load(std::memory_order_acquire), [self = shared_from_this()] {
-    static_cast<void>(self->line_->ready());
+  write_queue_.post(*compute_.load(std::memory_order_acquire),
+                    [self = shared_from_this()] { static_cast<void>(self->line_->ready()); });
+}
+
+void StoredScene::flush(Clock::time_point until) {
+  exec::Compute* const compute = compute_.load(std::memory_order_acquire);
+  if (!line_ || compute == nullptr) return;
+  const auto kept = std::make_shared<std::promise<void>>();
+  write_queue_.post(*compute, [self = shared_from_this(), kept] {
+    self->when_committed([kept](const Status&) { kept->set_value(); });
   });
+  kept->get_future().wait_until(until);
 }
 
 Result<bool> StoredScene::find_earlier(const std::string& request_id, std::uint64_t content,
@@ -282,12 +290,13 @@ void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
       const std::lock_guard lock(dropped_mutex_);
       dropped_.push_back(std::move(dropped));
     }
-    compute_.load(std::memory_order_acquire)->enqueue_background([self = shared_from_this(), settle] {
-      self->free_dropped();
-      // What could not be refused any more when it was recorded.
-      static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
-      if (settle) self->scene_.rebuild_static();
-    });
+    compute_.load(std::memory_order_acquire)
+        ->enqueue_background([self = shared_from_this(), settle] {
+          self->free_dropped();
+          // What could not be refused any more when it was recorded.
+          static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
+          if (settle) self->scene_.rebuild_static();
+        });
   } catch (const std::bad_alloc&) {  // settles after a later update
     free_dropped();
   }

@@ -76,13 +76,14 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
 
   exec::Strand& write_queue() { return write_queue_; }
 
-  /// Applies a batch at the head. It is published, with its updates in the log and listeners called,
-  /// before `write` is answered; without a journal, when this returns. The static tree is settled
-  /// later, on a background worker. Errors, after which nothing is answered: as Scene::apply and
-  /// needed_by; kResourceExhausted where the memory budget has no room for it; kNotFound after
-  /// remove(); kUnavailable while earlier writes cannot be stored. If memory runs out, nothing has
-  /// changed. The answer is an error if the journal cannot keep the batch; it then had no effect.
-  /// `options`: as for Scene::apply, but the scene itself charges for patches and publishes.
+  /// Applies a batch at the head. It is published, with its updates in the log and listeners
+  /// called, before `write` is answered; without a journal, when this returns. The static tree is
+  /// settled later, on a background worker. Errors, after which nothing is answered: as
+  /// Scene::apply and needed_by; kResourceExhausted where the memory budget has no room for it;
+  /// kNotFound after remove(); kUnavailable while earlier writes cannot be stored. If memory runs
+  /// out, nothing has changed. The answer is an error if the journal cannot keep the batch; it then
+  /// had no effect. `options`: as for Scene::apply, but the scene itself charges for patches and
+  /// publishes.
   Result<scenegraph::Applied> apply(std::vector<scenegraph::model::Update> updates,
                                     exec::Compute& compute,
                                     const scenegraph::ApplyOptions& options = {},
@@ -106,6 +107,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
 
   /// Tries again to store writes that were acknowledged before, if there are any. Threads: any.
   void retry_writes();
+  /// Waits until all writes so far are committed or answered with an error, at most until then.
+  /// Threads: any that is no worker.
+  void flush(Clock::time_point until);
 
   exec::MemoryAccount& memory() { return memory_; }
 
@@ -157,8 +161,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
                            std::vector<scenegraph::model::Update>& updates);
   void prepare_producer(Publication& publication, const SceneWrite& write,
                         const scenegraph::Applied& next);
-  void finish_write(WriteLine* line, WriteLine::Prepared item,
-                    Publication& publication, const SceneWrite& write) noexcept;
+  void finish_write(WriteLine* line, WriteLine::Prepared item, Publication& publication,
+                    const SceneWrite& write) noexcept;
   void publish(Publication& publication) noexcept;
   void settle_soon() noexcept;
   /// Writes that are not published.
@@ -175,11 +179,11 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   const SceneInfo info_;
   const std::uint64_t incarnation_;
   const std::shared_ptr<Journal> journal_;
-  std::optional<WriteLine> line_;      // with a journal; used on the write queue
-  std::atomic<bool> settling_{false};  // a task is posted to settle the line
+  std::optional<WriteLine> line_;                 // with a journal; used on the write queue
+  std::atomic<bool> settling_{false};             // a task is posted to settle the line
   std::atomic<exec::Compute*> compute_{nullptr};  // of the last write
-  std::uint64_t name_bytes_ = 0;       // of the newest revision; used on the write queue
-  exec::MemoryAccount::Charge nodes_;  // of the newest revision; used on the write queue
+  std::uint64_t name_bytes_ = 0;                  // of the newest revision; used on the write queue
+  exec::MemoryAccount::Charge nodes_;             // of the newest revision; used on the write queue
   mutable std::mutex patched_mutex_;
   mutable PatchedMeshes patched_;  // meshes that updates have made, of any revision
   std::atomic<Clock::time_point> last_cast_{Clock::now()};

@@ -72,7 +72,7 @@ WriteLine::Prepared WriteLine::prepare(Write write) {
 }
 
 void WriteLine::add(Prepared prepared) noexcept {
-    items_.splice(items_.end(), prepared);
+  items_.splice(items_.end(), prepared);
   append_some();
   settle();
 }

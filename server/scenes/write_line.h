@@ -22,8 +22,8 @@ namespace sightline::server::scenes {
 /// appended again; until they are committed, relaxed writes wait for their commit, too. Used on the
 /// scene's write queue, except for note().
 ///
-/// A write on top of a revision that could not be kept is refused by the journal. One behind a write
-/// that makes no revision would not be: it is appended when the commit of that one is known.
+/// A write on top of a revision that could not be kept is refused by the journal. One behind a
+/// write that makes no revision would not be: it is appended when the commit of that one is known.
 class WriteLine {
  public:
   using Answer = std::function<void(const Result<Durability>&)>;
@@ -83,7 +83,7 @@ class WriteLine {
   void fail();
 
   const Parts parts_;
-  Prepared items_;  // published ones first, those that are not appended last
+  Prepared items_;                 // published ones first, those that are not appended last
   std::shared_ptr<Item> awaited_;  // the last one that makes no revision, until it is committed
   std::atomic<bool> stalled_{false};
   mutable std::mutex mutex_;  // protects the outcomes of items

@@ -77,6 +77,24 @@ Result<std::vector<BlobRow>> unnamed_blobs(Database& database,
   return blobs;
 }
 
+Result<std::vector<blobs::BlobDigest>> blobs_named_by(Database& database, std::int64_t scene,
+                                                      std::uint64_t base) {
+  std::vector<blobs::BlobDigest> blobs;
+  const Status read = database.each(
+      "SELECT id, sum, size FROM blob WHERE id IN "
+      "(SELECT blob FROM batch JOIN batch_blob ON batch_blob.batch = batch.id "
+      "WHERE scene = ?1 AND revision > ?2 UNION "
+      "SELECT blob FROM snapshot JOIN snapshot_blob ON snapshot_blob.snapshot = snapshot.id "
+      "WHERE scene = ?1 AND revision = ?2 AND state = 1) ORDER BY id",
+      [&](const Statement& row) {
+        blobs.push_back(read_row(row).digest);
+        return Status();
+      },
+      scene, base);
+  if (!read) return read.error();
+  return blobs;
+}
+
 Result<bool> delete_unnamed(Database& database, std::int64_t blob) {
   const Status deleted = database.execute(
       "DELETE FROM blob WHERE id = ?1 "

@@ -35,6 +35,9 @@ Result<BlobTotals> blob_totals(Database& database);
 /// Those that no batch and no snapshot names, stored before `before`.
 Result<std::vector<BlobRow>> unnamed_blobs(Database& database,
                                            std::chrono::system_clock::time_point before);
+/// Those that the batches of the scene after `base` and its snapshot of `base` name.
+Result<std::vector<blobs::BlobDigest>> blobs_named_by(Database& database, std::int64_t scene,
+                                                      std::uint64_t base);
 /// Deletes the row unless something names the blob. Returns whether it was deleted.
 Result<bool> delete_unnamed(Database& database, std::int64_t blob);
 /// Names of the scenes whose log or snapshots name the blob.

@@ -14,6 +14,7 @@
 #include "server/store/log_rows.h"
 #include "server/store/producer_rows.h"
 #include "server/store/reader.h"
+#include "server/store/restored_rows.h"
 #include "server/store/scene_rows.h"
 #include "server/store/snapshot_rows.h"
 #include "server/store/stored_blobs.h"
@@ -97,6 +98,31 @@ Result<SceneId> SqliteStore::create_scene(const SceneInfo& info) {
   return id;
 }
 
+Result<SceneId> SqliteStore::restore_scene(const SceneInfo& info, std::uint64_t revision,
+                                           const std::vector<blobs::BlobDigest>& blobs,
+                                           const NextChunk& next) {
+  RestoredScene restored;
+  if (Status fits = parts_->budget.admit(info.name.size()); !fits) return fits.error();
+  Status done = parts_->writer.perform([&](Database& database) -> Status {
+    const auto begun = begin_restored(database, info, revision);
+    if (!begun) return begun.error();
+    restored = *begun;
+    return {};
+  });
+  if (!done) return done.error();
+  done = write_snapshot(restored.snapshot, blobs, next);
+  if (done) {
+    done = parts_->writer.perform(
+        [&](Database& database) { return publish_restored(database, restored); });
+  }
+  if (!done) {
+    drop_snapshot(restored.snapshot);
+    return done.error();
+  }
+  parts_->writer.expect_garbage();
+  return restored.scene;
+}
+
 Status SqliteStore::remove_scene(SceneId scene) {
   Status done =
       parts_->writer.perform([&](Database& database) { return mark_removed(database, scene); });
@@ -128,6 +154,14 @@ Result<std::vector<LoggedBatch>> SqliteStore::read(SceneId scene, std::uint64_t 
       [&](Database& database) { return read_batches(database, scene, after, max_bytes); });
 }
 
+Result<std::vector<blobs::BlobDigest>> SqliteStore::blobs_of(SceneId scene) {
+  return parts_->reader([&](Database& database) -> Result<std::vector<blobs::BlobDigest>> {
+    const auto record = find_scene(database, scene);
+    if (!record) return record.error();
+    return blobs_named_by(database, scene, record->base);
+  });
+}
+
 Result<std::vector<RequestAnswer>> SqliteStore::answers(SceneId scene) {
   return parts_->reader([&](Database& database) { return read_answers(database, scene); });
 }
@@ -148,10 +182,12 @@ Status SqliteStore::put_snapshot(SceneId scene, std::uint64_t revision,
   });
   if (!done) return done;
   done = write_snapshot(snapshot, blobs, next);
+  if (done) {
+    done = parts_->writer.perform(
+        [&](Database& database) { return complete_snapshot(database, snapshot); });
+  }
   if (done) return done;
-  (void)parts_->writer.perform(
-      [&](Database& database) { return abandon_snapshot(database, snapshot); });
-  parts_->writer.expect_garbage();
+  drop_snapshot(snapshot);
   // A scene that was removed meanwhile takes its rows along.
   if (done.error().reason != "CONSTRAINT") return done;
   const auto record = this->scene(scene);
@@ -182,8 +218,13 @@ Status SqliteStore::write_snapshot(std::int64_t snapshot,
         [&](Database& database) { return insert_chunk(database, snapshot, number, *chunk); });
     if (!stored) return stored;
   }
-  return parts_->writer.perform(
-      [&](Database& database) { return complete_snapshot(database, snapshot); });
+  return {};
+}
+
+void SqliteStore::drop_snapshot(std::int64_t snapshot) {
+  (void)parts_->writer.perform(
+      [&](Database& database) { return abandon_snapshot(database, snapshot); });
+  parts_->writer.expect_garbage();
 }
 
 Result<std::string> SqliteStore::read_snapshot(SceneId scene, std::uint64_t revision,

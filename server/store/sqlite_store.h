@@ -24,6 +24,9 @@ class SqliteStore final : public Store {
   ~SqliteStore() override;
 
   Result<SceneId> create_scene(const SceneInfo& info) override;
+  Result<SceneId> restore_scene(const SceneInfo& info, std::uint64_t revision,
+                                const std::vector<blobs::BlobDigest>& blobs,
+                                const NextChunk& next) override;
   Status remove_scene(SceneId scene) override;
   Result<std::vector<SceneRecord>> scenes() override;
   Result<SceneRecord> scene(SceneId scene) override;
@@ -32,6 +35,7 @@ class SqliteStore final : public Store {
   void flush() override;
   Result<std::vector<LoggedBatch>> read(SceneId scene, std::uint64_t after,
                                         std::uint64_t max_bytes) override;
+  Result<std::vector<blobs::BlobDigest>> blobs_of(SceneId scene) override;
   Result<std::vector<RequestAnswer>> answers(SceneId scene) override;
   Result<std::vector<ProducerRecord>> producers(SceneId scene) override;
 
@@ -63,6 +67,7 @@ class SqliteStore final : public Store {
 
   Status write_snapshot(std::int64_t snapshot, const std::vector<blobs::BlobDigest>& blobs,
                         const NextChunk& next);
+  void drop_snapshot(std::int64_t snapshot);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -135,10 +135,20 @@ class Store {
  public:
   virtual ~Store() = default;
 
+  /// The next chunk of a snapshot, of at most kMaxSnapshotChunk bytes; empty: there are no more.
+  using NextChunk = std::function<Result<std::string>()>;
+
   // --- Scenes. The writing calls wait for the disk.
 
   /// Errors: kAlreadyExists, kResourceExhausted.
   virtual Result<SceneId> create_scene(const SceneInfo& info) = 0;
+  /// Creates a scene whose log begins after `revision`, with what put_snapshot() would store as its
+  /// base (none for revision 0), in place of the scene of this name, if there is one: until it
+  /// returns, that one stays. If it fails, nothing has changed. Errors: kResourceExhausted,
+  /// kFailedPrecondition (BLOB_NOT_STORED), those of `next`.
+  virtual Result<SceneId> restore_scene(const SceneInfo& info, std::uint64_t revision,
+                                        const std::vector<blobs::BlobDigest>& blobs,
+                                        const NextChunk& next) = 0;
   /// Removes the scene with its log, answers, producers and snapshots. Batches that are in flight
   /// end first. Errors: kNotFound.
   virtual Status remove_scene(SceneId scene) = 0;
@@ -172,15 +182,15 @@ class Store {
   virtual Result<std::vector<LoggedBatch>> read(SceneId scene, std::uint64_t after,
                                                 std::uint64_t max_bytes) = 0;
 
+  /// The blobs that the base of the scene and the batches after it name.
+  virtual Result<std::vector<blobs::BlobDigest>> blobs_of(SceneId scene) = 0;
+
   /// The last answers, oldest first, as many as StoreLimits keeps.
   virtual Result<std::vector<RequestAnswer>> answers(SceneId scene) = 0;
   /// All producers, by name.
   virtual Result<std::vector<ProducerRecord>> producers(SceneId scene) = 0;
 
   // --- Snapshots: a scene at a revision, in a form that the store does not read.
-
-  /// The next chunk, of at most kMaxSnapshotChunk bytes; empty: there are no more.
-  using NextChunk = std::function<Result<std::string>()>;
 
   /// Stores a snapshot. Waits for the disk after each chunk, so that batches are committed between.
   /// `blobs`: those that it names. If it fails, nothing of it stays. Of two calls for one revision

@@ -79,8 +79,7 @@ class ApplyCall final : public grpc::ServerUnaryReactor {
     if (Status loaded = scene_->load(services_.compute); !loaded) return loaded;
     // A decode error is reported later: a repeated request gets its first answer instead.
     updates_.emplace(decode_updates(request_.updates(), services_.blobs));
-    if (!request_.request_id().empty())
-      content_ = digest_of(request_.SerializeAsString());
+    if (!request_.request_id().empty()) content_ = digest_of(request_.SerializeAsString());
     return {};
   }
 

@@ -117,8 +117,7 @@ void UpdateAnswers::opened(const scenes::Producer& producer, std::uint32_t windo
   }
 }
 
-void UpdateAnswers::ack(const Applied& applied,
-                        const std::vector<scenegraph::model::NodeId>& put) {
+void UpdateAnswers::ack(const Applied& applied, const std::vector<scenegraph::model::NodeId>& put) {
   Answer& answer = open_ack(put.size());
   answer.batches += applied.batches;
   answer.ids += put.size();

@@ -50,7 +50,7 @@ scenegraph::ApplyOptions ProducerSession::options(const std::deque<UpdateBatch>&
 }
 
 scenes::SceneWrite ProducerSession::write(const UpdateBatch& first, std::size_t count,
-                                                  const Taken& taken) const {
+                                          const Taken& taken) const {
   scenes::SceneWrite write;
   write.producer = &producer_;
   write.first_sequence = first.sequence;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -56,8 +56,8 @@ class ProducerSession {
 
   /// Applies the first batch, or several first batches as one, and removes them from `batches`.
   /// They are answered once they are kept, perhaps before this returns. Errors end the call and
-  /// leave all batches unapplied: kNotFound (the scene is removed), kAborted (another call has taken
-  /// over), kResourceExhausted (no memory), kUnavailable (the store fails), kCancelled.
+  /// leave all batches unapplied: kNotFound (the scene is removed), kAborted (another call has
+  /// taken over), kResourceExhausted (no memory), kUnavailable (the store fails), kCancelled.
   Status apply_some(std::deque<UpdateBatch>& batches);
 
   /// Batches that were merged with newer ones.
@@ -67,8 +67,7 @@ class ProducerSession {
   using Taken = std::shared_ptr<Answered>;
   scenegraph::ApplyOptions options(const std::deque<UpdateBatch>& batches, std::size_t count,
                                    const Taken& taken) const;
-  scenes::SceneWrite write(const UpdateBatch& first, std::size_t count,
-                                   const Taken& taken) const;
+  scenes::SceneWrite write(const UpdateBatch& first, std::size_t count, const Taken& taken) const;
   bool apply_together(std::deque<UpdateBatch>& batches);
   Status apply_first(std::deque<UpdateBatch>& batches);
 

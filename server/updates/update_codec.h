@@ -20,8 +20,8 @@ inline constexpr int kMaxNodesPerPatch = 65536;
 /// its batch. Errors name the update's index in the batch: kInvalidArgument (an empty update, a
 /// matrix without 12 numbers, columns of different lengths, an unknown mobility, a bad digest, too
 /// many nodes in a patch), kFailedPrecondition (listing the digests that are missing),
-/// kResourceExhausted over kMaxUpdatesPerBatch, as BlobStore::load. Scene::apply checks what depends
-/// on the scene.
+/// kResourceExhausted over kMaxUpdatesPerBatch, as BlobStore::load. Scene::apply checks what
+/// depends on the scene.
 Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
     std::size_t first = 0);

@@ -342,8 +342,8 @@ class UpdateStream final
   std::shared_ptr<scenes::StoredScene> scene_;
   scenes::Producer* producer_ = nullptr;
   std::uint64_t listener_ = 0;
-  std::optional<ProducerSession> session_;  // used on the write queue
-  std::atomic<bool> aborting_{false};       // the state has reached kAborting
+  std::optional<ProducerSession> session_;                        // used on the write queue
+  std::atomic<bool> aborting_{false};                             // the state has reached kAborting
   scenes::Durability durability_ = scenes::Durability::kRelaxed;  // of repeated batches
 
   std::mutex mutex_;  // protects all members below

@@ -45,7 +45,8 @@ class Run {
       digests_.push_back(witness_.add_mesh(mesh));
     }
     for (int i = 0; i < kProducers; ++i)
-      producers_.push_back(std::make_unique<Producer>(i, digests_, options.relaxed, findings_));
+      producers_.push_back(std::make_unique<Producer>(
+          i, Producer::Options{digests_, options.relaxed, witness_.seen()}, findings_));
   }
 
   int run() {
@@ -86,18 +87,19 @@ class Run {
     for (const TestMesh& mesh : meshes_) api.add_mesh(mesh);
   }
 
-  /// While nobody writes.
+  /// While no client writes.
   void check(Api& api) {
     const std::uint64_t head = api.get(kScene).head().revision();
-    std::uint64_t told = requester_.revision();
+    std::uint64_t reported = requester_.revision();
     if (options_.relaxed) {
       witness_.go_back(head);
     } else {
-      told = std::max(told, witness_.revision());
-      for (const auto& producer : producers_) told = std::max(told, producer->revision());
+      reported = std::max(reported, witness_.revision());
+      for (const auto& producer : producers_) reported = std::max(reported, producer->revision());
     }
-    if (head < told)
-      findings_.add(findings_.lost, fmt::format("revision {} was told, the newest is {}", told, head));
+    if (head < reported)
+      findings_.add(findings_.lost,
+                    fmt::format("revision {} was reported, the newest is {}", reported, head));
     if (head > 0) witness_.watch(api, head);
     if (witness_.revision() > 0) witness_.check_rays(api, kRays, random_.next());
     for (std::uint64_t i = 1; i <= requester_.acknowledged(); ++i) {
@@ -126,8 +128,8 @@ class Run {
       if (skipped == witness_.skipped().end()) continue;
       for (const std::uint64_t sequence : skipped->second) {
         if (!producer->is_bad(sequence))
-          findings_.add(findings_.gaps, fmt::format("batch {} of {} was left out", sequence,
-                                                    producer->name()));
+          findings_.add(findings_.gaps,
+                        fmt::format("batch {} of {} was left out", sequence, producer->name()));
       }
     }
   }
@@ -140,7 +142,8 @@ class Run {
     }
     std::ranges::sort(restarts_);
     fmt::print(
-        "kills {}\nrevisions {}\nbatches acknowledged {}\nrelaxed batches forgotten {}\nrequests acknowledged {}\n"
+        "kills {}\nrevisions {}\nbatches acknowledged {}\nrelaxed batches forgotten {}\nrequests "
+        "acknowledged {}\n"
         "uploads acknowledged {}\nrays compared {}\nrestart ms median {:.0f} max {:.0f}\n"
         "lost {}\nhalf applied {}\ngaps {}\napplied twice {}\nuploads missing {}\n"
         "wrong answers {}\nother failures {}\n",

@@ -16,8 +16,7 @@ constexpr std::uint32_t kTriangles = 2000;
 constexpr std::size_t kAskedAtOnce = 8192;
 
 bool same_answer(const v1::ApplyUpdatesResponse& a, const v1::ApplyUpdatesResponse& b) {
-  return a.revision().token() == b.revision().token() &&
-         std::ranges::equal(a.nodes(), b.nodes());
+  return a.revision().token() == b.revision().token() && std::ranges::equal(a.nodes(), b.nodes());
 }
 
 }  // namespace

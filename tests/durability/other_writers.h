@@ -26,7 +26,7 @@ class Requester {
 
   Findings& findings_;
   std::vector<std::uint64_t> nodes_;  // of acknowledged requests
-  v1::ApplyUpdatesResponse answer_;  // to the last acknowledged request
+  v1::ApplyUpdatesResponse answer_;   // to the last acknowledged request
 };
 
 class Uploader {

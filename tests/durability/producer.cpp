@@ -12,6 +12,8 @@ namespace sightline::tests::durability {
 namespace {
 
 constexpr std::size_t kWindow = 16;
+/// Revisions that a watch may be behind: less than a server keeps across its end.
+constexpr std::uint64_t kLead = 16;
 constexpr std::uint64_t kNoNode = std::uint64_t{1} << 60;
 
 scenegraph::model::Affine at(double x, double y, double z) {
@@ -20,10 +22,9 @@ scenegraph::model::Affine at(double x, double y, double z) {
 
 }  // namespace
 
-Producer::Producer(int number, std::vector<std::string> digests, bool relaxed, Findings& findings)
+Producer::Producer(int number, const Options& options, Findings& findings)
     : name_(fmt::format("producer-{}", number)),
-      digests_(std::move(digests)),
-      relaxed_(relaxed),
+      options_(options),
       findings_(findings),
       random_(static_cast<std::uint64_t>(number)) {}
 
@@ -50,8 +51,8 @@ bool Producer::open(Call& call) {
   v1::StreamUpdatesRequest request;
   request.mutable_open()->set_scene(kScene);
   request.mutable_open()->set_producer(name_);
-  request.mutable_open()->set_durability(relaxed_ ? v1::DURABILITY_RELAXED
-                                                  : v1::DURABILITY_COMMITTED);
+  request.mutable_open()->set_durability(options_.relaxed ? v1::DURABILITY_RELAXED
+                                                          : v1::DURABILITY_COMMITTED);
   v1::StreamUpdatesResponse answer;
   if (!call.Write(request) || !call.Read(&answer)) return false;
   begin_after(answer.opened());
@@ -63,21 +64,20 @@ void Producer::begin_after(const v1::ProducerOpened& opened) {
   if (committed_ > made_)
     findings_.add(findings_.other, fmt::format("{} has sent {} batches, the server has {}", name_,
                                                made_, committed_));
-  if (committed_ < acknowledged_ && !relaxed_) {
+  if (committed_ < acknowledged_ && !options_.relaxed) {
     findings_.add(findings_.lost, fmt::format("{} had batch {} acknowledged, the server has {}",
                                               name_, acknowledged_, committed_));
   }
   if (committed_ < acknowledged_) forget_after(committed_);
-  for (const v1::PutNodes& put : opened.put()) {
-    if (put.sequence() > acknowledged_) learn(put);
-  }
+  for (const v1::PutNodes& put : opened.put()) learn(put);
   // The last one that was committed is sent again and must change nothing.
   sent_ = committed_ > 0 && !unanswered_.empty() && unanswered_.front().sequence <= committed_
               ? committed_ - 1
               : committed_;
 }
 
-/// What was made on top of lost batches may name nodes that are gone: other batches get its numbers.
+/// What was made on top of lost batches may name nodes that are gone: other batches get its
+/// numbers.
 void Producer::forget_after(std::uint64_t sequence) {
   const auto is_lost = [&](const PutNode& node) { return node.sequence > sequence; };
   forgotten_ += acknowledged_ - sequence;
@@ -85,7 +85,8 @@ void Producer::forget_after(std::uint64_t sequence) {
   std::erase_if(nodes_, is_lost);
   unanswered_.clear();
   bad_.erase(bad_.upper_bound(sequence), bad_.end());
-  made_ = acknowledged_ = sequence;
+  made_ = acknowledged_ = learned_ = sequence;
+  revision_ = 0;
 }
 
 void Producer::write(Call& call) {
@@ -100,7 +101,7 @@ void Producer::write(Call& call) {
         request.mutable_batch()->mutable_updates()->Assign(batch.updates.begin(),
                                                            batch.updates.end());
         ++sent_;
-      } else if (made_ == 0 || (!counters_.empty() && unanswered_.size() < kWindow)) {
+      } else if (may_make()) {
         unanswered_.push_back(make());
       }
     }
@@ -110,6 +111,11 @@ void Producer::write(Call& call) {
       return;
     }
   }
+}
+
+bool Producer::may_make() const {
+  if (made_ == 0) return true;
+  return !counters_.empty() && unanswered_.size() < kWindow && revision_ <= options_.seen + kLead;
 }
 
 void Producer::receive(const v1::StreamUpdatesResponse& answer) {
@@ -132,7 +138,10 @@ void Producer::answered(std::uint64_t up_to) {
   while (!unanswered_.empty() && unanswered_.front().sequence <= up_to) unanswered_.pop_front();
 }
 
+/// The server tells at each opening what the last batches have put.
 void Producer::learn(const v1::PutNodes& put) {
+  if (put.sequence() <= learned_) return;
+  learned_ = put.sequence();
   std::vector<PutNode>& known = put.sequence() == 1 ? counters_ : nodes_;
   for (const std::uint64_t id : put.nodes()) known.push_back({put.sequence(), id});
 }
@@ -165,9 +174,9 @@ void Producer::add_change(std::vector<v1::Update>& updates) {
   const std::size_t kind = nodes_.empty() ? 0 : random_.below(kinds);
   if (kind == 0) {
     const auto alias = -1 - static_cast<std::int64_t>(updates.size());
-    updates.push_back(put_node(alias, digests_[random_.below(digests_.size())], 0,
-                               at(random_.uniform(-5, 5), random_.uniform(-5, 5),
-                                  random_.uniform(-5, 5))));
+    updates.push_back(
+        put_node(alias, options_.digests[random_.below(options_.digests.size())], 0,
+                 at(random_.uniform(-5, 5), random_.uniform(-5, 5), random_.uniform(-5, 5))));
   } else if (kind == 1) {
     updates.push_back(move_to(any(), random_.uniform(-5, 5)));
   } else if (kind == 2) {

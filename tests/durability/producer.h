@@ -1,6 +1,7 @@
 // A producer that streams batches to a server that is killed, and resends what was not answered.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -21,7 +22,13 @@ inline const std::string kScene = "projects/p/scenes/killed";
 /// between. Some batches are rejected as a whole.
 class Producer {
  public:
-  Producer(int number, std::vector<std::string> digests, bool relaxed, Findings& findings);
+  struct Options {
+    std::vector<std::string> digests;  ///< Of meshes that batches put.
+    bool relaxed = false;
+    /// A revision: no batch is made while the last answer is much newer.
+    const std::atomic<std::uint64_t>& seen;
+  };
+  Producer(int number, const Options& options, Findings& findings);
 
   /// Opens the stream and writes until the call breaks. Threads: one at a time.
   void run(Api& api);
@@ -29,7 +36,7 @@ class Producer {
   /// After run(): whether the batch is one that must be rejected.
   bool is_bad(std::uint64_t sequence) const { return bad_.contains(sequence); }
   std::uint64_t acknowledged() const { return acknowledged_; }
-  std::uint64_t revision() const { return revision_; }  ///< The newest that an answer told.
+  std::uint64_t revision() const { return revision_; }    ///< The newest that an answer told.
   std::uint64_t committed() const { return committed_; }  ///< As the server said at the last open.
   /// Batches of a relaxed stream that were acknowledged and then lost with a server.
   std::uint64_t forgotten() const { return forgotten_; }
@@ -53,12 +60,12 @@ class Producer {
     std::uint64_t sequence = 0;  // of its batch
     std::uint64_t id = 0;
   };
+  bool may_make() const;
   Batch make();
   void add_change(std::vector<v1::Update>& updates);
 
   const std::string name_;
-  const std::vector<std::string> digests_;
-  const bool relaxed_;
+  const Options options_;
   Findings& findings_;
   Random random_;
   std::mutex mutex_;  // protects all members below while run() is at work
@@ -67,7 +74,8 @@ class Producer {
   std::set<std::uint64_t> bad_;
   std::vector<PutNode> counters_, nodes_;
   std::uint64_t made_ = 0, acknowledged_ = 0, revision_ = 0, committed_ = 0;
-  std::uint64_t sent_ = 0;  // in this call
+  std::uint64_t sent_ = 0;     // in this call
+  std::uint64_t learned_ = 0;  // the last batch whose nodes are known
   std::uint64_t forgotten_ = 0;
 };
 

@@ -102,8 +102,7 @@ class Run {
     const grpc::Status status = api.cast(request, &reply);
     fmt::print("first cast ms {:.0f}\n", ms_since(begun));
     const std::vector<PlacedMesh> placed{{.mesh = mesh.view()}};
-    const bool same =
-        status.ok() && compare(rays, decode_hits(reply), BruteForce(placed)).clean();
+    const bool same = status.ok() && compare(rays, decode_hits(reply), BruteForce(placed)).clean();
     if (same) return;
     fmt::print("wrong answers: {}\n", status.error_message());
     right_ = false;

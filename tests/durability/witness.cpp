@@ -50,6 +50,7 @@ void Witness::go_back(std::uint64_t revision) {
   while (revisions_.size() > 1 && revisions_.back().revision > revision) revisions_.pop_back();
   if (this->revision() > revision)
     findings_.add(findings_.lost, fmt::format("more than {} revisions", kKept));
+  seen_ = this->revision();
   for (auto& [producer, batches] : skipped_)
     batches.erase(batches.upper_bound(revisions_.back().applied[producer]), batches.end());
 }
@@ -63,18 +64,18 @@ void Witness::watch(Api& api, std::uint64_t until) {
   const auto call = api.scenes->WatchScene(&context, request);
   v1::WatchSceneResponse message;
   std::vector<v1::Update> updates;
-  while (call->Read(&message)) {
+  bool cancelled = false;
+  while (!cancelled && call->Read(&message)) {
     if (message.progress()) continue;
     updates.insert(updates.end(), message.updates().begin(), message.updates().end());
     if (message.more()) continue;
     take(message.revision().revision(), updates);
     updates.clear();
-    if (revision() == until) break;
+    cancelled = revision() == until;
   }
-  context.TryCancel();
+  if (cancelled) context.TryCancel();
   const grpc::Status ended = call->Finish();
-  if (ended.error_code() != grpc::StatusCode::UNAVAILABLE &&
-      ended.error_code() != grpc::StatusCode::CANCELLED)
+  if (!cancelled && ended.error_code() != grpc::StatusCode::UNAVAILABLE)
     findings_.add(findings_.gaps, "the watch ended: " + ended.error_message());
 }
 
@@ -90,6 +91,7 @@ void Witness::take(std::uint64_t revision, const std::vector<v1::Update>& update
   for (const auto& update : *decoded) next.scene.apply(update);
   next.scene.publish();
   revisions_.push_back(std::move(next));
+  seen_ = revision;
   if (revisions_.size() > kKept) revisions_.pop_front();
   for (const v1::Update& update : updates) {
     if (update.has_put_node()) name_nodes(update.put_node());
@@ -118,21 +120,19 @@ void Witness::check_batch(std::uint64_t revision, const std::vector<v1::Update>&
   }
   const auto counter_of = [&](const v1::Update& update) {
     const auto& counters = revisions_.back().counters;
-    const auto found = update.has_set_transforms()
-                           ? counters.find(update.set_transforms().nodes(0))
-                           : counters.end();
+    const auto found = update.has_set_transforms() ? counters.find(update.set_transforms().nodes(0))
+                                                   : counters.end();
     return found == counters.end() ? Counter{} : found->second;
   };
   const Counter first = counter_of(updates.front()), last = counter_of(updates.back());
-  const bool whole = !first.producer.empty() && first.producer == last.producer && first.first &&
-                     !last.first &&
-                     x_of(updates.front().set_transforms()) == x_of(updates.back().set_transforms());
+  const bool whole =
+      !first.producer.empty() && first.producer == last.producer && first.first && !last.first &&
+      x_of(updates.front().set_transforms()) == x_of(updates.back().set_transforms());
   if (!whole) {
     findings_.add(findings_.halves, fmt::format("revision {} holds a part of a batch", revision));
     return;
   }
-  note_batch(first.producer,
-             static_cast<std::uint64_t>(x_of(updates.front().set_transforms())));
+  note_batch(first.producer, static_cast<std::uint64_t>(x_of(updates.front().set_transforms())));
 }
 
 void Witness::note_batch(const std::string& producer, std::uint64_t sequence) {

@@ -1,6 +1,7 @@
 // Follows a scene through a watch, and holds it against a plain scene and brute force.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -31,10 +32,12 @@ class Witness {
   /// Follows the scene until the call breaks; with `until`, until that revision.
   void watch(Api& api, std::uint64_t until = 0);
 
-  /// Casts rays at the newest revision and at an older one, while nobody writes.
+  /// Casts rays at the newest revision and at an older one, while no client writes.
   void check_rays(Api& api, std::size_t count, std::uint64_t seed);
 
   std::uint64_t revision() const { return revisions_.back().revision; }
+  /// The same. Threads: any.
+  const std::atomic<std::uint64_t>& seen() const { return seen_; }
   std::uint64_t rays() const { return rays_; }
   const std::set<std::string>& requests() const { return requests_; }
   /// Batches that were left out: the caller knows which had to be.
@@ -62,6 +65,7 @@ class Witness {
   server::exec::MemoryAccount memory_{std::uint64_t{1} << 30};
   server::blobs::BlobStore meshes_{memory_};
   std::deque<Kept> revisions_ = std::deque<Kept>(1);  // the last ones
+  std::atomic<std::uint64_t> seen_{0};
   std::map<std::string, std::set<std::uint64_t>> skipped_;
   std::set<std::string> requests_;
   std::uint64_t rays_ = 0;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/v1/backup.pb.h"
 #include "tests/server/support/raw_call.h"
 #include "tests/server/support/secured_server.h"
 
@@ -20,7 +21,7 @@ class GuardedRpcs : public SecuredServer {
     std::vector<std::string> paths;
     for (const auto* file :
          {v1::CastRaysRequest::descriptor()->file(), v1::Scene::descriptor()->file(),
-          v1::UploadBlobRequest::descriptor()->file(),
+          v1::UploadBlobRequest::descriptor()->file(), v1::BackupRequest::descriptor()->file(),
           v1::GetServerInfoRequest::descriptor()->file()}) {
       for (int s = 0; s < file->service_count(); ++s) {
         for (int m = 0; m < file->service(s)->method_count(); ++m) {
@@ -67,7 +68,7 @@ class GuardedRpcs : public SecuredServer {
 
 TEST_F(GuardedRpcs, NoMethodAnswersWithoutAToken) {
   const auto paths = methods();
-  EXPECT_GE(paths.size(), 16u);
+  EXPECT_GE(paths.size(), 18u);
   for (const std::string& path : paths) {
     const grpc::Status none = call_raw(channel_, path, {});
     EXPECT_EQ(none.error_code(), grpc::StatusCode::UNAUTHENTICATED) << path;
@@ -83,7 +84,8 @@ TEST_F(GuardedRpcs, AMethodThatChangesSomethingRefusesAReader) {
   for (const std::string& path : methods()) {
     if (reason_of(call_raw(channel_, path, {}, kReader)) == "ROLE_MISSING") ++refused;
   }
-  EXPECT_EQ(refused, 7) << "CreateScene DeleteScene ApplyUpdates StreamUpdates, and of meshes 3";
+  EXPECT_EQ(refused, 9) << "CreateScene DeleteScene ApplyUpdates StreamUpdates, of meshes 3, "
+                           "Backup Restore";
 }
 
 TEST_F(GuardedRpcs, OnlyAnAdministratorDeletes) {

@@ -29,7 +29,8 @@ void open_many_files() {
 
 class ManyClients : public testing::Test {
  protected:
-  ManyClients() : child_(SIGHTLINED, {"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
+  ManyClients()
+      : child_(SIGHTLINED, {"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
     open_many_files();
     port_ = std::atoi(child_.rest_of_line(" port=").c_str());
     Api(connect(port_)).make_scene(kScene, cube());

@@ -13,6 +13,7 @@ namespace sightline::client::cli::verbs {
 void add_scene_verbs(CLI::App& program, Session& session);
 /// `group` is the verb `scene`.
 void add_import_verb(CLI::App& group, Session& session);
+void add_backup_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);

@@ -10,7 +10,15 @@
 namespace sightline::tests {
 namespace {
 
-std::unique_ptr<server::Server> start() {
+client::Client connect(int port) {
+  auto client = client::Client::connect("127.0.0.1:" + std::to_string(port));
+  EXPECT_TRUE(client) << client.error().message;
+  return *std::move(client);
+}
+
+}  // namespace
+
+std::unique_ptr<server::Server> start_server(const std::string& data_dir) {
   // Never released: when its last user is destroyed, the library waits up to ten seconds for its
   // client's poller.
   static const bool library_held = (grpc_init(), true);
@@ -20,20 +28,13 @@ std::unique_ptr<server::Server> start() {
   config.listen = "127.0.0.1:0";
   config.threads = 2;
   config.drain = std::chrono::milliseconds(50);
+  config.data_dir = data_dir;
   auto server = server::Server::start(config);
   EXPECT_TRUE(server) << server.error().message;
-  return std::move(*server);
+  return server ? std::move(*server) : nullptr;
 }
 
-client::Client connect(int port) {
-  auto client = client::Client::connect("127.0.0.1:" + std::to_string(port));
-  EXPECT_TRUE(client) << client.error().message;
-  return *std::move(client);
-}
-
-}  // namespace
-
-LiveClient::LiveClient() : server_(start()), client_(connect(server_->port())) {}
+LiveClient::LiveClient() : server_(start_server()), client_(connect(server_->port())) {}
 
 client::importer::ImportedMesh sheets(std::uint32_t count) {
   client::importer::ImportedMesh mesh;

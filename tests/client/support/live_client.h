@@ -15,6 +15,9 @@ namespace sightline::tests {
 
 inline constexpr const char* kScene = "projects/default/scenes/test";
 
+/// Without a directory it keeps scenes in memory.
+std::unique_ptr<server::Server> start_server(const std::string& data_dir = {});
+
 class LiveClient : public testing::Test {
  protected:
   LiveClient();

@@ -2,7 +2,6 @@
 #include "server/durable/store_journal.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <future>
@@ -10,11 +9,7 @@
 
 #include "scenegraph/scene.h"
 #include "server/durable/batch_codec.h"
-#include "server/durable/open_store.h"
-#include "server/scenes/scene_store.h"
-#include "tests/scenegraph/put_node.h"
-#include "tests/server/blobs/blob_of.h"
-#include "tests/support/scenes.h"
+#include "tests/server/durable/life.h"
 
 namespace sightline::server::durable {
 namespace {
@@ -22,85 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using scenegraph::model::Update;
 
-const std::string kName = "projects/p/scenes/s";
-
-/// What a server has between its start and its end.
-struct Life {
-  explicit Life(const fs::path& directory)
-      : store(*open_store(directory)),
-        blobs(memory, {}, store.get()),
-        keeper({*store, blobs, compute}),
-        scenes(memory, &keeper) {
-    EXPECT_TRUE(scenes.open());
-  }
-  ~Life() { store->flush(); }
-
-  exec::MemoryAccount memory{std::uint64_t{1} << 30};
-  std::unique_ptr<store::Store> store;
-  blobs::BlobStore blobs;
-  exec::Compute compute{2};
-  StoreKeeper keeper;
-  scenes::SceneStore scenes;
-};
-
-class StoreJournalTest : public testing::Test {
- protected:
-  StoreJournalTest() {
-    std::string pattern = (fs::temp_directory_path() / "sightline-journal-XXXXXX").string();
-    EXPECT_NE(mkdtemp(pattern.data()), nullptr);
-    root_ = pattern;
-    life_.emplace(root_ / "data");
-  }
-  ~StoreJournalTest() override {
-    life_.reset();
-    fs::remove_all(root_);
-  }
-
-  void restart() {
-    life_.reset();
-    life_.emplace(root_ / "data");
-  }
-  std::shared_ptr<scenes::StoredScene> scene() {
-    const auto found = life_->scenes.get(kName);
-    EXPECT_TRUE(found);
-    const Status loaded = (*found)->load(life_->compute);
-    EXPECT_TRUE(loaded) << loaded.error().message;
-    return *found;
-  }
-  /// The digest of a mesh that is stored.
-  std::string add_mesh(const tests::TestMesh& mesh) {
-    const std::string blob = tests::blob_of(mesh);
-    const auto digest = tests::digest_of(blob);
-    const auto upload = life_->blobs.begin(digest, 0);
-    EXPECT_TRUE((*upload)->append(0, tests::bytes_of(blob)));
-    EXPECT_TRUE(life_->blobs.complete(*upload));
-    return digest.text();
-  }
-  Update put(const std::string& digest) {
-    scenegraph::model::PutNode node;
-    node.node = -1;
-    node.name = "of " + digest;
-    node.mesh = *life_->blobs.load(*blobs::BlobDigest::parse(digest));
-    node.mesh_digest = digest;
-    return node;
-  }
-  /// Applies a batch and waits until it is kept.
-  void apply(std::vector<Update> updates, scenes::SceneWrite write = {}) {
-    std::promise<bool> kept;
-    write.answer = [&](const Result<scenes::Durability>& result) {
-      kept.set_value(result && *result == scenes::Durability::kCommitted);
-    };
-    const auto stored = scene();
-    stored->write_queue().post(life_->compute, [&] {
-      const auto applied = stored->apply(std::move(updates), life_->compute, {}, write);
-      if (!applied) kept.set_value(false);
-    });
-    EXPECT_TRUE(kept.get_future().get());
-  }
-
-  fs::path root_;
-  std::optional<Life> life_;
-};
+using StoreJournalTest = tests::DurableTest;
 
 TEST_F(StoreJournalTest, AScenesPropertiesAreKept) {
   const auto made =
@@ -120,7 +37,8 @@ TEST_F(StoreJournalTest, BatchesAndMeshesAreKept) {
   ASSERT_TRUE(life_->scenes.create({.name = kName}));
   const std::string cube = add_mesh(tests::cube());
   apply({put(cube)});
-  apply({put(cube), scenegraph::model::PatchVertices{{2}, 0, {{9, 9, 9}}}}, {.request_id = "x", .content = 3});
+  apply({put(cube), scenegraph::model::PatchVertices{{2}, 0, {{9, 9, 9}}}},
+        {.request_id = "x", .content = 3});
   restart();
   const auto loaded = scene();
   EXPECT_EQ(loaded->snapshot()->revision(), 2u);
@@ -151,7 +69,8 @@ TEST_F(StoreJournalTest, NodesAreWrittenDownAndTheLogIsCut) {
   apply({put(digest)});
   for (int i = 0; i < 300; ++i) {
     const auto z = static_cast<float>(i);
-    apply({scenegraph::model::PatchVertices{{1}, 0, std::vector<accel::geometry::Vec3f>(3000, {0, 0, z})}});
+    apply({scenegraph::model::PatchVertices{
+        {1}, 0, std::vector<accel::geometry::Vec3f>(3000, {0, 0, z})}});
   }
   life_->store->flush();
   restart();
@@ -196,8 +115,9 @@ TEST(BatchCodec, RefusesOtherBytes) {
   ASSERT_TRUE(decoded);
   EXPECT_EQ(decoded->nodes, (std::vector<scenegraph::model::NodeId>{7, 8}));
   EXPECT_EQ(std::get<scenegraph::model::DeleteNode>(decoded->updates[0]).node, 5);
-  EXPECT_EQ(std::get<scenegraph::model::SetTransforms>(decoded->updates[1]).parent_from_local[1].m[3],
-            0.1);
+  EXPECT_EQ(
+      std::get<scenegraph::model::SetTransforms>(decoded->updates[1]).parent_from_local[1].m[3],
+      0.1);
 }
 
 }  // namespace

@@ -46,9 +46,7 @@ class FakeJournal final : public server::scenes::Journal {
     }
     done({});
   }
-  void fail() {
-    take().second(Error{Code::kResourceExhausted, "the disk is full", "DISK_FULL"});
-  }
+  void fail() { take().second(Error{Code::kResourceExhausted, "the disk is full", "DISK_FULL"}); }
   std::size_t queued() const {
     const std::lock_guard lock(mutex_);
     return queued_.size();

@@ -161,9 +161,7 @@ TEST_F(SceneWriteTest, ARequestThatIsSentAgainGetsItsAnswerWhenTheFirstIsCommitt
   repeated.reset();
   on_queue([&] { EXPECT_TRUE(*repeat(1)); });
   EXPECT_EQ(repeated, true);
-  on_queue([&] {
-    EXPECT_FALSE(*scene_->find_earlier("b", 1, [](const auto&, const auto&) {}));
-  });
+  on_queue([&] { EXPECT_FALSE(*scene_->find_earlier("b", 1, [](const auto&, const auto&) {})); });
 }
 
 TEST_F(SceneWriteTest, ProducersAdvanceWithTheirCommits) {
@@ -194,9 +192,9 @@ TEST_F(SceneWriteTest, AWriteBehindARejectedBatchIsAppendedWhenThatIsCommitted) 
   const auto reject = [&](std::uint64_t sequence) {
     on_queue([&] {
       EXPECT_TRUE(scene_->record_rejected(
-          compute_, {.producer = producer, .first_sequence = sequence, .answer = [&](const auto& kept) {
-                       rejected = static_cast<bool>(kept);
-                     }}));
+          compute_, {.producer = producer,
+                     .first_sequence = sequence,
+                     .answer = [&](const auto& kept) { rejected = static_cast<bool>(kept); }}));
     });
   };
   reject(1);
@@ -218,6 +216,19 @@ TEST_F(SceneWriteTest, AWriteBehindARejectedBatchIsAppendedWhenThatIsCommitted) 
   EXPECT_EQ(revision(), 2u);
 }
 
+TEST_F(SceneWriteTest, AFlushWaitsForRelaxedWrites) {
+  const auto soon = [] { return StoredScene::Clock::now() + std::chrono::milliseconds(1); };
+  scene_->flush(StoredScene::Clock::time_point::max());  // there are none
+  put({.relaxed = true});
+  scene_->flush(soon());
+  auto flushed = std::async(std::launch::async, [&] {
+    scene_->flush(StoredScene::Clock::now() + std::chrono::hours(1));
+  });
+  commit();
+  flushed.get();
+  EXPECT_EQ(journal_->kept().size(), 1u);
+}
+
 TEST_F(SceneWriteTest, WaitsForAnswersAndForCommits) {
   put({.relaxed = true});
   int answered = 0;
@@ -236,8 +247,8 @@ TEST_F(SceneWriteTest, WaitsForAnswersAndForCommits) {
 TEST_F(SceneWriteTest, ALoadedSceneIsWhatWasCommitted) {
   for (int i = 0; i < 5; ++i) put();
   for (int i = 0; i < 4; ++i) commit();
-  const auto loaded = std::make_shared<StoredScene>(scene_->info(), memory_,
-                                                    KeptScene{journal_, 7, true});
+  const auto loaded =
+      std::make_shared<StoredScene>(scene_->info(), memory_, KeptScene{journal_, 7, true});
   EXPECT_FALSE(loaded->loaded());
   ASSERT_TRUE(loaded->load(compute_));
   EXPECT_EQ(loaded->snapshot()->revision(), 4u);

@@ -232,6 +232,45 @@ TEST(SqliteStore, KeepsNothingOfAFailedSnapshot) {
   EXPECT_EQ(reason_of(put_snapshot(*store, scene + 1, 1, {"x"})), "SCENE_NOT_FOUND");
 }
 
+TEST(SqliteStore, ARestoredSceneReplacesAnother) {
+  const Directory directory;
+  auto store = open_store(directory.path());
+  const SceneId before = make_scene(*store, "a");
+  ASSERT_TRUE(append(*store, before, 0, "u").ok());
+  const auto blob = digest_of_blob(blob_bytes(1));
+  ASSERT_TRUE(store_blob(*store, blob_bytes(1)).ok());
+  const auto restore = [&](std::uint64_t revision, std::vector<std::string> chunks) {
+    return store->restore_scene({.name = "a", .incarnation = 7}, revision, {blob},
+                                [&, next = std::size_t{0}]() mutable -> Result<std::string> {
+                                  if (next == chunks.size()) return std::string();
+                                  if (chunks[next].empty())
+                                    return Error{Code::kInternal, "no more", "TEST"};
+                                  return chunks[next++];
+                                });
+  };
+  EXPECT_EQ(reason_of(restore(5, {"nodes", ""})), "TEST");
+  EXPECT_EQ(store->scenes()->front().id, before) << "nothing has changed";
+  const auto id = restore(5, {"nodes ", "at 5"});
+  ASSERT_TRUE(id.ok());
+  EXPECT_EQ(reason_of(store->scene(before)), "SCENE_NOT_FOUND");
+  ASSERT_TRUE(append(*store, *id, 5, "next").ok());
+  store.reset();
+
+  store = open_store(directory.path());
+  ASSERT_EQ(store->scenes()->size(), 1u);
+  const SceneRecord kept = store->scenes()->front();
+  EXPECT_EQ(kept.id, *id);
+  EXPECT_EQ(kept.info.incarnation, 7u);
+  EXPECT_EQ(kept.base, 5u);
+  EXPECT_EQ(kept.revision, 6u);
+  EXPECT_EQ(*store->read_snapshot(*id, 5, 1), "at 5");
+  EXPECT_EQ(*log_of(*store, *id, 5), Strings{"next"});
+  EXPECT_EQ(store->blobs_of(*id)->size(), 1u);
+  const auto empty = restore(0, {"nothing"});
+  ASSERT_TRUE(empty.ok());
+  EXPECT_EQ(*log_of(*store, *empty), Strings{});
+}
+
 TEST(SqliteStore, RefusesASnapshotOfASceneThatIsRemovedMeanwhile) {
   const Directory directory;
   const auto store = open_store(directory.path());

@@ -69,8 +69,7 @@ class ProducerSessionTest : public testing::Test {
 TEST_F(ProducerSessionTest, ACancelledCallLeavesItsBatchesUnapplied) {
   const std::atomic<bool> cancelled{true};
   for (const bool latest_wins : {false, true}) {
-    ProducerSession session(*scene_, producer_, call_of(&call_, latest_wins, &cancelled),
-                            compute_);
+    ProducerSession session(*scene_, producer_, call_of(&call_, latest_wins, &cancelled), compute_);
     session.take_over();
     add_pose(1, 5);
     add_pose(1, 6);

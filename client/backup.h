@@ -1,0 +1,34 @@
+// Backups of a server's scenes in a directory of this machine.
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <string>
+
+namespace sightline::client {
+
+/// A scene in a backup.
+struct BackupScene {
+  std::string name;
+  std::uint64_t base = 0;      ///< The oldest revision that it can be restored at.
+  std::uint64_t revision = 0;  ///< The newest.
+};
+
+struct BackupOptions {
+  std::string scene = {};  ///< Only this one; empty: all.
+  std::stop_token stop = {};
+};
+
+struct RestoreOptions {
+  std::string scene = {};      ///< Only this one; empty: all of the backup.
+  std::uint64_t revision = 0;  ///< Of each scene that is restored; 0: the newest.
+  std::stop_token stop = {};
+};
+
+struct RestoredScene {
+  std::string name;
+  std::uint64_t revision = 0;
+  std::string token;  ///< Of the revision. Tokens of before are not valid any more.
+};
+
+}  // namespace sightline::client

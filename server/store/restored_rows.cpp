@@ -1,0 +1,37 @@
+// The rows of a scene that is restored.
+#include "server/store/restored_rows.h"
+
+namespace sightline::server::store {
+
+Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
+                                     std::uint64_t revision) {
+  Status done = database.execute(
+      "INSERT INTO scene(name, incarnation, up_axis, meters_per_unit, revision, base, removed) "
+      "VALUES(?1, ?2, ?3, ?4, ?5, ?5, 1)",
+      info.name, info.incarnation, static_cast<std::int64_t>(info.up_axis), info.meters_per_unit,
+      revision);
+  if (!done) return done.error();
+  RestoredScene restored;
+  restored.scene = database.last_row();
+  done = database.execute("INSERT INTO snapshot(scene, revision, state) VALUES(?, ?, 0)",
+                          restored.scene, revision);
+  if (!done) return done.error();
+  restored.snapshot = database.last_row();
+  return restored;
+}
+
+/// There is no snapshot of revision 0: the log begins there.
+Status publish_restored(Database& database, const RestoredScene& restored) {
+  Status done = database.execute(
+      "UPDATE scene SET removed = 1, garbage = 1 WHERE removed = 0 AND name = "
+      "(SELECT name FROM scene WHERE id = ?)",
+      restored.scene);
+  if (done)
+    done =
+        database.execute("UPDATE scene SET removed = 0, garbage = 1 WHERE id = ?", restored.scene);
+  if (!done) return done;
+  return database.execute("UPDATE snapshot SET state = iif(revision = 0, 2, 1) WHERE id = ?",
+                          restored.snapshot);
+}
+
+}  // namespace sightline::server::store

@@ -1,0 +1,25 @@
+// The rows of a scene that is restored: it counts as removed until it takes the place of another.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/result.h"
+#include "server/store/sqlite.h"
+#include "server/store/store.h"
+
+namespace sightline::server::store {
+
+struct RestoredScene {
+  SceneId scene = 0;
+  std::int64_t snapshot = 0;  ///< Its base, which is being written.
+};
+
+/// Makes the rows. If the process dies, they are garbage: see abandon_unfinished(). Errors: as
+/// Database::error().
+Result<RestoredScene> begin_restored(Database& database, const SceneInfo& info,
+                                     std::uint64_t revision);
+/// After the snapshot is written: the scene of this name, if there is one, is removed, and this one
+/// is there. Errors: as Database::error().
+Status publish_restored(Database& database, const RestoredScene& restored);
+
+}  // namespace sightline::server::store

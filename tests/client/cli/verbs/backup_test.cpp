@@ -1,0 +1,117 @@
+// sightline backup and restore: exit codes, JSON, and scenes that come back.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "client/cli/terminal.h"
+#include "tests/client/support/run_program.h"
+
+namespace sightline::client::cli::verbs {
+namespace {
+
+using nlohmann::json;
+using tests::run_program;
+
+constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+
+/// A server with a data directory.
+class Backup : public testing::Test {
+ protected:
+  Backup() { serve("data"); }
+  ~Backup() override { ::unsetenv("SIGHTLINE_ENDPOINT"); }
+
+  void serve(const std::string& directory) {
+    server_.reset();
+    server_ = tests::start_server(dir_.path(directory));
+    ASSERT_NE(server_, nullptr);
+    const std::string endpoint = "127.0.0.1:" + std::to_string(server_->port());
+    ::setenv("SIGHTLINE_ENDPOINT", endpoint.c_str(), 1);
+  }
+  /// A scene of one mesh, and revisions that add nodes.
+  void make_scene(const std::string& name, int revisions) {
+    const std::string file = dir_.write("square.obj", kSquare);
+    ASSERT_EQ(run_program({"scene", "import", name, file}).exit, 0);
+    while (revision(name) < revisions) {
+      const json put{{"put_node", {{"node", -1}, {"name", "another"}}}};
+      const std::string ops = dir_.write("ops.ndjson", put.dump() + "\n");
+      const auto updated = run_program({"update", name, "--file", ops});
+      ASSERT_EQ(updated.exit, 0) << updated.err;
+    }
+  }
+  static json show(const std::string& name) {
+    const auto shown = run_program({"scene", "show", name, "--json"});
+    return shown.exit == 0 ? json::parse(shown.out) : json{};
+  }
+  static int revision(const std::string& name) { return show(name)["revision"]; }
+
+  tests::TempDir dir_;
+  std::unique_ptr<server::Server> server_;
+};
+
+TEST_F(Backup, ScenesOfALostDirectoryComeBack) {
+  make_scene("a", 4);
+  make_scene("b", 3);
+  const json before = show("a");
+  const auto backed_up = run_program({"backup", dir_.path("backup"), "--json"});
+  ASSERT_EQ(backed_up.exit, 0) << backed_up.err;
+  const json rows = json::parse(backed_up.out)["scenes"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["scene"], "projects/default/scenes/a");
+  EXPECT_EQ(rows[0]["revision"], 4);
+  EXPECT_EQ(rows[0]["base"], 0);
+
+  serve("empty");
+  const auto restored = run_program({"restore", dir_.path("backup"), "--json"});
+  ASSERT_EQ(restored.exit, 0) << restored.err;
+  EXPECT_EQ(json::parse(restored.out)["scenes"].size(), 2u);
+  EXPECT_EQ(show("a"), before);
+  EXPECT_EQ(revision("b"), 3);
+}
+
+TEST_F(Backup, AnEarlierRevisionComesBack) {
+  make_scene("a", 5);
+  make_scene("b", 2);
+  ASSERT_EQ(run_program({"backup", dir_.path("backup")}).exit, 0);
+  const auto restored =
+      run_program({"restore", dir_.path("backup"), "--scene", "a", "--revision", "3"});
+  ASSERT_EQ(restored.exit, 0) << restored.err;
+  EXPECT_EQ(restored.out, "projects/default/scenes/a restored at revision 3\n");
+  EXPECT_EQ(revision("a"), 3);
+  EXPECT_EQ(revision("b"), 2);
+  EXPECT_NE(run_program({"restore", dir_.path("backup"), "--revision", "9"}).exit, 0);
+  EXPECT_EQ(revision("a"), 3);
+}
+
+TEST_F(Backup, ErrorsAndTheirExitCodes) {
+  EXPECT_EQ(run_program({"backup"}).exit, kUsage);
+  EXPECT_EQ(run_program({"restore", "x", "--revision", "-1"}).exit, kUsage);
+  EXPECT_EQ(run_program({"restore", dir_.path("nothing")}).exit, kFailed);
+  EXPECT_EQ(run_program({"backup", dir_.path("backup"), "--scene", "none"}).exit, kNotFound);
+  EXPECT_EQ(run_program({"restore", dir_.path("backup")}).exit, kFailed) << "it is not whole";
+  dir_.write("full", "");
+  EXPECT_EQ(run_program({"backup", dir_.path("")}).exit, kConflict) << "it is not empty";
+
+  make_scene("a", 2);
+  ASSERT_EQ(run_program({"backup", dir_.path("good")}).exit, 0);
+  EXPECT_EQ(run_program({"restore", dir_.path("good"), "--scene", "b"}).exit, kNotFound);
+  const std::filesystem::path parts = dir_.path("good") + "/scenes.parts";
+  std::filesystem::resize_file(parts, std::filesystem::file_size(parts) - 1);
+  const auto corrupt = run_program({"restore", dir_.path("good")});
+  EXPECT_EQ(corrupt.exit, kFailed);
+  EXPECT_NE(corrupt.err.find("is not what was written"), std::string::npos) << corrupt.err;
+}
+
+using BackupOfMemory = tests::LiveProgram;
+
+TEST_F(BackupOfMemory, IsRefused) {
+  const auto refused = run_program({"backup", dir_.path("backup")});
+  EXPECT_EQ(refused.exit, kConflict);
+  EXPECT_NE(refused.err.find("--data-dir"), std::string::npos) << refused.err;
+}
+
+}  // namespace
+}  // namespace sightline::client::cli::verbs
