@@ -89,7 +89,7 @@ class CoarseCast : public tests::LiveClient {
                                              in.c_str(),  "--out", out.c_str(), "--json"};
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    EXPECT_EQ(run_program(static_cast<int>(arguments.size()), arguments.data()), 0);
+    EXPECT_EQ(cli::run_program(static_cast<int>(arguments.size()), arguments.data()), 0);
     EXPECT_EQ(testing::internal::GetCapturedStdout().find("warning"), std::string::npos);
     return testing::internal::GetCapturedStderr();
   }
