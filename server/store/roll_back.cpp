@@ -57,7 +57,7 @@ Status roll_back(FileSystem& files, const std::filesystem::path& directory,
   }
   if (Status begun = database->run("BEGIN IMMEDIATE"); !begun) return begun;
   Status done = drop_later(*database, *record, revision, incarnation);
-  if (done) done = database->run("COMMIT");
+  if (done) done = database->commit();
   if (!done && database->in_transaction()) (void)database->run("ROLLBACK");
   return done;
 }

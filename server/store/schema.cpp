@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cerrno>
 #include <vector>
 
 #include "server/store/checksum.h"
-#include "server/store/errors.h"
 
 namespace sightline::server::store {
 namespace {
@@ -194,9 +192,7 @@ Status prepare_tables(Database& database) {
   if (**version == kSchemaVersion) return {};
   if (Status begun = database.run("BEGIN IMMEDIATE"); !begun) return begun;
   Status done = bring_up(database, **version);
-  // A pragma does not tell that the disk has failed and that the transaction was undone.
-  if (done && !database.in_transaction()) done = file_error("read", database.file(), EIO);
-  if (done) done = database.run("COMMIT");
+  if (done) done = database.commit();
   if (!done && database.in_transaction()) (void)database.run("ROLLBACK");
   return done;
 }

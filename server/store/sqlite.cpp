@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <utility>
 
 #include "server/store/errors.h"
@@ -80,6 +81,12 @@ Result<Statement*> Database::query(const char* query) {
 }
 
 Error Database::error() const { return sqlite_error(handle(), file_); }
+
+Status Database::commit() {
+  const Status done = run("COMMIT");
+  if (done || done.error().code != Code::kInternal || in_transaction()) return done;
+  return file_error("commit to", file_, EIO);
+}
 
 bool Database::in_transaction() const { return sqlite3_get_autocommit(handle()) == 0; }
 

@@ -95,6 +95,9 @@ class Database {
   /// kUnavailable (STORE_IO; STORE_BUSY, if another process holds the database), kInternal.
   Error error() const;
 
+  /// Ends the transaction. A disk that fails while the commit is prepared undoes the transaction
+  /// first, and SQLite then says that there is none: this is STORE_IO, too. Errors: as error().
+  Status commit();
   bool in_transaction() const;
   std::int64_t last_row() const;  ///< Of the last insert.
   std::int64_t changes() const;   ///< Rows of the last statement.

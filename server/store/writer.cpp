@@ -183,7 +183,7 @@ Status Writer::transact(Group& group) {
     if (Status ran = run_all(group); !ran) return ran;
     if (!database_.in_transaction()) continue;
     purge();
-    return database_.run("COMMIT");
+    return database_.commit();
   }
   return Error{Code::kInternal, "the store's transaction was undone again and again", "UNEXPECTED"};
 }
