@@ -17,6 +17,8 @@ struct SceneInfo {
   std::string token;  ///< of the revision, for Consistency::at_least
   UpAxis up_axis = UpAxis::kUnknown;
   double meters_per_unit = 0;  ///< 0: unknown
+  /// In a list: the server has not read the scene from its disk yet, and all below is not known.
+  bool unread = false;
   std::uint64_t nodes = 0;
   std::uint64_t instances = 0;  ///< nodes that carry a mesh
   std::uint64_t meshes = 0;     ///< distinct by content, as are unique triangles

@@ -27,7 +27,7 @@ Status AdminPort::check(const ServerConfig& config) {
 
 Status AdminPort::open() {
   if (config_.admin.empty()) return {};
-  if (const Status good = check(config_); !good) return good;
+  if (Status good = check(config_); !good) return good;
   auto listening = net::listen_on(*net::ListenAddress::parse(config_.admin));
   if (!listening) return listening.error();
   port_ = listening->port;

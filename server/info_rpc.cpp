@@ -9,6 +9,7 @@
 #include "scenegraph/model/mesh.h"
 #include "scenegraph/model/node.h"
 #include "server/blobs/blob_rpc.h"
+#include "server/durable/backup_rpc.h"
 #include "server/durable/sweeper.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
@@ -87,6 +88,7 @@ void describe_calls(const ServerConfig& config, v1::GetServerInfoResponse& info)
 void describe_storage(const ServerConfig& config, v1::GetServerInfoResponse& info) {
   if (config.data_dir.empty()) return;
   info.add_features("durable");
+  info.add_features("backup");
   const store::StoreLimits limits;
   v1::StorageLimits& storage = *info.mutable_storage();
   storage.set_max_log_revisions(limits.log_revisions);
@@ -96,6 +98,7 @@ void describe_storage(const ServerConfig& config, v1::GetServerInfoResponse& inf
   storage.set_max_batches_in_flight(limits.batches_in_flight);
   storage.set_max_batch_bytes_in_flight(limits.bytes_in_flight);
   storage.set_mesh_grace_ms(milliseconds(durable::kBlobGrace));
+  storage.set_max_backup_calls(durable::kMaxBackupCalls);
 }
 
 void describe_requests(v1::GetServerInfoResponse& info) {

@@ -135,6 +135,7 @@ SceneInfo decode(const v1::Scene& scene) {
   info.token = scene.head().token();
   info.up_axis = decode(scene.up_axis());
   info.meters_per_unit = scene.meters_per_unit();
+  info.unread = scene.unread();
   info.nodes = scene.nodes();
   info.instances = scene.instances();
   info.meshes = scene.meshes();

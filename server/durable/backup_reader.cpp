@@ -59,7 +59,7 @@ Result<bool> BackupReader::read_step(v1::BackupPart& part) {
       done = begin_scene();
       break;
     case Step::kMeshes: {
-      const auto more = read_mesh(part);
+      auto more = read_mesh(part);
       if (!more) return more;
       if (!*more) {
         describe_scene(part);
@@ -68,7 +68,7 @@ Result<bool> BackupReader::read_step(v1::BackupPart& part) {
       break;
     }
     case Step::kNodes: {
-      const auto more = read_nodes(part);
+      auto more = read_nodes(part);
       if (!more) return more;
       if (!*more) step_ = Step::kBatches;
       break;

@@ -74,17 +74,17 @@ Status StoreJournal::load_writers(scenes::JournalReader& into) {
   const auto answers = parts_.store.answers(id_);
   if (!answers) return answers.error();
   for (const store::RequestAnswer& answer : *answers) {
-    const Status taken =
-        into.answer(answer.request_id, answer.content, {answer.revision, answer.nodes});
+    Status taken = into.answer(answer.request_id, answer.content, {answer.revision, answer.nodes});
     if (!taken) return taken;
   }
   const auto producers = parts_.store.producers(id_);
   if (!producers) return producers.error();
   for (const store::ProducerRecord& producer : *producers) {
     std::vector<scenes::ProducerBatch> recent;
+    recent.reserve(producer.recent.size());
     for (const store::ProducerCommit& commit : producer.recent)
       recent.push_back({commit.sequence, commit.nodes});
-    const Status taken = into.producer(producer.name, producer.last_committed, std::move(recent));
+    Status taken = into.producer(producer.name, producer.last_committed, std::move(recent));
     if (!taken) return taken;
   }
   return {};

@@ -2,6 +2,7 @@
 #include "server/durable/store_keeper.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "server/durable/store_journal.h"
@@ -25,7 +26,7 @@ Result<scenes::KeptScene> StoreKeeper::create(const scenes::SceneInfo& info) {
   store::SceneRecord record;
   record.id = *id;
   return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, record), stored.incarnation,
-                           false};
+                           std::nullopt};
 }
 
 Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
@@ -40,7 +41,7 @@ Result<scenes::KeptScene> StoreKeeper::restore(const scenes::SceneInfo& info,
   const auto record = parts_.store.scene(*id);
   if (!record) return record.error();
   return scenes::KeptScene{std::make_shared<StoreJournal>(parts_, *record), stored.incarnation,
-                           true};
+                           record->revision};
 }
 
 Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
@@ -49,10 +50,10 @@ Result<std::vector<scenes::SceneKeeper::Found>> StoreKeeper::find_all() {
   std::vector<Found> found;
   found.reserve(records->size());
   for (const store::SceneRecord& record : *records) {
-    found.push_back(
-        {{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
-          record.info.meters_per_unit},
-         {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation, true}});
+    found.push_back({{record.info.name, static_cast<scenes::UpAxis>(record.info.up_axis),
+                      record.info.meters_per_unit},
+                     {std::make_shared<StoreJournal>(parts_, record), record.info.incarnation,
+                      record.revision}});
   }
   return found;
 }

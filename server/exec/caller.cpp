@@ -15,7 +15,7 @@ namespace {
 const void* connection_object(grpc::CallbackServerContext& context) {
   const std::unique_ptr<grpc_auth_context, decltype(&grpc_auth_context_release)> object(
       grpc_call_auth_context(context.c_call()), grpc_auth_context_release);
-  return object.get();
+  return object.get();  // NOLINT(clang-diagnostic-return-stack-address): it is on the heap
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ void add_files(Samples& samples) {
 /// The start of the process in seconds since 1970; 0 if the system does not tell.
 double start_time() {
   std::ifstream file("/proc/self/stat");
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::size_t after_name = text.rfind(')');
   if (after_name == std::string::npos) return 0;
   // The fields after the name begin with the third; the start is the 22nd, in ticks since boot.
@@ -73,9 +73,9 @@ void add_process(Samples& samples) {
                       static_cast<double>(resident) * page);
   }
   add_files(samples);
-  static const double started = start_time();
-  if (started > 0)
-    samples.add_gauge("process_start_time_seconds", "Start, in seconds since 1970.", started);
+  static const double kStarted = start_time();
+  if (kStarted > 0)
+    samples.add_gauge("process_start_time_seconds", "Start, in seconds since 1970.", kStarted);
 }
 
 }  // namespace sightline::server::metrics

@@ -87,7 +87,8 @@ class Journal {
 struct KeptScene {
   std::shared_ptr<Journal> journal = nullptr;
   std::uint64_t incarnation = new_incarnation();
-  bool has_content = false;  ///< The journal holds what load() must read first.
+  /// The newest revision of the journal, which load() must read first. Nothing: it holds none.
+  std::optional<std::uint64_t> unread = {};
 };
 
 /// Keeps scenes. Threads: any, for every member.

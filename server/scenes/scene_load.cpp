@@ -78,7 +78,7 @@ Status StoredScene::load(exec::Compute& compute) {
   compute_.store(&compute, std::memory_order_release);
   const Clock::time_point begun = Clock::now();
   Loader loader(*this);
-  const Status read = exec::to_status([&] { return journal_->load(loader); });
+  Status read = exec::to_status([&] { return journal_->load(loader); });
   if (!read) {
     failed_.store(true, std::memory_order_release);
     spdlog::error("event=scene_not_loaded scene={} error={}", info_.name, read.error().message);

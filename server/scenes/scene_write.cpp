@@ -44,7 +44,7 @@ Result<scenegraph::Applied> StoredScene::apply(std::vector<scenegraph::model::Up
                                                exec::Compute& compute,
                                                const scenegraph::ApplyOptions& options,
                                                const SceneWrite& write) {
-  if (Status ready = begin_write(compute); !ready) return ready.error();
+  if (const Status ready = begin_write(compute); !ready) return ready.error();
   return apply_at_head(std::move(updates), options, write, line_ ? &*line_ : nullptr);
 }
 
@@ -160,6 +160,7 @@ void StoredScene::prepare_producer(Publication& publication, const SceneWrite& w
   write.producer->put.reserve_more(write.batches + kPutsKept * waiting());
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): memory was reserved for all that it does
 void StoredScene::finish_write(WriteLine* line, WriteLine::Prepared item, Publication& publication,
                                const SceneWrite& write) noexcept {
   if (line != nullptr) return line->add(std::move(item));
@@ -167,7 +168,8 @@ void StoredScene::finish_write(WriteLine* line, WriteLine::Prepared item, Public
   if (write.answer) write.answer(Durability::kRelaxed);
 }
 
-/// Makes what was applied next visible. Does not throw: memory was reserved for it.
+/// Makes what was applied next visible.
+// NOLINTNEXTLINE(bugprone-exception-escape): memory was reserved for all that it does
 void StoredScene::publish(Publication& publication) noexcept {
   for (Producer::Put& put : publication.puts) publication.producer->commit(std::move(put));
   if (!publication.revises) return;

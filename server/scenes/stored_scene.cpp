@@ -46,7 +46,8 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
       incarnation_(kept.incarnation),
       journal_(std::move(kept.journal)),
       nodes_(memory.record(exec::Held::kNodes, bytes_of_scene(0, 0))),
-      loaded_(!kept.has_content) {
+      unread_(kept.unread),
+      loaded_(!kept.unread) {
   if (journal_ == nullptr) return;
   line_.emplace(WriteLine::Parts{.journal = *journal_,
                                  .roll_back = [this] { scene_.drop_unpublished(); },

@@ -60,7 +60,9 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   const SceneInfo& info() const { return info_; }
-  KeptScene kept() const { return {journal_, incarnation_, journal_ != nullptr}; }
+  KeptScene kept() const { return {journal_, incarnation_, unread_}; }
+  /// The newest revision of a scene that is not loaded. Threads: any.
+  std::optional<std::uint64_t> unread() const { return loaded() ? std::nullopt : unread_; }
   /// Whether the scene is kept beyond the process.
   bool is_kept() const { return journal_ != nullptr; }
   RevisionToken token(std::uint64_t revision) const { return {incarnation_, revision}; }
@@ -161,8 +163,10 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
                            std::vector<scenegraph::model::Update>& updates);
   void prepare_producer(Publication& publication, const SceneWrite& write,
                         const scenegraph::Applied& next);
+  // NOLINTNEXTLINE(bugprone-exception-escape): as its definition
   void finish_write(WriteLine* line, WriteLine::Prepared item, Publication& publication,
                     const SceneWrite& write) noexcept;
+  // NOLINTNEXTLINE(bugprone-exception-escape): as its definition
   void publish(Publication& publication) noexcept;
   void settle_soon() noexcept;
   /// Writes that are not published.
@@ -193,6 +197,7 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   SceneEvents events_;
   std::atomic<bool> removed_{false};
   std::mutex loading_;  // held while the scene is loaded
+  const std::optional<std::uint64_t> unread_;
   std::atomic<bool> loaded_, failed_{false};
   std::mutex freeing_mutex_;  // held while memory is freed
   std::mutex dropped_mutex_;  // protects the next

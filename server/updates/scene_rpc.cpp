@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "server/exec/call_context.h"
@@ -27,10 +28,13 @@ void encode(scenes::StoredScene& scene, v1::Scene& out) {
   encode_scene(scene.info(), scene.token(summary.revision), summary, out);
 }
 
-/// Of a scene that cannot be loaded, only what it was created with.
-void encode_if_loaded(scenes::StoredScene& scene, exec::Compute& compute, v1::Scene& out) {
-  if (scene.load(compute)) return encode(scene, out);
+/// A list loads no scene: there may be more than fit in memory.
+void encode_listed(scenes::StoredScene& scene, v1::Scene& out) {
+  const std::optional<std::uint64_t> unread = scene.unread();
+  if (!unread) return encode(scene, out);
   encode_info(scene.info(), out);
+  encode_revision(scene.token(*unread), *out.mutable_head());
+  out.set_unread(true);
 }
 
 /// Waits for the revision, then encodes the nodes on a worker. Deletes itself.
@@ -156,8 +160,7 @@ Status SceneRpc::list(const grpc::CallbackServerContext& context,
       [principal = exec::principal_of(context)](const std::string& name) {
         return principal == nullptr || principal->may(exec::Role::kRead, name);
       });
-  for (const auto& scene : page.scenes)
-    encode_if_loaded(*scene, services_.compute, *reply.add_scenes());
+  for (const auto& scene : page.scenes) encode_listed(*scene, *reply.add_scenes());
   reply.set_next_page_token(page.next);
   return {};
 }

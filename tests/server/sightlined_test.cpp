@@ -69,6 +69,16 @@ TEST_F(Sightlined, WritesItsPortServesAndEndsOnSigterm) {
   }
 }
 
+v1::Scene only_scene(Api& api) {
+  grpc::ClientContext context;
+  v1::ListScenesRequest request;
+  request.set_parent("projects/p");
+  v1::ListScenesResponse reply;
+  EXPECT_TRUE(api.scenes->ListScenes(&context, request, &reply).ok());
+  EXPECT_EQ(reply.scenes_size(), 1);
+  return reply.scenes_size() == 1 ? reply.scenes(0) : v1::Scene();
+}
+
 TEST_F(Sightlined, KeepsScenesInItsDataDirectory) {
   const std::vector<std::string> flags{"--listen",     "127.0.0.1:0", "--data-dir",
                                        root_ / "data", "--threads",   "1"};
@@ -88,6 +98,9 @@ TEST_F(Sightlined, KeepsScenesInItsDataDirectory) {
   }
   ChildServer child(flags);
   Api api(connect(child.port()));
+  const v1::Scene unread = only_scene(api);
+  EXPECT_TRUE(unread.unread());
+  EXPECT_EQ(unread.head().token(), token);
   for (const std::uint64_t exact : {0, 1}) {
     v1::CastRaysRequest request = cast_request(kScene, rays_downward(10));
     if (exact == 0) {
@@ -102,6 +115,8 @@ TEST_F(Sightlined, KeepsScenesInItsDataDirectory) {
   }
   EXPECT_EQ(api.get(kScene).nodes(), 2u);
   EXPECT_EQ(api.get(kScene).head().token(), token);
+  EXPECT_FALSE(only_scene(api).unread());
+  EXPECT_EQ(only_scene(api).nodes(), 2u);
   ASSERT_TRUE(api.remove(kScene).ok());
   child.signal(SIGTERM);
   EXPECT_EQ(child.wait(), 0);

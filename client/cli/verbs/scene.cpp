@@ -17,6 +17,7 @@ namespace {
 constexpr const char* kDefaultProject = "projects/default";
 
 Json json_of(const SceneInfo& scene) {
+  if (scene.unread) return {{"scene", scene.name}, {"revision", scene.revision}, {"unread", true}};
   return {{"scene", scene.name},
           {"revision", scene.revision},
           {"nodes", scene.nodes},
@@ -79,6 +80,11 @@ ExitCode list(const Session& session) {
   fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", "SCENE", "REVISION", "NODES", "INSTANCES",
              "UNIQUE", "INSTANCED");
   for (const SceneInfo& scene : *scenes) {
+    if (scene.unread) {
+      fmt::print("{:<24} {:>9}  on disk, not read yet\n", printable(short_name(scene.name)),
+                 scene.revision);
+      continue;
+    }
     fmt::print("{:<24} {:>9} {:>8} {:>10} {:>12} {:>12}\n", printable(short_name(scene.name)),
                scene.revision, scene.nodes, scene.instances, scene.triangles_unique,
                scene.triangles_instanced);

@@ -57,7 +57,7 @@ class SceneWriteTest : public testing::Test {
   exec::MemoryAccount memory_{std::uint64_t{1} << 30};
   const std::shared_ptr<tests::FakeJournal> journal_ = std::make_shared<tests::FakeJournal>();
   std::shared_ptr<StoredScene> scene_ = std::make_shared<StoredScene>(
-      SceneInfo{.name = "projects/p/scenes/s"}, memory_, KeptScene{journal_, 7, false});
+      SceneInfo{.name = "projects/p/scenes/s"}, memory_, KeptScene{journal_, 7, {}});
   exec::Compute compute_{1};
 };
 
@@ -248,7 +248,7 @@ TEST_F(SceneWriteTest, ALoadedSceneIsWhatWasCommitted) {
   for (int i = 0; i < 5; ++i) put();
   for (int i = 0; i < 4; ++i) commit();
   const auto loaded =
-      std::make_shared<StoredScene>(scene_->info(), memory_, KeptScene{journal_, 7, true});
+      std::make_shared<StoredScene>(scene_->info(), memory_, KeptScene{journal_, 7, 1});
   EXPECT_FALSE(loaded->loaded());
   ASSERT_TRUE(loaded->load(compute_));
   EXPECT_EQ(loaded->snapshot()->revision(), 4u);
