@@ -1,4 +1,4 @@
-// Meshes by the digest of their bytes, and uploads in progress.
+// Meshes by the digest of their bytes, and the uploads in progress.
 #include "server/blobs/blob_store.h"
 
 #include <fmt/format.h>
@@ -8,13 +8,6 @@
 
 namespace sightline::server::blobs {
 namespace {
-
-Error dropped(const BlobDigest& digest) {
-  return {Code::kAborted,
-          fmt::format("the upload of {} was idle and was dropped to make room; start again at 0",
-                      digest.text()),
-          "UPLOAD_DROPPED"};
-}
 
 Error not_stored(const BlobDigest& digest) {
   return {Code::kNotFound, fmt::format("there is no mesh {}", digest.text()), "BLOB_NOT_STORED"};
@@ -30,50 +23,6 @@ Result<BlobStore::MeshPointer> read_mesh(const BlobDigest& digest, const store::
 }
 
 }  // namespace
-
-Status Upload::append(std::uint64_t offset, std::span<const std::byte> bytes) {
-  const std::lock_guard lock(mutex_);
-  if (!content_) return dropped(digest_);
-  if (offset != content_->reader.received()) {
-    return Error{Code::kOutOfRange,
-                 fmt::format("the upload of {} continues at byte {}, not {}", digest_.text(),
-                             content_->reader.received(), offset),
-                 "WRONG_OFFSET"};
-  }
-  if (Status taken = content_->reader.append(bytes); !taken) return taken;
-  content_->sum.update(bytes);
-  if (content_->writer != nullptr) {
-    if (Status written = content_->writer->append(bytes); !written) return written;
-  }
-  committed_ = content_->reader.received();
-  if (committed_ - progress_ >= kUploadProgress || committed_ == digest_.size) {
-    progress_ = committed_;
-    last_progress_ = Clock::now();
-  }
-  return {};
-}
-
-Result<std::shared_ptr<const scenegraph::model::Mesh>> Upload::finish() {
-  const std::lock_guard lock(mutex_);
-  if (!content_) return dropped(digest_);
-  // Missing bytes have their own error, so the checksum is compared only if all have arrived.
-  if (content_->reader.received() == digest_.size && content_->sum.finish() != digest_.sum) {
-    return Error{Code::kDataLoss,
-                 fmt::format("the bytes that arrived are not those of {}", digest_.text()),
-                 "DIGEST_MISMATCH"};
-  }
-  auto mesh = content_->reader.finish();
-  if (!mesh || content_->writer == nullptr) return mesh;
-  if (const Status kept = content_->writer->finish(); !kept) return kept.error();
-  return mesh;
-}
-
-bool Upload::drop() {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return false;
-  content_.reset();
-  return true;
-}
 
 BlobStore::MeshPointer BlobStore::find(const BlobDigest& digest) const {
   const std::lock_guard lock(mutex_);
