@@ -17,19 +17,23 @@ namespace {
 constexpr const char* kDefaultProject = "projects/default";
 
 Json json_of(const SceneInfo& scene) {
-  if (scene.unread) return {{"scene", scene.name}, {"revision", scene.revision}, {"unread", true}};
-  return {{"scene", scene.name},
-          {"revision", scene.revision},
-          {"nodes", scene.nodes},
-          {"instances", scene.instances},
-          {"meshes", scene.meshes},
-          {"triangles_unique", scene.triangles_unique},
-          {"triangles_instanced", scene.triangles_instanced},
-          {"triangles_nonfinite", scene.triangles_nonfinite},
-          {"bounds", scene.bounds ? Json(*scene.bounds) : Json(nullptr)},
-          {"bytes_geometry", scene.bytes_geometry},
-          {"up_axis", json_of_axis(scene.up_axis)},
-          {"meters_per_unit", json_of_unit(scene.meters_per_unit)}};
+  Json row{{"scene", scene.name},
+           {"revision", scene.revision},
+           {"nodes", scene.nodes},
+           {"instances", scene.instances},
+           {"meshes", scene.meshes},
+           {"triangles_unique", scene.triangles_unique},
+           {"triangles_instanced", scene.triangles_instanced},
+           {"triangles_nonfinite", scene.triangles_nonfinite},
+           {"bounds", scene.bounds ? Json(*scene.bounds) : Json(nullptr)},
+           {"bytes_geometry", scene.bytes_geometry},
+           {"up_axis", json_of_axis(scene.up_axis)},
+           {"meters_per_unit", json_of_unit(scene.meters_per_unit)}};
+  if (!scene.unread) return row;
+  for (const char* unknown : {"nodes", "instances", "meshes", "triangles_unique",
+                              "triangles_instanced", "triangles_nonfinite", "bytes_geometry"})
+    row[unknown] = nullptr;
+  return row;
 }
 
 const char* axis_name(UpAxis axis) {
