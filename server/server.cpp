@@ -76,7 +76,7 @@ void Server::Parts::log_start(const net::ListenAddress& address) const {
 }
 
 Status Server::check(const ServerConfig& config) {
-  if (const Status good = config.tls.check(); !good) return good;
+  if (Status good = config.tls.check(); !good) return good;
   if (const auto address = check_listen(config); !address) return address.error();
   return AdminPort::check(config);
 }

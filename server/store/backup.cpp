@@ -18,7 +18,7 @@ struct FinishBackup {
 
 /// Copies all pages as they are at one instant.
 Status copy_database(const DataDirectory& from, const std::filesystem::path& to) {
-  FileSystem& files = from.files();
+  const FileSystem& files = from.files();
   auto source = Database::open(database_file(from.path()), files.database_vfs());
   if (!source) return source.error();
   auto target = Database::open(to, files.database_vfs());

@@ -30,8 +30,7 @@ class BlobFiles {
   };
 
   /// `files` outlives this object. `directory`: of the store.
-  BlobFiles(FileSystem& files, Path directory)
-      : files_(files), root_(std::move(directory) / "blobs") {}
+  BlobFiles(FileSystem& files, const Path& directory) : files_(files), root_(directory / "blobs") {}
 
   /// Makes the directories that are missing, and removes files of dead processes.
   Status prepare();

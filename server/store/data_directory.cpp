@@ -33,7 +33,7 @@ std::filesystem::path database_file(const std::filesystem::path& directory) {
 
 Result<DataDirectory> DataDirectory::open(FileSystem& files,
                                           const std::filesystem::path& directory) {
-  if (Status made = files.make_directory(directory); !made) return made.error();
+  if (const Status made = files.make_directory(directory); !made) return made.error();
   const auto network = files.network(directory);
   if (!network) return network.error();
   if (!network->empty()) return on_network(directory, *network);
@@ -45,9 +45,9 @@ Result<DataDirectory> DataDirectory::open(FileSystem& files,
 Result<Database> DataDirectory::open_database() const {
   auto database = Database::open(database_file(path_), files_->database_vfs());
   if (!database) return database;
-  if (Status ready = configure(*database); !ready) return ready.error();
-  if (Status ready = prepare_tables(*database); !ready) return ready.error();
-  if (Status named = files_->sync_directory(path_); !named) return named.error();
+  if (const Status ready = configure(*database); !ready) return ready.error();
+  if (const Status ready = prepare_tables(*database); !ready) return ready.error();
+  if (const Status named = files_->sync_directory(path_); !named) return named.error();
   return database;
 }
 

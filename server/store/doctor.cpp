@@ -121,7 +121,7 @@ Result<Examination> examine(FileSystem& files, const std::filesystem::path& dire
   auto database = opened->open_database();
   if (!database) return database.error();
   Doctor doctor(*opened, *database, repair);
-  if (Status done = doctor.examine(); !done) return done.error();
+  if (const Status done = doctor.examine(); !done) return done.error();
   return std::move(doctor).found();
 }
 

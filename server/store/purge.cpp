@@ -59,13 +59,13 @@ Result<std::int64_t> delete_some(Database& database, const Garbage& garbage) {
   std::int64_t deleted = 0;
   const std::int64_t removed = garbage.removed ? 1 : 0;
   for (const char* query : kGarbage) {
-    if (Status done = database.execute(query, garbage.scene, garbage.up_to, removed); !done)
+    if (const Status done = database.execute(query, garbage.scene, garbage.up_to, removed); !done)
       return done.error();
     deleted += database.changes();
   }
   for (const char* query : kWriters) {
     if (!garbage.removed) break;
-    if (Status done = database.execute(query, garbage.scene); !done) return done.error();
+    if (const Status done = database.execute(query, garbage.scene); !done) return done.error();
     deleted += database.changes();
   }
   return deleted;

@@ -25,10 +25,10 @@ constexpr const char* kDropLater[] = {
     "DELETE FROM answer WHERE scene = ?1 AND revision > ?2",
     "DELETE FROM put WHERE scene = ?1",
     "DELETE FROM producer WHERE scene = ?1",
-    "UPDATE scene SET revision = ?2, garbage = 1, "
-    "logged = coalesce((SELECT logged FROM batch WHERE scene = ?1 AND revision = ?2), base_logged),"
-    "answers = (SELECT count(*) FROM answer WHERE scene = ?1), answer_nodes = "
-    "(SELECT coalesce(sum(node_count), 0) FROM answer WHERE scene = ?1) WHERE id = ?1",
+    ("UPDATE scene SET revision = ?2, garbage = 1, logged = "
+     "coalesce((SELECT logged FROM batch WHERE scene = ?1 AND revision = ?2), base_logged),"
+     "answers = (SELECT count(*) FROM answer WHERE scene = ?1), answer_nodes = "
+     "(SELECT coalesce(sum(node_count), 0) FROM answer WHERE scene = ?1) WHERE id = ?1"),
 };
 
 Status drop_later(Database& database, const SceneRecord& scene, std::uint64_t revision,

@@ -42,7 +42,7 @@ Status check_range(const SceneRecord& scene, std::uint64_t revision) {
 Result<std::int64_t> begin_snapshot(Database& database, SceneId scene, std::uint64_t revision) {
   const auto record = find_scene(database, scene);
   if (!record) return record.error();
-  if (Status good = check_range(*record, revision); !good) return good.error();
+  if (const Status good = check_range(*record, revision); !good) return good.error();
   Status done = database.execute(
       "UPDATE snapshot SET state = 2 WHERE scene = ? AND revision = ? AND state = 0", scene,
       revision);
@@ -84,7 +84,7 @@ Status insert_chunk(Database& database, std::int64_t snapshot, std::uint64_t num
 Status complete_snapshot(Database& database, std::int64_t snapshot) {
   SceneId scene = 0;
   std::uint64_t revision = 0;
-  const Status read = database.each(
+  Status read = database.each(
       "SELECT scene, revision FROM snapshot WHERE id = ?",
       [&](const Statement& row) {
         scene = row.number(0);

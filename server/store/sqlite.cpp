@@ -83,7 +83,7 @@ Result<Statement*> Database::query(const char* query) {
 Error Database::error() const { return sqlite_error(handle(), file_); }
 
 Status Database::commit() {
-  const Status done = run("COMMIT");
+  Status done = run("COMMIT");
   if (done || done.error().code != Code::kInternal || in_transaction()) return done;
   return file_error("commit to", file_, EIO);
 }

@@ -26,7 +26,7 @@ class Statement {
   /// are not copied: they must live until the statement is reset.
   template <class... Values>
   Statement& bind(const Values&... values) {
-    int index = 0;
+    int index = 0;  // NOLINT(misc-const-correctness): constant only where there are no values
     (bind_at(++index, values), ...);
     return *this;
   }

@@ -67,7 +67,7 @@ SqliteStore::~SqliteStore() = default;
 Result<std::unique_ptr<SqliteStore>> SqliteStore::open(const std::filesystem::path& directory,
                                                        const StoreLimits& limits,
                                                        FileSystem& files) {
-  if (Status good = limits.check(); !good) return good.error();
+  if (const Status good = limits.check(); !good) return good.error();
   auto opened = DataDirectory::open(files, directory);
   if (!opened) return opened.error();
   auto writing = opened->open_database();
@@ -87,7 +87,7 @@ Result<std::unique_ptr<SqliteStore>> SqliteStore::open(const std::filesystem::pa
 
 Result<SceneId> SqliteStore::create_scene(const SceneInfo& info) {
   SceneId id = 0;
-  if (Status fits = parts_->budget.admit(info.name.size()); !fits) return fits.error();
+  if (const Status fits = parts_->budget.admit(info.name.size()); !fits) return fits.error();
   const Status done = parts_->writer.perform([&](Database& database) -> Status {
     const auto inserted = insert_scene(database, info);
     if (!inserted) return inserted.error();
@@ -102,7 +102,7 @@ Result<SceneId> SqliteStore::restore_scene(const SceneInfo& info, std::uint64_t 
                                            const std::vector<blobs::BlobDigest>& blobs,
                                            const NextChunk& next) {
   RestoredScene restored;
-  if (Status fits = parts_->budget.admit(info.name.size()); !fits) return fits.error();
+  if (const Status fits = parts_->budget.admit(info.name.size()); !fits) return fits.error();
   Status done = parts_->writer.perform([&](Database& database) -> Status {
     const auto begun = begin_restored(database, info, revision);
     if (!begun) return begun.error();

@@ -79,7 +79,7 @@ Status StoredBlobs::count() {
 
 Result<std::unique_ptr<BlobWriter>> StoredBlobs::write(const blobs::BlobDigest& digest) {
   if (has(digest)) return Error{Code::kAlreadyExists, digest.text() + " is stored", "BLOB_STORED"};
-  if (Status fits = budget_.admit(digest.size); !fits) return fits.error();
+  if (const Status fits = budget_.admit(digest.size); !fits) return fits.error();
   auto fresh = files_.create();
   if (!fresh) return fresh.error();
   return std::unique_ptr<BlobWriter>(std::make_unique<Writing>(*this, digest, std::move(*fresh)));
@@ -91,7 +91,7 @@ Status StoredBlobs::store(BlobFiles::Fresh& fresh, const blobs::BlobDigest& dige
   bool is_new = false;
   const auto now = std::chrono::system_clock::now();
   Status done = writer_.perform([&](Database& database) {
-    const Status inserted = insert_blob(database, digest, now);
+    Status inserted = insert_blob(database, digest, now);
     is_new = database.changes() > 0;
     return inserted;
   });
@@ -207,11 +207,11 @@ Result<std::uint64_t> StoredBlobs::remove_some(std::span<const BlobRow> rows,
                                                Clock::time_point since) {
   const std::lock_guard lock(removing_);
   std::vector<blobs::BlobDigest> removed;
-  if (Status done = remove_rows(rows, since, removed); !done) return done.error();
+  if (const Status done = remove_rows(rows, since, removed); !done) return done.error();
   std::uint64_t bytes = 0;
   Status files_removed;
   for (const blobs::BlobDigest& digest : removed) {
-    if (Status done = files_.remove(digest); !done) files_removed = done;
+    if (const Status done = files_.remove(digest); !done) files_removed = done;
     bytes += digest.size;
     budget_.remove_blob(digest.size);
     const std::lock_guard state_lock(mutex_);

@@ -83,7 +83,7 @@ Status UpdateBatches::append(const v1::UpdateBatch& message) {
 }
 
 Status UpdateBatches::admit(std::size_t bytes, std::size_t held) {
-  if (const Status spent = quotas_.spend(caller_, 0, bytes); !spent) return spent;
+  if (Status spent = quotas_.spend(caller_, 0, bytes); !spent) return spent;
   auto batches = batch_admission_.admit(caller_, 0, held);
   if (!batches) return batches.error();
   auto all = admission_.admit(caller_, 0, held);
