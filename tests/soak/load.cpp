@@ -1,6 +1,7 @@
 // The kinds of load of a soak.
 #include "tests/soak/load.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -12,10 +13,24 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Pauses keep the load below what two cores can do.
-constexpr std::chrono::milliseconds kBetweenStreams{50}, kBetweenCasts{5}, kBetweenScenes{200};
-constexpr std::uint64_t kBatchesPerCall = 200;
+// The load is below what two busy cores can do, and the same at any time.
+constexpr std::chrono::milliseconds kStreamEvery{500}, kCastEvery{25}, kSceneEvery{500};
+constexpr std::uint64_t kBatchesPerCall = 100;
 constexpr std::size_t kRaysPerBatch = 4096, kRaysJudged = 64;
+
+/// Lets a load act at fixed times. One that is late leaves out the times that have passed.
+class Pace {
+ public:
+  explicit Pace(Clock::duration period) : period_(period) {}
+  void wait() {
+    due_ = std::max(due_ + period_, Clock::now());
+    std::this_thread::sleep_until(due_);
+  }
+
+ private:
+  const Clock::duration period_;
+  Clock::time_point due_ = Clock::now();
+};
 
 v1::CastRaysRequest rich_request(const std::string& scene,
                                  std::span<const accel::geometry::Ray> rays) {
@@ -77,19 +92,21 @@ class FixedScene {
 
 void stream_updates(Progress& progress, ServedStress& stress, int port) {
   StreamingProducer producer(stress, port, 77);
+  Pace pace(kStreamEvery);
   for (std::uint64_t batches = kBatchesPerCall; !progress.done(); batches += kBatchesPerCall) {
     producer.stream(batches, true);
     ++progress.connections;
-    std::this_thread::sleep_for(kBetweenStreams);
+    pace.wait();
   }
 }
 
 void moving_casts(Progress& progress, ServedStress& stress, int port, std::uint64_t seed) {
   CastingClient client(stress, port, seed);
+  Pace pace(kCastEvery);
   for (std::uint64_t i = 0; !progress.done(); ++i) {
     client.cast(i % kOneIn == 0);
     ++progress.casts;
-    std::this_thread::sleep_for(kBetweenCasts);
+    pace.wait();
   }
 }
 
@@ -98,14 +115,16 @@ void fixed_casts(Progress& progress, int port) {
   const std::string name = "projects/p/scenes/fixed";
   FixedScene scene(progress, name, icosphere(6));
   api.make_scene(name, scene.mesh());
+  Pace pace(kCastEvery);
   for (std::uint64_t i = 0; !progress.done(); ++i) {
     scene.cast(api, kRaysPerBatch, i, i % kOneIn == 0);
     progress.latencies.add(scene.time());
-    std::this_thread::sleep_for(kBetweenCasts);
+    pace.wait();
   }
 }
 
 void come_and_go(Progress& progress, int port) {
+  Pace pace(kSceneEvery);
   for (std::uint64_t i = 1; !progress.done(); ++i) {
     const std::string name = "projects/p/scenes/short-" + std::to_string(i % 4);
     Api api(connect(port));
@@ -117,7 +136,7 @@ void come_and_go(Progress& progress, int port) {
     const grpc::Status removed = api.remove(name);
     EXPECT_TRUE(removed.ok()) << removed.error_message();
     ++progress.scenes;
-    std::this_thread::sleep_for(kBetweenScenes);
+    pace.wait();
   }
 }
 
