@@ -16,6 +16,11 @@ using scenegraph::model::Update;
 
 class SceneWriteTest : public testing::Test {
  protected:
+  /// What is queued owns the scene, and the scene owns the queue.
+  ~SceneWriteTest() override {
+    while (journal_->queued() > 0) commit();
+  }
+
   /// Runs the task on the write queue and waits for it, and for all tasks before it.
   void on_queue(const std::function<void()>& task) {
     std::promise<void> done;

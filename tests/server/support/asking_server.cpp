@@ -46,7 +46,7 @@ AskingServer::AskingServer(server::exec::CallContexts& calls, Answer answer,
   EXPECT_TRUE(listening) << listening.error().message;
   port_ = listening->port;
   file_ = std::move(listening->file);
-  target_ = port_ == 0 ? address : fmt::format("localhost:{}", port_);
+  target_ = port_ == 0 ? address : fmt::format("127.0.0.1:{}", port_);
   grpc::ServerBuilder builder;
   builder.RegisterService(service_.get());
   builder.SetContextAllocator(server::exec::make_contexts(calls));
@@ -75,6 +75,7 @@ std::shared_ptr<grpc::Channel> AskingServer::connect(
     const std::shared_ptr<grpc::ChannelCredentials>& credentials) const {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetSslTargetNameOverride("localhost");
   return grpc::CreateCustomChannel(target_, credentials, arguments);
 }
 
