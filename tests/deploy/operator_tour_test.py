@@ -34,7 +34,7 @@ def shell(folder, command, stdin="", fails=False):
 @contextlib.contextmanager
 def running(folder, program):
     """A server with TLS and tokens, and what a client needs to call it; ends it by SIGTERM."""
-    command = (f"{program} --listen localhost:0 --admin 127.0.0.1:0 --data-dir data --tls-cert server.pem "
+    command = (f"{program} --listen 127.0.0.1:0 --admin 127.0.0.1:0 --data-dir data --tls-cert server.pem "
                "--tls-key server.key --tokens tokens.toml")
     print(f"$ {command} &", flush=True)
     with subprocess.Popen(shlex.split(command), cwd=folder, stderr=subprocess.PIPE, text=True) as process:
@@ -46,7 +46,7 @@ def running(folder, program):
                     break
             else:
                 sys.exit("failed: the server did not start")
-            yield f"--endpoint localhost:{found[1]} --tls-ca ca.pem", f"http://127.0.0.1:{found[2]}"
+            yield f"--endpoint 127.0.0.1:{found[1]} --tls-ca ca.pem", f"http://127.0.0.1:{found[2]}"
         finally:
             process.send_signal(signal.SIGTERM)
             rest = process.stderr.read()
@@ -72,7 +72,7 @@ def scrape(url):
 def make_credentials(folder):
     shell(folder, "openssl req -x509 -newkey ed25519 -nodes -subj '/CN=Own CA' -days 30 -keyout ca.key -out ca.pem 2>/dev/null")
     shell(folder, "openssl req -newkey ed25519 -nodes -subj /CN=localhost -keyout server.key -out server.csr 2>/dev/null")
-    shell(folder, "printf 'subjectAltName=DNS:localhost' > names && openssl x509 -req -in server.csr -CA ca.pem "
+    shell(folder, "printf 'subjectAltName=DNS:localhost,IP:127.0.0.1' > names && openssl x509 -req -in server.csr -CA ca.pem "
                   "-CAkey ca.key -days 30 -extfile names -out server.pem 2>/dev/null")
     for name, role in (("operator", "admin"), ("reader", "read")):
         shell(folder, f"openssl rand -hex 32 > {name}.token")

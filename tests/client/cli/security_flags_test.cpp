@@ -23,7 +23,7 @@ class SecurityFlags : public SecuredServer {
 
   ProgramOutcome run(const std::string& authority, const std::string& token,
                      std::vector<std::string> words) {
-    words.insert(words.end(), {"--endpoint", "localhost:" + std::to_string(server_->port())});
+    words.insert(words.end(), {"--endpoint", "127.0.0.1:" + std::to_string(server_->port())});
     if (!authority.empty()) words.insert(words.end(), {"--tls-ca", dir_.path(authority)});
     if (!token.empty()) words.insert(words.end(), {"--token-file", dir_.path(token)});
     return run_program(words);
