@@ -54,7 +54,7 @@ Result<std::vector<BackupScene>> Client::backup(const std::filesystem::path& dir
   const grpc::Status status = call->Finish();
   if (!kept) return kept.error();
   if (!status.ok()) return calls::rpc_error(status, options.stop);
-  if (Status finished = file->finish(); !finished) return finished.error();
+  if (const Status finished = file->finish(); !finished) return finished.error();
   return scenes;
 }
 
