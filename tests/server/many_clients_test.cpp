@@ -6,14 +6,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "tests/client/support/temp_dir.h"
+#include "tests/server/support/child_server.h"
 #include "tests/server/support/live_server.h"
-#include "tests/support/child_process.h"
 #include "tests/support/scenes.h"
 
 namespace sightline::tests {
@@ -29,10 +28,9 @@ void open_many_files() {
 
 class ManyClients : public testing::Test {
  protected:
-  ManyClients()
-      : child_(SIGHTLINED, {"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
+  ManyClients() : child_({"--listen", "127.0.0.1:0", "--data-dir", data_.path("data")}) {
     open_many_files();
-    port_ = std::atoi(child_.rest_of_line(" port=").c_str());
+    port_ = child_.port();
     Api(connect(port_)).make_scene(kScene, cube());
   }
 
@@ -49,7 +47,7 @@ class ManyClients : public testing::Test {
   }
 
   TempDir data_;
-  ChildProcess child_;
+  ChildServer child_;
   int port_ = 0;
 };
 
