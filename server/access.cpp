@@ -20,7 +20,7 @@ Result<net::ListenAddress> check_listen(const ServerConfig& config) {
                "INSECURE_ADDRESS"};
 }
 
-void log_open_doors(const ServerConfig& config, const net::ListenAddress& address) {
+void warn_if_exposed(const ServerConfig& config, const net::ListenAddress& address) {
   if (address.is_local()) return;
   if (config.tls.empty()) spdlog::warn("event=not_encrypted listen={}", config.listen);
   if (config.tokens.empty() && config.tls.client_ca.empty())

@@ -16,7 +16,7 @@ namespace sightline::server {
 Result<net::ListenAddress> check_listen(const ServerConfig& config);
 
 /// Warns of an address that other machines can reach without encryption or authentication.
-void log_open_doors(const ServerConfig& config, const net::ListenAddress& address);
+void warn_if_exposed(const ServerConfig& config, const net::ListenAddress& address);
 
 struct Access {
   std::unique_ptr<security::Tls> tls;  ///< Null: none.

@@ -70,7 +70,7 @@ void Server::Parts::log_start(const net::ListenAddress& address) const {
       SIGHTLINE_VERSION, config.listen, endpoint.port(), admin.port(), !config.tls.empty(),
       !config.tokens.empty(), config.threads, policy_name(config.policy), config.memory_budget,
       accel::split::simd_target());
-  log_open_doors(config, address);
+  warn_if_exposed(config, address);
   if (config.data_dir.empty())
     spdlog::warn("event=scenes_in_memory scenes are not kept across restarts: set --data-dir");
 }
