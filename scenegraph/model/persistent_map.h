@@ -65,8 +65,10 @@ class PersistentMap {
     void set(std::uint64_t key, T value) {
       const bool before = map_.find(key) != nullptr;
       const bool after = !(value == T{});
-      while (map_.root_ == nullptr || (key >> kBits * (map_.height_ + 1)) != 0) map_.raise(stamp_);
+      if (!before && !after) return;
+      while ((key >> kBits * (map_.height_ + 1)) != 0) map_.raise(stamp_);
       change(map_.root_, map_.height_, key, std::move(value));
+      if (map_.root_ == nullptr) map_.height_ = 0;
       map_.size_ += (after ? 1u : 0u);
       map_.size_ -= (before ? 1u : 0u);
     }
@@ -85,11 +87,20 @@ class PersistentMap {
       return *kind;
     }
 
+    /// A block that holds nothing any more is dropped: else a map whose keys are counted up, and
+    /// removed, would grow for ever.
     void change(Block& block, unsigned height, std::uint64_t key, T&& value) const {
       if (height == 0) {
-        own<Leaf>(block).value[digit(key, 0)] = std::move(value);
+        auto& values = own<Leaf>(block).value;
+        values[digit(key, 0)] = std::move(value);
+        if (std::ranges::all_of(values, [](const T& v) { return v == T{}; })) block.reset();
       } else {
-        change(own<Inner>(block).child[digit(key, height)], height - 1, key, std::move(value));
+        auto& children = own<Inner>(block).child;
+        Block& child = children[digit(key, height)];
+        change(child, height - 1, key, std::move(value));
+        if (child == nullptr &&
+            std::ranges::all_of(children, [](const Block& b) { return b == nullptr; }))
+          block.reset();
       }
     }
 
@@ -134,17 +145,12 @@ class PersistentMap {
 
   /// One level more above the root.
   void raise(std::uint64_t stamp) {
-    if (root_ == nullptr) {
-      auto leaf = std::make_shared<Leaf>();
-      leaf->stamp = stamp;
-      root_ = std::move(leaf);
-      height_ = 0;
-      return;
+    if (root_ != nullptr) {
+      auto inner = std::make_shared<Inner>();
+      inner->stamp = stamp;
+      inner->child[0] = std::move(root_);
+      root_ = std::move(inner);
     }
-    auto inner = std::make_shared<Inner>();
-    inner->stamp = stamp;
-    inner->child[0] = std::move(root_);
-    root_ = std::move(inner);
     ++height_;
   }
 

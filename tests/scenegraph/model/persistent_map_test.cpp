@@ -43,6 +43,39 @@ TEST(PersistentMap, BehavesLikeAMap) {
   EXPECT_EQ(map.find(~std::uint64_t{0}), nullptr);
 }
 
+/// Counts its objects, and so the leaves that hold them.
+struct Counted {
+  Counted() { ++alive; }
+  explicit Counted(int v) : value(v) { ++alive; }
+  Counted(const Counted& other) : value(other.value) { ++alive; }
+  Counted& operator=(const Counted&) = default;
+  ~Counted() { --alive; }
+  bool operator==(const Counted&) const = default;
+
+  int value = 0;
+  static inline std::int64_t alive = 0;
+};
+
+TEST(PersistentMap, WhatIsRemovedLeavesNoBlocks) {
+  constexpr std::uint64_t kKeys = 100'000, kKept = 10;
+  const std::int64_t before = Counted::alive;
+  PersistentMap<Counted> map;
+  map.set(0, Counted(1));
+  const std::int64_t one_leaf = Counted::alive - before;
+  for (std::uint64_t key = 1; key <= kKeys; ++key) {
+    map.set(key, Counted(1));
+    if (key > kKept) map.set(key - kKept, Counted());
+  }
+  EXPECT_EQ(map.size(), kKept + 1);
+  EXPECT_LE(Counted::alive - before, 3 * one_leaf);
+  for (std::uint64_t key = 0; key <= kKeys; ++key) map.set(key, Counted());
+  EXPECT_EQ(map.size(), 0u);
+  EXPECT_EQ(Counted::alive, before);
+  EXPECT_EQ(map.find(kKeys), nullptr);
+  map.set(1, Counted(2));
+  EXPECT_EQ(map.find(1)->value, 2);
+}
+
 TEST(PersistentMap, FindsManyKeysAtOnce) {
   tests::Random random(2);
   for (const std::uint64_t range : {0u, 20u, 1000u, 300'000u}) {
