@@ -50,6 +50,9 @@ class ChangeClassifier {
       removed.set(id, true);
     } else {
       change_.static_changed = true;
+      // Dynamic nodes below it move with it. Rays have opened neither tree, so a new one costs
+      // little.
+      if (base_.dynamic_roots.size() > 0) change_.dynamic_changed = true;
     }
   }
 

@@ -138,6 +138,18 @@ TEST(DynamicRoots, OfAGroupIncludeAllNodesBelow) {
   expect_as_oracle(scene.snapshot(), 8);
 }
 
+TEST(DynamicRoots, MoveWithAStaticGroupThatNoRayHasSeen) {
+  Scene scene;
+  model::PutNode group;
+  group.node = -1;
+  ASSERT_TRUE(scene.apply({group, mesh_node(-2, 10, model::Mobility::kRigid, -1)}));
+  ASSERT_TRUE(scene.apply({model::SetTransforms{{1}, {at(50)}}}));
+  EXPECT_EQ(scene.snapshot()->trees().dynamic_tree.size(), 1u);
+  expect_as_oracle(scene.snapshot(), 11);
+  const auto hits = cast(*scene.snapshot(), {{{60.1, 0.2, 9}, {0, 0, -1}}});
+  EXPECT_EQ(hits[0].node, 2u);
+}
+
 TEST(DynamicRoots, AreNotChangedByNewNames) {
   Scene scene;
   add_row(scene, 10);
