@@ -20,7 +20,7 @@ static_assert(2 * kPartBytes <= store::kMaxSnapshotChunk);
 /// A snapshot is not written before the log has this many bytes.
 constexpr std::uint64_t kLeastLog = std::uint64_t{1} << 20;
 /// What applying a batch again costs beside its updates, in bytes.
-constexpr std::uint64_t kBatchCost = 1024;
+constexpr std::uint64_t kBatchCost = 512;
 
 }  // namespace
 
