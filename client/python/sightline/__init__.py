@@ -1,0 +1,37 @@
+"""Ray queries on scenes of a Sightline server, with NumPy arrays.
+
+    import sightline
+
+    client = sightline.connect("127.0.0.1:50151")      # or sightline.serve().client: a server of one's own
+    scene = client.import_arrays("quad", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    hits = scene.cast([[0.2, 0.1, 5, 0, 0, -1]])
+    hits.t, hits.node, hits.primitive, hits.position
+
+sightline.aio has the same for asyncio. sightline.trimesh_ray and sightline.open3d_t have classes for programs that were
+written for trimesh and Open3D.
+"""
+
+from . import errors, updates
+from ._proto import version as __version__
+from .batch import Applied, Batch
+from .client import Client, connect
+from .errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, FailedPrecondition, Internal,
+                     InvalidArgument, NotFound, OutOfRange, PermissionDenied, ResourceExhausted, SightlineError,
+                     Unauthenticated, Unavailable, Unimplemented, Unknown)
+from .hits import AllHits, Hits
+from .meshes import PrecisionWarning
+from .nodes import Node
+from .picture import Picture
+from .rays import Rays, as_rays
+from .scene import Scene, SceneInfo
+from .server import Server, serve
+from .update_stream import UpdateStream
+from .watch import Change
+
+__all__ = [
+    "Aborted", "AllHits", "AlreadyExists", "Applied", "Batch", "Cancelled", "Change", "Client", "DataLoss",
+    "DeadlineExceeded", "FailedPrecondition", "Hits", "Internal", "InvalidArgument", "Node", "NotFound", "OutOfRange",
+    "PermissionDenied", "Picture", "PrecisionWarning", "Rays", "ResourceExhausted", "Scene", "SceneInfo", "Server",
+    "SightlineError", "Unauthenticated", "Unavailable", "Unimplemented", "Unknown", "UpdateStream", "__version__",
+    "as_rays", "connect", "errors", "serve", "updates",
+]

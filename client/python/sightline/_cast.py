@@ -1,0 +1,120 @@
+"""Casts: one message where the rays fit, else a stream of them with a window, resumed at its revision if it breaks."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple
+
+from . import _cast_codec as codec
+from . import _proto, errors
+from ._connection import Connection
+from ._query import Query
+from ._window import Window
+from .rays import Rays
+
+RAYS_PER_MESSAGE = 8192
+MESSAGES_IN_FLIGHT = 4
+_ATTEMPTS = 4  # without an answer between them
+_FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
+
+
+class Piece(NamedTuple):
+    """Rays of one message."""
+
+    rays: Rays
+    begin: int
+    end: int
+
+
+def cast_once(connection: Connection, query: Query, rays: Rays, timeout: Optional[float]) -> codec.Answer:
+    """In one message, which the server's limits allow."""
+    parts = codec.request_parts(query.request.SerializeToString(), rays, 0, rays.count)
+    return codec.answer(connection.call("CastRays", b"".join(parts), timeout, light=False))
+
+
+def pieces(batches: "Iterable[Rays]", size: int) -> "Iterator[Piece]":
+    """The messages of batches."""
+    for rays in batches:
+        for begin, end in rays.slices(size):
+            yield Piece(rays, begin, end)
+
+
+def generated(generator: Any, total: int, size: int) -> "Iterator[Any]":
+    """The requests for the rays of a generator; each is a RayGenerator."""
+    for first in range(0, total, size):
+        part = _proto.RayGenerator()
+        part.CopyFrom(generator)
+        part.first, part.count = first, min(size, total - first)
+        yield part
+
+
+class CastStream:
+    """Answers to the items of a source, in order, all at one revision.
+
+    Items are Pieces or RayGenerators. They are taken from the source by another thread, a few ahead of the answers.
+    """
+
+    def __init__(self, connection: Connection, query: Query, source: "Iterator[Any]", timeout: Optional[float]):
+        self._connection = connection
+        self._query = query
+        self._deadline = None
+        seconds = connection.timeout if timeout is None else timeout
+        if seconds is not None:
+            self._deadline = time.monotonic() + seconds
+        self._window = Window(source, MESSAGES_IN_FLIGHT)
+        self._revision: Optional[int] = None
+
+    def answers(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
+        """Each item with its answers: one, or several for kind "all". Leaving it cancels the call."""
+        failures = 0
+        try:
+            while not self._window.is_done():
+                try:
+                    for found in self._attempt():
+                        failures = 0
+                        yield found
+                    if self._window.error is not None:
+                        raise self._window.error
+                    if not self._window.is_done():
+                        raise errors.Unavailable("the server ended the call")
+                except errors.Unavailable:
+                    failures += 1
+                    pause = _FIRST_PAUSE * 2 ** failures
+                    if failures == _ATTEMPTS or (self._deadline and time.monotonic() + pause > self._deadline):
+                        raise
+                    time.sleep(pause)
+            if self._window.error is not None:
+                raise self._window.error
+        finally:
+            self._window.close()
+
+    def _attempt(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
+        timeout = None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
+        expected, parts = 0, []
+        with self._connection.stream("StreamCastRays", self._window.attempt(self._encoder()), timeout) as stream:
+            for data in stream:
+                chunk, answer = codec.stream_answer(data)
+                item = self._window.oldest()
+                if item is None or chunk != expected:
+                    raise errors.Internal(f"the server answered message {chunk} instead of {expected}")
+                self._revision = answer.revision
+                parts.append(answer)
+                if not answer.more:
+                    self._window.answered()
+                    yield item, parts
+                    expected, parts = expected + 1, []
+
+    def _encoder(self) -> "Callable[[int, Any], bytes]":
+        request = self._query.request
+        if self._revision is not None:
+            request.consistency.exact_revision = self._revision
+        description = request.SerializeToString()
+
+        def encode(chunk: int, item: Any) -> bytes:
+            head = b"" if chunk else description
+            if isinstance(item, Piece):
+                return codec.stream_request(chunk, codec.request_parts(head, *item))
+            generator = _proto.CastRaysRequest(generator=item).SerializeToString()
+            return codec.stream_request(chunk, [head, generator])
+
+        return encode

@@ -1,0 +1,114 @@
+"""Casts on the wire: requests put together from the buffers of arrays, answers as views of the received bytes."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Optional
+
+import numpy as np
+
+from . import _proto, _wire, errors
+from ._query import COLUMNS, NAME_OF
+from .rays import Rays
+
+
+def _numbers(message: Any) -> "Dict[str, int]":
+    return {field.name: field.number for field in message.DESCRIPTOR.fields}
+
+
+_RAYS = _numbers(_proto.Rays)
+_REQUEST = _numbers(_proto.CastRaysRequest)
+_RESPONSE = _numbers(_proto.CastRaysResponse)
+_COLUMN = _numbers(_proto.HitColumn)
+_STREAM_REQUEST = _numbers(_proto.StreamCastRaysRequest)
+_STREAM_RESPONSE = _numbers(_proto.StreamCastRaysResponse)
+_RAY_COLUMNS = ("origins", "directions", "tmin", "tmax", "masks")
+
+
+def request_parts(description: bytes, rays: Rays, begin: int, end: int) -> "List[Any]":
+    """A CastRaysRequest of some rays, as buffers to be joined. `description` is the request without rays."""
+    parts: "List[Any]" = [_wire.number_field(_RAYS["float64"], rays.dtype.itemsize == 8)]
+    if "count" in _RAYS:
+        parts.append(_wire.number_field(_RAYS["count"], end - begin))
+    for name, column in zip(_RAY_COLUMNS, rays.columns()):
+        if column is not None and end > begin:
+            rows = np.ascontiguousarray(column[begin:end])
+            parts += [_wire.bytes_header(_RAYS[name], rows.nbytes), memoryview(rows).cast("B")]
+    return [description, _wire.bytes_header(_REQUEST["rays"], _length(parts)), *parts]
+
+
+def stream_request(chunk: int, request: "List[Any]") -> bytes:
+    """A StreamCastRaysRequest of the parts of a request."""
+    return b"".join([_wire.number_field(_STREAM_REQUEST["chunk"], chunk),
+                     _wire.bytes_header(_STREAM_REQUEST["request"], _length(request)), *request])
+
+
+def _length(parts: "List[Any]") -> int:
+    return sum(map(len, parts))
+
+
+class Answer:
+    """A decoded CastRaysResponse. `columns` are views of the received bytes, by name."""
+
+    def __init__(self, data: memoryview):
+        self.columns: "Dict[str, np.ndarray]" = {}
+        self.revision = 0
+        self.token = ""
+        self.stats: Optional[Any] = None
+        self.first_ray = 0
+        self.more = False
+        for number, value in _wire.fields(data):
+            if number == _RESPONSE["columns"]:
+                self._add_column(value)
+            elif number == _RESPONSE["served"]:
+                served = _proto.SceneRevision.FromString(bytes(value))
+                self.revision, self.token = served.revision, served.token
+            elif number == _RESPONSE["stats"]:
+                self.stats = _proto.CastStats.FromString(bytes(value))
+            elif number == _RESPONSE["first_ray"]:
+                self.first_ray = value
+            elif number == _RESPONSE["more"]:
+                self.more = bool(value)
+
+    def _add_column(self, data: memoryview) -> None:
+        field, content = 0, memoryview(b"")
+        for number, value in _wire.fields(data):
+            if number == _COLUMN["field"]:
+                field = value
+            elif number == _COLUMN["data"]:
+                content = value
+        name = NAME_OF.get(field)
+        if name is None:
+            return
+        column = COLUMNS[name]
+        rows = np.frombuffer(content, column.dtype) if len(content) else np.empty(0, column.dtype)
+        self.columns[name] = rows.reshape(-1, *column.row)
+
+    def rows(self, name: str, count: int) -> np.ndarray:
+        """A column that must have so many rows."""
+        column = self.columns.get(name)
+        if column is None or len(column) != count:
+            got = "none" if column is None else len(column)
+            raise errors.Internal(f"the server answered {got} rows of {name} instead of {count}")
+        return column
+
+
+def answer(data: bytes) -> Answer:
+    """Of CastRays."""
+    try:
+        return Answer(memoryview(data))
+    except ValueError as error:
+        raise errors.Internal(str(error)) from None
+
+
+def stream_answer(data: bytes) -> "tuple[int, Answer]":
+    """Of StreamCastRays: the number of the chunk that it answers, and the answer."""
+    chunk, response = 0, memoryview(b"")
+    try:
+        for number, value in _wire.fields(memoryview(data)):
+            if number == _STREAM_RESPONSE["chunk"]:
+                chunk = value
+            elif number == _STREAM_RESPONSE["response"]:
+                response = value
+        return chunk, Answer(response)
+    except ValueError as error:
+        raise errors.Internal(str(error)) from None

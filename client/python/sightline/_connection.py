@@ -1,0 +1,199 @@
+"""A channel to a server, and calls over it: credentials, retries, deadlines, cancelling."""
+
+from __future__ import annotations
+
+import contextvars
+import ipaddress
+import json
+import os
+import pathlib
+from typing import Any, Iterable
+
+import grpc
+
+from . import _proto, errors
+
+DEFAULT_ENDPOINT = "127.0.0.1:50151"
+_LIGHT_TIMEOUT = 60.0  # seconds, for calls that carry neither rays nor meshes
+
+# Calls that may be repeated: those that read, and ApplyUpdates, which carries a request id.
+_REPEATABLE = ("CastRays", "GetScene", "ListScenes", "BatchGetNodes", "GetSceneStats", "FindMissingBlobs",
+               "GetUploadStatus", "GetServerInfo", "ApplyUpdates")
+_RETRY = {"maxAttempts": 4, "initialBackoff": "0.1s", "maxBackoff": "2s", "backoffMultiplier": 2,
+          "retryableStatusCodes": ["UNAVAILABLE"]}
+
+
+class CallScope:
+    """The calls that one task of sightline.aio has open, so that cancelling the task cancels them."""
+
+    def __init__(self) -> None:
+        self._calls: "list[Any]" = []
+        self.cancelled = False
+
+    def add(self, call: Any) -> None:
+        self._calls.append(call)
+        if self.cancelled:
+            call.cancel()
+
+    def cancel(self) -> None:
+        self.cancelled = True
+        for call in list(self._calls):
+            call.cancel()
+
+    def remove(self, call: Any) -> None:
+        self._calls.remove(call)
+
+
+scope: "contextvars.ContextVar[CallScope | None]" = contextvars.ContextVar("sightline_calls", default=None)
+
+
+def service_config() -> str:
+    names = []
+    for name in _REPEATABLE:
+        service, method = _proto.methods[name].path[1:].split("/")
+        names.append({"service": service, "method": method})
+    return json.dumps({"methodConfig": [{"name": names, "retryPolicy": _RETRY}]})
+
+
+def is_local(endpoint: str) -> bool:
+    """Whether what is sent stays on this machine."""
+    if endpoint.startswith("unix:"):
+        return True
+    host = endpoint.rpartition(":")[0].strip("[]")
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _check_endpoint(endpoint: str) -> None:
+    host, _, port = endpoint.rpartition(":")
+    if endpoint.startswith("unix:") and len(endpoint) > len("unix:"):
+        return
+    if not (host and port.isdigit() and int(port) < 65536):
+        raise ValueError(f"an endpoint is HOST:PORT or unix:PATH, not {endpoint!r}")
+
+
+def _read(file: "str | os.PathLike[str] | None") -> "bytes | None":
+    return None if file is None else pathlib.Path(file).read_bytes()
+
+
+class Connection:
+    """Threads: any."""
+
+    def __init__(self, endpoint: str, tls_ca: Any, tls_cert: Any, tls_key: Any, token: "str | None",
+                 token_file: Any, timeout: "float | None"):
+        _check_endpoint(endpoint)
+        if (tls_cert is None) != (tls_key is None):
+            raise ValueError("tls_cert and tls_key belong together")
+        if tls_cert is not None and tls_ca is None:
+            raise ValueError("a certificate of the client needs tls_ca, too")
+        if token is None:
+            token = (_read(token_file) or b"").decode().strip() or os.environ.get("SIGHTLINE_TOKEN", "")
+        if not all(" " < c <= "~" for c in token):
+            raise ValueError("the token has characters other than visible ASCII")
+        if token and tls_ca is None and not is_local(endpoint):
+            raise errors.Unauthenticated(f"the token is not sent to {endpoint} without encryption: use tls_ca",
+                                         "TOKEN_IN_PLAINTEXT")
+        self.endpoint = endpoint
+        self.timeout = timeout
+        self._metadata = (("authorization", f"Bearer {token}"),) if token else ()
+        self._channel = _open(endpoint, _read(tls_ca), _read(tls_cert), _read(tls_key))
+        self._callables = {name: self._callable(name) for name in _proto.methods}
+
+    def _callable(self, name: str) -> Any:
+        method = _proto.methods[name]
+        kind = f"{'stream' if method.client_streaming else 'unary'}_{'stream' if method.server_streaming else 'unary'}"
+        # Casts encode and decode their own messages: their columns are the buffers of arrays.
+        is_cast = name in ("CastRays", "StreamCastRays")
+        return getattr(self._channel, kind)(
+            method.path, request_serializer=None if is_cast else method.request.SerializeToString,
+            response_deserializer=None if is_cast else method.response.FromString)
+
+    def call(self, name: str, request: Any, timeout: "float | None" = None, light: bool = True) -> Any:
+        """A call with one answer; `request` is a message or, for a stream, an iterable of them. `timeout` in seconds;
+        None: the connection's. A call that is not light has no limit unless one was set."""
+        method = self._callables[name]
+        call = method.future(request, timeout=self._seconds(timeout, light), metadata=self._metadata)
+        current = scope.get()
+        if current is not None:
+            current.add(call)
+        try:
+            return call.result()
+        except grpc.RpcError as error:
+            raise errors.of_call(error) from None
+        except grpc.FutureCancelledError:
+            raise errors.Cancelled("the call was cancelled") from None
+        except BaseException:
+            call.cancel()
+            raise
+        finally:
+            if current is not None:
+                current.remove(call)
+
+    def stream(self, name: str, request: Any, timeout: "float | None" = None) -> "Stream":
+        """A call with many answers; `timeout` in seconds, None: no limit."""
+        return Stream(self._callables[name](request, timeout=timeout, metadata=self._metadata))
+
+    def _seconds(self, timeout: "float | None", light: bool) -> "float | None":
+        if timeout is None:
+            timeout = self.timeout
+        return _LIGHT_TIMEOUT if timeout is None and light else timeout
+
+    def close(self) -> None:
+        """Ends all calls."""
+        self._channel.close()
+
+
+class Stream:
+    """The answers of a call. Leaving the `with` block cancels what is left of it."""
+
+    def __init__(self, call: Any):
+        self._call = call
+        self._scope = scope.get()
+
+    def __enter__(self) -> "Stream":
+        if self._scope is not None:
+            self._scope.add(self._call)
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._call.cancel()
+        if self._scope is not None:
+            self._scope.remove(self._call)
+
+    def cancel(self) -> None:
+        self._call.cancel()
+
+    def __iter__(self) -> "Iterable[Any]":
+        """Errors: those of errors.py. A call that only the server cancelled is Unavailable."""
+        try:
+            yield from self._call
+        except grpc.RpcError as error:
+            if error.code() is grpc.StatusCode.CANCELLED and not (self._scope and self._scope.cancelled):
+                if "Locally cancelled" not in (error.details() or ""):
+                    raise errors.Unavailable("the server ended the call") from None
+            raise errors.of_call(error) from None
+
+
+def _open(endpoint: str, ca: "bytes | None", cert: "bytes | None", key: "bytes | None") -> Any:
+    options = [
+        ("grpc.service_config", service_config()),
+        ("grpc.primary_user_agent", f"sightline-python/{_proto.version}"),
+        ("grpc.max_receive_message_length", -1),
+        ("grpc.max_send_message_length", -1),
+        # When a server returns, gRPC must find it within the pauses of our own attempts.
+        ("grpc.initial_reconnect_backoff_ms", 100),
+        ("grpc.max_reconnect_backoff_ms", 2000),
+        # A server that is frozen, or gone without a word, is noticed during a call.
+        ("grpc.keepalive_time_ms", 15000),
+        ("grpc.keepalive_timeout_ms", 5000),
+        ("grpc.http2.max_pings_without_data", 0),
+        # Channels of one process to one server have a connection each.
+        ("grpc.use_local_subchannel_pool", 1),
+    ]
+    if is_local(endpoint):  # a proxy would carry what must not leave this machine
+        options.append(("grpc.enable_http_proxy", 0))
+    if ca is None:
+        return grpc.insecure_channel(endpoint, options)
+    return grpc.secure_channel(endpoint, grpc.ssl_channel_credentials(ca, key, cert), options)

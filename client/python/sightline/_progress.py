@@ -1,0 +1,37 @@
+"""Progress of long casts, by tqdm where it is installed."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any, Callable, Iterator, Optional, Union
+
+
+@contextlib.contextmanager
+def reporter(progress: "Union[bool, Callable[[int, Optional[int]], Any]]",
+             total: Optional[int]) -> "Iterator[Callable[[int], None]]":
+    """What is to be told of each part that is done. `progress`: a function of (done, total), where total is None if
+    it is not known; or True, a bar by tqdm, nothing without tqdm."""
+    if callable(progress):
+        done = 0
+
+        def report(more: int) -> None:
+            nonlocal done
+            done += more
+            progress(done, total)
+
+        yield report
+        return
+    bar = _bar(total) if progress else None
+    try:
+        yield bar.update if bar is not None else lambda _: None
+    finally:
+        if bar is not None:
+            bar.close()
+
+
+def _bar(total: Optional[int]) -> Any:
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return None
+    return tqdm(total=total, unit=" rays", unit_scale=True)

@@ -1,0 +1,94 @@
+"""What is asked of rays: the request of a cast without its rays, and which columns its answer has."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import _proto
+
+
+class Column(NamedTuple):
+    """A column of hits: its number on the wire, element type, and the shape of a row."""
+
+    number: int
+    dtype: np.dtype
+    row: Tuple[int, ...]
+
+
+def _column(name: str, dtype: str, *row: int) -> Column:
+    return Column(_proto.enum_value(f"HIT_FIELD_{name}"), np.dtype(dtype), row)
+
+
+COLUMNS = {
+    "t": _column("T", "<f8"),
+    "node": _column("NODE", "<u8"),
+    "primitive": _column("PRIMITIVE", "<u4"),
+    "uv": _column("BARYCENTRIC", "<f4", 2),
+    "normal": _column("NORMAL", "<f4", 3),
+    "hit": _column("HIT", "u1"),
+    "work": _column("WORK", "<u4"),
+    "count": _column("COUNT", "<u4"),
+    "offset": _column("OFFSET", "<u4"),
+}
+NAME_OF = {column.number: name for name, column in COLUMNS.items()}
+GEOMETRY = ("t", "node", "primitive", "uv", "normal")
+
+# The columns that an answer always has, those it has if none are named, and those that may be named.
+_ALWAYS = {"closest": (), "any": ("hit",), "count": ("count",), "all": ("offset", "hit")}
+_DEFAULT = {"closest": GEOMETRY, "any": (), "count": (), "all": GEOMETRY}
+_ALLOWED = {"closest": {*GEOMETRY, "hit", "work"}, "any": {"hit", "work"}, "count": {"count", "hit", "work"},
+            "all": {*GEOMETRY, "hit", "work"}}
+_MEANS = {"position": "t", "name": "node"}  # made of another column
+_CULLING = {None: "UNSPECIFIED", "back": "BACK", "front": "FRONT"}
+_BUILD = {None: "UNSPECIFIED", "lazy": "LAZY", "full": "FULL", "none": "NONE", "built-only": "BUILT_ONLY"}
+
+
+class Query(NamedTuple):
+    """A cast without its rays."""
+
+    kind: str
+    columns: Tuple[str, ...]  # that the answer has
+    request: Any              # a CastRaysRequest
+
+
+def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]", cull: "Optional[str]",
+             under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
+             revision: "Optional[int]") -> Query:
+    """ValueError: an unknown word, or a field that the kind does not have."""
+    if kind not in _ALWAYS:
+        raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
+    if build not in _BUILD:
+        raise ValueError(f"build is {_words(_BUILD)}, not {build!r}")
+    if cull not in _CULLING:
+        raise ValueError(f"cull is {_words(_CULLING)}, not {cull!r}")
+    if at_least is not None and revision is not None:
+        raise ValueError("pass either at_least or revision")
+    asked = [fields] if isinstance(fields, str) else None if fields is None else list(fields)
+    named = _DEFAULT[kind] if asked is None else tuple(dict.fromkeys(_MEANS.get(name, name) for name in asked))
+    for name in named:
+        if name not in _ALLOWED[kind]:
+            raise ValueError(f"kind {kind!r} has no field {name!r}; it has {_words(_ALLOWED[kind])}")
+    request = _proto.CastRaysRequest(
+        scene=scene, kind=_proto.enum_value(f"QUERY_KIND_{kind.upper()}"),
+        build=_proto.enum_value(f"BUILD_MODE_{_BUILD[build]}"),
+        culling=_proto.enum_value(f"CULLING_{_CULLING[cull]}"), root=under, exclude=list(exclude), max_hits=max_hits)
+    columns = tuple(dict.fromkeys((*_ALWAYS[kind], *named)))
+    if kind == "closest" and "t" not in columns:
+        columns = (*columns, *(() if "hit" in columns else ("hit",)))  # it tells hits, misses and invalid rays apart
+    request.fields.extend(COLUMNS[name].number for name in columns)
+    set_consistency(request, at_least, revision)
+    return Query(kind, columns, request)
+
+
+def set_consistency(request: Any, at_least: "Optional[str]", revision: "Optional[int]") -> None:
+    """Which revision answers, in any request that has the field."""
+    if at_least is not None:
+        request.consistency.at_least = at_least
+    elif revision is not None:
+        request.consistency.exact_revision = revision
+
+
+def _words(names: "Iterable[Optional[str]]") -> str:
+    return ", ".join(sorted(str(name) for name in names))

@@ -1,0 +1,137 @@
+"""A connection to a server: its scenes, made, listed and deleted."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterator, List, Optional, Union
+
+from . import _proto, errors
+from ._connection import DEFAULT_ENDPOINT, Connection
+from .meshes import as_mesh, upload
+from .scene import Scene, SceneInfo
+
+_UP = {None: 0, "y": 1, "z": 2}
+Path = Union[str, "os.PathLike[str]"]
+
+
+def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tls_cert: Optional[Path] = None,
+            tls_key: Optional[Path] = None, token: Optional[str] = None, token_file: Optional[Path] = None,
+            timeout: Optional[float] = None) -> "Client":
+    """A client of the server at `endpoint`, HOST:PORT or unix:PATH; default: SIGHTLINE_ENDPOINT, else 127.0.0.1:50151.
+
+    tls_ca, tls_cert, tls_key: PEM files. With tls_ca the connection is encrypted, and the server needs a certificate of
+    its name that one of these has signed; the others are this client's own. token, or the content of token_file, or
+    SIGHTLINE_TOKEN, goes with every call. timeout: seconds for each call; None: one minute for calls that carry neither
+    rays nor meshes, no limit for others.
+
+    The first call makes the connection, and a later one makes it again if it broke. Errors: ValueError, an endpoint of
+    another form or a bad token; OSError, a file that cannot be read; Unauthenticated, a token that would be sent to
+    another machine without encryption.
+    """
+    if endpoint is None:
+        endpoint = os.environ.get("SIGHTLINE_ENDPOINT") or DEFAULT_ENDPOINT
+    return Client(Connection(endpoint, tls_ca, tls_cert, tls_key, token, token_file, timeout))
+
+
+def resource_name(name: str, project: str = "default") -> str:
+    """projects/{project}/scenes/{name}; a full name stays."""
+    return name if "/" in name else f"projects/{project}/scenes/{name}"
+
+
+class Client:
+    """Threads: any. Every call may raise an error of sightline.errors: Unavailable where the server cannot be reached,
+    after retries for calls that may be repeated."""
+
+    def __init__(self, connection: Connection):
+        self._connection = connection
+        self._limits: Optional[Any] = None
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<sightline client of {self.endpoint}>"
+
+    @property
+    def endpoint(self) -> str:
+        """Where the server listens."""
+        return self._connection.endpoint
+
+    def close(self) -> None:
+        """Ends the connection and all calls."""
+        self._connection.close()
+
+    def server_info(self) -> Any:
+        """What the server says of itself: version, features, limits (a message GetServerInfoResponse)."""
+        return self._connection.call("GetServerInfo", _proto.GetServerInfoRequest())
+
+    def max_rays_per_request(self) -> int:
+        """A limit of the server, which is asked once."""
+        if self._limits is None:
+            self._limits = self.server_info()
+        return self._limits.max_rays_per_request
+
+    def scene(self, name: str) -> Scene:
+        """A scene by its id in project "default", or its full name. Makes no call: an unknown scene is NotFound when
+        it is first used."""
+        return Scene(self, resource_name(name))
+
+    def create_scene(self, name: str, *, up_axis: Optional[str] = None, meters_per_unit: float = 0) -> Scene:
+        """A new, empty scene. up_axis "y" or "z" and meters_per_unit are recorded. Errors: AlreadyExists."""
+        if up_axis not in _UP:
+            raise ValueError(f"up_axis is 'y' or 'z', not {up_axis!r}")
+        scene = _proto.Scene(name=resource_name(name), up_axis=_UP[up_axis], meters_per_unit=meters_per_unit)
+        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene))
+        return Scene(self, scene.name)
+
+    def delete_scene(self, name: str) -> None:
+        """Errors: NotFound."""
+        self._connection.call("DeleteScene", _proto.DeleteSceneRequest(name=resource_name(name)))
+
+    def scenes(self, project: str = "default") -> List[SceneInfo]:
+        """What there is in a project, by name."""
+        return list(self._pages(project))
+
+    list_scenes = scenes
+
+    def _pages(self, project: str) -> "Iterator[SceneInfo]":
+        token = ""
+        while True:
+            page = self._connection.call("ListScenes", _proto.ListScenesRequest(
+                parent=f"projects/{project}", page_token=token))
+            yield from map(SceneInfo.of, page.scenes)
+            token = page.next_page_token
+            if not token:
+                return
+
+    def import_arrays(self, name: str, vertices: Any, faces: Any, *, origin: Any = (0.0, 0.0, 0.0),
+                      replace: bool = False, up_axis: Optional[str] = None, meters_per_unit: float = 0,
+                      mobility: Optional[str] = None) -> Scene:
+        """A scene of one mesh. vertices: real (v, 3), kept as float32 relative to `origin` (3); faces: integers (f, 3).
+
+        Either the whole scene is made or none. `replace`: in the place of one of this name. Errors: ValueError,
+        TypeError (not a mesh), AlreadyExists, ResourceExhausted (too large).
+        """
+        mesh = as_mesh((vertices, faces), origin)
+        if not replace and self._exists(name):
+            raise errors.AlreadyExists(f"scene {resource_name(name)} exists", "SCENE_EXISTS")
+        digest = upload(self._connection, mesh)
+        if replace and self._exists(name):
+            self.delete_scene(name)
+        scene = self.create_scene(name, up_axis=up_axis, meters_per_unit=meters_per_unit)
+        try:
+            scene.put(digest, origin=origin, name="mesh", mobility=mobility)
+        except BaseException:
+            self.delete_scene(name)
+            raise
+        return scene
+
+    def _exists(self, name: str) -> bool:
+        try:
+            self.scene(name).info()
+        except errors.NotFound:
+            return False
+        return True

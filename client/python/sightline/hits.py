@@ -1,0 +1,217 @@
+"""Answers to casts, as arrays with the leading shape of the rays."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Optional, Tuple
+
+import numpy as np
+
+from ._query import COLUMNS, GEOMETRY
+from .rays import Rays
+
+INVALID_COUNT = 0xFFFFFFFF
+_INVALID, _CUT_OFF = 2, 3  # values of the column `hit`
+NameLookup = Callable[[np.ndarray, int], "Dict[int, str]"]
+
+
+class _Answer:
+    """What all answers have: the revision, its token, statistics, the columns that were asked for."""
+
+    def __init__(self, shape: Tuple[int, ...], columns: "Dict[str, np.ndarray]", revision: int, token: str,
+                 stats: "Dict[str, int]", rays: Optional[Rays], names: NameLookup):
+        self.shape = shape  #: leading shape of the rays
+        self.revision = revision  #: of the scene, that answered
+        self.token = token  #: of this revision, for `at_least`
+        self.stats = stats  #: what the cast cost: rays, hits, invalid, cells_expanded, build_us, trace_us, ...
+        self._columns = columns
+        self._rays = rays
+        self._names = names
+
+    def _column(self, name: str) -> np.ndarray:
+        column = self._columns.get(name)
+        if column is None:
+            raise AttributeError(f"{name} was not asked for: name it in fields, or cast with another kind")
+        return column
+
+    def _shaped(self, column: np.ndarray) -> np.ndarray:
+        return column
+
+    @property
+    def t(self) -> np.ndarray:
+        """float64, in lengths of the ray's direction; a miss +inf, an invalid ray NaN."""
+        return self._shaped(self._column("t"))
+
+    @property
+    def node(self) -> np.ndarray:
+        """uint64, the id of the node that is hit; 0: none."""
+        return self._shaped(self._column("node"))
+
+    @property
+    def primitive(self) -> np.ndarray:
+        """uint32, the face's index in the node's mesh; 0 where nothing is hit."""
+        return self._shaped(self._column("primitive"))
+
+    @property
+    def uv(self) -> np.ndarray:
+        """float32 (..., 2): weights of the face's vertices 1 and 2."""
+        return self._shaped(self._column("uv"))
+
+    @property
+    def normal(self) -> np.ndarray:
+        """float32 (..., 3): the face's unit normal by winding, in scene coordinates; 0 where nothing is hit."""
+        return self._shaped(self._column("normal"))
+
+    def _ends(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        t = self._column("t")
+        with np.errstate(invalid="ignore", over="ignore"):
+            ends = origins.astype("f8", copy=False) + t[:, None] * directions.astype("f8", copy=False)
+        ends[~np.isfinite(t)] = np.nan
+        return self._shaped(ends)
+
+    def _need_rays(self) -> Rays:
+        if self._rays is None:
+            raise AttributeError("rays that the server makes have no positions here")
+        return self._rays
+
+    @property
+    def name(self) -> np.ndarray:
+        """str objects: names of the nodes that are hit, "" for none. Asks the server when it is first used. Errors:
+        OutOfRange, the revision is not kept any more."""
+        if "name" not in self._columns:
+            ids, inverse = np.unique(self._column("node"), return_inverse=True)
+            by_id = self._names(ids[ids != 0], self.revision)
+            names = np.array([by_id.get(int(i), "") for i in ids], dtype=object)
+            self._columns["name"] = names[inverse]
+        return self._shaped(self._columns["name"])
+
+    def _table(self) -> "Dict[str, np.ndarray]":
+        table = {}
+        for name in GEOMETRY:
+            column = self._columns.get(name)
+            if name == "uv" and column is not None:
+                table.update(u=column[:, 0], v=column[:, 1])
+            elif name == "normal" and column is not None:
+                table.update(nx=column[:, 0], ny=column[:, 1], nz=column[:, 2])
+            elif column is not None:
+                table[name] = column
+        return table
+
+
+class Hits(_Answer):
+    """A row for each ray: of kinds "closest", "any" and "count". Arrays have the leading shape of the rays."""
+
+    def _shaped(self, column: np.ndarray) -> np.ndarray:
+        return column.reshape(self.shape + column.shape[1:])
+
+    def __len__(self) -> int:
+        return self.shape[0] if self.shape else 1
+
+    def __repr__(self) -> str:
+        return f"<Hits of {self.stats.get('rays', 0)} rays: {self.stats.get('hits', 0)} hit, " \
+               f"{self.stats.get('invalid', 0)} invalid, revision {self.revision}>"
+
+    @property
+    def hit(self) -> np.ndarray:
+        """bool: whether the ray hits."""
+        return self._shaped(self._status() == 1)
+
+    @property
+    def invalid(self) -> np.ndarray:
+        """bool: whether the ray cannot be cast (not finite, or without a direction)."""
+        return self._shaped(self._status() == _INVALID)
+
+    def _status(self) -> np.ndarray:
+        """0 miss, 1 hit, 2 invalid, from whichever column tells."""
+        if "hit" in self._columns:
+            return self._columns["hit"]
+        if "count" in self._columns:
+            count = self._columns["count"]
+            return np.where(count == INVALID_COUNT, _INVALID, count > 0)
+        t = self._column("t")
+        return np.where(np.isnan(t), _INVALID, np.isfinite(t))
+
+    @property
+    def count(self) -> np.ndarray:
+        """uint32: how many (node, primitive) the ray hits; an invalid ray 2**32 - 1. Kind "count"."""
+        return self._shaped(self._column("count"))
+
+    @property
+    def work(self) -> np.ndarray:
+        """uint32: steps and triangle tests; the top bit is set where the ray met a cell that is not built."""
+        return self._shaped(self._column("work"))
+
+    @property
+    def position(self) -> np.ndarray:
+        """float64 (..., 3): origin + t * direction; NaN where nothing is hit."""
+        rays = self._need_rays()
+        return self._ends(rays.origins, rays.directions)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row for each ray, in the order of the flattened rays."""
+        import pandas
+
+        table = self._table()
+        for name in ("count", "work"):
+            if name in self._columns:
+                table[name] = self._columns[name]
+        table["hit"] = self.hit.reshape(-1)
+        index = pandas.RangeIndex(len(table["hit"]), name="ray")
+        return pandas.DataFrame(table, index=index)
+
+
+class AllHits(_Answer):
+    """Every hit, of kind "all": a row for each hit, in the order of the flattened rays, then by (t, node, primitive)."""
+
+    @property
+    def offset(self) -> np.ndarray:
+        """uint64 (n + 1): the hits of flattened ray i are the rows offset[i] up to offset[i + 1]."""
+        return self._column("offset")
+
+    @property
+    def count(self) -> np.ndarray:
+        """int64, with the leading shape of the rays: how many hits are listed."""
+        return np.diff(self.offset.astype("i8")).reshape(self.shape)
+
+    @property
+    def ray(self) -> np.ndarray:
+        """int64, for each hit: the index of its flattened ray."""
+        return np.repeat(np.arange(len(self.offset) - 1), np.diff(self.offset.astype("i8")))
+
+    @property
+    def hit(self) -> np.ndarray:
+        """bool, with the leading shape of the rays: whether the ray hits."""
+        status = self._column("hit")
+        return ((status == 1) | (status == _CUT_OFF)).reshape(self.shape)
+
+    @property
+    def invalid(self) -> np.ndarray:
+        """bool, with the leading shape of the rays: whether the ray cannot be cast."""
+        return (self._column("hit") == _INVALID).reshape(self.shape)
+
+    @property
+    def cut_off(self) -> np.ndarray:
+        """bool, with the leading shape of the rays: whether there are more than max_hits hits, the nearest listed."""
+        return (self._column("hit") == _CUT_OFF).reshape(self.shape)
+
+    @property
+    def position(self) -> np.ndarray:
+        """float64 (m, 3), for each hit: origin + t * direction."""
+        rays, ray = self._need_rays(), self.ray
+        return self._ends(rays.origins[ray], rays.directions[ray])
+
+    def __len__(self) -> int:
+        return int(self.offset[-1])
+
+    def __repr__(self) -> str:
+        return f"<AllHits of {len(self.offset) - 1} rays: {len(self)} hits, revision {self.revision}>"
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row for each hit; `ray` is the index of the flattened ray."""
+        import pandas
+
+        return pandas.DataFrame({"ray": self.ray, **self._table()})
+
+
+def empty_columns(names: "Tuple[str, ...]", rows: int) -> "Dict[str, np.ndarray]":
+    """Arrays for so many rows."""
+    return {name: np.empty((rows, *COLUMNS[name].row), COLUMNS[name].dtype) for name in names}

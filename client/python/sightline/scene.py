@@ -1,0 +1,207 @@
+"""A scene: its rays, its nodes, its revisions."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Union
+
+import numpy as np
+
+from . import _caster, _proto, _query, updates
+from ._progress import reporter
+from .batch import Batch, apply
+from .hits import AllHits, Hits
+from .meshes import as_mesh, upload
+from .nodes import Node, placed
+from .picture import Picture, render
+from .rays import as_rays
+from .update_stream import UpdateStream
+from .watch import Change, watch
+
+if TYPE_CHECKING:
+    from .client import Client
+
+_MOST_NODES = 512  # in one BatchGetNodes
+AnyNode = Union[Node, int]
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneInfo:
+    """What the server says of a scene. bounds: float64 (2, 3), least and greatest; None without triangles. `read` is
+    false where a listed scene is on disk only, and its counts are not known."""
+
+    name: str
+    revision: int
+    token: str
+    up_axis: Optional[str]
+    meters_per_unit: float
+    nodes: int
+    instances: int
+    meshes: int
+    triangles_unique: int
+    triangles_instanced: int
+    triangles_nonfinite: int
+    bytes_geometry: int
+    bounds: Optional[np.ndarray]
+    read: bool
+
+    @classmethod
+    def of(cls, scene: Any) -> "SceneInfo":
+        """From a message Scene."""
+        counts = {name: getattr(scene, name) for name in (
+            "nodes", "instances", "meshes", "triangles_unique", "triangles_instanced", "triangles_nonfinite",
+            "bytes_geometry", "meters_per_unit")}
+        bounds = np.array(scene.bounds).reshape(2, 3) if scene.bounds else None
+        return cls(name=scene.name, revision=scene.head.revision, token=scene.head.token,
+                   up_axis=(None, "y", "z")[scene.up_axis], bounds=bounds, read=not scene.unread, **counts)
+
+
+class Scene:
+    """Threads: any, but a batch belongs to the thread that opened it. Every call may raise NotFound, and what
+    Client says."""
+
+    def __init__(self, client: "Client", name: str):
+        self.client = client
+        self.name = name  #: projects/{project}/scenes/{scene}
+        self._connection = client._connection
+        self._batch: Optional[Batch] = None
+
+    def __repr__(self) -> str:
+        return f"<scene {self.name} at {self.client.endpoint}>"
+
+    def info(self) -> SceneInfo:
+        """Its size, bounds and revision."""
+        return SceneInfo.of(self._connection.call("GetScene", _proto.GetSceneRequest(name=self.name)).scene)
+
+    def stats(self) -> Any:
+        """How much of its trees is built (a message GetSceneStatsResponse)."""
+        return self._connection.call("GetSceneStats", _proto.GetSceneStatsRequest(scene=self.name))
+
+    def delete(self) -> None:
+        """Deletes the scene with all its nodes."""
+        self.client.delete_scene(self.name)
+
+    # ---- rays
+
+    def cast(self, rays: Any = None, *, origins: Any = None, directions: Any = None, tmin: Any = None,
+             tmax: Any = None, masks: Any = None, kind: str = "closest", fields: Optional[Iterable[str]] = None,
+             build: Optional[str] = None, cull: Optional[str] = None, under: AnyNode = 0,
+             exclude: Iterable[AnyNode] = (), max_hits: int = 0, at_least: Optional[str] = None,
+             revision: Optional[int] = None, timeout: Optional[float] = None,
+             progress: Union[bool, Callable[[int, Optional[int]], Any]] = False) -> Any:
+        """What rays hit.
+
+        rays: real (..., 6), ox oy oz dx dy dz, or (..., 8), and tmin tmax; or origins and directions (..., 3), and
+        tmin, tmax, masks (...), which are broadcast to one leading shape. float32 is sent as it is, all else as float64.
+        Directions have any length but zero; t counts in it; tmin and tmax are closed bounds. Or an iterator of such
+        arrays (or of sightline.Rays): the answer is then an iterator of their hits, all at one revision, and only a few
+        batches are in memory; the batches are taken by another thread.
+
+        kind: "closest", "any" (only whether there is a hit), "count" (of distinct (node, primitive)), "all".
+        fields: of t node primitive uv normal hit work position name; None: the first five for closest and all.
+        build: trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set.
+        cull: "back" or "front", hits that do not count. under: only this node and those under it exist; exclude: these
+        and those under them do not. max_hits: for "all", the nearest of a ray; 0: 256.
+        at_least: a token, of hits or of an update, that the answer must not be older than; revision: answer at it.
+        timeout: seconds. progress: True (a bar by tqdm, if installed) or a function of (done, total).
+
+        Returns Hits, or AllHits for "all", with the leading shape of the rays. Errors: TypeError, ValueError (rays or
+        words of another form), OutOfRange (the revision is not kept), DeadlineExceeded, ResourceExhausted (the server
+        has too much work), Unavailable (after some attempts). A ray that is not finite or has no direction is answered
+        as invalid, and fails nothing.
+        """
+        query = _query.describe(self.name, kind, fields, build, cull, updates.ids([under])[0], updates.ids(exclude),
+                                max_hits, at_least, revision)
+        limit = self.client.max_rays_per_request()
+        if hasattr(rays, "__next__"):
+            return self._cast_iterator(limit, query, rays, timeout, progress)
+        batch = as_rays(rays, origins, directions, tmin, tmax, masks)
+        with reporter(progress, batch.count) as report:
+            return _caster.cast_rays(self._connection, limit, query, batch, timeout, self._names, report)
+
+    def _cast_iterator(self, limit: int, query: Any, batches: Iterator[Any], timeout: Optional[float],
+                       progress: Any) -> "Iterator[Union[Hits, AllHits]]":
+        with reporter(progress, None) as report:
+            yield from _caster.cast_batches(self._connection, limit, query, batches, timeout, self._names, report)
+
+    def render(self, size: Any = (640, 480), **options: Any) -> Picture:
+        """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.
+
+        eye, at, up: (3) in scene coordinates; default: the whole scene is seen from above a corner. fov: degrees from
+        the bottom to the top, default 40. at_least, revision, timeout: as for cast.
+        """
+        return render(self, size, **options)
+
+    def _names(self, ids: np.ndarray, revision: int) -> "Dict[int, str]":
+        return {node.id: node.name for node in self.nodes(ids, revision=revision)}
+
+    # ---- nodes
+
+    def nodes(self, ids: Iterable[AnyNode], *, at_least: Optional[str] = None,
+              revision: Optional[int] = None) -> "List[Any]":
+        """Names, parents, transforms, meshes of nodes by id (messages Node); one that does not exist has id 0."""
+        wanted, found = updates.ids(ids), []
+        for at in range(0, len(wanted), _MOST_NODES):
+            request = _proto.BatchGetNodesRequest(scene=self.name, ids=wanted[at:at + _MOST_NODES])
+            _query.set_consistency(request, at_least, revision)
+            found += self._connection.call("BatchGetNodes", request).nodes
+        return found
+
+    def add(self, mesh: Any = None, *, name: str = "", parent: AnyNode = 0, transform: Any = None,
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
+        """A new node, under `parent` (0: a root), and the mesh it carries; None: a group.
+
+        mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's. Vertices are kept as float32
+        relative to `origin` (3). transform: (3, 4) or (4, 4), parent from local. mobility: "static", "rigid",
+        "deforming". mask: 32 bits, of which rays need one. Errors: TypeError, ValueError (not a mesh, a transform),
+        InvalidArgument (no ray can be carried through the transforms), NotFound (the parent).
+        """
+        digest = "" if mesh is None else upload(self._connection, as_mesh(mesh, origin))
+        return self.put(digest, name=name, parent=parent, transform=transform, origin=origin, mobility=mobility,
+                        mask=mask)
+
+    def put(self, digest: str, *, name: str = "", parent: AnyNode = 0, transform: Any = None,
+            origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
+        """The same for a mesh that the server has, by its digest; "": a group."""
+        node = Node(self, self._batch.next_alias() if self._batch else -1, origin)
+        matrix = placed(transform, origin)
+        self._change([updates.put_node(node.number, updates.ids([parent])[0], name, matrix, digest, mobility, mask)],
+                     node)
+        return node
+
+    def set_transforms(self, nodes: Iterable[AnyNode], transforms: Any) -> None:
+        """Moves nodes to transforms (n, 3, 4) or (n, 4, 4), float64, parent from local."""
+        self._change(updates.set_transforms(nodes, transforms))
+
+    def patch_vertices(self, nodes: Iterable[AnyNode], vertices: Any, first: int = 0) -> None:
+        """Moves vertices (n, 3), from number `first` on, of the one mesh that the nodes carry."""
+        self._change(updates.patch_vertices(nodes, first, vertices))
+
+    def delete_node(self, node: AnyNode, subtree: bool = False) -> None:
+        """Errors: FailedPrecondition, it has children and `subtree` is not set."""
+        self._change([updates.delete_node(node, subtree)])
+
+    def batch(self, expected_revision: Optional[int] = None) -> Batch:
+        """Within `with scene.batch() as batch:` the changes of nodes are collected, and applied at its end as one
+        revision, `batch.applied`; all or none. After an exception in it none is. Errors at its end: Aborted, the scene
+        is not at the expected revision; those of the changes."""
+        return Batch(self, expected_revision)
+
+    def _change(self, changes: "List[Any]", node: Optional[Node] = None) -> None:
+        if self._batch is not None:
+            self._batch.add(changes, node)
+            return
+        applied = apply(self._connection, self.name, changes)
+        if node is not None:
+            node.number = applied.nodes[0]
+
+    # ---- streams
+
+    def update_stream(self, producer: str, *, latest_wins: bool = False, relaxed: bool = False) -> UpdateStream:
+        """A stream of updates by a producer of this name, [A-Za-z0-9._-]{1,64}; see UpdateStream."""
+        return UpdateStream(self._connection, self.name, producer, latest_wins, relaxed)
+
+    def watch(self, start: Optional[int] = None) -> "Iterator[Change]":
+        """Every revision after `start` (default: the current one), in order and without gaps, until the iterator is
+        closed. A broken call is opened again. Errors: OutOfRange, a revision that is needed is not kept any more."""
+        return watch(self._connection, self.name, start)

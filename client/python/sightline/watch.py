@@ -1,0 +1,49 @@
+"""Following what happens to a scene."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import Iterator, List, Optional
+
+from . import _proto, errors, updates
+from ._connection import Connection
+
+_ATTEMPTS = 6  # without a message between them
+_FIRST_PAUSE = 0.1  # seconds; doubled after each attempt
+
+
+@dataclasses.dataclass(frozen=True)
+class Change:
+    """A revision and what made it: PutNode, SetTransforms, DeleteNode, PatchVertices, in order."""
+
+    revision: int
+    token: str
+    updates: List[updates.Update]
+
+
+def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator[Change]":
+    """See Scene.watch."""
+    failures, reached, parts = 0, start, []
+    while True:
+        request = _proto.WatchSceneRequest(scene=scene)
+        if reached is not None:
+            request.start_revision = reached
+        try:
+            with connection.stream("WatchScene", request) as stream:
+                parts = []
+                for message in stream:
+                    failures = 0
+                    parts += map(updates.decode, message.updates)
+                    if message.more:
+                        continue
+                    reached = message.revision.revision
+                    if not message.progress:
+                        yield Change(reached, message.revision.token, parts)
+                    parts = []
+                raise errors.Unavailable("the server ended the watch")
+        except errors.Unavailable:
+            failures += 1
+            if failures == _ATTEMPTS:
+                raise
+            time.sleep(_FIRST_PAUSE * 2 ** failures)
