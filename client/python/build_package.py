@@ -3,7 +3,7 @@
 
 build_package.py OUT     OUT/sightline is then ready to be imported
 
-Needs protoc. Messages are described by client/python/../../proto, or by proto beside this file in a source archive.
+Needs protoc. Messages are described by ../../proto, or by proto beside this file in a source archive.
 """
 
 import pathlib

@@ -1,0 +1,126 @@
+"""RayMeshIntersector, for programs that were written for trimesh.ray. docs/python.md explains the differences."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from typing import Any, Optional, Tuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._meshes_of import OwnScene
+from .client import Client
+from .scene import Scene
+
+_MOST_HITS = 16384  # of a ray, that a server lists
+# For inside tests: no axis, no diagonal. The second and third vote where a mesh is not closed.
+_PROBES = np.array([[0.5377, 0.2119, 0.8161], [-0.7417, 0.5693, -0.3545], [0.1913, -0.9041, 0.3821]])
+
+
+class RayMeshIntersector:
+    """Ray queries on one mesh, an object with `vertices` (v, 3) and `faces` (f, 3) such as trimesh.Trimesh.
+
+    The mesh goes to a server with the first query, and again after it has changed. client: default, the server of
+    SIGHTLINE_ENDPOINT, else a private one. Pickles as its mesh. `scale_to_box` is accepted and has no effect.
+    """
+
+    def __init__(self, geometry: Any = None, scale_to_box: bool = True, *, mesh: Any = None,
+                 client: Optional[Client] = None):
+        self.mesh = geometry if geometry is not None else mesh
+        if self.mesh is None:
+            raise TypeError("a mesh is needed")
+        self._client = client
+        self._own: Optional[OwnScene] = None
+        self._key: Any = None
+
+    def __getstate__(self) -> Any:
+        return {"mesh": self.mesh}
+
+    def __setstate__(self, state: Any) -> None:
+        self.__init__(state["mesh"])  # type: ignore[misc]
+
+    def __deepcopy__(self, *_: Any) -> "RayMeshIntersector":
+        return self.__copy__()
+
+    def __copy__(self, *_: Any) -> "RayMeshIntersector":
+        return RayMeshIntersector(self.mesh, client=self._client)
+
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
+                      max_hits: int = 100, return_locations: bool = False) -> Tuple[np.ndarray, ...]:
+        """The faces that rays hit, by ray, then near to far: index_tri (m), index_ray (m), both int64, and locations
+        (m, 3) float64 if `return_locations`. Without `multiple_hits` only the first of each ray. A warning says if a ray
+        has more than `max_hits`."""
+        origins, directions = _rays(ray_origins, ray_directions)
+        if multiple_hits:
+            hits = self._scene().cast(origins=origins, directions=directions, kind="all", fields=("t", "primitive"),
+                                      max_hits=min(max_hits, _MOST_HITS))
+            if hits.cut_off.any():
+                warnings.warn(f"{int(hits.cut_off.sum())} rays have more than max_hits={max_hits} hits; the nearest "
+                              "are listed", stacklevel=2)
+            ray, face, locations = hits.ray, hits.primitive, hits.position
+        else:
+            first = self._scene().cast(origins=origins, directions=directions, fields=("t", "primitive"))
+            ray = np.flatnonzero(first.hit)
+            face, locations = first.primitive[ray], first.position[ray]
+        index_tri, index_ray = face.astype(np.int64), ray.astype(np.int64)
+        return (index_tri, index_ray, locations) if return_locations else (index_tri, index_ray)
+
+    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                            multiple_hits: bool = True) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where rays hit: locations (m, 3), index_ray (m), index_tri (m)."""
+        face, ray, locations = self.intersects_id(ray_origins, ray_directions, multiple_hits, return_locations=True)
+        return locations, ray, face
+
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> np.ndarray:
+        """int64 (n): the first face that each ray hits, or -1."""
+        origins, directions = _rays(ray_origins, ray_directions)
+        hits = self._scene().cast(origins=origins, directions=directions, fields=("t", "primitive"))
+        return np.where(hits.hit, hits.primitive.astype(np.int64), -1)
+
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> np.ndarray:
+        """bool (n): whether each ray hits."""
+        origins, directions = _rays(ray_origins, ray_directions)
+        return self._scene().cast(origins=origins, directions=directions, kind="any").hit
+
+    def contains_points(self, points: ArrayLike) -> np.ndarray:
+        """bool (n): whether each point (n, 3) is inside the mesh: a ray from it crosses an odd number of faces. Where
+        the mesh is not closed, by the majority of three rays. A point on the surface may get either answer."""
+        places = np.asarray(points, np.float64)
+        if places.ndim != 2 or places.shape[1] != 3:
+            raise ValueError(f"points have the shape (n, 3), not {places.shape}")
+        probes = _PROBES[:1] if getattr(self.mesh, "is_watertight", False) else _PROBES
+        hits = self._scene().cast(origins=places[:, None], directions=probes, kind="count")
+        odd = (hits.count % 2 == 1) & ~hits.invalid
+        return odd.sum(axis=1) * 2 > len(probes)
+
+    def _scene(self) -> Scene:
+        """The scene of the mesh as it is now."""
+        key = _content(self.mesh)
+        if self._own is None or key != self._key:
+            own = OwnScene(self._client)
+            if len(self.mesh.faces):
+                own.add(self.mesh.vertices, self.mesh.faces)
+            if self._own is not None:
+                self._own.close()
+            self._own, self._key = own, key
+        return self._own.scene
+
+
+def _content(mesh: Any) -> Any:
+    """What changes with the mesh. Meshes of trimesh have a hash of their content, which they keep up to date."""
+    if type(mesh).__module__.partition(".")[0] == "trimesh":
+        return hash(mesh)
+    digest = hashlib.blake2b()
+    for array in (mesh.vertices, mesh.faces):
+        array = np.ascontiguousarray(array)
+        digest.update(repr((array.shape, array.dtype.str)).encode())
+        digest.update(array.tobytes())
+    return digest.digest()
+
+
+def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> Tuple[np.ndarray, np.ndarray]:
+    origins, directions = np.asarray(ray_origins, np.float64), np.asarray(ray_directions, np.float64)
+    if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
+        raise ValueError(f"origins and directions have one shape (n, 3), not {origins.shape} and {directions.shape}")
+    return origins, directions
