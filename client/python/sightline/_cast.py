@@ -12,7 +12,7 @@ from ._query import Query
 from ._window import Window
 from .rays import Rays
 
-RAYS_PER_MESSAGE = 8192
+RAYS_PER_MESSAGE = 16384
 MESSAGES_IN_FLIGHT = 4
 _ATTEMPTS = 4  # without an answer between them
 _FIRST_PAUSE = 0.1  # seconds; doubled after each attempt

@@ -1,0 +1,70 @@
+"""The client for asyncio."""
+
+import asyncio
+import unittest
+
+import brute
+import numpy as np
+import sightline
+import sightline.aio
+
+
+class AioTest(unittest.IsolatedAsyncioTestCase):
+    def setUp(self):
+        self.server = sightline.serve()
+        self.addCleanup(self.server.close)
+
+    async def asyncSetUp(self):
+        self.client = sightline.aio.connect(self.server.endpoint)
+        self.addAsyncCleanup(self.client.close)
+        self.scene = await self.client.import_arrays("s", *brute.soup())
+        self.rays = brute.rays(300)
+        self.t, _ = brute.closest(*brute.soup(), self.rays[:, :3], self.rays[:, 3:])
+
+    async def test_casts_at_the_same_time(self):
+        answers = await asyncio.gather(*(self.scene.cast(self.rays) for _ in range(20)))
+        for hits in answers:
+            np.testing.assert_allclose(hits.t, self.t, rtol=1e-4)
+
+    async def test_batches_of_an_asynchronous_generator(self):
+        async def source():
+            for part in np.array_split(self.rays, 6):
+                await asyncio.sleep(0)
+                yield part
+
+        for batches in (source(), np.array_split(self.rays, 6)):
+            async with self.scene.cast_batches(batches) as answers:
+                t = [hits.t async for hits in answers]
+            np.testing.assert_allclose(np.concatenate(t), self.t, rtol=1e-4)
+
+    async def test_changes_and_watch(self):
+        async with self.scene.batch() as batch:
+            node = await self.scene.add(brute.box(), name="box")
+        self.assertEqual(batch.applied.revision, 2)
+        async with self.scene.update_stream("producer") as stream:
+            await stream.set_transforms([node], np.eye(4)[None])
+            self.assertEqual(await stream.flush(), 3)
+        async with self.scene.watch(0) as changes:
+            self.assertEqual([(await changes.__anext__()).revision for _ in range(3)], [1, 2, 3])
+        self.assertEqual((await self.scene.info()).nodes, 2)
+        self.assertEqual([scene.name for scene in await self.client.scenes()], [self.scene.name])
+
+    async def test_cancelling_a_task_cancels_its_call(self):
+        async def watching():
+            async for _ in self.scene.watch():
+                pass
+
+        task = asyncio.create_task(watching())
+        await asyncio.sleep(0.3)
+        task.cancel()
+        with self.assertRaises(asyncio.CancelledError):
+            await asyncio.wait_for(task, 20)
+        endless = np.tile(self.rays, (20000, 1))
+        with self.assertRaises(asyncio.TimeoutError):
+            await asyncio.wait_for(self.scene.cast(endless), 0.2)
+        np.testing.assert_allclose((await self.scene.cast(self.rays)).t, self.t, rtol=1e-4)
+
+    async def test_errors(self):
+        with self.assertRaises(sightline.NotFound) as raised:
+            await self.client.scene("none").cast(self.rays)
+        self.assertEqual(raised.exception.reason, "SCENE_NOT_FOUND")

@@ -1,0 +1,52 @@
+"""The package as it is delivered."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import unittest
+
+import sightline
+
+
+class PackageTest(unittest.TestCase):
+    def test_it_has_descriptors_types_and_a_version_and_no_generated_code(self):
+        folder = pathlib.Path(sightline.__file__).parent
+        self.assertTrue((folder / "py.typed").exists())
+        self.assertRegex(sightline.__version__, r"^\d+\.\d+\.\d+$")
+        self.assertEqual(list(folder.rglob("*_pb2*")), [])
+
+    def test_its_messages_clash_with_none(self):
+        # Another version of the same files in the default pool, before and after.
+        text = """
+from google.protobuf import descriptor_pb2, descriptor_pool
+def add():
+    for name in ("google/rpc/status.proto", "sightline/v1/common.proto"):
+        package = name.rpartition("/")[0].replace("/", ".")
+        file = descriptor_pb2.FileDescriptorProto(name=name, package=package)
+        file.message_type.add(name="Status" if "rpc" in name else "Transform")
+        descriptor_pool.Default().AddSerializedFile(file.SerializeToString())
+add()
+import sightline
+from sightline import _proto
+assert _proto.Transform(matrix=[1]).matrix == [1]
+assert _proto.message("google.rpc.Status")(code=3).code == 3
+import sys
+assert "google.rpc" not in sys.modules
+print("ok")
+"""
+        done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
+        self.assertEqual((done.stdout, done.stderr), ("ok\n", ""))
+
+    def test_its_server_is_the_one_of_the_tests(self):
+        with sightline.serve() as server:
+            self.assertEqual(server.client.server_info().version, sightline.__version__)
+            self.assertTrue(os.path.exists(server.endpoint[len("unix:"):]))
+
+    def test_errors_are_what_python_calls_them(self):
+        errors = sightline.errors
+        self.assertIsInstance(errors.of_code(5, "text", "REASON"), LookupError)
+        error = errors.of_code(3, "text", "REASON")
+        self.assertIsInstance(error, ValueError)
+        self.assertEqual((error.message, error.reason, str(error)), ("text", "REASON", "text [REASON]"))
+        self.assertIsInstance(errors.of_code(99, "text"), errors.Unknown)
