@@ -170,3 +170,15 @@ class SceneTest(ServerTest):
             stream.set_transforms(nodes, np.tile(shifted(1), (len(nodes), 1, 1)))
             self.assertEqual(stream.flush(), 2)
         self.assertEqual(list(self.scene.nodes(nodes[:600])[599].transform.matrix), shifted(1)[:3].reshape(-1).tolist())
+
+    def test_a_scene_of_trimesh(self):
+        box = types.SimpleNamespace(vertices=self.box[0], faces=self.box[1])
+        edges = [("world", "arm", {"matrix": shifted(10)}), ("arm", "hand", {"matrix": shifted(10), "geometry": "box"}),
+                 ("world", "foot", {"geometry": "box"}), ("world", "line", {"geometry": "path"})]
+        graph = types.SimpleNamespace(base_frame="world", to_edgelist=lambda: edges)
+        source = types.SimpleNamespace(graph=graph, geometry={"box": box, "path": types.SimpleNamespace()})
+        top = self.scene.add(source, name="robot")
+        self.assertEqual(self.seen(), [True, False, True])
+        self.assertEqual((self.scene.info().revision, self.scene.info().meshes), (1, 1))
+        top.set_transform(shifted(-10))
+        self.assertEqual(self.seen(), [False, True, False])

@@ -32,7 +32,7 @@ def request_parts(description: bytes, rays: Rays, begin: int, end: int) -> "List
     for name, column in zip(_RAY_COLUMNS, rays.columns()):
         if column is not None and end > begin:
             rows = np.ascontiguousarray(column[begin:end])
-            parts += [_wire.bytes_header(_RAYS[name], rows.nbytes), memoryview(rows).cast("B")]
+            parts += [_wire.bytes_header(_RAYS[name], rows.nbytes), rows.data.cast("B")]
     return [description, _wire.bytes_header(_REQUEST["rays"], _length(parts)), *parts]
 
 

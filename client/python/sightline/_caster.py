@@ -30,9 +30,6 @@ class _Totals:
             for field, value in answer.stats.ListFields():
                 self.stats[field.name] = self.stats.get(field.name, 0) + value
 
-    def __iter__(self) -> "Iterator[Any]":
-        return iter((self.revision, self.token, self.stats))
-
 
 class _PerRay:
     """Fills a row for each ray."""
@@ -49,7 +46,8 @@ class _PerRay:
         self._totals.add(answers[0])
 
     def hits(self, shape: "Tuple[int, ...]", rays: Optional[Rays], names: NameLookup) -> Hits:
-        return Hits(shape, self._columns, *self._totals, rays, names)
+        totals = self._totals
+        return Hits(shape, self._columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
 class _PerHit:
@@ -76,7 +74,8 @@ class _PerHit:
     def hits(self, shape: "Tuple[int, ...]", rays: Optional[Rays], names: NameLookup) -> AllHits:
         columns = {name: np.concatenate(parts) if parts else empty_columns((name,), 0)[name]
                    for name, parts in self._parts.items()}
-        return AllHits(shape, columns, *self._totals, rays, names)
+        totals = self._totals
+        return AllHits(shape, columns, totals.revision, totals.token, totals.stats, rays, names)
 
 
 def _collector(query: Query, count: int) -> "Union[_PerRay, _PerHit]":
@@ -119,10 +118,10 @@ def _is_last(piece: Piece) -> bool:
 
 
 def cast_generated(connection: Connection, query: Query, generator: Any, shape: "Tuple[int, ...]",
-                   timeout: Optional[float], names: NameLookup) -> "Union[Hits, AllHits]":
-    """Rays that the server makes: as many as `shape` has elements."""
+                   timeout: Optional[float], names: NameLookup) -> Hits:
+    """Rays that the server makes, of another kind than "all": as many as `shape` has elements."""
     total = int(np.prod(shape))
-    collector = _collector(query, total)
+    collector = _PerRay(query, total)
     source = generated(generator, total, _MOST_GENERATED)
     for part, answers in CastStream(connection, query, source, timeout).answers():
         collector.add(part.count, answers)

@@ -7,7 +7,7 @@ import ipaddress
 import json
 import os
 import pathlib
-from typing import Any, Iterable
+from typing import Any, Iterator
 
 import grpc
 
@@ -165,7 +165,7 @@ class Stream:
     def cancel(self) -> None:
         self._call.cancel()
 
-    def __iter__(self) -> "Iterable[Any]":
+    def __iter__(self) -> "Iterator[Any]":
         """Errors: those of errors.py. A call that only the server cancelled is Unavailable."""
         try:
             yield from self._call

@@ -11,13 +11,13 @@ def reporter(progress: "Union[bool, Callable[[int, Optional[int]], Any]]",
              total: Optional[int]) -> "Iterator[Callable[[int], None]]":
     """What is to be told of each part that is done. `progress`: a function of (done, total), where total is None if
     it is not known; or True, a bar by tqdm, nothing without tqdm."""
-    if callable(progress):
-        done = 0
+    if not isinstance(progress, bool):
+        done, tell = 0, progress
 
         def report(more: int) -> None:
             nonlocal done
             done += more
-            progress(done, total)
+            tell(done, total)
 
         yield report
         return

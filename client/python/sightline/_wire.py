@@ -6,7 +6,7 @@ that a message can be put together from buffers, and views of its fields can be 
 
 from __future__ import annotations
 
-from typing import Iterator, Tuple, Union
+from typing import Any, Iterator, Tuple
 
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 
@@ -44,7 +44,7 @@ def _read_varint(data: memoryview, at: int) -> Tuple[int, int]:
         shift += 7
 
 
-def fields(data: memoryview) -> Iterator[Tuple[int, Union[int, memoryview]]]:
+def fields(data: memoryview) -> Iterator[Tuple[int, Any]]:
     """The fields of a message in order: its number, and a number or a view. ValueError: not a whole message."""
     at = 0
     while at < len(data):

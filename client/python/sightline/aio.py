@@ -33,7 +33,7 @@ class _Threads:
         return await self.run_in(*_new_context(), functools.partial(function, *arguments, **named))
 
     async def run_in(self, context: contextvars.Context, calls: CallScope, function: "Callable[[], Any]") -> Any:
-        future = self._executor.submit(context.run, function)
+        future = self._executor.submit(lambda: context.run(function))
         try:
             return await asyncio.wrap_future(future)
         except asyncio.CancelledError:

@@ -85,7 +85,7 @@ class _Answer:
         return self._shaped(self._columns["name"])
 
     def _table(self) -> "Dict[str, np.ndarray]":
-        table = {}
+        table: "Dict[str, np.ndarray]" = {}
         for name in GEOMETRY:
             column = self._columns.get(name)
             if name == "uv" and column is not None:

@@ -31,8 +31,8 @@ class Mesh:
 
     def parts(self, copy_number: int = 0) -> "Tuple[memoryview, ...]":
         header = struct.pack("<4sIQQ", b"SLM1", copy_number, len(self.vertices), len(self.faces))
-        return tuple(memoryview(part).cast("B") if len(part) else memoryview(b"")
-                     for part in (header, self.vertices, self.faces))
+        return (memoryview(header), *(array.data.cast("B") if len(array) else memoryview(b"")
+                                      for array in (self.vertices, self.faces)))
 
     def digest(self, copy_number: int = 0) -> str:
         """Its name on the server."""

@@ -97,9 +97,11 @@ class RaycastingScene:
         create_rays_pinhole(intrinsic_matrix (3, 3), extrinsic_matrix (4, 4), width_px, height_px)
         create_rays_pinhole(fov_deg, center (3), eye (3), up (3), width_px, height_px), fov from left to right
         """
-        form = look_at if len(arguments) + len(named) == 6 else intrinsic_rays
         wrap = _wrapper(*arguments, *named.values())
-        return wrap(form(*map(_array, arguments), **{name: _array(value) for name, value in named.items()}))
+        arguments, named = tuple(map(_array, arguments)), {name: _array(value) for name, value in named.items()}
+        if len(arguments) + len(named) == 6:
+            return wrap(look_at(*arguments, **named))
+        return wrap(intrinsic_rays(*arguments, **named))
 
     def compute_closest_points(self, *_: Any, **__: Any) -> Any:
         """Raises NotImplementedError."""

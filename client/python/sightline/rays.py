@@ -57,9 +57,9 @@ def as_rays(rays: Any = None, origins: Any = None, directions: Any = None, tmin:
     if origins is None or directions is None:
         raise TypeError("rays need origins and directions")
     vectors = [_vectors(origins, "origins"), _vectors(directions, "directions")]
-    bounds = [None if t is None else _real(t, name) for t, name in ((tmin, "tmin"), (tmax, "tmax"))]
+    bounds: "List[Optional[np.ndarray]]" = [None if t is None else _real(t, name) for t, name in ((tmin, "tmin"), (tmax, "tmax"))]
     bits = None if masks is None else _masks(masks)
-    dtype = _common_type(vectors + bounds)
+    dtype = _common_type([*vectors, *bounds])
     shape = np.broadcast_shapes(*(v.shape[:-1] for v in vectors), *(t.shape for t in bounds if t is not None),
                                 *(() if bits is None else (bits.shape,)))
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List,
 import numpy as np
 
 from . import _caster, _proto, _query, updates
+from ._connection import Connection
 from ._progress import reporter
 from .batch import Batch, apply
+from .hierarchy import add_hierarchy, is_hierarchy
 from .hits import AllHits, Hits
 from .meshes import as_mesh, upload
 from .nodes import Node, placed
@@ -63,7 +65,7 @@ class Scene:
     def __init__(self, client: "Client", name: str):
         self.client = client
         self.name = name  #: projects/{project}/scenes/{scene}
-        self._connection = client._connection
+        self._connection: Connection = client._connection
         self._batch: Optional[Batch] = None
 
     def __repr__(self) -> str:
@@ -151,11 +153,13 @@ class Scene:
             origin: Any = (0.0, 0.0, 0.0), mobility: Optional[str] = None, mask: Optional[int] = None) -> Node:
         """A new node, under `parent` (0: a root), and the mesh it carries; None: a group.
 
-        mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's. Vertices are kept as float32
-        relative to `origin` (3). transform: (3, 4) or (4, 4), parent from local. mobility: "static", "rigid",
+        mesh: (vertices (v, 3), faces (f, 3)), or an object that has both, as trimesh's; or a trimesh.Scene, whose nodes
+        are put under this one, all as one revision. Vertices are kept as float32 relative to `origin` (3). transform: (3, 4) or (4, 4), parent from local. mobility: "static", "rigid",
         "deforming". mask: 32 bits, of which rays need one. Errors: TypeError, ValueError (not a mesh, a transform),
         InvalidArgument (no ray can be carried through the transforms), NotFound (the parent).
         """
+        if is_hierarchy(mesh):
+            return add_hierarchy(self, mesh, name=name, parent=parent, transform=transform, mobility=mobility, mask=mask)
         digest = "" if mesh is None else upload(self._connection, as_mesh(mesh, origin))
         return self.put(digest, name=name, parent=parent, transform=transform, origin=origin, mobility=mobility,
                         mask=mask)

@@ -24,14 +24,14 @@ class Change:
 
 def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator[Change]":
     """See Scene.watch."""
-    failures, reached, parts = 0, start, []
+    failures, reached = 0, start
     while True:
         request = _proto.WatchSceneRequest(scene=scene)
         if reached is not None:
             request.start_revision = reached
         try:
             with connection.stream("WatchScene", request) as stream:
-                parts = []
+                parts: "List[updates.Update]" = []
                 for message in stream:
                     failures = 0
                     parts += map(updates.decode, message.updates)
@@ -39,7 +39,7 @@ def watch(connection: Connection, scene: str, start: Optional[int]) -> "Iterator
                         continue
                     reached = message.revision.revision
                     if not message.progress:
-                        yield Change(reached, message.revision.token, parts)
+                        yield Change(message.revision.revision, message.revision.token, parts)
                     parts = []
                 raise errors.Unavailable("the server ended the watch")
         except errors.Unavailable:
