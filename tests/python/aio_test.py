@@ -59,9 +59,17 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
         task.cancel()
         with self.assertRaises(asyncio.CancelledError):
             await asyncio.wait_for(task, 20)
-        endless = np.tile(self.rays, (20000, 1))
+
+        async def endless():
+            while True:
+                yield self.rays
+
+        async def casting():
+            async for _ in self.scene.cast_batches(endless()):
+                pass
+
         with self.assertRaises(asyncio.TimeoutError):
-            await asyncio.wait_for(self.scene.cast(endless), 0.2)
+            await asyncio.wait_for(casting(), 0.3)
         np.testing.assert_allclose((await self.scene.cast(self.rays)).t, self.t, rtol=1e-4)
 
     async def test_errors(self):

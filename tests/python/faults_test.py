@@ -92,6 +92,8 @@ class FaultTest(unittest.TestCase):
             scene.cast([[0] * 6])
             process = self.server_of(server)
             os.kill(process, signal.SIGSTOP)
+            while ") T " not in pathlib.Path(f"/proc/{process}/stat").read_text():
+                time.sleep(0.01)
             try:
                 start = time.monotonic()
                 for rays in (np.zeros((5, 6)), np.zeros((50000, 6))):

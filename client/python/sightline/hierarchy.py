@@ -23,7 +23,8 @@ def add_hierarchy(scene: "Scene", source: Any, *, mobility: Any, mask: Any, **ro
     children: "Dict[str, List[Tuple[str, Any]]]" = {}
     for parent, child, edge in source.graph.to_edgelist():
         children.setdefault(parent, []).append((child, edge))
-    with contextlib.nullcontext() if scene._batch is not None else scene.batch():
+    batch: Any = scene.batch() if scene._batch is None else contextlib.nullcontext()
+    with batch:
         top = scene.put("", mobility=mobility, mask=mask, **root)
         waiting = [(source.graph.base_frame, top)]
         while waiting:
