@@ -24,6 +24,8 @@ void AllHits::append(const HitView& hits) {
   add(hits.primitive, primitive);
   add(hits.barycentric, barycentric);
   add(hits.normal, normal);
+  add(hits.position, position);
+  for (const std::uint32_t row : hits.name) name.emplace_back(hits.names[row]);
 }
 
 }  // namespace sightline::client

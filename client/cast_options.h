@@ -7,6 +7,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -49,13 +50,17 @@ struct BasicHitColumns {
   Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount: a bad ray
   /// (bits_bytes(n)) for kAny: bit i % 8 of byte i / 8 is 1 where ray i hits; a bad ray has 0
   Span<std::uint8_t> hit_bits{};
+  Span<double> position{};  ///< (n, 3) where the ray hits, in world space; NaN without a hit
+  /// (n) the name of the node, "" without a hit; in an answer its row in HitView::names
+  std::conditional_t<is_const, std::span<const std::uint32_t>, std::span<std::string>> name{};
 };
 using HitColumns = BasicHitColumns<false>;
-/// For a cast of all hits, the columns t, node, primitive, barycentric and normal have one row per
-/// hit, in the order of the rays. `offsets` (n + 1) assigns them: the hits of ray i are the rows
-/// offsets[i] up to offsets[i + 1]. A bad ray has no row.
+/// For a cast of all hits, the columns t, node, primitive, barycentric, normal, position and name
+/// have one row per hit, in the order of the rays. `offsets` (n + 1) assigns them: the hits of ray
+/// i are the rows offsets[i] up to offsets[i + 1]. A bad ray has no row.
 struct HitView : BasicHitColumns<true> {
   std::span<const std::uint32_t> offsets{};
+  std::vector<std::string_view> names{};  ///< distinct; the rows of `name` are below its size
 };
 
 /// A value of `hit` in a cast of all hits: the ray has more than max_hits hits, and the nearest are
@@ -77,6 +82,8 @@ struct HitFields {
   bool work = false;
   bool count = false;
   bool hit_bits = false;
+  bool position = false;
+  bool name = false;
 };
 
 /// What is asked about each ray. All kinds see the same hits, whatever the limits, masks and other
@@ -169,6 +176,8 @@ struct AllHits {
   std::vector<std::uint32_t> primitive;
   std::vector<float> barycentric;
   std::vector<float> normal;
+  std::vector<double> position;
+  std::vector<std::string> name;
   CastReport report;
 
   /// Appends the answers in `hits`, which has offsets for its rays.

@@ -18,6 +18,7 @@
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/cast_rpc.h"
+#include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
 #include "server/queries/prefetch_job.h"
 #include "server/queries/ray_codec.h"
@@ -132,6 +133,9 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "watch",
                               "consistency",
                               "hit-bits",
+                              "hit-positions",
+                              "hit-names",
+                              "ray-count",
                               "generators",
                               "patch",
                               "build.lazy",
@@ -151,6 +155,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
   info.set_max_depth(static_cast<std::uint32_t>(scenegraph::model::kMaxDepth));
   info.set_max_hits_per_ray(queries::kMaxMaxHits);
   info.set_max_hits_per_reply(queries::kMaxHitsPerReply);
+  info.set_max_name_bytes_per_reply(queries::kMaxNameBytes);
   info.set_max_exclusions(queries::kMaxExclusions);
   info.set_max_prefetches(static_cast<std::uint32_t>(config.max_prefetches));
   info.set_max_updates_per_batch(updates::kMaxUpdatesPerBatch);

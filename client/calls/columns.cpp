@@ -59,6 +59,8 @@ HitFields fields_of(const HitColumns& hits) {
   fields.hit_bits = !hits.hit_bits.empty();
   fields.work = !hits.work.empty();
   fields.count = !hits.count.empty();
+  fields.position = !hits.position.empty();
+  fields.name = !hits.name.empty();
   return fields;
 }
 
@@ -74,7 +76,8 @@ Status check_rows(std::size_t n, const HitColumns& hits) {
         Column{"primitive", hits.primitive.size(), 1},
         Column{"barycentric", hits.barycentric.size(), 2}, Column{"normal", hits.normal.size(), 3},
         Column{"hit", hits.hit.size(), 1}, Column{"work", hits.work.size(), 1},
-        Column{"count", hits.count.size(), 1}}) {
+        Column{"count", hits.count.size(), 1}, Column{"position", hits.position.size(), 3},
+        Column{"name", hits.name.size(), 1}}) {
     if (Status checked = check_column(column, n); !checked) return checked;
   }
   const std::size_t bits = hits.hit_bits.size();
@@ -136,6 +139,10 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.hit_bits, bits_bytes(first), 1, hits.hit_bits);
   put_rows(answers.work, first, 1, hits.work);
   put_rows(answers.count, first, 1, hits.count);
+  put_rows(answers.position, first, 3, hits.position);
+  if (hits.name.empty()) return;
+  for (std::size_t i = 0; i < answers.name.size(); ++i)
+    hits.name[first + i] = answers.names[answers.name[i]];
 }
 
 template Status check_rows(const RayColumns<const float>&, const HitColumns&);

@@ -52,6 +52,16 @@ bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size
          view_column(response, fields.count, v1::HIT_FIELD_COUNT, n, hits.count);
 }
 
+// Also false if a row is not one of the names.
+bool view_names(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
+                HitView& hits) {
+  if (!fields.name) return true;
+  hits.names.assign(response.names().begin(), response.names().end());
+  return view_column(response, true, v1::HIT_FIELD_NAME, n, hits.name) &&
+         std::all_of(hits.name.begin(), hits.name.end(),
+                     [&](std::uint32_t row) { return row < hits.names.size(); });
+}
+
 bool view_surfaces(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
                    HitView& hits) {
   return view_column(response, fields.t, v1::HIT_FIELD_T, n, hits.t) &&
@@ -59,7 +69,9 @@ bool view_surfaces(const v1::CastRaysResponse& response, HitFields fields, std::
          view_column(response, fields.primitive, v1::HIT_FIELD_PRIMITIVE, n, hits.primitive) &&
          view_column(response, fields.barycentric, v1::HIT_FIELD_BARYCENTRIC, 2 * n,
                      hits.barycentric) &&
-         view_column(response, fields.normal, v1::HIT_FIELD_NORMAL, 3 * n, hits.normal);
+         view_column(response, fields.normal, v1::HIT_FIELD_NORMAL, 3 * n, hits.normal) &&
+         view_column(response, fields.position, v1::HIT_FIELD_POSITION, 3 * n, hits.position) &&
+         view_names(response, fields, n, hits);
 }
 
 }  // namespace
@@ -127,11 +139,14 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   if (fields.hit_bits) request.add_fields(v1::HIT_FIELD_HIT_BITS);
   if (fields.work) request.add_fields(v1::HIT_FIELD_WORK);
   if (fields.count) request.add_fields(v1::HIT_FIELD_COUNT);
+  if (fields.position) request.add_fields(v1::HIT_FIELD_POSITION);
+  if (fields.name) request.add_fields(v1::HIT_FIELD_NAME);
 }
 
 template <class Scalar>
 RayColumns<Scalar> resize_columns(std::size_t n, RayShape shape, v1::Rays& rays) {
   rays.set_float64(std::is_same_v<Scalar, double>);
+  rays.set_count(n);
   RayColumns<Scalar> columns;
   columns.origins = resize<Scalar>(n, 3, *rays.mutable_origins());
   columns.directions = resize<Scalar>(n, 3, *rays.mutable_directions());

@@ -15,7 +15,7 @@
 namespace sightline::server::queries {
 namespace {
 
-/// Bytes of a reply with every field.
+/// Bytes of a reply with every field that DerivedColumns does not write.
 constexpr std::size_t kReplyBytesPerRay = 48;
 
 std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
@@ -64,8 +64,9 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   constexpr std::size_t kSliceBytesPerRay =
       sizeof(accel::geometry::Ray) + sizeof(accel::geometry::Hit);
   const std::size_t decoded = lists ? count : std::min(count, kRaysPerSlice);
-  std::size_t bytes =
-      request.ByteSizeLong() + decoded * kSliceBytesPerRay + count * kReplyBytesPerRay;
+  const std::size_t rows = lists ? std::min(count * query_.max_hits, kMaxHitsPerReply) : count;
+  std::size_t bytes = request.ByteSizeLong() + decoded * kSliceBytesPerRay +
+                      count * kReplyBytesPerRay + derived_bytes(query_, rows);
   if (lists) {
     bytes += hit_pager_bytes(count, query_.max_hits, services_.compute.threads());
     auto all_hits = services_.all_hits_admission.admit(caller_, count, bytes);
@@ -116,6 +117,7 @@ bool CastJob::is_immediate() const {
 bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   if (const Status ready = begin(); !ready) return false;
   resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  derived_.begin(*snapshot_, reply);
   scenegraph::TraceOptions built_only = options();
   built_only.growth = scenegraph::Growth::kBuiltOnly;
   bool met_deferred = false;
@@ -149,7 +151,7 @@ Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceO
   accel::geometry::HitColumns hits = view_hits(reply, 0, batch_.size());
   const auto asked = hits.work;
   hits.work = {work.data()};
-  auto traced = scenegraph::trace(*snapshot_, batch_.view(0, batch_.size(), made_), hits, options);
+  auto traced = trace_hits(batch_.view(0, batch_.size(), made_), hits, options);
   for (std::size_t i = 0; i < batch_.size(); ++i) {
     if (asked.is_asked()) asked.set(i, work[i]);
     met_deferred |= is_deferred(work[i]);
@@ -226,6 +228,7 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
 void CastJob::describe(v1::CastRaysResponse& reply) {
   encode_revision(revision_, *reply.mutable_served());
   if (reply.more()) return reply.clear_stats();
+  derived_.end();
   batch_time_ = Clock::now() - arrived_;
   services_.metrics.count_batch(query_.kind, stats_, batch_time_);
   stats_ += std::exchange(build_stats_, {});
@@ -277,7 +280,10 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (!reply.more()) stats_ += pager_.stats();
     return made;
   }
-  if (answered_ == 0) resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+  if (answered_ == 0) {
+    resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
+    derived_.begin(*snapshot_, reply);
+  }
   const std::size_t count = std::min(batch_.size() - answered_, kRaysPerSlice);
   const auto traced = trace_rays(count, options(), reply);
   if (!traced) return traced.error();
@@ -287,13 +293,27 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   return {};
 }
 
+/// Closest or any hits of the next rays, written to `hits`, and the columns that follow from them.
+Result<scenegraph::TraceStats> CastJob::trace_hits(const accel::geometry::RayColumns& rays,
+                                                   accel::geometry::HitColumns& hits,
+                                                   const scenegraph::TraceOptions& options) {
+  derived_.add_sources(hits);
+  auto traced = scenegraph::trace(*snapshot_, rays, hits, options);
+  if (!traced) return traced;
+  if (const Status written = derived_.write(rays, hits, answered_); !written)
+    return written.error();
+  return traced;
+}
+
 /// Writes the answers to the next rays into the reply.
 Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
                                                    const scenegraph::TraceOptions& options,
                                                    v1::CastRaysResponse& reply) {
   const accel::geometry::RayColumns rays = batch_.view(answered_, count, made_);
-  if (query_.kind != scenegraph::QueryKind::kCount)
-    return scenegraph::trace(*snapshot_, rays, view_hits(reply, answered_, count), options);
+  if (query_.kind != scenegraph::QueryKind::kCount) {
+    accel::geometry::HitColumns hits = view_hits(reply, answered_, count);
+    return trace_hits(rays, hits, options);
+  }
   tallies_.resize(count);
   auto traced = scenegraph::count_hits(*snapshot_, rays, tallies_, options);
   if (traced) encode_tallies(tallies_, answered_, reply);
@@ -321,51 +341,6 @@ std::string CastJob::description() const {
                      microseconds(total_queued_), total_stats_.cells_expanded,
                      total_stats_.trees_begun,
                      static_cast<std::uint64_t>(total_stats_.build_seconds * 1e6));
-}
-
-std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads) {
-  const std::size_t overshoot = static_cast<std::size_t>(threads) * scenegraph::kHitsPerListBlock;
-  const std::size_t hits = std::min(rays * max_hits, kHitsListed + overshoot);
-  return rays * sizeof(scenegraph::RayTally) + 2 * hits * sizeof(accel::geometry::Hit);
-}
-
-void HitPager::begin(std::span<const accel::geometry::Ray> rays) {
-  rays_ = rays;
-  sent_ = listed_ = sent_hits_ = 0;
-  tallies_.resize(rays.size());
-  hits_.clear();
-  stats_ = {};
-}
-
-Status HitPager::list(const scenegraph::revision::Snapshot& snapshot,
-                      scenegraph::TraceOptions options) {
-  options.hits_at_once = kHitsListed;
-  const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
-                                            std::span(tallies_).subspan(listed_), hits_, options);
-  if (!traced) return traced.error();
-  listed_ += traced->rays;
-  sent_hits_ = 0;
-  stats_ += *traced;
-  return {};
-}
-
-Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
-                      const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
-                      v1::CastRaysResponse& reply) {
-  if (sent_ == listed_) {
-    if (Status done = list(snapshot, options); !done) return done;
-  }
-  const std::size_t first = sent_;
-  std::size_t count = 0;
-  for (; sent_ < listed_ && count + tallies_[sent_].count <= kMaxHitsPerReply; ++sent_)
-    count += tallies_[sent_].count;
-  encode_lists(std::span(tallies_).subspan(first, sent_ - first),
-               std::span(hits_).subspan(sent_hits_, count), fields, reply);
-  sent_hits_ += count;
-  reply.set_first_ray(first);
-  reply.set_more(sent_ < rays_.size());
-  if (!reply.more()) hits_ = {};  // frees the memory while the stream is idle
-  return {};
 }
 
 }  // namespace sightline::server::queries

@@ -24,46 +24,14 @@
 #include "server/exec/quotas.h"
 #include "server/queries/batch_rays.h"
 #include "server/queries/cast_query.h"
+#include "server/queries/derived_columns.h"
 #include "server/queries/hit_codec.h"
+#include "server/queries/hit_pager.h"
 #include "server/scenes/revision_wait.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/query.pb.h"
 
 namespace sightline::server::queries {
-
-/// Tracing pauses after about this many hits and continues when their parts are made.
-inline constexpr std::size_t kHitsListed = 65536;
-
-/// Most bytes that a batch of `rays` rays holds, with `threads` threads listing hits: the hits
-/// before and after they are sorted by ray.
-std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads);
-
-/// Answers a batch that asks for all hits in parts, each of whole rays.
-class HitPager {
- public:
-  /// Starts a batch. `rays` must not change until all parts are made.
-  void begin(std::span<const accel::geometry::Ray> rays);
-
-  /// Makes the next part: columns, first_ray and more. A batch without rays has one empty part.
-  /// Errors: kCancelled.
-  Status next(const scenegraph::revision::Snapshot& snapshot,
-              const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
-              v1::CastRaysResponse& reply);
-
-  /// Totals of the parts made so far.
-  const scenegraph::TraceStats& stats() const { return stats_; }
-
- private:
-  Status list(const scenegraph::revision::Snapshot& snapshot, scenegraph::TraceOptions options);
-
-  std::span<const accel::geometry::Ray> rays_;
-  std::size_t sent_ = 0;    // rays in parts that are made
-  std::size_t listed_ = 0;  // rays that are traced
-  std::size_t sent_hits_ = 0;
-  std::vector<scenegraph::RayTally> tallies_;  // of all rays
-  std::vector<accel::geometry::Hit> hits_;     // of the last rays traced
-  scenegraph::TraceStats stats_;
-};
 
 /// Casts of up to this number of rays have their own workers and a reserve of admission.
 inline constexpr std::size_t kSmallCast = 256;
@@ -140,6 +108,9 @@ class CastJob {
   Result<scenegraph::TraceStats> trace_rays(std::size_t count,
                                             const scenegraph::TraceOptions& options,
                                             v1::CastRaysResponse& reply);
+  Result<scenegraph::TraceStats> trace_hits(const accel::geometry::RayColumns& rays,
+                                            accel::geometry::HitColumns& hits,
+                                            const scenegraph::TraceOptions& options);
   Result<scenegraph::TraceStats> trace_immediate(const scenegraph::TraceOptions& options,
                                                  v1::CastRaysResponse& reply, bool& met_deferred);
   void describe(v1::CastRaysResponse& reply);
@@ -160,6 +131,7 @@ class CastJob {
   std::optional<scenegraph::query::Selection> selection_;
   std::vector<scenegraph::RayTally> tallies_;  // of the slice
   HitPager pager_;
+  DerivedColumns derived_;              // of the batch, unless it lists hits
   scenegraph::TraceStats build_stats_;  // of a full build for the batch
   scenegraph::TraceStats stats_;        // of the batch
   exec::Quotas::Use quota_;

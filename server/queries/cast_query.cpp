@@ -76,15 +76,16 @@ const FieldsOfKind& fields_of(QueryKind kind) {
   static const FieldsOfKind kClosest{
       {},
       {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
-      {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
+      {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK,
+       v1::HIT_FIELD_POSITION, v1::HIT_FIELD_NAME}};
   static const FieldsOfKind kAny{
       {v1::HIT_FIELD_HIT}, {}, {v1::HIT_FIELD_HIT_BITS, v1::HIT_FIELD_WORK}};
   static const FieldsOfKind kCount{
       {v1::HIT_FIELD_COUNT}, {}, {v1::HIT_FIELD_HIT, v1::HIT_FIELD_WORK}};
-  static const FieldsOfKind kAll{
-      {v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT},
-      {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
-      {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL, v1::HIT_FIELD_WORK}};
+  static const FieldsOfKind kAll{{v1::HIT_FIELD_OFFSET, v1::HIT_FIELD_HIT},
+                                 {v1::HIT_FIELD_T, v1::HIT_FIELD_NODE, v1::HIT_FIELD_PRIMITIVE},
+                                 {v1::HIT_FIELD_BARYCENTRIC, v1::HIT_FIELD_NORMAL,
+                                  v1::HIT_FIELD_WORK, v1::HIT_FIELD_POSITION, v1::HIT_FIELD_NAME}};
   switch (kind) {
     case QueryKind::kAny:
       return kAny;
@@ -137,6 +138,8 @@ Status decode_fields(const v1::CastRaysRequest& request, CastQuery& query) {
   query.fields.insert(query.fields.end(), others.begin(), others.end());
   query.surface = contains(query.fields, v1::HIT_FIELD_BARYCENTRIC) ||
                   contains(query.fields, v1::HIT_FIELD_NORMAL);
+  query.positions = contains(query.fields, v1::HIT_FIELD_POSITION);
+  query.names = contains(query.fields, v1::HIT_FIELD_NAME);
   return {};
 }
 

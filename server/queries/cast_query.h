@@ -28,6 +28,8 @@ struct CastQuery {
   std::uint32_t max_hits = kDefaultMaxHits;
   std::vector<v1::HitField> fields{};  ///< Columns of the reply, in this order; no field twice.
   bool surface = false;                ///< Whether `fields` has barycentrics or normals.
+  bool positions = false;              ///< Whether `fields` has positions.
+  bool names = false;                  ///< Whether `fields` has names.
 
   bool selects() const { return root != 0 || !excluded.empty(); }
 };

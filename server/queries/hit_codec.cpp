@@ -19,7 +19,8 @@ using accel::geometry::HitColumns;
 using accel::geometry::HitState;
 using scenegraph::RayTally;
 
-static_assert(sizeof(accel::geometry::Vec3f) == 3 * sizeof(float) && sizeof(HitState) == 1);
+static_assert(sizeof(accel::geometry::Vec3f) == 3 * sizeof(float) &&
+              sizeof(accel::geometry::Vec3d) == 3 * sizeof(double) && sizeof(HitState) == 1);
 
 constexpr std::uint8_t kCutOff = 3;
 
@@ -35,6 +36,10 @@ std::size_t column_bytes(v1::HitField field, std::size_t rays, std::size_t hits)
       return hits * (sizeof(Hit::u) + sizeof(Hit::v));
     case v1::HIT_FIELD_NORMAL:
       return hits * sizeof(Hit::normal);
+    case v1::HIT_FIELD_POSITION:
+      return hits * sizeof(accel::geometry::Vec3d);
+    case v1::HIT_FIELD_NAME:
+      return hits * sizeof(std::uint32_t);
     case v1::HIT_FIELD_HIT:
       return rays * sizeof(HitState);
     case v1::HIT_FIELD_HIT_BITS:
@@ -76,7 +81,7 @@ void write_hits(std::span<const Hit> hits, v1::HitField field, std::string& data
     case v1::HIT_FIELD_NORMAL:
       return write_rows(hits, 0, data, [](const Hit& h) { return h.normal; });
     default:
-      return;  // no field of hits
+      return;  // no field of hits, or one of DerivedColumns
   }
 }
 
@@ -131,7 +136,7 @@ void view_column(v1::HitField field, char* data, std::size_t first, HitColumns& 
     case v1::HIT_FIELD_WORK:
       return view_rows(data, first, hits.work);
     default:
-      return;  // no field of hits
+      return;  // no field of hits, or one of DerivedColumns
   }
 }
 

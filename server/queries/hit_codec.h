@@ -1,4 +1,4 @@
-// Encodes the hit columns of a reply.
+// Encodes the hit columns of a reply. DerivedColumns writes those of positions and names.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace sightline::server::queries {
 
-/// With every field, a reply that lists this many hits stays below 1 MiB.
+/// With every field, a reply that lists this many hits stays below 2 MiB, without names.
 inline constexpr std::size_t kMaxHitsPerReply = 20480;
 
 /// A slice of a batch begins at a multiple of this number of rays: the rays of a byte of HIT_BITS.

@@ -19,6 +19,10 @@ static_assert(std::endian::native == std::endian::little,
 using accel::geometry::Ray;
 using accel::geometry::RayColumns;
 
+const char* name_of_element(std::size_t bytes) {
+  return bytes == sizeof(double) ? "float64" : "float32";
+}
+
 Status check_column(std::string_view name, const std::string& column, std::size_t rays,
                     std::size_t bytes_per_ray) {
   if (column.size() == rays * bytes_per_ray) return {};
@@ -34,6 +38,15 @@ Status check_optional_column(std::string_view name, const std::string& column, s
   return column.empty() ? Status() : check_column(name, column, rays, bytes_per_ray);
 }
 
+/// The number of rays that the request says, if it says one, is that of its bytes.
+Status check_said_count(const v1::Rays& columns, std::size_t rays, std::size_t element) {
+  if (columns.count() == 0 || columns.count() == rays) return {};
+  return exec::invalid_argument(
+      fmt::format("count says {} rays, but the {} bytes of column origins hold {}, of 3 {} each",
+                  columns.count(), columns.origins().size(), rays, name_of_element(element)),
+      "RAY_COUNT");
+}
+
 Status check_columns(const v1::Rays& columns, std::size_t rays, std::size_t element) {
   if (Status s = check_column("directions", columns.directions(), rays, 3 * element); !s) return s;
   if (Status s = check_optional_column("tmin", columns.tmin(), rays, element); !s) return s;
@@ -46,11 +59,11 @@ Status check_columns(const v1::Rays& columns, std::size_t rays, std::size_t elem
 Result<std::size_t> count_rays(const v1::Rays& columns) {
   const std::size_t element = columns.float64() ? sizeof(double) : sizeof(float);
   const std::size_t count = columns.origins().size() / (3 * element);
+  if (const Status good = check_said_count(columns, count, element); !good) return good.error();
   if (columns.origins().size() % (3 * element) != 0) {
     return exec::invalid_argument(
         fmt::format("column origins has {} bytes, expected a multiple of {} (3 {} a ray)",
-                    columns.origins().size(), 3 * element,
-                    columns.float64() ? "float64" : "float32"),
+                    columns.origins().size(), 3 * element, name_of_element(element)),
         "COLUMN_LENGTH");
   }
   if (const Status good = check_count(count); !good) return good.error();

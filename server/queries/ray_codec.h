@@ -11,11 +11,13 @@
 
 namespace sightline::server::queries {
 
-/// With every field, the reply to this many rays stays below 1 MiB.
+/// With every field, the reply to this many rays stays below 2 MiB, and its names below
+/// kMaxNameBytes beside them: clients of gRPC take 4 MiB unless they are told otherwise.
 inline constexpr std::size_t kMaxRaysPerRequest = 16384;
 
 /// The number of rays, by the lengths of the columns alone. Errors: kInvalidArgument, naming the
-/// column, its bytes and the bytes expected; kResourceExhausted over kMaxRaysPerRequest.
+/// column, its bytes and the bytes expected, or both numbers of rays where the request says another
+/// one; kResourceExhausted over kMaxRaysPerRequest.
 Result<std::size_t> count_rays(const v1::Rays& columns);
 
 /// As an error of count_rays() if there are more than kMaxRaysPerRequest rays.

@@ -159,6 +159,30 @@ TEST_F(Cast, CountAnswersTheNumberOfHits) {
   }
 }
 
+TEST_F(Cast, PositionsAndNamesOfEveryMessage) {
+  const std::size_t n = kRaysPerMessage + 5;
+  DownwardRays rays(n, kCopies);
+  rays.directions[3 * 2 + 2] = 1;  // misses
+  std::vector<double> position(3 * n);
+  std::vector<std::string> name(n);
+  const HitColumns columns{.position = position, .name = name};
+  ASSERT_TRUE(client_.cast_stream(kScene, rays.columns(), columns));
+  for (std::size_t i = 0; i < n; ++i) {
+    ASSERT_EQ(name[i], i == 2 ? "" : "sheet") << i;
+    if (i == 2) continue;
+    ASSERT_EQ(position[3 * i], rays.origins[3 * i]) << i;
+    ASSERT_EQ(position[3 * i + 2], 1) << i;
+  }
+  EXPECT_TRUE(std::isnan(position[3 * 2]));
+  const auto all = client_.cast_all(kScene, rays.columns(), {.position = true, .name = true});
+  ASSERT_TRUE(all) << all.error().message;
+  ASSERT_EQ(all->name.size(), 2 * (n - 1));
+  ASSERT_EQ(all->position.size(), 6 * (n - 1));
+  EXPECT_EQ(all->name.back(), "sheet");
+  EXPECT_EQ(all->position.back(), 0);
+  EXPECT_TRUE(all->t.empty());
+}
+
 // Two sheets a ray, at t = 4 and 5.
 TEST_F(Cast, AllAnswersEveryHit) {
   for (const std::size_t n : {std::size_t{0}, std::size_t{3}, 3 * kRaysPerMessage + 5}) {

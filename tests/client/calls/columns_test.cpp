@@ -50,5 +50,19 @@ TEST(Columns, HitsAreCopiedToTheirRows) {
   EXPECT_EQ(normals, (std::vector<float>{0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0}));
 }
 
+TEST(Columns, NamesAreCopiedFromTheirRows) {
+  const std::vector<std::uint32_t> rows{2, 0, 1};
+  std::vector<std::string> names(4, "before");
+  HitView answers;
+  answers.name = rows;
+  answers.names = {"", "door", "wall"};
+  copy_hits(answers, 1, HitColumns{.name = names});
+  EXPECT_EQ(names, (std::vector<std::string>{"before", "wall", "", "door"}));
+  AllHits all;
+  all.append(answers);
+  all.append(answers);
+  EXPECT_EQ(all.name, (std::vector<std::string>{"wall", "", "door", "wall", "", "door"}));
+}
+
 }  // namespace
 }  // namespace sightline::client::calls

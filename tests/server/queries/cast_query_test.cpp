@@ -33,6 +33,21 @@ TEST(DecodeQuery, SurfaceIsComputedOnlyOnRequest) {
   }
 }
 
+TEST(DecodeQuery, ClosestAndAllHavePositionsAndNames) {
+  for (const auto kind : {v1::QUERY_KIND_CLOSEST, v1::QUERY_KIND_ALL}) {
+    v1::CastRaysRequest request = request_of(kind);
+    EXPECT_FALSE(decode_query(request, {})->positions);
+    request.add_fields(v1::HIT_FIELD_POSITION);
+    EXPECT_TRUE(decode_query(request, {})->positions);
+    EXPECT_FALSE(decode_query(request, {})->names);
+    request.add_fields(v1::HIT_FIELD_NAME);
+    EXPECT_TRUE(decode_query(request, {})->names);
+    EXPECT_FALSE(decode_query(request, {})->surface);
+    request.set_kind(v1::QUERY_KIND_ANY);
+    EXPECT_EQ(decode_query(request, {}).error().reason, "FIELD_NOT_OF_KIND");
+  }
+}
+
 TEST(DecodeQuery, AnyAnswersHitAndWork) {
   v1::CastRaysRequest request;
   request.set_kind(v1::QUERY_KIND_ANY);

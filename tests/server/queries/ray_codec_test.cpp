@@ -102,6 +102,28 @@ TEST(DecodeRays, NamesTheColumnItsBytesAndTheExpectedBytes) {
   EXPECT_NE(masks.find("masks has 7 bytes, expected 8"), std::string::npos) << masks;
 }
 
+TEST(DecodeRays, ACountMustBeThatOfTheBytes) {
+  v1::Rays columns = two_rays();
+  std::vector<accel::geometry::Ray> rays;
+  columns.set_count(2);
+  EXPECT_TRUE(decode_all(columns, rays));
+  columns.set_float64(true);
+  const Status halved = decode_all(columns, rays);
+  ASSERT_FALSE(halved);
+  EXPECT_EQ(halved.error().code, Code::kInvalidArgument);
+  EXPECT_EQ(halved.error().reason, "RAY_COUNT");
+  EXPECT_EQ(halved.error().message,
+            "count says 2 rays, but the 24 bytes of column origins hold 1, of 3 float64 each");
+  columns.set_float64(false);
+  for (const std::uint64_t other : {std::uint64_t{1}, std::uint64_t{3}, ~std::uint64_t{0}}) {
+    columns.set_count(other);
+    EXPECT_EQ(decode_all(columns, rays).error().reason, "RAY_COUNT") << other;
+  }
+  columns.Clear();
+  columns.set_count(1);
+  EXPECT_EQ(decode_all(columns, rays).error().reason, "RAY_COUNT");
+}
+
 TEST(DecodeRays, AcceptsTheLimitAndNoMore) {
   v1::Rays columns;
   columns.set_origins(std::string(kMaxRaysPerRequest * 12, '\0'));

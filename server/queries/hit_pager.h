@@ -1,0 +1,53 @@
+// Lists the hits of a batch in parts that fit a reply.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "accel/geometry/ray.h"
+#include "accel/result.h"
+#include "scenegraph/revision/snapshot.h"
+#include "scenegraph/trace.h"
+#include "server/queries/derived_columns.h"
+#include "server/queries/hit_codec.h"
+#include "sightline/v1/query.pb.h"
+
+namespace sightline::server::queries {
+
+/// Tracing pauses after about this many hits and continues when their parts are made.
+inline constexpr std::size_t kHitsListed = 65536;
+
+/// Most bytes that a batch of `rays` rays holds, with `threads` threads listing hits: the hits
+/// before and after they are sorted by ray.
+std::size_t hit_pager_bytes(std::size_t rays, std::size_t max_hits, int threads);
+
+/// Answers a batch that asks for all hits in parts, each of whole rays.
+class HitPager {
+ public:
+  /// Starts a batch. `rays` must not change until all parts are made.
+  void begin(std::span<const accel::geometry::Ray> rays);
+
+  /// Makes the next part: columns, first_ray and more. A batch without rays has one empty part.
+  /// Errors: kCancelled, and as of DerivedColumns::write_lists().
+  Status next(const scenegraph::revision::Snapshot& snapshot,
+              const scenegraph::TraceOptions& options, std::span<const v1::HitField> fields,
+              v1::CastRaysResponse& reply);
+
+  /// Totals of the parts made so far.
+  const scenegraph::TraceStats& stats() const { return stats_; }
+
+ private:
+  Status list(const scenegraph::revision::Snapshot& snapshot, scenegraph::TraceOptions options);
+
+  std::span<const accel::geometry::Ray> rays_;
+  std::size_t sent_ = 0;    // rays in parts that are made
+  std::size_t listed_ = 0;  // rays that are traced
+  std::size_t sent_hits_ = 0;
+  std::vector<scenegraph::RayTally> tallies_;  // of all rays
+  std::vector<accel::geometry::Hit> hits_;     // of the last rays traced
+  DerivedColumns derived_;
+  scenegraph::TraceStats stats_;
+};
+
+}  // namespace sightline::server::queries

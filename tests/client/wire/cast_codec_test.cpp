@@ -1,0 +1,50 @@
+// Rays in requests, and answers that are not as they must be.
+#include "client/wire/cast_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sightline::client::wire {
+namespace {
+
+TEST(CastCodec, ARequestSaysHowManyRaysItsColumnsHold) {
+  v1::Rays rays;
+  resize_columns<float>(5, {}, rays);
+  EXPECT_EQ(rays.count(), 5U);
+  EXPECT_EQ(rays.origins().size(), 5 * 3 * sizeof(float));
+  trim<float>(2, {}, rays);
+  EXPECT_EQ(rays.count(), 2U);
+  resize_columns<double>(7, {.interval = true, .masks = true}, rays);
+  EXPECT_EQ(rays.count(), 7U);
+  EXPECT_TRUE(rays.float64());
+  EXPECT_EQ(rays.tmin().size(), 7 * sizeof(double));
+}
+
+v1::CastRaysResponse reply_with_names(const std::vector<std::uint32_t>& rows) {
+  v1::CastRaysResponse reply;
+  v1::HitColumn& column = *reply.add_columns();
+  column.set_field(v1::HIT_FIELD_NAME);
+  column.set_data(std::string(reinterpret_cast<const char*>(rows.data()), 4 * rows.size()));
+  reply.add_names("");
+  reply.add_names("door");
+  return reply;
+}
+
+TEST(CastCodec, NamesAreRowsOfAList) {
+  const auto reply = reply_with_names({1, 0, 1});
+  const auto hits = view_hits(reply, {.name = true}, 3);
+  ASSERT_TRUE(hits);
+  EXPECT_EQ(hits->names[hits->name[0]], "door");
+  EXPECT_EQ(hits->names[hits->name[1]], "");
+}
+
+TEST(CastCodec, ARowBeyondTheNamesIsAnError) {
+  EXPECT_EQ(view_hits(reply_with_names({1, 2}), {.name = true}, 2).error().code, Code::kInternal);
+  EXPECT_EQ(view_hits(reply_with_names({1}), {.name = true}, 2).error().code, Code::kInternal);
+}
+
+}  // namespace
+}  // namespace sightline::client::wire
