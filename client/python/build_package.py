@@ -17,13 +17,20 @@ PROTOS = ("google/rpc/status.proto", "google/rpc/error_details.proto", *(
     f"sightline/v1/{name}.proto" for name in ("common", "query", "scene", "backup", "blob", "server")))
 
 
+def is_archive() -> bool:
+    """Whether this is an unpacked source archive, which has what copy_sources() adds."""
+    return (HERE / "VERSION").exists()
+
+
 def root() -> pathlib.Path:
-    """Where proto and CMakeLists.txt are."""
-    return HERE if (HERE / "proto").is_dir() else HERE.parents[1]
+    """Where proto is."""
+    return HERE if is_archive() else HERE.parents[1]
 
 
 def version() -> str:
     """As CMakeLists.txt says."""
+    if is_archive():
+        return (HERE / "VERSION").read_text().strip()
     found = re.search(r"project\(sightline VERSION ([0-9.]+)", (root() / "CMakeLists.txt").read_text())
     if not found:
         sys.exit("CMakeLists.txt names no version")
@@ -37,6 +44,16 @@ def write_data(package: pathlib.Path) -> None:
     subprocess.run(["protoc", f"-I{root() / 'proto'}", "--include_imports",
                     f"--descriptor_set_out={folder / 'descriptors.binpb'}", *PROTOS], check=True)
     (folder / "version.txt").write_text(version() + "\n")
+
+
+def copy_sources(archive: pathlib.Path) -> None:
+    """Adds to a source archive what the package is made of besides the files that setuptools knows."""
+    for name in PROTOS:
+        copy = archive / "proto" / name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(root() / "proto" / name, copy)
+    shutil.copyfile(HERE / "build_package.py", archive / "build_package.py")
+    (archive / "VERSION").write_text(version() + "\n")
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ import brute
 import numpy as np
 import sightline
 from shared import ServerTest
+from sightline import _proto
 
 try:
     import pandas
@@ -143,11 +144,40 @@ class CastTest(ServerTest):
         np.testing.assert_array_equal(hits.hit, np.isfinite(self.t))
         with self.assertRaisesRegex(AttributeError, "primitive was not asked for"):
             hits.primitive
-        self.assertEqual(self.scene.cast(self.rays, fields=("position", "name")).position.shape, (300, 3))
         for words in ({"kind": "nearest"}, {"fields": ("colour",)}, {"build": "never"}, {"cull": "left"},
                       {"kind": "any", "fields": "t"}):
             with self.subTest(words), self.assertRaises(ValueError):
                 self.scene.cast(self.rays, **words)
+
+    def test_the_server_sends_the_positions_and_names_that_are_named(self):
+        made = self.scene.cast(self.rays)
+        many = np.tile(self.rays, (70, 1)).reshape(70, 300, 6)  # several messages
+        for rays in (self.rays, self.rays.astype("f4"), many):
+            sent = self.scene.cast(rays, fields=("position", "name"))
+            same = self.scene.cast(rays)
+            np.testing.assert_array_equal(sent.position, same.position)  # bit for bit
+            np.testing.assert_array_equal(sent.name, same.name)
+            self.assertEqual(sent.position.shape, rays.shape[:-1] + (3,))
+            with self.assertRaisesRegex(AttributeError, "t was not asked for"):
+                sent.t
+        listed = self.scene.cast(self.rays, kind="all", fields="position name t".split())
+        np.testing.assert_array_equal(listed.position, self.scene.cast(self.rays, kind="all").position)
+        self.assertEqual(listed.name.tolist(), ["mesh"] * len(listed))
+        self.assertEqual(self.scene.cast(self.rays[:0], fields=("position", "name")).name.shape, (0,))
+        self.scene.delete_node(1)
+        with self.scene.batch():
+            pass
+        sent = self.scene.cast(self.rays, fields="name", revision=made.revision)
+        np.testing.assert_array_equal(sent.name, made.name)
+
+    def test_bytes_of_another_type_are_refused(self):
+        request = _proto.CastRaysRequest(scene=self.scene.name)
+        request.rays.origins = request.rays.directions = self.rays[:, :3].astype("f4").tobytes()
+        request.rays.count = 300
+        request.rays.float64 = True
+        with self.assertRaisesRegex(sightline.InvalidArgument, "300 rays, but the 3600 bytes .* hold 150") as caught:
+            self.client._connection.call("CastRays", request.SerializeToString())
+        self.assertEqual(caught.exception.reason, "RAY_COUNT")
 
     def test_progress(self):
         told = []
@@ -162,6 +192,8 @@ class CastTest(ServerTest):
         np.testing.assert_allclose(frame.t, self.t, rtol=1e-4)
         all_hits = self.scene.cast(self.rays, kind="all")
         self.assertEqual(len(all_hits.to_pandas()), len(all_hits))
+        frame = self.scene.cast(self.rays, fields=("position", "name")).to_pandas()
+        self.assertEqual(list(frame.columns), ["x", "y", "z", "name", "hit"])
 
     def test_revisions(self):
         hits = self.scene.cast(self.rays)

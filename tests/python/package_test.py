@@ -2,11 +2,21 @@
 
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
+import tarfile
+import tempfile
 import unittest
 
 import sightline
+
+try:
+    import setuptools
+except ImportError:
+    setuptools = None
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class PackageTest(unittest.TestCase):
@@ -15,6 +25,31 @@ class PackageTest(unittest.TestCase):
         self.assertTrue((folder / "py.typed").exists())
         self.assertRegex(sightline.__version__, r"^\d+\.\d+\.\d+$")
         self.assertEqual(list(folder.rglob("*_pb2*")), [])
+
+    @unittest.skipUnless(setuptools and shutil.which("protoc"), "needs setuptools and protoc")
+    def test_a_source_archive_builds_the_same_package(self):
+        with tempfile.TemporaryDirectory() as made:
+            folder = pathlib.Path(made)
+            for part in ("client/python", "proto"):
+                shutil.copytree(ROOT / part, folder / "tree" / part, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copy(ROOT / "CMakeLists.txt", folder / "tree")
+            self.set_up(folder / "tree/client/python", "sdist", "--dist-dir", made)
+            shutil.rmtree(folder / "tree")
+            name = f"sightline-{sightline.__version__}"
+            with tarfile.open(folder / f"{name}.tar.gz") as archive:
+                archive.extractall(made)
+            self.set_up(folder / name, "build", "--build-lib", folder / "lib")
+            built = folder / "lib/sightline"
+            used = pathlib.Path(sightline.__file__).parent
+            files = {file.relative_to(used) for file in used.rglob("*") if file.is_file()}
+            self.assertEqual({file.relative_to(built) for file in built.rglob("*") if file.is_file()}, files)
+            for file in files:
+                self.assertEqual((built / file).read_bytes(), (used / file).read_bytes(), file)
+
+    def set_up(self, folder, *words):
+        done = subprocess.run([sys.executable, "setup.py", "-q", *map(str, words)], cwd=folder, capture_output=True,
+                              text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_its_messages_clash_with_none(self):
         # Another version of the same files in the default pool, before and after.

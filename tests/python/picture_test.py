@@ -34,6 +34,10 @@ class PictureTest(ServerTest):
         np.testing.assert_array_equal(np.unique(picture.pixels[hit], axis=0), [picture.pixels[10, 20]])
         with self.assertRaises(AttributeError):
             picture.hits.position
+        places = scene.render((40, 20), eye=(0.5, 0.5, 5), at=(0.5, 0.5, 0), up=(0, 1, 0), fov=30,
+                              fields=("position",)).hits.position
+        np.testing.assert_array_equal(places[hit][:, 2], 1)
+        self.assertTrue(np.isnan(places[~hit]).all())
         with self.assertRaises(ValueError):
             scene.render((0, 10))
         with self.assertRaises(ValueError):

@@ -17,6 +17,7 @@ class WireTest(unittest.TestCase):
         self.assertEqual((message.chunk, message.request.scene, message.request.max_hits), (300, "s", 7))
         sent = message.request.rays
         self.assertFalse(sent.float64)
+        self.assertEqual(sent.count, 7)
         self.assertEqual(sent.origins, table[2:9, :3].tobytes())
         self.assertEqual(sent.directions, table[2:9, 3:6].tobytes())
         self.assertEqual(sent.tmin, table[2:9, 6].tobytes())
@@ -39,6 +40,15 @@ class WireTest(unittest.TestCase):
         self.assertEqual(answer.stats.hits, 2)
         with self.assertRaisesRegex(errors.Internal, "3 rows of t instead of 4"):
             answer.rows("t", 4)
+
+    def test_names_are_rows_of_a_list(self):
+        message = _proto.CastRaysResponse(names=["", "d\u00fcr", "wall"])
+        message.columns.add(field=_proto.enum_value("HIT_FIELD_NAME"), data=np.array([2, 0, 1, 2], "u4").tobytes())
+        answer = _cast_codec.answer(message.SerializeToString())
+        self.assertEqual(answer.rows("name", 4).tolist(), ["wall", "", "d\u00fcr", "wall"])
+        message.names.pop()
+        with self.assertRaisesRegex(errors.Internal, "row 2 of 2 names"):
+            _cast_codec.answer(message.SerializeToString())
 
     def test_broken_answers_are_errors(self):
         message = _proto.CastRaysResponse()

@@ -27,8 +27,7 @@ _RAY_COLUMNS = ("origins", "directions", "tmin", "tmax", "masks")
 def request_parts(description: bytes, rays: Rays, begin: int, end: int) -> "List[Any]":
     """A CastRaysRequest of some rays, as buffers to be joined. `description` is the request without rays."""
     parts: "List[Any]" = [_wire.number_field(_RAYS["float64"], rays.dtype.itemsize == 8)]
-    if "count" in _RAYS:
-        parts.append(_wire.number_field(_RAYS["count"], end - begin))
+    parts.append(_wire.number_field(_RAYS["count"], end - begin))
     for name, column in zip(_RAY_COLUMNS, rays.columns()):
         if column is not None and end > begin:
             rows = np.ascontiguousarray(column[begin:end])
@@ -47,7 +46,7 @@ def _length(parts: "List[Any]") -> int:
 
 
 class Answer:
-    """A decoded CastRaysResponse. `columns` are views of the received bytes, by name."""
+    """A decoded CastRaysResponse. `columns` are views of the received bytes, by name; names of nodes are str objects."""
 
     def __init__(self, data: memoryview):
         self.columns: "Dict[str, np.ndarray]" = {}
@@ -56,6 +55,7 @@ class Answer:
         self.stats: Optional[Any] = None
         self.first_ray = 0
         self.more = False
+        names: "List[str]" = []
         for number, value in _wire.fields(data):
             if number == _RESPONSE["columns"]:
                 self._add_column(value)
@@ -68,6 +68,10 @@ class Answer:
                 self.first_ray = value
             elif number == _RESPONSE["more"]:
                 self.more = bool(value)
+            elif number == _RESPONSE["names"]:
+                names.append(str(value, "utf-8"))
+        if "name" in self.columns:
+            self._put_names(names)
 
     def _add_column(self, data: memoryview) -> None:
         field, content = 0, memoryview(b"")
@@ -82,6 +86,12 @@ class Answer:
         column = COLUMNS[name]
         rows = np.frombuffer(content, column.dtype) if len(content) else np.empty(0, column.dtype)
         self.columns[name] = rows.reshape(-1, *column.row)
+
+    def _put_names(self, names: "List[str]") -> None:
+        rows = self.columns["name"]
+        if len(rows) and rows.max() >= len(names):
+            raise ValueError(f"the server's answer names row {rows.max()} of {len(names)} names")
+        self.columns["name"] = np.array(names, object)[rows] if names else np.empty(0, object)
 
     def rows(self, name: str, count: int) -> np.ndarray:
         """A column that must have so many rows."""

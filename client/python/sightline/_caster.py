@@ -9,7 +9,7 @@ import numpy as np
 from . import _cast_codec as codec
 from ._cast import RAYS_PER_MESSAGE, CastStream, Piece, cast_once, generated, pieces
 from ._connection import Connection
-from ._query import GEOMETRY, Query
+from ._query import OF_HITS, Query
 from .hits import AllHits, Hits, NameLookup, empty_columns
 from .rays import Rays, as_rays
 
@@ -67,7 +67,7 @@ class _PerHit:
                 if name == "offset":
                     parts.append(offset[1:].astype(np.uint64) + np.uint64(self._listed))
                 else:
-                    parts.append(answer.rows(name, listed if name in GEOMETRY else len(offset) - 1))
+                    parts.append(answer.rows(name, listed if name in OF_HITS else len(offset) - 1))
             self._listed += listed
             self._totals.add(answer)
 

@@ -10,7 +10,7 @@ from . import _proto
 
 
 class Column(NamedTuple):
-    """A column of hits: its number on the wire, element type, and the shape of a row."""
+    """A column of hits: its number on the wire, element type there, and the shape of a row."""
 
     number: int
     dtype: np.dtype
@@ -31,16 +31,18 @@ COLUMNS = {
     "work": _column("WORK", "<u4"),
     "count": _column("COUNT", "<u4"),
     "offset": _column("OFFSET", "<u4"),
+    "position": _column("POSITION", "<f8", 3),
+    "name": _column("NAME", "<u4"),  # a row of the answer's names
 }
 NAME_OF = {column.number: name for name, column in COLUMNS.items()}
 GEOMETRY = ("t", "node", "primitive", "uv", "normal")
+OF_HITS = (*GEOMETRY, "position", "name")  # for kind "all": a row for each hit
 
 # The columns that an answer always has, those it has if none are named, and those that may be named.
 _ALWAYS = {"closest": (), "any": ("hit",), "count": ("count",), "all": ("offset", "hit")}
 _DEFAULT = {"closest": GEOMETRY, "any": (), "count": (), "all": GEOMETRY}
-_ALLOWED = {"closest": {*GEOMETRY, "hit", "work"}, "any": {"hit", "work"}, "count": {"count", "hit", "work"},
-            "all": {*GEOMETRY, "hit", "work"}}
-_MEANS = {"position": "t", "name": "node"}  # made of another column
+_ALLOWED = {"closest": {*OF_HITS, "hit", "work"}, "any": {"hit", "work"}, "count": {"count", "hit", "work"},
+            "all": {*OF_HITS, "hit", "work"}}
 _CULLING = {None: "UNSPECIFIED", "back": "BACK", "front": "FRONT"}
 _BUILD = {None: "UNSPECIFIED", "lazy": "LAZY", "full": "FULL", "none": "NONE", "built-only": "BUILT_ONLY"}
 
@@ -66,7 +68,7 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
     if at_least is not None and revision is not None:
         raise ValueError("pass either at_least or revision")
     asked = [fields] if isinstance(fields, str) else None if fields is None else list(fields)
-    named = _DEFAULT[kind] if asked is None else tuple(dict.fromkeys(_MEANS.get(name, name) for name in asked))
+    named = _DEFAULT[kind] if asked is None else tuple(dict.fromkeys(asked))
     for name in named:
         if name not in _ALLOWED[kind]:
             raise ValueError(f"kind {kind!r} has no field {name!r}; it has {_words(_ALLOWED[kind])}")

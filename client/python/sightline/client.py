@@ -7,8 +7,11 @@ from typing import Any, Iterator, List, Optional, Union
 
 from . import _proto, errors
 from ._connection import DEFAULT_ENDPOINT, Connection
+from .batch import apply
 from .meshes import as_mesh, upload
+from .nodes import placed
 from .scene import Scene, SceneInfo
+from .updates import put_node
 
 _UP = {None: 0, "y": 1, "z": 2}
 Path = Union[str, "os.PathLike[str]"]
@@ -36,6 +39,13 @@ def connect(endpoint: Optional[str] = None, *, tls_ca: Optional[Path] = None, tl
 def resource_name(name: str, project: str = "default") -> str:
     """projects/{project}/scenes/{name}; a full name stays."""
     return name if "/" in name else f"projects/{project}/scenes/{name}"
+
+
+def _new_scene(name: str, up_axis: Optional[str], meters_per_unit: float) -> Any:
+    """A message Scene for one to be made."""
+    if up_axis not in _UP:
+        raise ValueError(f"up_axis is 'y' or 'z', not {up_axis!r}")
+    return _proto.Scene(name=resource_name(name), up_axis=_UP[up_axis], meters_per_unit=meters_per_unit)
 
 
 class Client:
@@ -81,9 +91,7 @@ class Client:
 
     def create_scene(self, name: str, *, up_axis: Optional[str] = None, meters_per_unit: float = 0) -> Scene:
         """A new, empty scene. up_axis "y" or "z" and meters_per_unit are recorded. Errors: AlreadyExists."""
-        if up_axis not in _UP:
-            raise ValueError(f"up_axis is 'y' or 'z', not {up_axis!r}")
-        scene = _proto.Scene(name=resource_name(name), up_axis=_UP[up_axis], meters_per_unit=meters_per_unit)
+        scene = _new_scene(name, up_axis, meters_per_unit)
         self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene))
         return Scene(self, scene.name)
 
@@ -112,22 +120,39 @@ class Client:
                       mobility: Optional[str] = None) -> Scene:
         """A scene of one mesh. vertices: real (v, 3), kept as float32 relative to `origin` (3); faces: integers (f, 3).
 
-        Either the whole scene is made or none. `replace`: in the place of one of this name. Errors: ValueError,
-        TypeError (not a mesh), AlreadyExists, ResourceExhausted (too large).
+        Either the whole scene is made or none. `replace`: in the place of one of this name, in one step where the server
+        has PutScene; else the old scene is deleted before. Errors: ValueError, TypeError (not a mesh), AlreadyExists,
+        ResourceExhausted (too large).
         """
         mesh = as_mesh((vertices, faces), origin)
-        if not replace and self._exists(name):
-            raise errors.AlreadyExists(f"scene {resource_name(name)} exists", "SCENE_EXISTS")
-        digest = upload(self._connection, mesh)
-        if replace and self._exists(name):
-            self.delete_scene(name)
-        scene = self.create_scene(name, up_axis=up_axis, meters_per_unit=meters_per_unit)
+        made = _new_scene(name, up_axis, meters_per_unit)
+        if not replace and self._exists(made.name):
+            raise errors.AlreadyExists(f"scene {made.name} exists", "SCENE_EXISTS")
+        node = put_node(-1, 0, "mesh", placed(None, origin), upload(self._connection, mesh), mobility, None)
+        if not self._put_scene(made, [node.put_node], replace):
+            self._import_in_steps(made, node, replace)
+        return Scene(self, made.name)
+
+    def _put_scene(self, scene: Any, nodes: "List[Any]", replace: bool) -> bool:
+        """In one step. False: the server does not have the call."""
+        if "PutScene" not in _proto.methods:
+            return False
+        request = _proto.PutSceneRequest(scene=scene, replace=replace, nodes=nodes, finish=True)
         try:
-            scene.put(digest, origin=origin, name="mesh", mobility=mobility)
+            self._connection.call("PutScene", iter([request]))
+        except errors.Unimplemented:
+            return False
+        return True
+
+    def _import_in_steps(self, scene: Any, node: Any, replace: bool) -> None:
+        if replace and self._exists(scene.name):
+            self.delete_scene(scene.name)
+        self._connection.call("CreateScene", _proto.CreateSceneRequest(scene=scene))
+        try:
+            apply(self._connection, scene.name, [node])
         except BaseException:
-            self.delete_scene(name)
+            self.delete_scene(scene.name)
             raise
-        return scene
 
     def _exists(self, name: str) -> bool:
         try:

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 
-from ._query import COLUMNS, GEOMETRY
+from ._query import COLUMNS, OF_HITS
 from .rays import Rays
 
 INVALID_COUNT = 0xFFFFFFFF
@@ -26,6 +26,7 @@ class _Answer:
         self._columns = columns
         self._rays = rays
         self._names = names
+        self._found_names: Optional[np.ndarray] = None
 
     def _column(self, name: str) -> np.ndarray:
         column = self._columns.get(name)
@@ -62,6 +63,7 @@ class _Answer:
         return self._shaped(self._column("normal"))
 
     def _ends(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """As the server computes HIT_FIELD_POSITION."""
         t = self._column("t")
         with np.errstate(invalid="ignore", over="ignore"):
             ends = origins.astype("f8", copy=False) + t[:, None] * directions.astype("f8", copy=False)
@@ -70,28 +72,32 @@ class _Answer:
 
     def _need_rays(self) -> Rays:
         if self._rays is None:
-            raise AttributeError("rays that the server makes have no positions here")
+            raise AttributeError("positions of rays that the server makes: name position in fields")
         return self._rays
 
     @property
     def name(self) -> np.ndarray:
-        """str objects: names of the nodes that are hit, "" for none. Asks the server when it is first used. Errors:
-        OutOfRange, the revision is not kept any more."""
-        if "name" not in self._columns:
+        """str objects: names of the nodes that are hit, "" for none. Unless it was named in fields, the server is asked
+        when it is first used. Errors, then: OutOfRange, the revision is not kept any more."""
+        if "name" in self._columns:
+            return self._shaped(self._columns["name"])
+        if self._found_names is None:
             ids, inverse = np.unique(self._column("node"), return_inverse=True)
             by_id = self._names(ids[ids != 0], self.revision)
             names = np.array([by_id.get(int(i), "") for i in ids], dtype=object)
-            self._columns["name"] = names[inverse]
-        return self._shaped(self._columns["name"])
+            self._found_names = names[inverse]
+        return self._shaped(self._found_names)
 
     def _table(self) -> "Dict[str, np.ndarray]":
         table: "Dict[str, np.ndarray]" = {}
-        for name in GEOMETRY:
+        for name in OF_HITS:
             column = self._columns.get(name)
             if name == "uv" and column is not None:
                 table.update(u=column[:, 0], v=column[:, 1])
             elif name == "normal" and column is not None:
                 table.update(nx=column[:, 0], ny=column[:, 1], nz=column[:, 2])
+            elif name == "position" and column is not None:
+                table.update(x=column[:, 0], y=column[:, 1], z=column[:, 2])
             elif column is not None:
                 table[name] = column
         return table
@@ -143,6 +149,8 @@ class Hits(_Answer):
     @property
     def position(self) -> np.ndarray:
         """float64 (..., 3): origin + t * direction; NaN where nothing is hit."""
+        if "position" in self._columns:
+            return self._shaped(self._columns["position"])
         rays = self._need_rays()
         return self._ends(rays.origins, rays.directions)
 
@@ -196,6 +204,8 @@ class AllHits(_Answer):
     @property
     def position(self) -> np.ndarray:
         """float64 (m, 3), for each hit: origin + t * direction."""
+        if "position" in self._columns:
+            return self._columns["position"]
         rays, ray = self._need_rays(), self.ray
         return self._ends(rays.origins[ray], rays.directions[ray])
 
@@ -214,4 +224,5 @@ class AllHits(_Answer):
 
 def empty_columns(names: "Tuple[str, ...]", rows: int) -> "Dict[str, np.ndarray]":
     """Arrays for so many rows."""
-    return {name: np.empty((rows, *COLUMNS[name].row), COLUMNS[name].dtype) for name in names}
+    return {name: np.empty((rows, *COLUMNS[name].row), object if name == "name" else COLUMNS[name].dtype)
+            for name in names}

@@ -6,7 +6,7 @@ import os
 import pathlib
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Iterable, Optional, Tuple
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _default_view(info: Any, tangents: "Tuple[float, float]") -> "Tuple[np.ndarr
 
 
 def render(scene: "Scene", size: Any, eye: Any = None, at: Any = None, up: Any = None, fov: float = 40.0,
-           at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None) -> Picture:
+           fields: Iterable[str] = (), at_least: Optional[str] = None, revision: Optional[int] = None, timeout: Optional[float] = None) -> Picture:
     """See Scene.render."""
     width, height = (int(n) for n in size)
     if width < 1 or height < 1 or not 0 < fov < 180:
@@ -89,7 +89,7 @@ def render(scene: "Scene", size: Any, eye: Any = None, at: Any = None, up: Any =
     upward = np.cross(right, forward)
     pinhole = _proto.Pinhole(eye=origin, corner=forward + upward * half - right * half_width,
                              across=2 * half_width * right, down=-2 * half * upward, width=width, height=height)
-    query = _query.describe(scene.name, "closest", None, None, None, 0, (), 0, at_least, revision)
+    query = _query.describe(scene.name, "closest", (*_query.GEOMETRY, *fields), None, None, 0, (), 0, at_least, revision)
     hits = _caster.cast_generated(scene._connection, query, _proto.RayGenerator(pinhole=pinhole), (height, width),
                                   timeout, scene._names)
     return Picture(_shade(hits, forward), hits)

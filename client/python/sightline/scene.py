@@ -100,7 +100,8 @@ class Scene:
         batches are in memory; the batches are taken by another thread.
 
         kind: "closest", "any" (only whether there is a hit), "count" (of distinct (node, primitive)), "all".
-        fields: of t node primitive uv normal hit work position name; None: the first five for closest and all.
+        fields: of t node primitive uv normal hit work position name; None: the first five for closest and all. Hits with
+        t have positions, and those with node have names, also where these are not named; named, the server sends them.
         build: trees to grow: "lazy" (where rays enter), "full", "none", "built-only"; None: as the server is set.
         cull: "back" or "front", hits that do not count. under: only this node and those under it exist; exclude: these
         and those under them do not. max_hits: for "all", the nearest of a ray; 0: 256.
@@ -130,7 +131,8 @@ class Scene:
         """A picture, width x height, of closest hits shaded by their normals; a notebook displays it.
 
         eye, at, up: (3) in scene coordinates; default: the whole scene is seen from above a corner. fov: degrees from
-        the bottom to the top, default 40. at_least, revision, timeout: as for cast.
+        the bottom to the top, default 40. fields: columns of the picture's hits beside those of geometry, such as
+        ("position", "name"). at_least, revision, timeout: as for cast.
         """
         return render(self, size, **options)
 
