@@ -1,0 +1,158 @@
+"""The programs of docs/recipes: each runs as it is, and its answers are compared with formulas or brute force."""
+
+import importlib.util
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import brute
+from shared import ServerTest
+
+RECIPES = pathlib.Path(__file__).resolve().parents[2] / "docs" / "recipes"
+
+
+def recipe(name):
+    """The recipe as a module."""
+    spec = importlib.util.spec_from_file_location(f"recipe_{name}", RECIPES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class ProgramsTest(unittest.TestCase):
+    """Each as a user starts it, in a folder of its own. What it prints and writes."""
+
+    EXPECTED = {
+        "inside_test": ("26729 of 100000 points are inside", ()),
+        "lidar_scan": ("points of 11520 rays", ("cloud.npy",)),
+        "line_of_sight": ("pairs see each other", ()),
+        "moving_object": ("forklift at ( 9.0,  0.0): body at 8.00 m", ()),
+        "sun_hours": ("21 December: 8.0 h south of the house, 0.0 h north of it", ()),
+        "viewshed": ("are seen from the summit", ("viewshed.npy", "viewshed.pgm")),
+    }
+
+    def test_run(self):
+        self.assertEqual(sorted(self.EXPECTED), sorted(file.stem for file in RECIPES.glob("*.py")))
+        for name, (line, files) in self.EXPECTED.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                ran = subprocess.run([sys.executable, str(RECIPES / f"{name}.py")], cwd=folder, capture_output=True,
+                                     text=True)
+                self.assertEqual(ran.returncode, 0, ran.stderr)
+                self.assertIn(line, ran.stdout)
+                self.assertEqual(sorted(file.name for file in pathlib.Path(folder).iterdir()), sorted(files))
+
+
+class LidarScanTest(ServerTest):
+    def test_ranges_in_a_room(self):
+        lidar = recipe("lidar_scan")
+        low, high = np.array([-3.0, -90.0, -2.0]), np.array([9.0, 4.0, 3.0])
+        scene = self.scene_of(lidar.box(low, high))
+        position, velocity = np.array([1.0, 0.25, 0.5]), np.array([10.0, -5.0, 0.0])
+        hits = lidar.scan(scene, position, velocity)
+        self.assertEqual(hits.t.shape, (720, 16))
+        for column in range(0, 720, 7):
+            origin = position + velocity * 0.1 * column / 720
+            for beam, degrees in enumerate(np.linspace(-15, 15, 16)):
+                azimuth, elevation = 2 * math.pi * column / 720, math.radians(degrees)
+                ray = np.array([math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
+                                math.sin(elevation)])
+                walls = [((high if d > 0 else low)[axis] - origin[axis]) / d for axis, d in enumerate(ray) if d]
+                expected = min(walls) if min(walls) <= 80 else math.inf
+                self.assertTrue(math.isclose(hits.t[column, beam], expected, rel_tol=1e-9), (column, beam))
+        self.assertFalse(hits.hit.all())  # the far wall is out of range
+
+
+class LineOfSightTest(ServerTest):
+    def test_matrix(self):
+        line_of_sight = recipe("line_of_sight")
+        vertices, faces, roofs = line_of_sight.town(blocks=5)
+        antennas = roofs + [0, 0, 2]
+        sees = line_of_sight.sees(self.scene_of((vertices, faces)), antennas, antennas)
+        first, second = np.nonzero(~np.eye(len(antennas), dtype=bool))
+        crossed = brute.hits(vertices, faces, antennas[first], antennas[second] - antennas[first], tmin=1e-3, tmax=1 - 1e-3)
+        np.testing.assert_array_equal(sees[first, second], np.isnan(crossed).all(axis=1))
+        np.testing.assert_array_equal(sees, sees.T)
+        self.assertTrue(0 < sees[first, second].mean() < 1)
+
+
+class ViewshedTest(ServerTest):
+    def test_hills(self):
+        viewshed = recipe("viewshed")
+        heights = viewshed.hills(rows=20, columns=30, cell=50.0)
+        vertices, faces = viewshed.terrain(heights, 50.0)
+        seen = viewshed.viewshed(self.scene_of((vertices, faces)), heights, 50.0, 12, 7)
+        eye = np.array([350.0, 600.0, heights[12, 7] + 1.7])
+        targets = vertices + [0, 0, 0.1]
+        crossed = brute.hits(vertices, faces, np.broadcast_to(eye, targets.shape), targets - eye, tmax=1.0)
+        np.testing.assert_array_equal(seen.ravel(), np.isnan(crossed).all(axis=1))
+        self.assertTrue(0.1 < seen.mean() < 0.9)
+
+    def test_nothing_is_seen_behind_a_ridge(self):
+        viewshed = recipe("viewshed")
+        heights = np.zeros((5, 30))
+        heights[:, 10] = 10
+        seen = viewshed.viewshed(self.scene_of(viewshed.terrain(heights, 10.0)), heights, 10.0, 2, 0)
+        self.assertTrue(seen[:, :11].all())
+        self.assertFalse(seen[:, 11:].any())
+
+
+class SunHoursTest(ServerTest):
+    def test_sun(self):
+        sun = recipe("sun_hours").sun
+        hours = np.arange(0, 24, 1 / 60)
+        for latitude in (0, 48, -35, 60):
+            for day in (81, 172, 355):
+                declination = math.radians(23.45) * math.sin(2 * math.pi * (284 + day) / 365)
+                to_sun = sun(latitude, day, hours)
+                np.testing.assert_allclose(np.linalg.norm(to_sun, axis=1), 1)
+                noon = math.degrees(math.asin(to_sun[12 * 60, 2]))
+                self.assertAlmostEqual(noon, 90 - abs(latitude - math.degrees(declination)), places=6)
+                sunset = math.degrees(math.acos(-math.tan(math.radians(latitude)) * math.tan(declination)))
+                self.assertAlmostEqual((to_sun[:, 2] > 0).mean() * 24, 2 * sunset / 15, delta=2 / 60)
+        self.assertGreater(sun(48, 172, 8)[0], 0)  # the morning's sun is in the east
+
+    def test_behind_a_long_wall(self):
+        sun_hours = recipe("sun_hours")
+        wall = ([[-1e4, 0, 0], [1e4, 0, 0], [1e4, 0, 5], [-1e4, 0, 5]], [[0, 1, 2], [0, 2, 3]])
+        distances = np.array([1.0, 3.0, 6.0, 12.0])
+        points = np.column_stack([0 * distances, distances, 0 * distances])  # north of it
+        for day in (81, 172, 355):
+            hours = sun_hours.sun_hours(self.client.import_arrays(f"wall-{day}", *wall), points, 48, day)
+            step = sun_hours.MINUTES / 60
+            for distance, sunny in zip(distances, hours):
+                expected = 0.0
+                for _, north, up in sun_hours.sun(48, day, np.arange(step / 2, 24, step)):
+                    if up > 0 and not (north < 0 and up / -north * distance < 5):
+                        expected += step
+                self.assertAlmostEqual(sunny, expected)
+
+
+class InsideTestTest(ServerTest):
+    def test_torus(self):
+        inside_test = recipe("inside_test")
+        scene = self.scene_of(inside_test.torus(ring=2.0, tube=0.7))
+        points = np.random.default_rng(5).uniform([-3, -3, -1], [3, 3, 1], (20_000, 3))
+        depth = 0.7 - np.hypot(np.hypot(points[:, 0], points[:, 1]) - 2.0, points[:, 2])
+        clear = np.abs(depth) > 0.02  # the mesh is within 0.01 of the torus
+        inside = inside_test.is_inside(scene, points)
+        np.testing.assert_array_equal(inside[clear], depth[clear] > 0)
+
+
+class MovingObjectTest(ServerTest):
+    def test_distances(self):
+        moving_object = recipe("moving_object")
+        scene, forklift = moving_object.hall(self.client)
+        before = scene.info().revision
+        path = [(12, 3, 0), (10, 0.5, 0), (9, -0.5, 0), (8, -0.7, 0), (7, 0.9, math.pi / 2), (6, 1.1, math.pi / 2)]
+        expected = [(20, "wall"), (9, "body"), (8, "body"), (20, "wall"), (6.4, "body"), (20, "wall")]
+        for (metres, name), answer in zip(expected, moving_object.drive(scene, forklift, path)):
+            self.assertAlmostEqual(answer[0], metres, places=6)
+            self.assertEqual(answer[1], name)
+        changes = scene.watch(before)
+        self.assertEqual([next(changes).revision for _ in path], [before + 1 + step for step in range(len(path))])
+        changes.close()
