@@ -1,5 +1,5 @@
 // A first query: how high is the engine along its length? Build it with the tests, run it beside a
-// server.
+// server, whose endpoint may be its argument.
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -8,8 +8,8 @@
 
 using namespace sightline::client;
 
-int main() {
-  const auto client = Client::connect("127.0.0.1:50151");
+int main(int argc, char** argv) {
+  const auto client = Client::connect(argc > 1 ? argv[1] : "127.0.0.1:50151");
   if (!client) return std::puts(client.error().message.c_str()), 1;
 
   std::vector<double> origins, directions;  // (n, 3): straight down, a ray every 10 units
