@@ -150,8 +150,9 @@ class FaultTest(unittest.TestCase):
 
     def test_an_interrupt_ends_a_cast(self):
         text = """
-import sys; sys.path.insert(0, {here!r})
+import signal, sys; sys.path.insert(0, {here!r})
 import brute, numpy, sightline
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background of a shell begin with it ignored
 with sightline.serve() as server:
     scene = server.client.import_arrays("s", *brute.soup())
     def source():
@@ -167,5 +168,8 @@ with sightline.serve() as server:
         with self.run_python(text) as own:
             self.assertEqual(own.stdout.readline(), "casting\n")
             own.send_signal(signal.SIGINT)
-            out, _ = own.communicate(timeout=60)
+            try:
+                out, _ = own.communicate(timeout=60)
+            finally:
+                own.kill()
         self.assertEqual((out, own.returncode), ("interrupted (3,)\n", 0))
