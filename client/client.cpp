@@ -11,6 +11,7 @@
 #include "client/calls/channel_credentials.h"
 #include "client/calls/connection.h"
 #include "client/calls/prefetch.h"
+#include "client/calls/put_scene.h"
 #include "client/calls/update_stream_worker.h"
 #include "client/calls/upload.h"
 #include "client/calls/watch.h"
@@ -179,6 +180,11 @@ Result<std::vector<std::string>> Client::missing_meshes(
     missing.insert(missing.end(), response->digests().begin(), response->digests().end());
   }
   return missing;
+}
+
+Result<SceneInfo> Client::put_scene(const std::string& scene, std::span<const PutNode> nodes,
+                                    const PutSceneOptions& options) const {
+  return calls::put_scene(*connection_, scene, nodes, options);
 }
 
 Result<Applied> Client::apply(const std::string& scene, std::span<const Update> updates,

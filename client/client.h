@@ -85,6 +85,15 @@ class Client {
                                           std::span<const std::uint64_t> ids,
                                           const Consistency& consistency = {}) const;
 
+  /// Makes a scene with all its nodes in one step, as one revision. Others find the whole scene,
+  /// and before it none, or the one that it replaces; after an error, too. If the connection breaks
+  /// while the server makes the scene, it is not known which of both they find. The aliases of
+  /// `nodes` are negative; the i-th gets the id i + 1. Errors: kAlreadyExists, unless
+  /// options.replace; kFailedPrecondition, meshes that were not uploaded; kCancelled; those of the
+  /// nodes.
+  Result<SceneInfo> put_scene(const std::string& scene, std::span<const PutNode> nodes,
+                              const PutSceneOptions& options = {}) const;
+
   /// Applies all updates or none, and makes one revision, even if the request has to be sent
   /// several times. Errors: kResourceExhausted if the updates do not fit one message of 1 MiB;
   /// kAborted if the scene is not at the expected revision; those of the updates.

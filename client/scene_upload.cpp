@@ -68,11 +68,11 @@ Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_t
   return {};
 }
 
-std::vector<Update> put_nodes(const importer::ImportedScene& scene,
-                              const std::vector<std::string>& digests,
-                              const SceneUploadOptions& options, NodeRef parent = 0) {
-  std::vector<Update> updates;
-  updates.reserve(scene.nodes.size());
+std::vector<PutNode> put_nodes(const importer::ImportedScene& scene,
+                               const std::vector<std::string>& digests,
+                               const SceneUploadOptions& options, NodeRef parent = 0) {
+  std::vector<PutNode> puts;
+  puts.reserve(scene.nodes.size());
   const auto alias = [](std::size_t i) { return -static_cast<NodeRef>(i) - 1; };
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const importer::ImportedNode& node = scene.nodes[i];
@@ -83,9 +83,9 @@ std::vector<Update> put_nodes(const importer::ImportedScene& scene,
     put.parent_from_local = node.parent_from_local;
     if (node.mesh != importer::kNone) put.mesh_digest = digests[node.mesh];
     put.mobility = options.by_node.empty() ? options.mobility : options.by_node[i];
-    updates.emplace_back(std::move(put));
+    puts.push_back(std::move(put));
   }
-  return updates;
+  return puts;
 }
 
 // Whether there is a scene of that name.
@@ -94,13 +94,6 @@ Result<bool> exists(const Client& client, const std::string& name) {
   if (scene) return true;
   if (scene.error().code == Code::kNotFound) return false;
   return scene.error();
-}
-
-Result<SceneInfo> fill(const Client& client, const std::string& name,
-                       const std::vector<Update>& updates) {
-  const auto applied = client.apply_in_batches(name, updates);
-  if (!applied) return applied.error();
-  return client.get_scene(name);
 }
 
 Error already_exists(const std::string& name) {
@@ -123,24 +116,11 @@ Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
   const Blobs blobs = make_blobs(scene);
   if (const Status sent = upload_meshes(client, blobs, options.stop, progress); !sent)
     return sent.error();
-  const std::vector<Update> updates = put_nodes(scene, blobs.digest, options);
-  if (options.stop.stop_requested()) {
-    return Error{Code::kCancelled, fmt::format("cancelled before {} was made", name), {}};
-  }
-  if (*there) {
-    const Status gone = client.delete_scene(name);
-    if (!gone && gone.error().code != Code::kNotFound) return gone.error();
-  }
-  const auto created = client.create_scene(name, scene.up_axis, scene.meters_per_unit);
-  if (!created) return created.error();
-  auto filled = fill(client, name, updates);
-  if (filled) return filled;
-  Error error = filled.error();
-  if (const Status gone = client.delete_scene(name); !gone) {
-    error.message +=
-        fmt::format("; and the unfinished scene could not be deleted: {}", gone.error().message);
-  }
-  return error;
+  return client.put_scene(name, put_nodes(scene, blobs.digest, options),
+                          {.up_axis = scene.up_axis,
+                           .meters_per_unit = scene.meters_per_unit,
+                           .replace = options.replace,
+                           .stop = options.stop});
 }
 
 Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std::string& name,
@@ -157,8 +137,8 @@ Result<std::vector<std::uint64_t>> add_to_scene(const Client& client, const std:
   if (options.stop.stop_requested()) {
     return Error{Code::kCancelled, fmt::format("cancelled before {} was changed", name), {}};
   }
-  const auto applied = client.apply_in_batches(
-      name, put_nodes(scene, blobs.digest, options, static_cast<NodeRef>(parent)));
+  const auto puts = put_nodes(scene, blobs.digest, options, static_cast<NodeRef>(parent));
+  const auto applied = client.apply_in_batches(name, std::vector<Update>(puts.begin(), puts.end()));
   if (!applied) return applied.error();
   return applied->nodes;
 }

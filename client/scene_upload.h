@@ -19,9 +19,9 @@ namespace sightline::client {
 struct SceneUploadOptions {
   Mobility mobility = Mobility::kStatic;  ///< of every node
   std::vector<Mobility> by_node{};        ///< of each node; overrides `mobility` if not empty
-  /// Deletes a scene of that name first; otherwise the error is kAlreadyExists.
+  /// Takes the place of a scene of that name; otherwise the error is kAlreadyExists.
   bool replace = false;
-  /// Ends the upload with kCancelled. Ignored once the scene is being created, which is short.
+  /// Ends the upload with kCancelled.
   std::stop_token stop{};
 };
 
@@ -29,11 +29,11 @@ struct SceneUploadOptions {
 /// lacked, on the calling thread.
 using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
-/// Checks everything that can be checked, uploads the meshes that the server lacks, and only then
-/// replaces or creates the scene. If something fails after that, the half-made scene is deleted
-/// again. Node ids follow the order of scene.nodes. Errors: kAlreadyExists, before anything is
-/// sent; kInvalidArgument or kResourceExhausted, naming a node or mesh, if the scene is beyond the
-/// server's limits; those of the calls.
+/// Checks everything that can be checked, uploads the meshes that the server lacks, and then makes
+/// the scene in one step (Client::put_scene). If something fails, or this process ends, there is no
+/// scene, or the old one. Node ids follow the order of scene.nodes. Errors: kAlreadyExists, before
+/// anything is sent; kInvalidArgument or kResourceExhausted, naming a node or mesh, if the scene is
+/// beyond the server's limits; those of the calls.
 Result<SceneInfo> upload_scene(const Client& client, const std::string& name,
                                const importer::ImportedScene& scene,
                                const SceneUploadOptions& options,

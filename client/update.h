@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
@@ -62,6 +63,13 @@ struct ApplyOptions {
   /// Names the request, at most 48 bytes. A repeated request changes nothing and gets the first
   /// answer. Empty: a random name. In both cases a request whose answer is lost is sent again.
   std::string request_id{};
+};
+
+struct PutSceneOptions {
+  UpAxis up_axis = UpAxis::kUnknown;
+  double meters_per_unit = 0;  ///< 0: unknown
+  bool replace = false;        ///< takes the place of a scene of that name, if there is one
+  std::stop_token stop{};      ///< ends the call with kCancelled
 };
 
 struct SceneChange {

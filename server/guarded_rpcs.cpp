@@ -58,6 +58,12 @@ grpc::ServerUnaryReactor* GuardedScenes::CreateScene(grpc::CallbackServerContext
   return SceneRpc::CreateScene(context, request, reply);
 }
 
+grpc::ServerReadReactor<v1::PutSceneRequest>* GuardedScenes::PutScene(
+    grpc::CallbackServerContext* context, v1::PutSceneResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kWrite)) return *refusal;
+  return SceneRpc::PutScene(context, reply);
+}
+
 grpc::ServerUnaryReactor* GuardedScenes::GetScene(grpc::CallbackServerContext* context,
                                                   const v1::GetSceneRequest* request,
                                                   v1::GetSceneResponse* reply) {

@@ -131,6 +131,7 @@ v1::GetServerInfoResponse describe(const ServerConfig& config, std::size_t max_c
                               "updates.durability",
                               "updates.request-id",
                               "watch",
+                              "put-scene",
                               "consistency",
                               "hit-bits",
                               "hit-positions",

@@ -10,6 +10,7 @@
 #include "server/exec/rpc_status.h"
 #include "server/queries/cast_rpc.h"
 #include "server/scenes/revision_wait.h"
+#include "server/updates/put_scene_rpc.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
 
@@ -45,6 +46,10 @@ State::State(const ServerConfig& c, std::unique_ptr<store::Store> disk)
       watches({.limit = updates::kMaxWatches,
                .when_full = "{} watches of scenes are open on the server",
                .full_reason = "TOO_MANY_WATCHES"}),
+      scene_puts({.limit = updates::kMaxScenePuts,
+                  .when_full = "{} scenes are being put on the server",
+                  .full_reason = "TOO_MANY_STREAMS",
+                  .gives_way = exec::kIdleGivesWay}),
       uploads({.limit = blobs::kMaxUploadCalls,
                .when_full = "{} uploads are open on the server",
                .full_reason = "TOO_MANY_UPLOADS",
@@ -75,7 +80,8 @@ void State::stop_waiting() {
 
 void State::enforce_limits() {
   const Status enforced = exec::to_status([this]() -> Status {
-    for (exec::CallRegistry* calls : {&cast_streams, &update_streams, &uploads, &backups})
+    for (exec::CallRegistry* calls :
+         {&cast_streams, &update_streams, &scene_puts, &uploads, &backups})
       calls->end_late();
     unread.end_late();
     scenes.retry_writes();

@@ -34,8 +34,8 @@ struct State {
   exec::UnreadReplies unread;
   exec::Quotas quotas;
   metrics::Metrics metrics;
-  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, uploads,
-      backups;
+  exec::CallRegistry waiting_reads, cast_streams, prefetches, update_streams, watches, scene_puts,
+      uploads, backups;
   const std::unique_ptr<store::Store> store;  // null: scenes are in memory only
   blobs::BlobStore blobs;
   const std::unique_ptr<durable::StoreKeeper> keeper;  // null without a store
@@ -66,6 +66,7 @@ struct State {
                                   .prefetches = prefetches,
                                   .update_streams = update_streams,
                                   .watches = watches,
+                                  .scene_puts = scene_puts,
                                   .policy = config.policy,
                                   .slow_query = config.slow_query};
 

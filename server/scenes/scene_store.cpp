@@ -24,7 +24,7 @@ Status SceneStore::open() {
 
 Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
   const std::lock_guard changing(changing_);
-  if (const Status good = check_new(info.name); !good) return good.error();
+  if (const Status good = check_put(info.name, false); !good) return good.error();
   KeptScene kept;
   if (keeper_ != nullptr) {
     auto created = keeper_->create(info);
@@ -37,11 +37,10 @@ Result<std::shared_ptr<StoredScene>> SceneStore::create(SceneInfo info) {
   return scene;
 }
 
-Status SceneStore::check_new(const std::string& name) const {
-  if (find(name))
-    return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", name),
-                 "SCENE_EXISTS"};
-  return check_number();
+Status SceneStore::check_put(const std::string& name, bool replace) const {
+  if (!find(name)) return check_number();
+  if (replace) return {};
+  return Error{Code::kAlreadyExists, fmt::format("scene {} exists already", name), "SCENE_EXISTS"};
 }
 
 Status SceneStore::check_number() const {
@@ -59,19 +58,36 @@ Result<std::shared_ptr<StoredScene>> SceneStore::restore(const SceneInfo& info,
     return Error{Code::kFailedPrecondition, "the server keeps scenes in memory only",
                  "NOT_DURABLE"};
   const std::lock_guard changing(changing_);
-  const auto before = find(info.name);
-  if (!before) {
-    if (const Status fits = check_number(); !fits) return fits.error();
-  }
+  if (const Status fits = check_put(info.name, true); !fits) return fits.error();
   auto kept = keeper_->restore(info, state);
   if (!kept) return kept.error();
   auto scene = std::make_shared<StoredScene>(info, memory_, std::move(*kept));
+  publish(scene);
+  return scene;
+}
+
+Result<std::shared_ptr<StoredScene>> SceneStore::put(const std::shared_ptr<StoredScene>& draft,
+                                                     bool replace) {
+  const std::lock_guard changing(changing_);
+  if (const Status fits = check_put(draft->info().name, replace); !fits) return fits.error();
+  auto scene = draft;
+  if (keeper_ != nullptr) {
+    auto kept = keeper_->restore(draft->info(), draft->state());
+    if (!kept) return kept.error();
+    scene = std::make_shared<StoredScene>(draft->info(), memory_, std::move(*kept));
+  }
+  publish(scene);
+  return scene;
+}
+
+/// In place of the scene of its name, if there is one.
+void SceneStore::publish(const std::shared_ptr<StoredScene>& scene) {
+  std::shared_ptr<StoredScene> before = scene;
   {
     const std::lock_guard lock(mutex_);
-    scenes_[info.name] = scene;
+    std::swap(scenes_[scene->info().name], before);
   }
-  if (before) (*before)->remove();
-  return scene;
+  if (before != nullptr) before->remove();
 }
 
 Result<std::shared_ptr<StoredScene>> SceneStore::find(const std::string& name) const {

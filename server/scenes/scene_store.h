@@ -43,6 +43,17 @@ class SceneStore {
   /// SceneKeeper::restore.
   Result<std::shared_ptr<StoredScene>> restore(const SceneInfo& info,
                                                const scenegraph::SceneState& state);
+  /// A scene that has no name yet: put() gives it one.
+  std::shared_ptr<StoredScene> draft(SceneInfo info) const {
+    return std::make_shared<StoredScene>(std::move(info), memory_);
+  }
+  /// Whether put() would take a scene of this name now. Errors: as put().
+  Status check_put(const std::string& name, bool replace) const;
+  /// Names a draft, at its newest revision, in one step. With `replace` it takes the place of a
+  /// scene of its name, whose listeners are called. Returns the scene, which may not be loaded; the
+  /// draft must not be used any more. Waits for the disk. Errors: kAlreadyExists,
+  /// kResourceExhausted, as SceneKeeper::restore.
+  Result<std::shared_ptr<StoredScene>> put(const std::shared_ptr<StoredScene>& draft, bool replace);
   /// The scene, which may not be loaded. Errors: kNotFound.
   Result<std::shared_ptr<StoredScene>> get(const std::string& name);
   /// Whether a list shows the scene of this name. Must be short and call no member of the store.
@@ -65,7 +76,7 @@ class SceneStore {
 
  private:
   Result<std::shared_ptr<StoredScene>> find(const std::string& name) const;
-  Status check_new(const std::string& name) const;
+  void publish(const std::shared_ptr<StoredScene>& scene);
   Status check_number() const;
 
   exec::MemoryAccount& memory_;

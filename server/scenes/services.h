@@ -43,6 +43,7 @@ struct Services {
   exec::CallRegistry& prefetches;
   exec::CallRegistry& update_streams;
   exec::CallRegistry& watches;
+  exec::CallRegistry& scene_puts;
   scenegraph::Growth policy = scenegraph::Growth::kFirstTouch;  ///< For an unspecified build mode.
   std::chrono::milliseconds slow_query{0};  ///< Slower ones are logged. 0: none.
 

@@ -71,6 +71,8 @@ class StoredScene : public std::enable_shared_from_this<StoredScene> {
   std::shared_ptr<const scenegraph::revision::Snapshot> snapshot() const {
     return scene_.snapshot();
   }
+  /// The newest revision, and what the next batch needs beside it.
+  scenegraph::SceneState state() const { return scene_.state(); }
   /// Errors: kOutOfRange, naming the oldest revision that is kept and the newest.
   Result<std::shared_ptr<const scenegraph::revision::Snapshot>> at(std::uint64_t revision) const;
   /// Summary of the newest revision. Walks the scene once per revision.

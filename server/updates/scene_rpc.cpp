@@ -16,6 +16,7 @@
 #include "server/scenes/names.h"
 #include "server/scenes/revision_wait.h"
 #include "server/updates/apply_rpc.h"
+#include "server/updates/put_scene_rpc.h"
 #include "server/updates/scene_codec.h"
 #include "server/updates/update_stream_rpc.h"
 #include "server/updates/watch_rpc.h"
@@ -191,6 +192,11 @@ grpc::ServerUnaryReactor* SceneRpc::CreateScene(grpc::CallbackServerContext* con
                                                 v1::CreateSceneResponse* reply) {
   return answer_in_arena("CreateScene", *context, *request, *reply, services_.unary(),
                          [=, this] { return create(*context, *request, *reply); });
+}
+
+grpc::ServerReadReactor<v1::PutSceneRequest>* SceneRpc::PutScene(
+    grpc::CallbackServerContext* context, v1::PutSceneResponse* reply) {
+  return start_put_scene(services_, *context, *reply);
 }
 
 grpc::ServerUnaryReactor* SceneRpc::GetScene(grpc::CallbackServerContext* context,

@@ -19,6 +19,8 @@ class SceneRpc : public v1::SceneService::CallbackService {
   grpc::ServerUnaryReactor* CreateScene(grpc::CallbackServerContext* context,
                                         const v1::CreateSceneRequest* request,
                                         v1::CreateSceneResponse* reply) override;
+  grpc::ServerReadReactor<v1::PutSceneRequest>* PutScene(grpc::CallbackServerContext* context,
+                                                         v1::PutSceneResponse* reply) override;
   grpc::ServerUnaryReactor* GetScene(grpc::CallbackServerContext* context,
                                      const v1::GetSceneRequest* request,
                                      v1::GetSceneResponse* reply) override;

@@ -29,7 +29,7 @@ class UpdateDecoder {
   Result<scenegraph::model::Update> decode(const v1::Update& update) {
     switch (update.update_case()) {
       case v1::Update::kPutNode:
-        return decode_put(update.put_node());
+        return decode(update.put_node());
       case v1::Update::kSetTransforms:
         return decode_set(update.set_transforms());
       case v1::Update::kDeleteNode:
@@ -43,21 +43,7 @@ class UpdateDecoder {
     return exec::invalid_argument("it says nothing that this server knows", "EMPTY_UPDATE");
   }
 
-  Status check_missing() const {
-    if (missing_.empty()) return {};
-    std::string list;
-    std::size_t named = 0;
-    for (auto it = missing_.begin(); it != missing_.end() && named < kMissingNamed; ++it, ++named)
-      list += " " + *it;
-    if (missing_.size() > named) list += fmt::format(" and {} more", missing_.size() - named);
-    return Error{Code::kFailedPrecondition,
-                 fmt::format("{} meshes were not uploaded or are gone, upload them first:{}",
-                             missing_.size(), list),
-                 "MESHES_MISSING"};
-  }
-
- private:
-  Result<scenegraph::model::Update> decode_put(const v1::PutNode& put) {
+  Result<scenegraph::model::Update> decode(const v1::PutNode& put) {
     scenegraph::model::PutNode node;
     node.node = put.node();
     node.parent = put.parent();
@@ -83,6 +69,20 @@ class UpdateDecoder {
     return scenegraph::model::Update(std::move(node));
   }
 
+  Status check_missing() const {
+    if (missing_.empty()) return {};
+    std::string list;
+    std::size_t named = 0;
+    for (auto it = missing_.begin(); it != missing_.end() && named < kMissingNamed; ++it, ++named)
+      list += " " + *it;
+    if (missing_.size() > named) list += fmt::format(" and {} more", missing_.size() - named);
+    return Error{Code::kFailedPrecondition,
+                 fmt::format("{} meshes were not uploaded or are gone, upload them first:{}",
+                             missing_.size(), list),
+                 "MESHES_MISSING"};
+  }
+
+ private:
   static Result<scenegraph::model::Update> decode_set(const v1::SetTransforms& set) {
     const auto count = static_cast<std::size_t>(set.nodes_size());
     if (set.matrices().size() != count * kMatrixBytes) {
@@ -186,14 +186,15 @@ struct Encoder {
   }
 };
 
+template <class Message>
 Result<std::vector<scenegraph::model::Update>> decode_all(
-    const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
+    const google::protobuf::RepeatedPtrField<Message>& messages, blobs::BlobStore& blobs,
     std::size_t first) {
   UpdateDecoder decoder(blobs);
   std::vector<scenegraph::model::Update> decoded;
-  decoded.reserve(static_cast<std::size_t>(updates.size()));
-  for (const v1::Update& update : updates) {
-    auto one = decoder.decode(update);
+  decoded.reserve(static_cast<std::size_t>(messages.size()));
+  for (const Message& message : messages) {
+    auto one = decoder.decode(message);
     if (!one) {
       Error error = one.error();
       error.message = fmt::format("update {}: {}", first + decoded.size(), error.message);
@@ -205,19 +206,29 @@ Result<std::vector<scenegraph::model::Update>> decode_all(
   return decoded;
 }
 
+Status check_count(std::size_t count) {
+  if (count <= static_cast<std::size_t>(kMaxUpdatesPerBatch)) return {};
+  return Error{Code::kResourceExhausted,
+               fmt::format("the batch has {} updates, the limit is {}", count, kMaxUpdatesPerBatch),
+               "TOO_MANY_UPDATES"};
+}
+
 }  // namespace
 
 Result<std::vector<scenegraph::model::Update>> decode_updates(
     const google::protobuf::RepeatedPtrField<v1::Update>& updates, blobs::BlobStore& blobs,
     std::size_t first) {
-  const auto count = static_cast<std::size_t>(updates.size());
-  if (first + count > static_cast<std::size_t>(kMaxUpdatesPerBatch)) {
-    return Error{Code::kResourceExhausted,
-                 fmt::format("the batch has {} updates, the limit is {}", first + count,
-                             kMaxUpdatesPerBatch),
-                 "TOO_MANY_UPDATES"};
-  }
+  const Status fits = check_count(first + static_cast<std::size_t>(updates.size()));
+  if (!fits) return fits.error();
   return decode_all(updates, blobs, first);
+}
+
+Result<std::vector<scenegraph::model::Update>> decode_nodes(
+    const google::protobuf::RepeatedPtrField<v1::PutNode>& nodes, blobs::BlobStore& blobs,
+    std::size_t first) {
+  const Status fits = check_count(static_cast<std::size_t>(nodes.size()));
+  if (!fits) return fits.error();
+  return decode_all(nodes, blobs, first);
 }
 
 Result<std::vector<scenegraph::model::Update>> decode_kept_updates(

@@ -1,12 +1,17 @@
 // Imported scenes on the server.
 #include "client/scene_upload.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <stop_token>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/client/support/live_client.h"
+#include "tests/client/support/relay.h"
+#include "tests/client/support/temp_dir.h"
 
 namespace sightline::client {
 namespace {
@@ -87,6 +92,55 @@ TEST_F(SceneUpload, APartlyUploadedSceneIsDeleted) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::kInvalidArgument);
   EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
+}
+
+TEST_F(SceneUpload, ASceneOfManyMessagesIsOneRevision) {
+  importer::ImportedScene scene = tests::row_of_sheets(20'000);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    scene.nodes[i].name = fmt::format("{}{:0>80}", scene.nodes[i].name, i);
+  const auto info = upload_scene(client_, kScene, scene, {});
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->revision, 1U);
+  EXPECT_EQ(info->nodes, 20'001U);
+  const std::vector<std::uint64_t> last{20'001};
+  const auto nodes = client_.get_nodes(kScene, last);
+  ASSERT_TRUE(nodes);
+  EXPECT_EQ((*nodes)[0].parent, 1U);
+  EXPECT_EQ((*nodes)[0].name, scene.nodes.back().name);
+}
+
+TEST_F(SceneUpload, AConnectionThatBreaksLeavesTheOldSceneOrNone) {
+  ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
+  tests::Relay relay(server_->port());
+  const auto cut_client = Client::connect(relay.endpoint());
+  ASSERT_TRUE(cut_client);
+  importer::ImportedScene scene = tests::row_of_sheets(20'000);
+  // The mesh is known to the server: what breaks is the call that puts the nodes.
+  relay.cut_each_after(200'000, 0);
+  const auto replaced = upload_scene(*cut_client, kScene, scene, {.replace = true});
+  ASSERT_FALSE(replaced);
+  EXPECT_EQ(client_.get_scene(kScene)->instances, 2U);
+  const char* fresh = "projects/default/scenes/new";
+  EXPECT_FALSE(upload_scene(*cut_client, fresh, scene, {}));
+  EXPECT_EQ(client_.get_scene(fresh).error().code, Code::kNotFound);
+}
+
+TEST(DurableSceneUpload, AReplacedSceneSurvivesARestart) {
+  const tests::TempDir dir;
+  const auto upload = [&](std::uint32_t copies, bool replace) {
+    const auto server = tests::start_server(dir.path("data"));
+    const auto client = Client::connect("127.0.0.1:" + std::to_string(server->port()));
+    const auto before = client->get_scene(kScene);
+    const auto made =
+        upload_scene(*client, kScene, tests::row_of_sheets(copies), {.replace = replace});
+    const auto listed = client->list_scenes("projects/default");
+    EXPECT_TRUE(!made || listed->at(0).nodes == made->nodes) << "a list shows what it holds";
+    return std::pair(before ? before->instances : 0, made ? made->instances : 0);
+  };
+  EXPECT_EQ(upload(2, false), std::pair(0UL, 2UL));
+  EXPECT_EQ(upload(3, true), std::pair(2UL, 3UL));
+  EXPECT_EQ(upload(5, false), std::pair(3UL, 0UL)) << "it exists";
+  EXPECT_EQ(upload(7, true), std::pair(3UL, 7UL));
 }
 
 TEST_F(SceneUpload, AStopDoesNotChangeTheScene) {

@@ -84,8 +84,9 @@ TEST_F(GuardedRpcs, AMethodThatChangesSomethingRefusesAReader) {
   for (const std::string& path : methods()) {
     if (reason_of(call_raw(channel_, path, {}, kReader)) == "ROLE_MISSING") ++refused;
   }
-  EXPECT_EQ(refused, 9) << "CreateScene DeleteScene ApplyUpdates StreamUpdates, of meshes 3, "
-                           "Backup Restore";
+  EXPECT_EQ(refused, 10)
+      << "CreateScene PutScene DeleteScene ApplyUpdates StreamUpdates, of meshes 3, "
+         "Backup Restore";
 }
 
 TEST_F(GuardedRpcs, OnlyAnAdministratorDeletes) {
@@ -93,6 +94,19 @@ TEST_F(GuardedRpcs, OnlyAnAdministratorDeletes) {
   EXPECT_EQ(reason_of(remove(kWriter)), "ROLE_MISSING");
   EXPECT_EQ(reason_of(remove(kStranger)), "SCENE_FORBIDDEN");
   EXPECT_TRUE(remove(kAdministrator).ok());
+}
+
+TEST_F(GuardedRpcs, OnlyAnAdministratorReplaces) {
+  const std::string path = "/sightline.v1.SceneService/PutScene";
+  v1::PutSceneRequest put;
+  put.mutable_scene()->set_name(kOwnScene);
+  put.set_finish(true);
+  EXPECT_EQ(reason_of(call_raw(channel_, path, put.SerializeAsString(), kStranger)),
+            "SCENE_FORBIDDEN");
+  EXPECT_TRUE(call_raw(channel_, path, put.SerializeAsString(), kWriter).ok());
+  put.set_replace(true);
+  EXPECT_EQ(reason_of(call_raw(channel_, path, put.SerializeAsString(), kWriter)), "ROLE_MISSING");
+  EXPECT_TRUE(call_raw(channel_, path, put.SerializeAsString(), kAdministrator).ok());
 }
 
 TEST_F(GuardedRpcs, AListShowsWhatMayBeRead) {

@@ -145,6 +145,10 @@ std::set<std::string> created_by(const FuzzCall& call, const RawReply& reply) {
   if (method_of(call).name() == "CreateScene" && reply.status.ok() && !reply.messages.empty() &&
       answer.ParseFromString(reply.messages[0]))
     names.insert(answer.scene().name());
+  v1::PutSceneResponse put;
+  if (method_of(call).name() == "PutScene" && reply.status.ok() && !reply.messages.empty() &&
+      put.ParseFromString(reply.messages[0]))
+    names.insert(put.scene().name());
   return names;
 }
 

@@ -69,6 +69,18 @@ FuzzCall create() {
               })});
 }
 
+FuzzCall put_scene() {
+  return call("PutScene", {message<v1::PutSceneRequest>([](auto& request) {
+                             request.mutable_scene()->set_name(kScene);
+                             request.set_replace(true);
+                             *request.add_nodes() = put(-1, digest_of(square())).put_node();
+                           }),
+                           message<v1::PutSceneRequest>([](auto& request) {
+                             *request.add_nodes() = put(-2, "").put_node();
+                             request.set_finish(true);
+                           })});
+}
+
 FuzzCall upload() {
   const std::string blob = square();
   const auto part = [&](std::size_t first, std::size_t count, bool finish) {
@@ -188,7 +200,7 @@ Session join(std::initializer_list<std::vector<FuzzCall>> parts) {
 
 std::vector<Session> example_sessions() {
   return {join({{create(), upload(), apply()}, casts()}),
-          join({{create(), upload(), apply(), stream_updates()}, reads(), {remove()}}),
+          join({{create(), upload(), apply(), stream_updates()}, reads(), {put_scene(), remove()}}),
           join({{create(), stream_updates(), apply(), remove(), stream_updates()}})};
 }
 

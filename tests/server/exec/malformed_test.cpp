@@ -77,8 +77,8 @@ TEST_F(Malformed, EveryMethodOfOneRequestSaysSo) {
 }
 
 TEST_F(Malformed, EveryStreamOfRequestsSaysSo) {
-  for (const char* method :
-       {"SceneService/StreamUpdates", "BlobService/UploadBlob", "RayQueryService/StreamCastRays"}) {
+  for (const char* method : {"SceneService/StreamUpdates", "SceneService/PutScene",
+                             "BlobService/UploadBlob", "RayQueryService/StreamCastRays"}) {
     const grpc::Status status =
         RawRequest(channel_, std::string("/sightline.v1.") + method).send(kNoMessage, false);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << method;
