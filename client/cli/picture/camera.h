@@ -28,16 +28,33 @@ inline Vec3 mix(const Vec3& a, const Vec3& b, double s) {
   return add(scale(a, 1 - s), scale(b, s));
 }
 
+/// Three orthogonal unit vectors.
+struct Axes {
+  Vec3 side{1, 0, 0}, up{0, 1, 0}, front{0, 0, 1};
+};
+
+/// With this `up`, which is not zero. For y these are the axes x, y, z, for z they are x, z, -y: a
+/// scene that is turned from one to the other has the same place in them.
+Axes upright_axes(const Vec3& up);
+
+struct ViewRay {
+  Vec3 origin{};
+  Vec3 direction{};  ///< a unit vector
+};
+
 struct Camera {
   Vec3 eye{};
   Vec3 forward{0, 0, -1};  ///< a unit vector, like the next two; all three are orthogonal
   Vec3 right{1, 0, 0};
   Vec3 up{0, 1, 0};
-  double half_height = 1;  ///< of the picture plane at distance 1
+  bool orthographic = false;
+  /// Of the picture plane: at distance 1, or of all rays if the camera is orthographic.
+  double half_height = 1;
+  Axes scene{};  ///< how the scene stands
 
-  /// The unit direction through a point of the picture. x runs from 0 at the left to `aspect`, y
-  /// from 0 at the top to 1.
-  Vec3 direction(double x, double y, double aspect) const;
+  /// The ray through a point of the picture. x runs from 0 at the left to `aspect`, y from 0 at the
+  /// top to 1.
+  ViewRay ray(double x, double y, double aspect) const;
 };
 
 inline constexpr PictureSize kDefaultSize{1280, 720};
@@ -48,21 +65,25 @@ inline constexpr std::size_t kSamplesPerPixel = 4;
 inline constexpr std::array<std::array<double, 2>, kSamplesPerPixel> kSampleOffsets{
     {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}};
 
-/// The rays of a picture of this size: kSamplesPerPixel for each pixel, tile by tile.
+/// The rays of a picture of this size: kSamplesPerPixel for each pixel, tile by tile. The camera is
+/// not orthographic.
 RayGenerator rays_of(const Camera& camera, PictureSize size);
 
 inline constexpr double kDefaultFov = 40;  ///< degrees, from the bottom of the picture to its top
 
-/// The parts of a camera that the user gives. The rest comes from the overview: the eye is at
-/// center + 1.2 diagonals (1, 0.7, 0.5)/|.|, looks at the center of the scene, and up is the axis
-/// that the scene records, or y.
+/// The parts of a camera that the user gives. The rest comes from the overview: it sees the bounds
+/// of the scene whole, with a margin, from above and from a side.
 struct CameraRequest {
   std::optional<Vec3> eye;
   std::optional<Vec3> at;
   double fov = kDefaultFov;  ///< degrees, between 0 and 180
+  std::optional<Vec3> up{};  ///< not zero; otherwise the axis that the scene records, or y
+  /// Parallel rays. With an eye, the picture is as high as `fov` shows it at the distance of `at`.
+  bool orthographic = false;
 };
 
 /// Returns nothing if the eye is the point that it looks at.
-std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo& scene);
+std::optional<Camera> make_camera(const CameraRequest& request, const SceneInfo& scene,
+                                  PictureSize size);
 
 }  // namespace sightline::client::cli::picture

@@ -4,58 +4,17 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <utility>
 
+#include "client/cli/picture/film.h"
 #include "client/cli/picture/shading.h"
+#include "client/cli/picture/sun.h"
+#include "client/cli/picture/view_cast.h"
 
 namespace sightline::client::cli::picture {
 namespace {
-
-// The pixels of a picture and their sums of colours. Sample s of the k-th pixel in tile order has
-// the number k * kSamplesPerPixel + s.
-class Film {
- public:
-  Film(PictureSize size, const Camera& camera)
-      : size_(size), camera_(camera), pixels_(tiled_pixels(size)), sums_(pixels_.size(), Rgb{}) {}
-
-  std::size_t samples() const { return pixels_.size() * kSamplesPerPixel; }
-
-  // 0 at the top of the picture, 1 at the bottom.
-  double height_of(std::size_t sample) const {
-    const auto [x, y] = pixels_[sample / kSamplesPerPixel];
-    return (y + kSampleOffsets[sample % kSamplesPerPixel][1]) / size_.height;
-  }
-
-  Vec3 direction(std::size_t sample) const {
-    const auto [x, y] = pixels_[sample / kSamplesPerPixel];
-    const double across = (x + kSampleOffsets[sample % kSamplesPerPixel][0]) / size_.height;
-    const double aspect = static_cast<double>(size_.width) / size_.height;
-    return camera_.direction(across, height_of(sample), aspect);
-  }
-
-  void expose(std::size_t sample, const Rgb& colour) {
-    Rgb& sum = sums_[sample / kSamplesPerPixel];
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += colour[c] / float{kSamplesPerPixel};
-  }
-
-  std::vector<std::uint8_t> develop() const {
-    std::vector<std::uint8_t> rgb(3 * pixels_.size());
-    for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      const std::size_t index = std::size_t{pixels_[k].y} * size_.width + pixels_[k].x;
-      for (std::size_t c = 0; c < 3; ++c) rgb[3 * index + c] = encode_srgb(sums_[k][c]);
-    }
-    return rgb;
-  }
-
- private:
-  PictureSize size_;
-  Camera camera_;
-  std::vector<Pixel> pixels_;
-  std::vector<Rgb> sums_;
-};
 
 HitFields fields_of(PictureMode mode) {
   HitFields fields;
@@ -67,10 +26,16 @@ HitFields fields_of(PictureMode mode) {
   return fields;
 }
 
+// The colours of samples, and the scale that tells what they mean.
+struct Shades {
+  std::vector<Rgb> colours;
+  Scale scale;
+};
+
 // Takes one answer per sample. Some modes know the colour at once, others only after all samples.
 class Painter {
  public:
-  Painter(Film& film, const PictureRequest& request) : film_(film), request_(request) {
+  Painter(Film& film, PictureMode mode) : film_(film), mode_(mode) {
     if (is_late()) samples_.resize(film.samples());
   }
 
@@ -79,35 +44,34 @@ class Painter {
     Vec3 normal{};
     if (is_hit) {
       for (std::size_t k = 0; k < 3; ++k) normal[k] = static_cast<double>(hits.normal[3 * row + k]);
-      normal = facing(normal, film_.direction(sample));
+      normal = facing(normal, film_.ray(sample).direction);
     }
     if (is_late()) {
       samples_[sample] = late_sample(hits, row, is_hit, normal);
     } else if (!is_hit) {
       film_.expose(sample, backdrop(film_.height_of(sample)));
-    } else if (request_.mode == PictureMode::kNode) {
-      film_.expose(sample, node_shade(hits.node[row], normal, request_.camera));
+    } else if (mode_ == PictureMode::kNode) {
+      film_.expose(sample, node_shade(hits.node[row], normal, film_.camera()));
     } else {
-      film_.expose(sample, normal_shade(normal, request_.camera, request_.up_axis));
+      film_.expose(sample, normal_shade(normal, film_.camera()));
     }
   }
 
-  void finish() {
-    if (!is_late()) return;
-    const std::vector<Rgb> colours =
-        request_.mode == PictureMode::kDepth ? depth_shades(samples_) : heat_shades(samples_);
-    for (std::size_t i = 0; i < colours.size(); ++i) film_.expose(i, colours[i]);
+  // Returns the scale of the colours, if they have one.
+  std::optional<Scale> finish(double meters_per_unit) {
+    if (!is_late()) return std::nullopt;
+    const Shades shades = late_shades(meters_per_unit);
+    for (std::size_t i = 0; i < shades.colours.size(); ++i) film_.expose(i, shades.colours[i]);
+    return shades.scale;
   }
 
  private:
-  bool is_late() const {
-    return request_.mode == PictureMode::kDepth || request_.mode == PictureMode::kHeat;
-  }
+  bool is_late() const { return mode_ == PictureMode::kDepth || mode_ == PictureMode::kHeat; }
 
   Sample late_sample(const HitView& hits, std::size_t row, bool is_hit, const Vec3& normal) const {
     Sample sample;
-    sample.light = is_hit ? static_cast<float>(light_on(normal, request_.camera)) : -1.0F;
-    if (request_.mode == PictureMode::kDepth) {
+    sample.light = is_hit ? static_cast<float>(light_on(normal, film_.camera())) : -1.0F;
+    if (mode_ == PictureMode::kDepth) {
       sample.value = static_cast<float>(hits.t[row]);
     } else {
       sample.value = static_cast<float>(hits.work[row] & ~kSawDeferred);
@@ -116,18 +80,56 @@ class Painter {
     return sample;
   }
 
+  Shades late_shades(double meters_per_unit) const {
+    if (mode_ == PictureMode::kDepth) {
+      const ValueRange range = depth_range(samples_);
+      return {depth_shades(samples_, range), depth_scale(range, meters_per_unit)};
+    }
+    const ValueRange range = heat_range(samples_);
+    return {heat_shades(samples_, range), heat_scale(range)};
+  }
+
   Film& film_;
-  const PictureRequest& request_;
+  PictureMode mode_;
   std::vector<Sample> samples_;
 };
 
+double diagonal_of(const SceneInfo& scene) {
+  if (!scene.bounds) return 1;
+  const auto& b = *scene.bounds;
+  return length({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
+}
+
+bool has_scale(const PictureRequest& request) {
+  return request.with_scale &&
+         (request.mode == PictureMode::kDepth || request.mode == PictureMode::kHeat);
+}
+
+// Of the view, without the scale.
+PictureSize view_size(const PictureRequest& request) {
+  PictureSize size = request.size;
+  if (has_scale(request)) size.width -= scale_width(size);
+  return size;
+}
+
 }  // namespace
 
-Result<Picture> render_picture(const Client& client, const std::string& scene,
+bool has_view(const PictureRequest& request, const SceneInfo& scene) {
+  return make_camera(request.camera, scene, view_size(request)).has_value();
+}
+
+Result<Picture> render_picture(const Client& client, const SceneInfo& scene,
                                const PictureRequest& request,
                                const std::function<void(double)>& progress) {
-  Film film(request.size, request.camera);
-  Painter painter(film, request);
+  const PictureSize size = view_size(request);
+  Film film(size, make_camera(request.camera, scene, size).value());
+  if (request.mode == PictureMode::kLit) {
+    auto report =
+        paint_in_sun(client, scene.name, film, {diagonal_of(scene), request.consistency}, progress);
+    if (!report) return report.error();
+    return Picture{film.develop(), *std::move(report)};
+  }
+  Painter painter(film, request.mode);
   const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& hits) {
     for (std::size_t i = 0; i < count; ++i) painter.add(first + i, hits, i);
     progress(static_cast<double>(first + count) / static_cast<double>(film.samples()));
@@ -135,27 +137,14 @@ Result<Picture> render_picture(const Client& client, const std::string& scene,
   };
   CastOptions options{.consistency = request.consistency};
   if (request.mode == PictureMode::kHeat) options.build = BuildMode::kBuiltOnly;
-  auto report = client.cast_stream(scene, rays_of(request.camera, request.size),
-                                   fields_of(request.mode), sink, options);
+  auto report = cast_view(client, scene.name, film, {0, film.samples()}, fields_of(request.mode),
+                          sink, options);
   if (!report) return report.error();
-  painter.finish();
-  return Picture{film.develop(), *report};
-}
-
-std::vector<Pixel> tiled_pixels(PictureSize size) {
-  constexpr std::uint32_t kTile = 8;
-  std::vector<Pixel> pixels;
-  pixels.reserve(std::size_t{size.width} * size.height);
-  for (std::uint32_t top = 0; top < size.height; top += kTile) {
-    for (std::uint32_t left = 0; left < size.width; left += kTile) {
-      for (std::uint32_t y = top; y < std::min(top + kTile, size.height); ++y) {
-        for (std::uint32_t x = left; x < std::min(left + kTile, size.width); ++x) {
-          pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
-        }
-      }
-    }
-  }
-  return pixels;
+  auto scale = painter.finish(scene.meters_per_unit);
+  Picture picture{film.develop(), *std::move(report), std::move(scale)};
+  if (size.width != request.size.width)
+    picture.rgb = beside_scale(picture.rgb, request.size, *picture.scale);
+  return picture;
 }
 
 Result<std::string> encode_png(std::span<const std::uint8_t> rgb, std::uint32_t width,

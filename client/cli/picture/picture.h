@@ -5,45 +5,45 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "client/cli/flags.h"
 #include "client/cli/picture/camera.h"
+#include "client/cli/picture/scale.h"
 #include "client/client.h"
 #include "client/result.h"
 
 namespace sightline::client::cli::picture {
 
-enum class PictureMode : std::uint8_t { kNormal, kDepth, kNode, kHeat };
+enum class PictureMode : std::uint8_t { kNormal, kLit, kDepth, kNode, kHeat };
 
 struct PictureRequest {
   PictureMode mode = PictureMode::kNormal;
   PictureSize size = kDefaultSize;
-  Camera camera;
-  UpAxis up_axis = UpAxis::kUnknown;
+  CameraRequest camera;
+  bool with_scale = true;  ///< beside kDepth and kHeat, where the picture is large enough
   Consistency consistency;
 };
 
 struct Picture {
   std::vector<std::uint8_t> rgb;  ///< sRGB, (height, width, 3)
   CastReport report;
+  std::optional<Scale> scale{};  ///< of kDepth and kHeat, also where it is not drawn
 };
 
-/// Casts kSamplesPerPixel rays per pixel. kHeat builds no trees and shows those that exist; the
-/// other modes build as the server's policy says. `progress` is called with the part that is done,
-/// 0 to 1, on the calling thread.
-Result<Picture> render_picture(const Client& client, const std::string& scene,
+/// Whether a request has a camera: its eye is not the point that it looks at.
+bool has_view(const PictureRequest& request, const SceneInfo& scene);
+
+/// Casts kSamplesPerPixel rays per pixel; kLit casts as many again from what they hit. The scale
+/// takes its columns from the view. Call it if has_view(). kHeat builds no trees and shows those
+/// that exist; the other modes build as the server's policy says. `progress` is called with the
+/// part that is done, 0 to 1, on the calling thread.
+Result<Picture> render_picture(const Client& client, const SceneInfo& scene,
                                const PictureRequest& request,
                                const std::function<void(double)>& progress);
-
-struct Pixel {
-  std::uint16_t x, y;
-};
-
-/// Every pixel once, in the order of the rays of a picture.
-std::vector<Pixel> tiled_pixels(PictureSize size);
 
 /// Encodes a picture as PNG. `rgb`: sRGB, 8 bits, (height, width, 3). Errors: kInternal, with
 /// libpng's message.

@@ -114,8 +114,9 @@ double light_on(const Vec3& normal, const Camera& camera) {
   return std::clamp(0.72 * wrapped * wrapped + 0.28 * head, 0.0, 1.0);
 }
 
-Rgb normal_shade(const Vec3& normal, const Camera& camera, UpAxis up) {
-  const Vec3 n = up == UpAxis::kZ ? Vec3{normal[0], normal[2], -normal[1]} : normal;
+Rgb normal_shade(const Vec3& normal, const Camera& camera) {
+  const Axes& scene = camera.scene;
+  const Vec3 n{dot(normal, scene.side), dot(normal, scene.up), dot(normal, scene.front)};
   const double light = 0.35 + 0.75 * light_on(normal, camera);
   Rgb colour{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -129,6 +130,21 @@ Rgb node_shade(std::uint64_t node, const Vec3& normal, const Camera& camera) {
   return times(node_colour(node), 0.3 + 0.8 * light_on(normal, camera));
 }
 
+Rgb sun_shade(const Vec3& normal, const Vec3& sun, bool in_shadow, const Camera& camera) {
+  static const Rgb kClay = from_oklch(0.9, 0.02, 75);
+  constexpr Rgb kSun{0.80F, 0.74F, 0.64F}, kSky{0.20F, 0.24F, 0.30F}, kGround{0.12F, 0.11F, 0.10F};
+  constexpr double kLamp = 0.12;
+  const auto direct = static_cast<float>(in_shadow ? 0 : std::max(0.0, dot(normal, sun)));
+  const auto above = static_cast<float>(0.5 + 0.5 * dot(normal, camera.scene.up));
+  const auto lamp = static_cast<float>(kLamp * std::max(0.0, -dot(normal, camera.forward)));
+  Rgb colour{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float around = std::lerp(kGround[k], kSky[k], above);
+    colour[k] = kClay[k] * (direct * kSun[k] + around + lamp);
+  }
+  return colour;
+}
+
 Rgb backdrop(double y) {
   static const Rgb kTop = from_oklch(0.97, 0.006, 250);
   static const Rgb kBottom = from_oklch(0.86, 0.012, 260);
@@ -137,31 +153,44 @@ Rgb backdrop(double y) {
           std::lerp(kTop[2], kBottom[2], s)};
 }
 
-std::vector<Rgb> depth_shades(const std::vector<Sample>& samples) {
+ValueRange depth_range(const std::vector<Sample>& samples) {
   std::vector<float> values = values_of_hits(samples);
   const double near = quantile(values, 0.01);
   const double far = quantile(values, 0.99);
-  const double range = far > near ? far - near : 1;
+  return {near, far > near ? far : near + 1};
+}
+
+ValueRange heat_range(const std::vector<Sample>& samples) {
+  std::vector<float> values = values_of_hits(samples);
+  return {0, std::max(quantile(values, 0.995), 1.0)};
+}
+
+double depth_position(double value, const ValueRange& range) {
+  return std::clamp((value - range.low) / (range.high - range.low), 0.0, 1.0);
+}
+
+double heat_position(double value, const ValueRange& range) {
+  return std::sqrt(depth_position(value, range));
+}
+
+std::vector<Rgb> depth_shades(const std::vector<Sample>& samples, const ValueRange& range) {
   const Rgb behind = from_oklch(0.13, 0.02, 285);
   std::vector<Rgb> colours;
   colours.reserve(samples.size());
   for (const Sample& sample : samples) {
-    const double s = (static_cast<double>(sample.value) - near) / range;
-    colours.push_back(sample.light < 0
-                          ? behind
-                          : times(depth_colour(s), 0.7 + 0.3 * static_cast<double>(sample.light)));
+    const Rgb colour = depth_colour(depth_position(static_cast<double>(sample.value), range));
+    colours.push_back(
+        sample.light < 0 ? behind : times(colour, 0.7 + 0.3 * static_cast<double>(sample.light)));
   }
   return colours;
 }
 
-std::vector<Rgb> heat_shades(const std::vector<Sample>& samples) {
+std::vector<Rgb> heat_shades(const std::vector<Sample>& samples, const ValueRange& range) {
   constexpr double kDeferredLight = 0.2;
-  std::vector<float> values = values_of_hits(samples);
-  const double most = std::max(quantile(values, 0.995), 1.0);
   std::vector<Rgb> colours;
   colours.reserve(samples.size());
   for (const Sample& sample : samples) {
-    const Rgb heat = heat_colour(std::sqrt(static_cast<double>(sample.value) / most));
+    const Rgb heat = heat_colour(heat_position(static_cast<double>(sample.value), range));
     const double light = sample.light >= 0 ? 0.45 + 0.55 * static_cast<double>(sample.light)
                          : sample.deferred ? kDeferredLight
                                            : 0.6;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "client/cli/picture/camera.h"
-#include "client/scene_info.h"
 
 namespace sightline::client::cli::picture {
 
@@ -35,12 +34,14 @@ Vec3 facing(const Vec3& normal, const Vec3& direction);
 /// Light on a surface from a lamp beside and above the camera, 0 to 1. `normal` faces the camera.
 double light_on(const Vec3& normal, const Camera& camera);
 
-/// A pastel colour for the direction of a normal, with light. The colour of "up" is the same for
-/// both up axes.
-Rgb normal_shade(const Vec3& normal, const Camera& camera, UpAxis up);
+/// A pastel colour for the direction of a normal, with light. "Up" always has the same colour.
+Rgb normal_shade(const Vec3& normal, const Camera& camera);
 
 /// The node's own colour, with light.
 Rgb node_shade(std::uint64_t node, const Vec3& normal, const Camera& camera);
+
+/// Clay under a sun, a sky, and a weak lamp at the camera. `sun` is the unit direction to the sun.
+Rgb sun_shade(const Vec3& normal, const Vec3& sun, bool in_shadow, const Camera& camera);
 
 /// The colour behind the scene. y runs from 0 at the top of the picture to 1.
 Rgb backdrop(double y);
@@ -52,11 +53,26 @@ struct Sample {
   bool deferred = false;
 };
 
-/// Colours for distances. The range of colours leaves out the nearest and the farthest hundredth of
-/// the samples.
-std::vector<Rgb> depth_shades(const std::vector<Sample>& samples);
+/// The values with the first and the last colour.
+struct ValueRange {
+  double low = 0;
+  double high = 1;  ///< above `low`
+};
+
+/// Of distances, without the nearest and the farthest hundredth.
+ValueRange depth_range(const std::vector<Sample>& samples);
+/// Of work, from 0 on, without the few samples with the most.
+ValueRange heat_range(const std::vector<Sample>& samples);
+
+/// Where a value stands in its range, 0 to 1: evenly, or by the square root for heat, so that
+/// little work differs too.
+double depth_position(double value, const ValueRange& range);
+double heat_position(double value, const ValueRange& range);
+
+/// Colours for distances.
+std::vector<Rgb> depth_shades(const std::vector<Sample>& samples, const ValueRange& range);
 
 /// Colours for work. Unbuilt cells stay dark.
-std::vector<Rgb> heat_shades(const std::vector<Sample>& samples);
+std::vector<Rgb> heat_shades(const std::vector<Sample>& samples, const ValueRange& range);
 
 }  // namespace sightline::client::cli::picture

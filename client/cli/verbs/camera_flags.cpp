@@ -22,6 +22,30 @@ void add_vector_option(CLI::App& verb, const std::string& name, std::optional<pi
       ->type_name("X,Y,Z");
 }
 
+// An axis by its letter, or any direction.
+std::optional<picture::Vec3> parse_up(const std::string& text) {
+  if (text == "x") return picture::Vec3{1, 0, 0};
+  if (text == "y") return picture::Vec3{0, 1, 0};
+  if (text == "z") return picture::Vec3{0, 0, 1};
+  const auto vector = parse_vector(text);
+  if (!vector || !(picture::length(*vector) > 0)) return std::nullopt;
+  return vector;
+}
+
+void add_up_option(CLI::App& verb, std::optional<picture::Vec3>& up) {
+  verb.add_option_function<std::string>(
+          "--up",
+          [&up](const std::string& text) {
+            up = parse_up(text);
+            if (!up) {
+              throw CLI::ValidationError(
+                  "--up", "'" + text + "' is not x, y, z, or a direction X,Y,Z that is not zero");
+            }
+          },
+          "What is up in the picture (default: the axis that the scene records, or y)")
+      ->type_name("x|y|z|X,Y,Z");
+}
+
 void add_size_option(CLI::App& verb, PictureSize& size) {
   verb.add_option_function<std::string>(
           "--size",
@@ -43,12 +67,13 @@ void add_size_option(CLI::App& verb, PictureSize& size) {
 void add_camera_flags(CLI::App& verb, picture::CameraRequest& camera, PictureSize& size) {
   add_size_option(verb, size);
   add_vector_option(verb, "--eye", camera.eye,
-                    "Where the camera is (default: an overview of the scene)");
+                    "Where the camera is (default: where it sees the whole scene)");
   add_vector_option(verb, "--at", camera.at, "What it looks at (default: the middle of the scene)");
   verb.add_option("--fov", camera.fov,
                   "Degrees from the bottom of the picture to its top (default 40)")
       ->check(CLI::Range(0.01, 179.0).description(""))
       ->type_name("DEGREES");
+  add_up_option(verb, camera.up);
 }
 
 }  // namespace sightline::client::cli::verbs

@@ -61,7 +61,7 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
   if (arguments.view) {
     const auto scene = client.get_scene(arguments.scene);
     if (!scene) return scene.error();
-    const auto camera = picture::make_camera(arguments.camera, *scene);
+    const auto camera = picture::make_camera(arguments.camera, *scene, arguments.size);
     if (!camera) throw CLI::ValidationError("--eye and --at are the same point");
     const RayGenerator rays = picture::rays_of(*camera, arguments.size);
     BuildingBar bar(proto::rays::count_of(rays));
@@ -181,10 +181,10 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
                   "Only what casting these rays would build; a file as cast takes it")
       ->type_name("FILE");
   verb.add_flag("--view", arguments->view,
-                "Only what a picture of this camera would build; the next four as render has them")
+                "Only what a picture of this camera would build; the next five as render has them")
       ->excludes("--rays");
   add_camera_flags(verb, arguments->camera, arguments->size);
-  for (const char* flag : {"--size", "--eye", "--at", "--fov"})
+  for (const char* flag : {"--size", "--eye", "--at", "--fov", "--up"})
     verb.get_option(flag)->needs("--view");
   verb.add_option("--kind", arguments->kind,
                   "What the rays will be cast for: all and count build all that is on their way "

@@ -69,7 +69,7 @@ class Sightline:
         """A panel's pixels, 0 to 1."""
         picture = self.folder / f"{mode}.png"
         vector = lambda v: ",".join(f"{x:.9g}" for x in v)
-        self.run("render", "model", "--out", picture, "--mode", mode, "--size", "{}x{}".format(*PIXELS),
+        self.run("render", "model", "--out", picture, "--mode", mode, "--no-scale", "--size", "{}x{}".format(*PIXELS),
                  f"--eye={vector(camera.eye)}", f"--at={vector(camera.at)}", "--fov", FOV)
         return plt.imread(picture)[:, :, :3]
 

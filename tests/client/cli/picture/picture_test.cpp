@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/picture/film.h"
 #include "client/cli/picture/picture.h"
 
 namespace sightline::client::cli::picture {

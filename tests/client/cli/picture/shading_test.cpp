@@ -59,15 +59,28 @@ TEST(Shading, UpLooksTheSameForBothAxes) {
   Camera z_camera;
   z_camera.forward = {0, 1, 0};
   z_camera.up = {0, 0, 1};
-  EXPECT_EQ(normal_shade({0, 1, 0}, y_camera, UpAxis::kY),
-            normal_shade({0, 0, 1}, z_camera, UpAxis::kZ));
+  z_camera.scene = upright_axes({0, 0, 1});
+  EXPECT_EQ(normal_shade({0, 1, 0}, y_camera), normal_shade({0, 0, 1}, z_camera));
+}
+
+TEST(Shading, ShadowsAreDarkerAndNotBlack) {
+  const Camera camera;
+  const Vec3 sun{0, 1, 0}, up{0, 1, 0};
+  const Rgb lit = sun_shade(up, sun, false, camera), shadow = sun_shade(up, sun, true, camera);
+  EXPECT_GT(luminance(lit), 2 * luminance(shadow));
+  EXPECT_GT(luminance(shadow), 0.1F);
+  EXPECT_LE(luminance(lit), 1.0F);
+  EXPECT_EQ(sun_shade({0, -1, 0}, sun, false, camera), sun_shade({0, -1, 0}, sun, true, camera));
 }
 
 TEST(Shading, DepthGoesFromNearToFarAndMissesAreDark) {
   std::vector<Sample> samples(101, Sample{0, 1, false});
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].value = static_cast<float>(i);
   samples.push_back({1e9F, -1, false});
-  const auto colours = depth_shades(samples);
+  const ValueRange range = depth_range(samples);
+  EXPECT_EQ(range.low, 1);
+  EXPECT_EQ(range.high, 99);
+  const auto colours = depth_shades(samples, range);
   ASSERT_EQ(colours.size(), samples.size());
   EXPECT_GT(brightness(colours[10]), brightness(colours[50]));
   EXPECT_GT(brightness(colours[50]), brightness(colours[90]));
@@ -75,17 +88,19 @@ TEST(Shading, DepthGoesFromNearToFarAndMissesAreDark) {
 }
 
 TEST(Shading, HeatOfDeferredCellsIsDark) {
-  const auto colours =
-      heat_shades({{40, 0.5F, false}, {40, -1, false}, {40, -1, true}, {10, 0.5F, false}});
+  const std::vector<Sample> samples{
+      {40, 0.5F, false}, {40, -1, false}, {40, -1, true}, {10, 0.5F, false}};
+  const auto colours = heat_shades(samples, heat_range(samples));
   EXPECT_GT(brightness(colours[0]), brightness(colours[3]));
   EXPECT_LT(brightness(colours[2]), 0.5F * brightness(colours[1]));
   EXPECT_LT(brightness(colours[2]), 0.5F * brightness(colours[0]));
 }
 
 TEST(Shading, AnEmptyPictureHasColors) {
-  EXPECT_EQ(depth_shades({{0, -1, false}}).size(), 1U);
-  EXPECT_EQ(heat_shades({{0, -1, false}}).size(), 1U);
-  EXPECT_TRUE(depth_shades({}).empty());
+  const std::vector<Sample> miss{{0, -1, false}};
+  EXPECT_EQ(depth_shades(miss, depth_range(miss)).size(), 1U);
+  EXPECT_EQ(heat_shades(miss, heat_range(miss)).size(), 1U);
+  EXPECT_TRUE(depth_shades({}, depth_range({})).empty());
 }
 
 }  // namespace
