@@ -124,7 +124,7 @@ class Complaints {
 
 // Some messages are only the name of what was thrown.
 std::string readable(const std::string& said) {
-  if (said.empty()) return "holds no complete scene";
+  if (said.empty()) return "holds no scene, or one without meshes";
   if (said.find(' ') != std::string::npos) return one_line(said);
   return fmt::format("damaged, or not understood by Assimp ({})", said);
 }
@@ -145,8 +145,10 @@ Result<AssimpFile> AssimpFile::read(const std::string& name, const FileSource& f
       return good.error();
     scene = importer->ApplyPostProcessing(aiProcess_Triangulate);
   }
-  const bool is_complete = scene != nullptr && (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0 &&
-                           scene->mRootNode != nullptr;
+  // Assimp calls a scene without meshes incomplete.
+  const bool is_complete =
+      scene != nullptr && scene->mRootNode != nullptr &&
+      ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0 || scene->mNumMeshes == 0);
   if (!is_complete) return import_error(readable(importer->GetErrorString()));
   return AssimpFile(std::move(importer), complaints.take());
 }

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "client/importer/extension.h"
 #include "client/importer/imported_scene.h"
 #include "client/importer/ply_size.h"
 
@@ -102,13 +103,6 @@ Result<Doubts> doubts_of_ply(std::string_view bytes) {
   const std::uint64_t missing = bytes_missing_in_ply(bytes);
   if (missing == 0) return Doubts{};
   return cut_off(fmt::format("its header announces {} more bytes, or more", missing));
-}
-
-std::string extension_of(std::string_view name) {
-  std::string out(name.substr(std::min(name.size(), name.rfind('.') + 1)));
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return c < 0x80 ? std::tolower(c) : c; });
-  return out;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "client/importer/frame.h"
 
 #include <assimp/scene.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstdint>
@@ -30,6 +31,18 @@ Frame frame_of_fbx(const aiScene& scene) {
   return frame;
 }
 
+// The word in the first up_axis element of a Collada file; empty if there is none.
+std::string_view stated_up(std::string_view bytes) {
+  constexpr std::string_view kElement = "<up_axis>", kBlanks = " \t\r\n";
+  const std::size_t begin = bytes.find(kElement);
+  if (begin == std::string_view::npos) return {};
+  std::string_view text = bytes.substr(begin + kElement.size(), 32);
+  text = text.substr(0, text.find('<'));
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
 void set_row(std::array<double, 12>& m, std::size_t to, const std::array<double, 12>& from,
              std::size_t row, double factor) {
   for (std::size_t k = 0; k < 4; ++k) m[to * 4 + k] = factor * from[row * 4 + k];
@@ -52,6 +65,23 @@ Frame frame_of(const aiScene& scene, std::string_view importer_name) {
   if (is("glTF") || is("Collada") || is("IFC")) return {UpAxis::kY, 1.0};
   if (is("FBX")) return frame_of_fbx(scene);
   return {};
+}
+
+std::string turned_axes(std::string_view importer_name, std::string_view bytes,
+                        std::optional<UpAxis> up_axis) {
+  const bool is_ifc = importer_name.find("IFC") != std::string_view::npos;
+  const bool is_collada = importer_name.find("Collada") != std::string_view::npos;
+  const std::string_view stated = is_collada ? stated_up(bytes) : std::string_view();
+  if (is_collada && stated == "X_UP") {
+    const bool to_z = up_axis == UpAxis::kZ;
+    return fmt::format(
+        "its x axis is up, which no scene here can have: (x, y, z) of the file is {} here, so that "
+        "{} is up",
+        to_z ? "(-y, -z, x)" : "(-y, x, z)", to_z ? "z" : "y");
+  }
+  if (up_axis || (!is_ifc && stated != "Z_UP")) return {};
+  return "its z axis is up, and Assimp has turned it: (x, y, z) of the file is (x, z, -y) here, so "
+         "that y is up; --up z keeps the file's axes, --up y is silent";
 }
 
 void convert_frame(ImportedScene& scene, std::optional<UpAxis> up_axis,

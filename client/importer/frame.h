@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "client/importer/imported_scene.h"
@@ -20,6 +21,12 @@ struct Frame {
 /// The frame of a scene read by Assimp's importer of this name. glTF, Collada and IFC have y up and
 /// metres; FBX states its frame in the header; other formats do not state it.
 Frame frame_of(const aiScene& scene, std::string_view importer_name);
+
+/// What was turned when a file of an importer of this name was read, with the flag that keeps the
+/// file's axes, for people. Assimp turns IFC files and some Collada files so that y is up. Empty:
+/// nothing, or `up_axis` was asked for and the file could keep its axes. `bytes`: the file.
+std::string turned_axes(std::string_view importer_name, std::string_view bytes,
+                        std::optional<UpAxis> up_axis);
 
 /// Converts the scene to the requested frame by changing the transforms of its roots, and records
 /// the frame. If the scene's own axis or unit is unknown, the requested one is recorded and nothing

@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <exception>
 #include <iterator>
+#include <memory>
 #include <new>
 #include <utility>
 #include <vector>
 
 #include "client/importer/animation_from_assimp.h"
 #include "client/importer/completeness.h"
+#include "client/importer/encoding.h"
+#include "client/importer/extension.h"
 #include "client/importer/frame.h"
 #include "client/importer/lattice.h"
 #include "client/importer/preflight.h"
@@ -24,20 +28,38 @@ namespace {
 template <class Scene>
 using Convert = Result<Scene> (*)(const aiScene&, std::string_view, const ImportOptions&);
 
+// A binary STL file without facets, which Assimp refuses.
+bool is_empty_stl(const std::string& name, std::string_view bytes) {
+  constexpr std::size_t kHeader = 80;
+  constexpr std::string_view kNoFacets("\0\0\0\0", 4);
+  return extension_of(name) == "stl" && bytes.size() == kHeader + kNoFacets.size() &&
+         bytes.ends_with(kNoFacets);
+}
+
+std::unique_ptr<const aiScene> scene_without_meshes() {
+  auto scene = std::make_unique<aiScene>();
+  scene->mRootNode = std::make_unique<aiNode>().release();
+  return scene;
+}
+
 template <class Scene>
 Result<Scene> read(const std::string& name, const FileSource& files, const ImportOptions& options,
                    const ImportProgress& progress, Convert<Scene> convert) {
   const auto bytes = files(name);
   if (!bytes) return import_error("cannot be read");
+  if (const Status good = check_encoding(*bytes); !good) return good.error();
   if (const Status good = preflight(name, *bytes); !good) return good.error();
   auto doubts = check_complete(name, *bytes);
   if (!doubts) return doubts.error();
+  if (is_empty_stl(name, *bytes)) return convert(*scene_without_meshes(), {}, options);
   const auto source = AssimpFile::read(name, files, progress);
   if (!source) return source.error();
   auto scene = convert(source->scene(), source->importer_name(), options);
   if (!scene) return scene;
   std::vector<std::string>& warnings = warnings_of(*scene);
   warnings = *std::move(doubts);
+  std::string turned = turned_axes(source->importer_name(), *bytes, options.up_axis);
+  if (!turned.empty()) warnings.push_back(std::move(turned));
   const std::vector<std::string>& complaints = source->complaints();
   std::transform(complaints.begin(), complaints.end(), std::back_inserter(warnings),
                  [](const std::string& complaint) { return "Assimp: " + complaint; });

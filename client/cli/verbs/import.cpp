@@ -14,6 +14,7 @@
 #include "client/cli/flags.h"
 #include "client/cli/terminal.h"
 #include "client/importer/assimp_import.h"
+#include "client/importer/hittable.h"
 #include "client/scene_upload.h"
 
 namespace sightline::client::cli::verbs {
@@ -26,6 +27,7 @@ struct ImportArguments {
   std::string up;
   std::optional<double> meters_per_unit;
   std::string mobility = "static";
+  bool allow_empty = false;
 };
 
 const std::map<std::string, UpAxis> kAxes{{"y", UpAxis::kY}, {"z", UpAxis::kZ}};
@@ -60,6 +62,20 @@ Result<importer::ImportedScene> read_file(const ImportArguments& arguments) {
   options.meters_per_unit = arguments.meters_per_unit;
   ProgressBar bar("reading");
   return import_scene(arguments.file, options, [&](double part) { bar.update(part); });
+}
+
+// A scene that no ray can hit is a mistake, as a rule.
+Status check_hittable(const ImportArguments& arguments, importer::ImportedScene& scene) {
+  const std::string why = importer::why_not_hittable(scene, arguments.file);
+  if (why.empty()) return {};
+  if (!arguments.allow_empty) {
+    return Error{Code::kInvalidArgument,
+                 fmt::format("{}: no ray can hit it: {}; --allow-empty imports it as it is",
+                             arguments.file, why),
+                 {}};
+  }
+  scene.warnings.push_back(fmt::format("{}: no ray can hit it: {}", arguments.file, why));
+  return {};
 }
 
 bool is_about_the_file(const Error& error) {
@@ -141,10 +157,12 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
   if (const Status free = check_free(*client, arguments); !free) return fail(free.error());
-  const auto imported = read_file(arguments);
+  auto imported = read_file(arguments);
   if (!imported) return fail(imported.error());
+  const Status hittable = check_hittable(arguments, *imported);
   print_warnings(imported->warnings);
-  const Interrupt interrupt;  // from here on, because an abort could leave a half-made scene
+  if (!hittable) return fail(hittable.error());
+  const Interrupt interrupt;
   const auto scene = send(*client, arguments, *imported, interrupt.token());
   if (!scene && interrupt.happened()) return say_interrupted();
   if (!scene) return fail(scene.error());
@@ -154,15 +172,20 @@ ExitCode run(const Session& session, const ImportArguments& arguments) {
 }
 
 constexpr const char* kImportFooter =
-    R"(Everything is read and checked before anything is sent. Polygons are cut into triangles; nothing else is changed,
-merged or repaired. Lines and points keep their number and are never hit. A node with several meshes gets a child for
-each, NAME#0, NAME#1, ... Textures are not read.
+    R"(Everything is read and checked before anything is sent, and the scene appears in one step: an import that is cut off
+changes nothing, and with --replace readers find the old scene or the whole new one. A file of which no ray can hit
+anything, such as a point cloud, is an error.
+
+Polygons are cut into triangles; nothing else is changed, merged or repaired. Lines and points keep their number and are
+never hit. A node with several meshes gets a child for each, NAME#0, NAME#1, ... Textures are not read.
 
 FILE may come from a stranger: a child process reads it, which sees no file outside FILE's folder and no network, and
 has limits on memory and time that grow with the size of FILE. What may be missing is a warning on standard error.
 
 --up and --meters-per-unit are recorded with the scene. Where the file itself says otherwise (glTF, Collada, IFC, FBX),
 the scene is turned or scaled to what is asked for; where it says nothing (OBJ, PLY, STL, AC), nothing is changed.
+IFC files, and Collada files whose z axis is up, are turned when they are read, so that y is up, with a warning: --up z
+keeps their axes.
 
 Examples:
   sightline scene import engine 2CylinderEngine.glb
@@ -178,6 +201,8 @@ void add_import_verb(CLI::App& group, Session& session) {
   add_scene_argument(verb, arguments->scene);
   verb.add_option("FILE", arguments->file, "The scene file")->required();
   verb.add_flag("--replace", arguments->replace, "Put it in place of a scene of that name");
+  verb.add_flag("--allow-empty", arguments->allow_empty,
+                "Take a file of which no ray can hit anything, too");
   verb.add_option("--up", arguments->up, "The scene's up axis")
       ->check(CLI::IsMember(kAxes).description(""))
       ->type_name("y|z");

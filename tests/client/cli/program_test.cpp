@@ -145,7 +145,7 @@ TEST_F(Program, AnUnknownSceneExitsWithThree) {
   EXPECT_EQ(run({"prefetch", "none"}).exit, 3);
   EXPECT_EQ(run({"prefetch", "none", "--rays", rays.c_str()}).exit, 3);
   EXPECT_EQ(run({"cast", "none", "--in", rays.c_str(), "--out", out.c_str()}).exit, 3);
-  EXPECT_EQ(run({"render", "none", "--out", out.c_str()}).exit, 3);
+  EXPECT_EQ(run({"render", "none", "--out", dir_.path("out.png").c_str()}).exit, 3);
   EXPECT_EQ(dir_.names(), "rays.csv");
 }
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <string>
+
 namespace sightline::client::importer {
 namespace {
 
@@ -62,6 +65,21 @@ TEST(Frame, NoRequestChangesNothing) {
   EXPECT_EQ(scene.nodes[0].parent_from_local, before);
   EXPECT_EQ(scene.up_axis, UpAxis::kZ);
   EXPECT_EQ(scene.meters_per_unit, 0.01);
+}
+
+TEST(TurnedAxes, AreReportedUnlessAnAxisWasAskedFor) {
+  const auto collada = [](const char* up, std::optional<UpAxis> asked = {}) {
+    return turned_axes("Collada Importer", std::string("<up_axis> ") + up + "\n</up_axis>", asked);
+  };
+  EXPECT_NE(collada("Z_UP").find("--up z"), std::string::npos);
+  EXPECT_EQ(collada("Z_UP", UpAxis::kZ), "");
+  EXPECT_EQ(collada("Z_UP", UpAxis::kY), "");
+  EXPECT_EQ(collada("Y_UP"), "");
+  EXPECT_NE(collada("X_UP").find("(-y, x, z) here, so that y"), std::string::npos);
+  EXPECT_NE(collada("X_UP", UpAxis::kZ).find("(-y, -z, x) here, so that z"), std::string::npos);
+  EXPECT_EQ(turned_axes("Collada Importer", "<COLLADA/>", {}), "");
+  EXPECT_NE(turned_axes("Industry Foundation Classes (IFC) Importer", "", {}), "");
+  EXPECT_EQ(turned_axes("glTF2 Importer", "<up_axis>Z_UP</up_axis>", {}), "");
 }
 
 }  // namespace
