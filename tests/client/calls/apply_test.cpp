@@ -205,7 +205,7 @@ TEST_F(Apply, ManyTransformsAreSentInParts) {
   SetTransforms set;
   for (std::size_t i = 0; i < n; ++i) {
     const NodeRef alias = -1 - static_cast<NodeRef>(i);
-    puts.push_back(put(alias, 0, ""));
+    puts.emplace_back(put(alias, 0, ""));
     set.nodes.push_back(alias);
     set.parent_from_local.push_back(kIdentity);
     set.parent_from_local.back()[3] = static_cast<double>(i);
