@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <string>
 
 #include "client/cli/flags.h"
@@ -67,9 +68,12 @@ void add_global_flags(CLI::App& program, Session& session) {
       ->type_name("SECONDS");
 }
 
-int parse_and_run(int argc, const char* const* argv) {
-  Session session;
-  CLI::App program("Ray queries on scenes of a Sightline server", "sightline");
+}  // namespace
+
+std::unique_ptr<CLI::App> make_program(Session& session) {
+  auto made =
+      std::make_unique<CLI::App>("Ray queries on scenes of a Sightline server", "sightline");
+  CLI::App& program = *made;
   program.fallthrough();
   require_verb(program);
   program.footer(kFooter);
@@ -83,10 +87,19 @@ int parse_and_run(int argc, const char* const* argv) {
   verbs::add_stream_verb(program, session);
   verbs::add_watch_verb(program, session);
   verbs::add_backup_verbs(program, session);
+  verbs::add_completion_verb(program, session);
+  return made;
+}
+
+namespace {
+
+int parse_and_run(int argc, const char* const* argv) {
+  Session session;
+  const auto program = make_program(session);
   try {
-    program.parse(argc, argv);
+    program->parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return program.exit(e) == 0 ? kOk : kUsage;
+    return program->exit(e) == 0 ? kOk : kUsage;
   }
   return session.exit;
 }

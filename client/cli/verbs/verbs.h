@@ -15,6 +15,7 @@ void add_scene_verbs(CLI::App& program, Session& session);
 void add_import_verb(CLI::App& group, Session& session);
 void add_backup_verbs(CLI::App& program, Session& session);
 void add_cast_verb(CLI::App& program, Session& session);
+void add_completion_verb(CLI::App& program, Session& session);
 void add_prefetch_verb(CLI::App& program, Session& session);
 void add_render_verb(CLI::App& program, Session& session);
 void add_stats_verb(CLI::App& program, Session& session);
