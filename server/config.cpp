@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/describe.h"
 #include "server/exec/rpc_status.h"
 #include "server/net/listen_address.h"
 #include "server/settings/quota_settings.h"
@@ -207,13 +208,33 @@ Status complete(CLI::App& app, const Requests& requests, CommandLine& line) {
 
 }  // namespace
 
-std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv) {
-  CommandLine line;
-  Requests requests;
-  CLI::App app("sightlined: answers ray queries against scenes over gRPC", "sightlined");
+namespace {
+
+void add_everything(CLI::App& app, CommandLine& line, Requests& requests) {
+  app.description("Answers ray queries against scenes over gRPC");
+  app.name("sightlined");
   app.footer("sightlined doctor DIR [--repair] examines a data directory.");
   add_flags(app, line);
   add_requests(app, line, requests);
+}
+
+}  // namespace
+
+void describe_flags(const std::function<void(const CLI::App&)>& read) {
+  CommandLine line;
+  Requests requests;
+  CLI::App app;
+  add_everything(app, line, requests);
+  app.get_option("--threads")->default_str("as many as there are processors");
+  app.get_option("--memory-budget")->default_str("half of the memory");
+  read(app);
+}
+
+std::variant<CommandLine, int> parse_command_line(int argc, const char* const* argv) {
+  CommandLine line;
+  Requests requests;
+  CLI::App app;
+  add_everything(app, line, requests);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
