@@ -1,5 +1,6 @@
 // Makes a scene of one square, casts a ray at it, and removes it: consumer ENDPOINT.
 #include <sightline/client/client.h>
+#include <sightline/client/importer/imported_scene.h>
 #include <sightline/client/scene_upload.h>
 
 #include <cstdint>
