@@ -1,6 +1,10 @@
 // A connection to a Sightline server: spans in, spans out.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "The client of Sightline needs C++20: compile with -std=c++20 or later"
+#endif
+
 #include <chrono>
 #include <cstdint>
 #include <filesystem>

@@ -19,7 +19,8 @@ install(DIRECTORY ${renamed}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT 
 set(library_targets sightline_client sightline_proto sightline_rays)
 foreach(target IN LISTS library_targets)
   string(REPLACE sightline_ "" name ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  # Users link it into shared libraries too.
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
 endforeach()
 install(TARGETS ${library_targets} EXPORT SightlineTargets
   ARCHIVE COMPONENT dev
@@ -30,6 +31,7 @@ install(EXPORT SightlineTargets NAMESPACE Sightline:: DESTINATION ${package_fold
 configure_package_config_file(SightlineConfig.cmake.in SightlineConfig.cmake INSTALL_DESTINATION ${package_folder})
 # Before 1.0 a new minor version may change what programs are written against.
 write_basic_package_version_file(SightlineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+file(RELATIVE_PATH prefix_from_here /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(sightline.pc.in sightline.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/SightlineConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/SightlineConfigVersion.cmake
   DESTINATION ${package_folder} COMPONENT dev)
