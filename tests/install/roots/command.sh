@@ -15,7 +15,7 @@ said="$(echo 0,500,0,0,-1,0 | sightline cast engine --in - --out - | tail -n 1)"
 [[ "$said" =~ ^[0-9] ]] || fail "no hit: $said"
 echo "hit: $said"
 
-gzip -dc /usr/share/man/man1/sightline-cast.1.gz | grep -q '^\.SH NAME' || fail "sightline-cast has no manual page"
-gzip -dc /usr/share/man/man8/sightlined.8.gz | grep -q data-dir || fail "sightlined has no manual page"
+zgrep -q '^\.SH NAME' /usr/share/man/man1/sightline-cast.1.gz || fail "sightline-cast has no manual page"
+zgrep -q 'data.*dir' /usr/share/man/man8/sightlined.8.gz || fail "sightlined has no manual page"
 source /usr/share/bash-completion/completions/sightline
 complete -p sightline
