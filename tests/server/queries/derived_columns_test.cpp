@@ -26,7 +26,7 @@ using server::queries::kMaxRaysPerRequest;
 using server::queries::kRaysPerSlice;
 
 template <class T>
-std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
+std::vector<T> column_values(const v1::CastRaysResponse& reply, v1::HitField field) {
   const std::string column = column_of(reply, field);
   std::vector<T> out(column.size() / sizeof(T));
   std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
@@ -36,7 +36,7 @@ std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
 /// The name of each row.
 std::vector<std::string> names(const v1::CastRaysResponse& reply) {
   std::vector<std::string> out;
-  for (const std::uint32_t row : values<std::uint32_t>(reply, v1::HIT_FIELD_NAME))
+  for (const std::uint32_t row : column_values<std::uint32_t>(reply, v1::HIT_FIELD_NAME))
     out.push_back(reply.names(static_cast<int>(row)));
   return out;
 }
@@ -99,8 +99,8 @@ TEST_F(DerivedColumnsTest, APositionIsOriginPlusTTimesDirection) {
     const auto reply = cast(request_of(rays, {v1::HIT_FIELD_POSITION, v1::HIT_FIELD_T}));
     const auto alone = cast(request_of(rays, {v1::HIT_FIELD_POSITION}));
     EXPECT_EQ(column_of(alone, v1::HIT_FIELD_POSITION), column_of(reply, v1::HIT_FIELD_POSITION));
-    const auto t = values<double>(reply, v1::HIT_FIELD_T);
-    const auto positions = values<Vec3d>(reply, v1::HIT_FIELD_POSITION);
+    const auto t = column_values<double>(reply, v1::HIT_FIELD_T);
+    const auto positions = column_values<Vec3d>(reply, v1::HIT_FIELD_POSITION);
     ASSERT_EQ(positions.size(), rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (std::isfinite(t[i])) {
@@ -121,7 +121,7 @@ TEST_F(DerivedColumnsTest, GeneratedRaysHavePositions) {
   pairs.set_float64(true);
   pairs.set_from(std::string(reinterpret_cast<const char*>(ends.data()), 3 * sizeof(double)));
   pairs.set_to(std::string(reinterpret_cast<const char*>(ends.data() + 3), 6 * sizeof(double)));
-  const auto positions = values<Vec3d>(cast(request), v1::HIT_FIELD_POSITION);
+  const auto positions = column_values<Vec3d>(cast(request), v1::HIT_FIELD_POSITION);
   ASSERT_EQ(positions.size(), 2u);
   EXPECT_EQ(positions[0], (Vec3d{0.25, 0.25, 0}));
   EXPECT_TRUE(std::isnan(positions[1].y));
@@ -154,10 +154,10 @@ TEST_F(DerivedColumnsTest, ListedHitsHaveBoth) {
   v1::CastRaysRequest request = request_of(rays, {v1::HIT_FIELD_NAME, v1::HIT_FIELD_POSITION});
   request.set_kind(v1::QUERY_KIND_ALL);
   const auto reply = cast(request);
-  EXPECT_EQ(values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
+  EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
             (std::vector<std::uint32_t>{0, 0, 1, 2}));
   EXPECT_EQ(names(reply), (std::vector<std::string>{"wall", "door"}));
-  EXPECT_EQ(values<Vec3d>(reply, v1::HIT_FIELD_POSITION),
+  EXPECT_EQ(column_values<Vec3d>(reply, v1::HIT_FIELD_POSITION),
             (std::vector<Vec3d>{{2.25, 0.25, 0}, {0.25, 0.25, 0}}));
 }
 
