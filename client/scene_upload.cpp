@@ -11,6 +11,7 @@
 #include "client/calls/scene_check.h"
 #include "client/importer/imported_scene.h"
 #include "client/mesh_blob.h"
+#include "client/mesh_uploads.h"
 
 namespace sightline::client {
 namespace {
@@ -50,22 +51,13 @@ Status upload_meshes(const Client& client, const Blobs& blobs, const std::stop_t
     index_of.emplace(blobs.digest[i], i);
     asked.push_back(blobs.digest[i]);
   }
-  const auto missing = client.missing_meshes(asked);
+  auto missing = client.missing_meshes(asked);
   if (!missing) return missing.error();
 
-  std::uint64_t total = 0;
-  for (const std::string& digest : *missing) total += blobs.blob[index_of.at(digest)]->size();
-  std::uint64_t done = 0;
-  for (const std::string& digest : *missing) {
-    const MeshBlob& blob = *blobs.blob[index_of.at(digest)];
-    const auto report = [&](std::uint64_t bytes) {
-      if (progress) progress(done + bytes, total);
-    };
-    if (Status uploaded = client.upload_mesh(blob, digest, report, stop); !uploaded)
-      return uploaded;
-    done += blob.size();
-  }
-  return {};
+  std::vector<MeshUpload> uploads;
+  for (std::string& digest : *missing)
+    uploads.push_back({&*blobs.blob[index_of.at(digest)], std::move(digest)});
+  return upload_all(client, uploads, stop, progress);
 }
 
 std::vector<PutNode> put_nodes(const importer::ImportedScene& scene,

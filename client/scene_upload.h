@@ -26,7 +26,7 @@ struct SceneUploadOptions {
 };
 
 /// Called with the number of uploaded bytes, and the number of bytes of all meshes that the server
-/// lacked, on the calling thread.
+/// lacked, by one thread at a time.
 using SceneUploadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// Checks everything that can be checked, uploads the meshes that the server lacks, and then makes

@@ -51,6 +51,39 @@ TEST_F(SceneUpload, EqualMeshesStayDistinctAndUnusedOnesAreNotSent) {
   EXPECT_EQ(total, 2 * MeshBlob(scene.meshes[0].vertices, scene.meshes[0].faces).size());
 }
 
+TEST_F(SceneUpload, ManyMeshesAreSentSeveralAtATime) {
+  importer::ImportedScene scene = tests::row_of_sheets(100);
+  for (std::uint32_t i = 1; i < 100; ++i) {
+    scene.meshes.push_back(tests::sheets(i % 7 + 1));
+    scene.nodes[i + 1].mesh = i;
+  }
+  std::uint64_t last = 0, total = 0;
+  const auto info =
+      upload_scene(client_, kScene, scene, {}, [&](std::uint64_t done, std::uint64_t all) {
+        EXPECT_GE(done, last);
+        last = done;
+        total = all;
+      });
+  ASSERT_TRUE(info) << info.error().message;
+  EXPECT_EQ(info->meshes, 100U);
+  EXPECT_GT(total, 0U);
+  EXPECT_EQ(last, total);
+}
+
+TEST_F(SceneUpload, AStopEndsAllUploads) {
+  importer::ImportedScene scene = tests::row_of_sheets(50);
+  for (std::uint32_t i = 1; i < 50; ++i) {
+    scene.meshes.push_back(tests::sheets(i));
+    scene.nodes[i + 1].mesh = i;
+  }
+  std::stop_source stop;
+  const auto stopped = upload_scene(client_, kScene, scene, {.stop = stop.get_token()},
+                                    [&](std::uint64_t, std::uint64_t) { stop.request_stop(); });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Code::kCancelled);
+  EXPECT_EQ(client_.get_scene(kScene).error().code, Code::kNotFound);
+}
+
 TEST_F(SceneUpload, MeshesThatTheServerHasAreNotSentAgain) {
   ASSERT_TRUE(upload_scene(client_, kScene, tests::row_of_sheets(2), {}));
   bool sent = false;
