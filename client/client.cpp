@@ -12,6 +12,7 @@
 #include "client/calls/connection.h"
 #include "client/calls/prefetch.h"
 #include "client/calls/put_scene.h"
+#include "client/calls/read_mesh.h"
 #include "client/calls/update_stream_worker.h"
 #include "client/calls/upload.h"
 #include "client/calls/watch.h"
@@ -30,12 +31,13 @@ template <class Stub, class Request, class Response>
 Result<Response> call(const calls::Connection& connection, const Stub& stub,
                       grpc::Status (Stub::element_type::*method)(grpc::ClientContext*,
                                                                  const Request&, Response*),
-                      const Request& request) {
+                      const Request& request, const std::stop_token& stop = {}) {
   grpc::ClientContext context;
   calls::set_timeout(context, connection.small_timeout());
+  const std::stop_callback cancel(stop, [&] { context.TryCancel(); });
   Response response;
   const grpc::Status status = ((*stub).*method)(&context, request, &response);
-  if (!status.ok()) return calls::rpc_error(status);
+  if (!status.ok()) return calls::rpc_error(status, stop);
   return response;
 }
 
@@ -89,11 +91,11 @@ Result<SceneInfo> Client::create_scene(const std::string& scene, UpAxis up_axis,
   return wire::decode(response->scene());
 }
 
-Result<SceneInfo> Client::get_scene(const std::string& scene) const {
+Result<SceneInfo> Client::get_scene(const std::string& scene, const std::stop_token& stop) const {
   v1::GetSceneRequest request;
   request.set_name(scene);
   const auto response =
-      call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetScene, request);
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetScene, request, stop);
   if (!response) return response.error();
   return wire::decode(response->scene());
 }
@@ -129,6 +131,20 @@ Result<SceneStats> Client::scene_stats(const std::string& scene) const {
       call(*connection_, connection_->scenes, &v1::SceneService::Stub::GetSceneStats, request);
   if (!response) return response.error();
   return wire::decode(*response);
+}
+
+Result<std::uint64_t> Client::cool_scene(const std::string& scene) const {
+  v1::CoolSceneRequest request;
+  request.set_scene(scene);
+  const auto response =
+      call(*connection_, connection_->scenes, &v1::SceneService::Stub::CoolScene, request);
+  if (!response) return response.error();
+  return response->bytes_freed();
+}
+
+Result<NodeMesh> Client::read_mesh(const std::string& scene, std::uint64_t node,
+                                   const std::stop_token& stop) const {
+  return calls::read_mesh(*connection_, scene, node, stop);
 }
 
 Result<std::vector<NodeInfo>> Client::get_nodes(const std::string& scene,

@@ -66,7 +66,8 @@ class Client {
   /// Errors: kAlreadyExists.
   Result<SceneInfo> create_scene(const std::string& scene, UpAxis up_axis = UpAxis::kUnknown,
                                  double meters_per_unit = 0) const;
-  Result<SceneInfo> get_scene(const std::string& scene) const;
+  /// Errors: kNotFound; kCancelled, a stop was requested.
+  Result<SceneInfo> get_scene(const std::string& scene, const std::stop_token& stop = {}) const;
   /// All scenes of projects/{project}, by name.
   Result<std::vector<SceneInfo>> list_scenes(const std::string& project) const;
   Status delete_scene(const std::string& scene) const;
@@ -84,6 +85,13 @@ class Client {
                                              const RestoreOptions& options = {}) const;
 
   Result<SceneStats> scene_stats(const std::string& scene) const;
+  /// Drops the scene's trees, which rays grow again. Returns about the bytes that they took.
+  Result<std::uint64_t> cool_scene(const std::string& scene) const;
+  /// The mesh that a node carries now, as one revision has it. Errors: kNotFound;
+  /// kFailedPrecondition (NODE_WITHOUT_MESH); kAborted, it changes faster than it can be read;
+  /// kCancelled.
+  Result<NodeMesh> read_mesh(const std::string& scene, std::uint64_t node,
+                             const std::stop_token& stop = {}) const;
   /// Returns one node per id, in order. A node that does not exist has id 0.
   Result<std::vector<NodeInfo>> get_nodes(const std::string& scene,
                                           std::span<const std::uint64_t> ids,

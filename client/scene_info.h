@@ -57,6 +57,13 @@ struct NodeInfo {
   bool patched = false;  ///< vertices were changed since the mesh of that digest was put
 };
 
+/// What a node carries, in the mesh's frame.
+struct NodeMesh {
+  std::uint64_t revision = 0;
+  std::vector<Vertex> vertices;
+  std::vector<Face> faces;  ///< by primitive; all kNoVertex: no triangle
+};
+
 struct ServerInfo {
   std::string version;
   std::vector<std::string> features;
@@ -85,6 +92,10 @@ struct ServerInfo {
   std::uint64_t max_logged_revisions = 0;  ///< from which a watch can start
   std::uint32_t max_request_ids = 0;       ///< whose answers are kept, per scene
   std::uint32_t max_producers = 0;         ///< names per scene
+  std::uint32_t max_scenes = 0;
+  std::uint32_t max_connections = 0;
+  std::uint64_t memory_budget_bytes = 0;  ///< for all that the server holds
+  bool is_durable = false;                ///< it keeps scenes on disk
 };
 
 }  // namespace sightline::client

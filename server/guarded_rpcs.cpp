@@ -118,6 +118,20 @@ grpc::ServerUnaryReactor* GuardedScenes::GetSceneStats(grpc::CallbackServerConte
   return SceneRpc::GetSceneStats(context, request, reply);
 }
 
+grpc::ServerUnaryReactor* GuardedScenes::CoolScene(grpc::CallbackServerContext* context,
+                                                   const v1::CoolSceneRequest* request,
+                                                   v1::CoolSceneResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kWrite, request->scene())) return *refusal;
+  return SceneRpc::CoolScene(context, request, reply);
+}
+
+grpc::ServerUnaryReactor* GuardedScenes::ReadMesh(grpc::CallbackServerContext* context,
+                                                  const v1::ReadMeshRequest* request,
+                                                  v1::ReadMeshResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;
+  return SceneRpc::ReadMesh(context, request, reply);
+}
+
 grpc::ServerUnaryReactor* GuardedBlobs::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                          const v1::FindMissingBlobsRequest* request,
                                                          v1::FindMissingBlobsResponse* reply) {

@@ -82,6 +82,12 @@ class GuardedScenes final : public updates::SceneRpc {
   grpc::ServerUnaryReactor* GetSceneStats(grpc::CallbackServerContext* context,
                                           const v1::GetSceneStatsRequest* request,
                                           v1::GetSceneStatsResponse* reply) override;
+  grpc::ServerUnaryReactor* CoolScene(grpc::CallbackServerContext* context,
+                                      const v1::CoolSceneRequest* request,
+                                      v1::CoolSceneResponse* reply) override;
+  grpc::ServerUnaryReactor* ReadMesh(grpc::CallbackServerContext* context,
+                                     const v1::ReadMeshRequest* request,
+                                     v1::ReadMeshResponse* reply) override;
 
  private:
   const Guard guard_;

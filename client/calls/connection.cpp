@@ -28,6 +28,8 @@ constexpr const char* kServiceConfig = R"({
       {"service": "sightline.v1.SceneService", "method": "ListScenes"},
       {"service": "sightline.v1.SceneService", "method": "BatchGetNodes"},
       {"service": "sightline.v1.SceneService", "method": "GetSceneStats"},
+      {"service": "sightline.v1.SceneService", "method": "CoolScene"},
+      {"service": "sightline.v1.SceneService", "method": "ReadMesh"},
       {"service": "sightline.v1.BlobService", "method": "FindMissingBlobs"},
       {"service": "sightline.v1.BlobService", "method": "GetUploadStatus"},
       {"service": "sightline.v1.ServerService"}

@@ -211,6 +211,11 @@ ServerInfo decode(const v1::GetServerInfoResponse& info) {
   out.max_logged_revisions = info.max_logged_revisions();
   out.max_request_ids = info.max_request_ids();
   out.max_producers = info.max_producers();
+  out.max_scenes = info.max_scenes();
+  out.max_connections = info.max_connections();
+  out.memory_budget_bytes = info.memory_budget_bytes();
+  out.is_durable =
+      std::find(out.features.begin(), out.features.end(), "durable") != out.features.end();
   return out;
 }
 

@@ -12,6 +12,8 @@
 
 namespace sightline::server::scenes {
 
+void free_dropped_trees() { accel::kdtree::reclaim(); }
+
 void Reclaimer::measure() {
   std::uint64_t bytes = blobs_.tree_bytes() + accel::kdtree::retired_bytes();
   for (const auto& scene : scenes_.by_last_cast()) bytes += scene->tree_bytes();

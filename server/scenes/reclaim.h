@@ -12,6 +12,9 @@
 
 namespace sightline::server::scenes {
 
+/// Frees trees that were dropped and that no cast walks any more.
+void free_dropped_trees();
+
 /// Threads: any, for every member.
 class Reclaimer {
  public:

@@ -14,8 +14,10 @@
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
 #include "server/scenes/names.h"
+#include "server/scenes/reclaim.h"
 #include "server/scenes/revision_wait.h"
 #include "server/updates/apply_rpc.h"
+#include "server/updates/mesh_reader.h"
 #include "server/updates/put_scene_rpc.h"
 #include "server/updates/scene_codec.h"
 #include "server/updates/update_stream_rpc.h"
@@ -183,6 +185,17 @@ Status SceneRpc::stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStat
   return {};
 }
 
+Status SceneRpc::cool(const grpc::ServerContextBase& context, const v1::CoolSceneRequest& request,
+                      v1::CoolSceneResponse& reply) {
+  const auto scene = services_.find_loaded(request.scene());
+  if (!scene) return scene.error();
+  reply.set_bytes_freed((*scene)->drop_trees());
+  scenes::free_dropped_trees();
+  spdlog::info("event=scene_cooled scene={} bytes={}{}", request.scene(), reply.bytes_freed(),
+               exec::request_id_of(context));
+  return {};
+}
+
 SceneRpc::SceneRpc(const scenes::Services& services) : services_(services) {
   SetMessageAllocatorFor_ApplyUpdates(&batches_);
 }
@@ -250,6 +263,20 @@ grpc::ServerUnaryReactor* SceneRpc::GetSceneStats(grpc::CallbackServerContext* c
                                                   v1::GetSceneStatsResponse* reply) {
   return answer_in_arena("GetSceneStats", *context, *request, *reply, services_.unary(),
                          [=, this] { return stats(*request, *reply); });
+}
+
+grpc::ServerUnaryReactor* SceneRpc::CoolScene(grpc::CallbackServerContext* context,
+                                              const v1::CoolSceneRequest* request,
+                                              v1::CoolSceneResponse* reply) {
+  return answer_in_arena("CoolScene", *context, *request, *reply, services_.unary(),
+                         [=, this] { return cool(*context, *request, *reply); });
+}
+
+grpc::ServerUnaryReactor* SceneRpc::ReadMesh(grpc::CallbackServerContext* context,
+                                             const v1::ReadMeshRequest* request,
+                                             v1::ReadMeshResponse* reply) {
+  return answer_in_arena("ReadMesh", *context, *request, *reply, services_.unary(),
+                         [=, this] { return read_mesh(services_, *request, *reply); });
 }
 
 }  // namespace sightline::server::updates

@@ -43,6 +43,12 @@ class SceneRpc : public v1::SceneService::CallbackService {
   grpc::ServerUnaryReactor* GetSceneStats(grpc::CallbackServerContext* context,
                                           const v1::GetSceneStatsRequest* request,
                                           v1::GetSceneStatsResponse* reply) override;
+  grpc::ServerUnaryReactor* CoolScene(grpc::CallbackServerContext* context,
+                                      const v1::CoolSceneRequest* request,
+                                      v1::CoolSceneResponse* reply) override;
+  grpc::ServerUnaryReactor* ReadMesh(grpc::CallbackServerContext* context,
+                                     const v1::ReadMeshRequest* request,
+                                     v1::ReadMeshResponse* reply) override;
 
  private:
   Status create(const grpc::ServerContextBase& context, const v1::CreateSceneRequest& request,
@@ -52,6 +58,8 @@ class SceneRpc : public v1::SceneService::CallbackService {
               v1::ListScenesResponse& reply);
   Status remove(const grpc::ServerContextBase& context, const v1::DeleteSceneRequest& request);
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
+  Status cool(const grpc::ServerContextBase& context, const v1::CoolSceneRequest& request,
+              v1::CoolSceneResponse& reply);
 
   const scenes::Services services_;
   exec::MessagePool<v1::ApplyUpdatesRequest, v1::ApplyUpdatesResponse> batches_;

@@ -84,8 +84,8 @@ TEST_F(GuardedRpcs, AMethodThatChangesSomethingRefusesAReader) {
   for (const std::string& path : methods()) {
     if (reason_of(call_raw(channel_, path, {}, kReader)) == "ROLE_MISSING") ++refused;
   }
-  EXPECT_EQ(refused, 10)
-      << "CreateScene PutScene DeleteScene ApplyUpdates StreamUpdates, of meshes 3, "
+  EXPECT_EQ(refused, 11)
+      << "CreateScene PutScene DeleteScene ApplyUpdates StreamUpdates CoolScene, of meshes 3, "
          "Backup Restore";
 }
 

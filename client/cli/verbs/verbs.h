@@ -2,6 +2,9 @@
 // parsing.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "client/cli/session.h"
 
 namespace CLI {

@@ -175,6 +175,13 @@ std::vector<FuzzCall> reads() {
                       })}));
   made.push_back(call("GetSceneStats", {message<v1::GetSceneStatsRequest>(
                                            [](auto& request) { request.set_scene(kScene); })}));
+  made.push_back(call("CoolScene", {message<v1::CoolSceneRequest>(
+                                       [](auto& request) { request.set_scene(kScene); })}));
+  made.push_back(call("ReadMesh", {message<v1::ReadMeshRequest>([](auto& request) {
+                        request.set_scene(kScene);
+                        request.set_node(2);
+                        request.set_offset(8);
+                      })}));
   made.push_back(call("FindMissingBlobs", {message<v1::FindMissingBlobsRequest>([](auto& request) {
                         request.add_digests(digest_of(square()));
                       })}));

@@ -67,8 +67,9 @@ TEST_F(Malformed, EveryMethodOfOneRequestSaysSo) {
   for (const char* method :
        {"SceneService/CreateScene", "SceneService/GetScene", "SceneService/ListScenes",
         "SceneService/DeleteScene", "SceneService/BatchGetNodes", "SceneService/GetSceneStats",
-        "SceneService/ApplyUpdates", "BlobService/FindMissingBlobs", "BlobService/GetUploadStatus",
-        "RayQueryService/CastRays", "ServerService/GetServerInfo"}) {
+        "SceneService/CoolScene", "SceneService/ReadMesh", "SceneService/ApplyUpdates",
+        "BlobService/FindMissingBlobs", "BlobService/GetUploadStatus", "RayQueryService/CastRays",
+        "ServerService/GetServerInfo"}) {
     const grpc::Status status =
         RawRequest(channel_, std::string("/sightline.v1.") + method).send(kNoMessage, true);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << method;
