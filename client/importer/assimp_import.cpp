@@ -2,9 +2,13 @@
 #include "client/importer/assimp_import.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "client/importer/archive.h"
@@ -101,11 +105,23 @@ Result<Scene> import(const std::filesystem::path& file, const ImportOptions& opt
   return std::move(received.scene);
 }
 
+std::uint64_t memory_of_machine() {
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
 }  // namespace
 
 Status check_readable(const std::filesystem::path& file) {
   const auto opened = sandbox::open_regular(file);
-  return opened ? Status() : Status(opened.error());
+  if (!opened) return opened.error();
+  std::error_code ignored;
+  const std::uint64_t bytes = std::filesystem::file_size(file, ignored);
+  if (ignored || bytes <= memory_of_machine()) return {};
+  return Error{
+      Code::kResourceExhausted,
+      fmt::format("{}: {} bytes, more than the memory of this machine", file.string(), bytes),
+      {}};
 }
 
 Result<ImportedScene> import_unrebased(const std::filesystem::path& file,

@@ -12,7 +12,8 @@
 namespace sightline::client::importer {
 
 /// Whether this is a regular file that can be read. Errors: kInvalidArgument, with the system's
-/// message, or that it is a directory, a pipe, a device or a socket.
+/// message, or that it is a directory, a pipe, a device or a socket; kResourceExhausted: this
+/// machine has less memory than the file has bytes.
 Status check_readable(const std::filesystem::path& file);
 
 /// Cuts polygons into triangles and does nothing else to the file: no vertex is merged, no face

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -237,6 +238,13 @@ end_header
   EXPECT_NE(error_of(scene).find("polygon 0 names vertex 2000000000, but there are 4"),
             std::string::npos)
       << error_of(scene);
+}
+
+TEST(AssimpImport, AFileBeyondTheMemoryIsRefusedAtOnce) {
+  const tests::TempDir dir;
+  const std::string huge = dir.write("huge.obj", "v 0 0 0\n");
+  std::filesystem::resize_file(huge, std::uintmax_t{1} << 42U);  // it takes no space
+  EXPECT_EQ(check_readable(huge).error().code, Code::kResourceExhausted);
 }
 
 TEST(AssimpImport, RefusesAnInvalidUnit) {
