@@ -1,9 +1,16 @@
 // Parses single arguments, and adds flags that verbs share.
 #include "client/cli/flags.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include "client/cli/terminal.h"
 
 namespace sightline::client::cli {
 namespace {
@@ -50,6 +57,22 @@ std::optional<std::array<double, 3>> parse_vector(std::string_view text) {
   return v;
 }
 
+Result<Transform> to_transform(std::span<const double> numbers) {
+  if (numbers.size() != 12 && numbers.size() != 16)
+    return local_error(fmt::format("a matrix has 12 or 16 numbers, not {}", numbers.size()));
+  for (const double x : numbers) {
+    if (!std::isfinite(x)) return local_error("a matrix has finite numbers");
+  }
+  Transform out{};
+  std::copy_n(numbers.begin(), out.size(), out.begin());
+  if (numbers.size() == 12) return out;
+  constexpr std::array<double, 4> kLast{0, 0, 0, 1};
+  if (std::equal(kLast.begin(), kLast.end(), numbers.begin() + 12)) return out;
+  const bool is_turned = numbers[3] == 0 && numbers[7] == 0 && numbers[11] == 0 && numbers[15] == 1;
+  return local_error(is_turned ? "the matrix is column by column; give it row by row"
+                               : "the last row of a matrix of 16 is 0 0 0 1");
+}
+
 std::optional<PictureSize> parse_size(std::string_view text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string_view::npos) return {};
@@ -83,6 +106,14 @@ void require_verb(CLI::App& app) {
   });
 }
 
+Error unreadable_file(Error error, const std::string& scene) {
+  const std::string name = scene.substr(scene.rfind('/') + 1);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(name, ignored))
+    error.message += fmt::format("; {} is a file: SCENE comes before FILE", name);
+  return error;
+}
+
 namespace {
 
 /// Makes a full name of a short one.
@@ -91,8 +122,12 @@ CLI::Validator scene_name() {
       [](std::string& text) -> std::string {
         const auto full = parse_scene_name(text);
         if (!full) {
+          std::error_code ignored;
+          const bool is_file = std::filesystem::is_regular_file(text, ignored);
           return "'" + text +
-                 "' is no scene name: 1 to 63 of a-z 0-9 . _ -, the first a letter or digit";
+                 (is_file ? "' is a file: SCENE comes before it"
+                          : "' is no scene name: 1 to 63 of a-z 0-9 . _ -, the first a letter or "
+                            "digit");
         }
         text = *full;
         return {};

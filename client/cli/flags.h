@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "client/cast_options.h"
+#include "client/result.h"
 #include "client/types.h"
 
 namespace CLI {
@@ -23,6 +25,10 @@ std::optional<double> parse_number(std::string_view text);
 
 /// Parses "x,y,z", all finite.
 std::optional<std::array<double, 3>> parse_vector(std::string_view text);
+
+/// An affine map of 12 numbers (rows of [linear | translation]) or of 16, whose last row is 0 0
+/// 0 1. Errors: kInvalidArgument, saying what is wrong.
+Result<Transform> to_transform(std::span<const double> numbers);
 
 struct PictureSize {
   std::uint32_t width = 0;
@@ -41,6 +47,9 @@ extern const std::map<std::string, QueryKind> kQueryKinds;
 
 /// Makes it a usage error if `app` is called without a verb, or with an unknown one.
 void require_verb(CLI::App& app);
+
+/// The error of a FILE that cannot be read; it says so if SCENE is the name of a file instead.
+Error unreadable_file(Error error, const std::string& scene);
 
 /// Adds the positional argument SCENE. `name` receives the full resource name.
 void add_scene_argument(CLI::App& verb, std::string& name);

@@ -4,12 +4,19 @@
 #include <stdlib.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "client/cli/flags.h"
+#include "client/cli/hints.h"
+#include "client/cli/reporting.h"
 #include "client/cli/session.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
@@ -24,6 +31,7 @@ Exit codes: 0 ok, 1 failed, 2 usage, 3 scene or node not known to the server, 4 
 
 Examples:
   sightline scene import engine 2CylinderEngine.glb
+  echo 0 500 0 0 -1 0 | sightline cast engine
   sightline cast engine --in rays.npy --out hits.npy
   sightline prefetch engine --rays rays.npy
   sightline render engine --out engine.png
@@ -61,11 +69,20 @@ void add_global_flags(CLI::App& program, Session& session) {
           },
           ""));
   add_security_flags(program, session);
-  program.add_flag("--json", session.json, "Print one JSON document");
+  program.add_flag("--json", session.json,
+                   "Print one JSON document; errors are JSON on standard error");
+  program.add_flag("-q,--quiet", session.quiet, "No progress, no summaries and no warnings");
   program
       .add_option("--deadline", session.deadline, "Give up a call to the server after this long")
       ->check(positive_number())
       ->type_name("SECONDS");
+}
+
+// How errors are told is needed before the flags are read: they may be wrong.
+bool has_word(int argc, const char* const* argv, std::initializer_list<std::string_view> words) {
+  return std::any_of(argv, argv + argc, [&](const char* argument) {
+    return std::find(words.begin(), words.end(), argument) != words.end();
+  });
 }
 
 }  // namespace
@@ -96,10 +113,19 @@ namespace {
 int parse_and_run(int argc, const char* const* argv) {
   Session session;
   const auto program = make_program(session);
+  const ReportingScope reporting(
+      {.json = has_word(argc, argv, {"--json"}),
+       .quiet = has_word(argc, argv, {"-q", "--quiet"}),
+       .hint = [&session](const Error& error) { return hint_for(session, error); }});
   try {
-    program->parse(argc, argv);
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    std::reverse(words.begin(), words.end());  // as the parser wants them
+    program->parse(std::move(words));
   } catch (const CLI::ParseError& e) {
-    return program->exit(e) == 0 ? kOk : kUsage;
+    if (e.get_exit_code() == 0) return program->exit(e);
+    const UsageError wrong = usage_error_of(*program, e);
+    print_usage_error(wrong.message, wrong.hint, kUsage);
+    return kUsage;
   }
   return session.exit;
 }

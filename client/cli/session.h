@@ -15,6 +15,7 @@ namespace sightline::client::cli {
 struct Session {
   std::string endpoint = "127.0.0.1:50151";
   bool json = false;
+  bool quiet = false;              ///< no progress, no summaries, no warnings
   std::optional<double> deadline;  ///< seconds that a call may take
   ClientOptions options;           ///< the certificates of the connection
   std::string token_file;          ///< empty: the token is in the environment, if there is one

@@ -10,9 +10,12 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <utility>
+
+#include "client/cli/reporting.h"
 
 namespace sightline::client::cli {
 namespace {
@@ -102,17 +105,13 @@ ExitCode exit_code(Code code) {
 }
 
 ExitCode fail(const Error& error) {
-  const char* what = error.code == Code::kUnavailable        ? "server not available: "
-                     : error.code == Code::kDeadlineExceeded ? "out of time: "
-                                                             : "";
-  fmt::print(stderr, "sightline: {}{}\n", what,
-             error.message.empty() ? "failed" : printable(error.message));
-  return exit_code(error.code);
+  const ExitCode exit = exit_code(error.code);
+  print_error(error, exit);
+  return exit;
 }
 
 void print_warnings(std::span<const std::string> warnings) {
-  for (const std::string& warning : warnings)
-    fmt::print(stderr, "sightline: warning: {}\n", printable(warning));
+  for (const std::string& warning : warnings) print_warning(warning);
 }
 
 ExitCode interrupted_code() {
@@ -120,8 +119,9 @@ ExitCode interrupted_code() {
 }
 
 ExitCode say_interrupted() {
-  fmt::print(stderr, "sightline: interrupted\n");
-  return interrupted_code();
+  const ExitCode exit = interrupted_code();
+  print_error({Code::kCancelled, "interrupted", {}}, exit);
+  return exit;
 }
 
 Error local_error(std::string message) { return {Code::kInvalidArgument, std::move(message), {}}; }
@@ -151,14 +151,14 @@ void Interrupt::wait() {
 }
 
 ProgressBar::ProgressBar(std::string label, Elsewhere elsewhere)
-    : label_(std::move(label)), elsewhere_(elsewhere), is_terminal_(::isatty(STDERR_FILENO) == 1) {}
+    : label_(std::move(label)), elsewhere_(elsewhere), is_terminal_(is_stderr_a_terminal()) {}
 
 ProgressBar::~ProgressBar() {
   if (shown_) fmt::print(stderr, "\r\x1b[K");
 }
 
 void ProgressBar::update(double fraction, std::string_view detail) {
-  if (!is_terminal_ && elsewhere_ == Elsewhere::kNothing) return;
+  if (is_quiet() || (!is_terminal_ && elsewhere_ == Elsewhere::kNothing)) return;
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + (is_terminal_ ? kBetweenDrawings : kBetweenLines);
@@ -170,13 +170,37 @@ void ProgressBar::update(double fraction, std::string_view detail) {
   std::fflush(stderr);
 }
 
+void ProgressBar::update_amount(std::uint64_t done, std::uint64_t total, Unit unit) {
+  const double seconds = seconds_since_start();
+  const auto rate = seconds > 0 ? static_cast<std::uint64_t>(static_cast<double>(done) / seconds)
+                                : std::uint64_t{0};
+  const auto text = [unit](std::uint64_t amount) {
+    return unit == Unit::kBytes ? format_bytes(amount) : format_count(amount) + " rays";
+  };
+  update(share(done, total), fmt::format("{}, {}/s", text(done), text(rate)));
+}
+
+double ProgressBar::seconds_since_start() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+// Empty before there is anything to judge by.
+std::string ProgressBar::time_left(double fraction) const {
+  const double seconds = seconds_since_start();
+  if (seconds < 1 || !(fraction > 0) || fraction >= 1) return {};
+  const double left = std::ceil(seconds * (1 - fraction) / fraction);
+  if (left < 120) return fmt::format(", {:.0f} s left", left);
+  if (left < 7200) return fmt::format(", {:.0f} min left", std::ceil(left / 60));
+  return fmt::format(", {:.0f} h left", std::ceil(left / 3600));
+}
+
 void ProgressBar::draw(double fraction, std::string_view detail) {
   shown_ = true;
   const double part = std::clamp(fraction, 0.0, 1.0);
   const std::size_t width = detail.empty() ? kBarWidth : kBarWidthBesideDetail;
   const auto full = static_cast<std::size_t>(part * static_cast<double>(width));
-  std::string line = fmt::format("{} [{}{}] {:3.0f} %", label_, std::string(full, '#'),
-                                 std::string(width - full, ' '), 100 * part);
+  std::string line = fmt::format("{} [{}{}] {:3.0f} %{}", label_, std::string(full, '#'),
+                                 std::string(width - full, ' '), 100 * part, time_left(part));
   if (!detail.empty()) line += fmt::format("  {}", detail);
   line.resize(std::min(line.size(), terminal_width() - 1));
   fmt::print(stderr, "\r{}\x1b[K", line);

@@ -35,10 +35,10 @@ ExitCode exit_code(Code code);
 /// and bytes that are no UTF-8, become \xNN.
 std::string printable(std::string_view text);
 
-/// Prints the error on stderr, and returns its exit code.
+/// Prints the error on stderr, as text or as JSON, and returns its exit code.
 ExitCode fail(const Error& error);
 
-/// Prints each on stderr, as a line of its own.
+/// Prints each on stderr, as a line of its own, unless the command is quiet.
 void print_warnings(std::span<const std::string> warnings);
 
 /// Of a command that an Interrupt has ended: kInterrupted or kTerminated.
@@ -84,13 +84,20 @@ class ProgressBar {
   /// line. Cheap, so it may be called often.
   void update(double fraction, std::string_view detail = {});
 
+  enum class Unit { kBytes, kRays };
+  /// The same, with the amount and the rate as detail.
+  void update_amount(std::uint64_t done, std::uint64_t total, Unit unit);
+
  private:
   void draw(double fraction, std::string_view detail);
+  double seconds_since_start() const;
+  std::string time_left(double fraction) const;
 
   std::string label_;
   Elsewhere elsewhere_;
   bool shown_ = false;
   bool is_terminal_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point next_{};
 };
 

@@ -89,7 +89,7 @@ Result<SceneInfo> send(const Client& client, const ImportArguments& arguments,
       .mobility = kMobilities.at(arguments.mobility), .replace = arguments.replace, .stop = stop};
   auto sent = upload_scene(client, arguments.scene, scene, options,
                            [&](std::uint64_t done, std::uint64_t total) {
-                             bar.update(static_cast<double>(done) / static_cast<double>(total));
+                             bar.update_amount(done, total, ProgressBar::Unit::kBytes);
                            });
   if (sent || !is_about_the_file(sent.error())) return sent;
   Error error = sent.error();
@@ -153,7 +153,7 @@ void report(const Session& session, const SceneInfo& scene, const FileReport& fi
 ExitCode run(const Session& session, const ImportArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   if (const Status readable = importer::check_readable(arguments.file); !readable)
-    return fail(readable.error());
+    return fail(unreadable_file(readable.error(), arguments.scene));
   const auto client = session.connect();
   if (!client) return fail(client.error());
   if (const Status free = check_free(*client, arguments); !free) return fail(free.error());
