@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/cli/flags.h"
 #include "client/cli/terminal.h"
 
 namespace sightline::client::cli::files {
@@ -77,14 +79,19 @@ class Fields {
     return out;
   }
 
-  // Reads [12 numbers], or the form of the message, {"matrix": [12 numbers]}.
+  // Reads [12 or 16 numbers], or the form of the message, {"matrix": [12 or 16 numbers]}.
   Transform transform(const char* key) {
     const Json* value = find(key, false);
     if (value == nullptr) return kIdentity;
     if (value->is_object() && value->size() == 1 && value->contains("matrix"))
       value = &(*value)["matrix"];
-    Transform out{};
-    if (!read_row(*value, out)) complain(key, "is not 12 numbers");
+    return matrix(*value, key);
+  }
+
+  std::vector<Transform> matrices(const char* key) {
+    std::vector<Transform> out;
+    for (const Json& each : list(key))
+      out.push_back(matrix(each, fmt::format("{} row {}", key, out.size())));
     return out;
   }
 
@@ -105,6 +112,19 @@ class Fields {
   }
 
  private:
+  Transform matrix(const Json& value, const std::string& key) {
+    Transform out{};
+    if (read_row(value, out)) return out;
+    std::array<double, 16> whole{};
+    if (!read_row(value, whole)) {
+      complain(key, "is not 12 or 16 numbers");
+      return out;
+    }
+    const auto affine = to_transform(whole);
+    if (!affine) complain(key, "is wrong: " + affine.error().message);
+    return affine ? *affine : out;
+  }
+
   template <class Int>
   static std::optional<Int> as_integer(const Json& value, Int lowest) {
     if (value.is_number_unsigned()) {
@@ -172,7 +192,7 @@ Result<Update> put_node(const Json& object) {
 
 Result<Update> set_transforms(const Json& object) {
   Fields fields(object, "set_transforms", {"nodes", "matrices"});
-  SetTransforms set{fields.nodes("nodes"), fields.rows<Transform>("matrices")};
+  SetTransforms set{fields.nodes("nodes"), fields.matrices("matrices")};
   if (set.nodes.size() != set.parent_from_local.size()) {
     return local_error(fmt::format("set_transforms has {} nodes but {} matrices", set.nodes.size(),
                                    set.parent_from_local.size()));

@@ -5,21 +5,16 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
+#include "client/cli/nodes.h"
 #include "client/cli/playback/motion.h"
 #include "client/cli/terminal.h"
 #include "client/scene_upload.h"
 
 namespace sightline::client::cli::playback {
 namespace {
-
-constexpr std::uint64_t kIdsAtOnce = 4096;
-// The server gives ids in increasing order and never again. After a gap of this length the search
-// ends.
-constexpr std::uint64_t kLongestGap = 1'000'000;
 
 Error mismatch(std::string message) {
   return {Code::kFailedPrecondition, std::move(message), "SCENE_MISMATCH"};
@@ -84,7 +79,10 @@ Result<std::vector<std::uint64_t>> find_nodes(const Client& client, const Target
                                               const Motion& motion) {
   const auto nodes = list_nodes(client, request.scene);
   if (!nodes) return nodes.error();
-  return match_nodes(motion, *nodes, request.under);
+  const auto under = request.under.empty() ? Result<std::uint64_t>(std::uint64_t{0})
+                                           : find_node(*nodes, request.under);
+  if (!under) return under.error();
+  return match_nodes(motion, *nodes, *under);
 }
 
 Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetRequest& request,
@@ -96,7 +94,9 @@ Result<std::vector<std::uint64_t>> add_nodes(const Client& client, const TargetR
   };
   const SceneUploadOptions options{.by_node = motion.mobilities(), .stop = stop};
   if (exists) {
-    return add_to_scene(client, request.scene, motion.scene, request.under, options, show);
+    const auto under = resolve_node(client, request.scene, request.under);
+    if (!under) return under.error();
+    return add_to_scene(client, request.scene, motion.scene, *under, options, show);
   }
   const auto uploaded = upload_scene(client, request.scene, motion.scene, options, show);
   if (!uploaded) return uploaded.error();
@@ -138,7 +138,7 @@ Status check(const TargetRequest& request, bool exists) {
     return Error{Code::kAlreadyExists, fmt::format("scene {} exists", request.scene),
                  "SCENE_EXISTS"};
   }
-  if (!exists && (request.under != 0 || request.add)) {
+  if (!exists && (!request.under.empty() || request.add)) {
     return Error{Code::kNotFound, fmt::format("there is no scene {} to add to", request.scene),
                  "SCENE_NOT_FOUND"};
   }
@@ -146,30 +146,6 @@ Status check(const TargetRequest& request, bool exists) {
 }
 
 }  // namespace
-
-Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene) {
-  const auto info = client.get_scene(scene);
-  if (!info) return info.error();
-  std::vector<NodeInfo> nodes;
-  std::vector<std::uint64_t> ids(kIdsAtOnce);
-  std::uint64_t gap = 0;
-  for (std::uint64_t first = 1; nodes.size() < info->nodes; first += kIdsAtOnce) {
-    std::iota(ids.begin(), ids.end(), first);
-    auto some = client.get_nodes(scene, ids);
-    if (!some) return some.error();
-    const std::size_t before = nodes.size();
-    for (NodeInfo& node : *some) {
-      if (node.id != 0) nodes.push_back(std::move(node));
-    }
-    gap = nodes.size() == before ? gap + kIdsAtOnce : 0;
-    if (gap < kLongestGap) continue;
-    return Error{Code::kAborted,
-                 fmt::format("of the {} nodes of {} only {} could be found", info->nodes, scene,
-                             nodes.size()),
-                 {}};
-  }
-  return nodes;
-}
 
 Result<std::vector<std::uint64_t>> match_nodes(const Motion& motion,
                                                const std::vector<NodeInfo>& nodes,

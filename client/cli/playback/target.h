@@ -16,10 +16,6 @@ namespace sightline::client::cli::playback {
 
 struct Motion;
 
-/// All nodes of a scene, by id. Errors: those of the calls; kAborted, the scene changes too fast to
-/// be read.
-Result<std::vector<NodeInfo>> list_nodes(const Client& client, const std::string& scene);
-
 /// For each node of the motion's scene, returns the id of the matching node of the scene on the
 /// server, or 0 if there is none. A node matches if it has the same name and its parent matches;
 /// roots must be children of `under` (0: roots of the scene). Nodes with the same name and parent
@@ -33,7 +29,7 @@ struct TargetRequest {
   std::string scene;
   bool add = false;               ///< put the motion's nodes into an existing scene
   bool must_be_new = false;       ///< an existing scene is an error, kAlreadyExists
-  std::uint64_t under = 0;        ///< the parent of the motion's roots; 0: none
+  std::string under;              ///< the parent of the motion's roots, by name or id; empty: none
   std::vector<std::string> only;  ///< the nodes that move, by id or name; empty: all
 };
 

@@ -7,7 +7,7 @@
 
 #include "client/cli/files/update_json.h"
 #include "client/cli/flags.h"
-#include "client/cli/playback/target.h"
+#include "client/cli/nodes.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/verbs.h"
 
@@ -123,7 +123,7 @@ Json json_of(const NodeInfo& node) {
 ExitCode show_nodes(const Session& session, const std::string& name) {
   const auto client = session.connect();
   if (!client) return fail(client.error());
-  const auto nodes = playback::list_nodes(*client, name);
+  const auto nodes = list_nodes(*client, name);
   if (!nodes) return fail(nodes.error());
   if (session.json) {
     Json rows = Json::array();

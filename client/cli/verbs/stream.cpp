@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/cli/flags.h"
+#include "client/cli/nodes.h"
 #include "client/cli/playback/motion.h"
 #include "client/cli/playback/playback.h"
 #include "client/cli/playback/target.h"
@@ -230,7 +231,7 @@ void add_stream_verb(CLI::App& program, Session& session) {
       verb.add_flag("--add", arguments->target.add,
                     "Put FILE's nodes into the scene first, beside what it holds");
   verb.add_option("--under", arguments->target.under, "FILE's nodes are below this node")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(node_word())
       ->type_name("NODE");
   verb.add_flag("--create,--import", arguments->target.must_be_new,
                 "The scene must not be there yet")

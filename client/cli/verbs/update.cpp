@@ -92,7 +92,7 @@ constexpr const char* kUpdateFooter =
   {"patch_vertices": {"nodes": [3], "first": 0, "positions": [[x, y, z], ...]}}
   {"delete_node": {"node": 3, "subtree": true}}
 Nodes are named by their ids (> 0) or, after the put_node that makes them, by its negative number. A transform is 3
-rows of 4, parent from local. All lines are one batch: all or nothing, and one revision.
+rows of 4, or 4 with 0 0 0 1 as the last, parent from local. All lines are one batch: all or nothing, and one revision.
 
 Examples:
   sightline update hall --file ops.ndjson

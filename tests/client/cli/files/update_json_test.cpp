@@ -80,11 +80,11 @@ TEST(UpdateJson, NamesTheKeyThatIsWrong) {
   EXPECT_EQ(error_of(R"({"put_node": {"node": 1, "mobility": "fast"}})"),
             "put_node.mobility is 'fast', not static, rigid or deforming");
   EXPECT_EQ(error_of(R"({"put_node": {"node": 1, "transform": [1, 2]}})"),
-            "put_node.transform is not 12 numbers");
+            "put_node.transform is not 12 or 16 numbers");
   EXPECT_EQ(error_of(R"({"set_transforms": {"nodes": [1], "matrices": []}})"),
             "set_transforms has 1 nodes but 0 matrices");
   EXPECT_EQ(error_of(R"({"set_transforms": {"nodes": [1], "matrices": [[1]]}})"),
-            "set_transforms.matrices row 0 is not 12 numbers");
+            "set_transforms.matrices row 0 is not 12 or 16 numbers");
   EXPECT_EQ(error_of(R"({"set_transforms": {"nodes": ["a"], "matrices": []}})"),
             "set_transforms has 1 nodes but 0 matrices");
   EXPECT_EQ(error_of(R"({"patch_vertices": {"nodes": ["a"], "positions": []}})"),

@@ -79,8 +79,9 @@ TEST_F(UpdateVerb, NamesFileLineAndKey) {
 )");
   const ProgramOutcome outcome = run_program({"update", "s", "--file", ops});
   EXPECT_EQ(outcome.exit, 1);
-  EXPECT_NE(outcome.err.find(ops + ": line 3: set_transforms.matrices row 0 is not 12 numbers"),
-            std::string::npos)
+  EXPECT_NE(
+      outcome.err.find(ops + ": line 3: set_transforms.matrices row 0 is not 12 or 16 numbers"),
+      std::string::npos)
       << outcome.err;
   EXPECT_EQ(run_program({"update", "s", "--file", dir_.path("none")}).exit, 1);
   EXPECT_EQ(run_program({"update", "s"}).exit, 2);
