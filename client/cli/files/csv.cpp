@@ -18,30 +18,30 @@ namespace {
 constexpr std::size_t kMaxShown = 40;  // characters of a bad value in an error message
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
 std::string_view trim(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
 }
 
-// Returns the next value of a line. `line` becomes the rest after its comma, or nothing after the
-// last value.
-std::string_view next_value(std::optional<std::string_view>& line) {
-  const std::size_t comma = line->find(',');
-  const std::string_view value = trim(line->substr(0, comma));
-  line = comma == std::string_view::npos ? std::nullopt : std::optional(line->substr(comma + 1));
-  return value;
+// The values of a line that is trimmed and not empty.
+void split(std::string_view line, std::vector<std::string_view>& values) {
+  values.clear();
+  const bool by_commas = line.find(',') != std::string_view::npos;
+  for (std::optional rest = line; rest;) {
+    const std::size_t end = by_commas ? rest->find(',') : rest->find_first_of(" \t");
+    values.push_back(trim(rest->substr(0, end)));
+    if (end == std::string_view::npos) return;
+    rest = by_commas ? rest->substr(end + 1) : trim(rest->substr(end));
+  }
 }
 
-std::size_t count_values(std::string_view line) {
-  return 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
-}
+bool is_content(std::string_view line) { return !line.empty() && line.front() != '#'; }
 
 // Whether the line names columns: it starts with a letter, and its first value is not inf or nan.
-bool starts_with_name(std::string_view line) {
-  std::optional rest = line;
-  const std::string_view first = next_value(rest);
+bool starts_with_name(std::string_view first) {
   const char c = first.empty() ? '\0' : first.front();
   const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
   return is_letter && !parse_number(first);
@@ -62,13 +62,13 @@ Result<bool> CsvRays::next_content(std::string_view& line) {
     if (line_number_ == 1 && line.starts_with(kByteOrderMark))
       line.remove_prefix(kByteOrderMark.size());
     line = trim(line);
-    if (!line.empty() && line.front() != '#') return true;
+    if (is_content(line)) return true;
   }
 }
 
 Status CsvRays::read_names(std::string_view line) {
-  for (std::optional rest = line; rest;) {
-    const std::string_view name = next_value(rest);
+  split(line, values_);
+  for (const std::string_view name : values_) {
     const auto* const found = std::find(kRayColumns.begin(), kRayColumns.end(), name);
     if (found == kRayColumns.end()) {
       return error(fmt::format("column '{}' is none of {}", name.substr(0, kMaxShown),
@@ -89,10 +89,11 @@ Status CsvRays::read_names(std::string_view line) {
 }
 
 Status CsvRays::count_columns(std::string_view line) {
-  const std::size_t count = count_values(line);
+  split(line, values_);
+  const std::size_t count = values_.size();
   if (count != 6 && count != 8) {
-    return error(
-        fmt::format("{} columns, a ray has 6 or 8: {}", count, fmt::join(kRayColumns, " ")));
+    return error(fmt::format("{} column{}, a ray has 6 or 8: {}", count, count == 1 ? "" : "s",
+                             fmt::join(kRayColumns, " ")));
   }
   columns_.resize(count);
   std::iota(columns_.begin(), columns_.end(), std::size_t{0});
@@ -105,7 +106,8 @@ Result<CsvRays> CsvRays::open(Input input) {
   const auto more = rays.next_content(line);
   if (!more) return more.error();
   if (!*more) return rays;
-  const bool is_named = starts_with_name(line);
+  split(line, rays.values_);
+  const bool is_named = starts_with_name(rays.values_.front());
   if (const Status known = is_named ? rays.read_names(line) : rays.count_columns(line); !known) {
     return known.error();
   }
@@ -115,16 +117,17 @@ Result<CsvRays> CsvRays::open(Input input) {
   return rays;
 }
 
-Status CsvRays::read_values(std::string_view line, RayRow& row) const {
+Status CsvRays::read_values(std::string_view line, RayRow& row) {
   row[6] = 0;
   row[7] = std::numeric_limits<double>::infinity();
-  const std::size_t count = count_values(line);
-  if (count != columns_.size()) {
-    return error(fmt::format("{} columns, the lines before have {}", count, columns_.size()));
+  split(line, values_);
+  if (values_.size() != columns_.size()) {
+    return error(
+        fmt::format("{} columns, the lines before have {}", values_.size(), columns_.size()));
   }
-  std::optional rest = line;
-  for (const std::size_t column : columns_) {
-    const std::string_view value = next_value(rest);
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    const std::size_t column = columns_[k];
+    const std::string_view value = values_[k];
     const auto number = parse_number(value);
     if (!number) {
       return error(
@@ -144,6 +147,24 @@ Result<bool> CsvRays::next(RayRow& row) {
   }
   if (const Status read = read_values(line, row); !read) return read.error();
   return true;
+}
+
+Result<bool> CsvRays::ready() {
+  if (!first_.empty()) return true;
+  while (true) {
+    const auto line = input_.ready_line();
+    if (!line) return line.error();
+    if (!*line) return false;
+    if ((*line)->at_end || is_content(trim((*line)->line))) return true;
+    std::string_view passed_over;
+    auto more = input_.next_line(passed_over);
+    if (!more) return more;
+    ++line_number_;
+  }
+}
+
+Result<bool> CsvRays::wait(std::chrono::milliseconds longest) {
+  return wait_for_line(input_, *this, longest);
 }
 
 }  // namespace sightline::client::cli::files

@@ -57,6 +57,8 @@ struct RowView : HitView {
   RowView(const HitView& hits) : HitView(hits) {}  // NOLINT: answers with a row a ray are rows
 
   std::span<const std::uint64_t> ray{};  ///< the number of the ray that the row answers
+  /// (n, 6) the origin and direction of the row's ray; empty for formats that do not need them
+  std::span<const double> lines{};
 };
 
 /// Writes the value of the column in row i, as bytes or as text.

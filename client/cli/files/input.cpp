@@ -123,6 +123,61 @@ Result<bool> Input::next_line(std::string_view& line) {
   return true;
 }
 
+// Returns false if nothing is there yet.
+Result<bool> Input::read_what_is_there() {
+  pollfd file{file_, POLLIN, 0};
+  if (ended_ || ::poll(&file, 1, 0) <= 0) return false;
+  auto more = read_more();
+  if (!more) return more;
+  return true;
+}
+
+Result<std::optional<Input::Ready>> Input::ready_line() {
+  for (std::size_t searched = 0;;) {
+    const std::size_t end = buffer_.find('\n', taken_ + searched);
+    if (end != std::string::npos || ended_) {
+      if (taken_ == buffer_.size()) return std::optional(Ready{true, {}});
+      return std::optional(Ready{
+          false, std::string_view(buffer_).substr(taken_, std::min(end, buffer_.size()) - taken_)});
+    }
+    searched = buffer_.size() - taken_;
+    const auto more = read_what_is_there();
+    if (!more) return more.error();
+    if (!*more) return std::optional<Ready>();
+  }
+}
+
+Result<std::string_view> Input::next_bytes(std::size_t n) {
+  auto bytes = peek(n);
+  if (bytes) taken_ += bytes->size();
+  return bytes;
+}
+
+Result<bool> Input::ready_bytes(std::size_t n) {
+  while (!ended_ && buffer_.size() - taken_ < n) {
+    auto more = read_what_is_there();
+    if (!more || !*more) return more;
+  }
+  return true;
+}
+
+Result<bool> Input::wait_for_more(std::chrono::milliseconds longest) {
+  constexpr std::chrono::milliseconds kSlice{100};
+  const auto until = std::chrono::steady_clock::now() + longest;
+  while (!ended_) {
+    if (stop_.stop_requested()) return Error{Code::kCancelled, name_ + ": interrupted", {}};
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    pollfd file{file_, POLLIN, 0};
+    if (::poll(&file, 1, static_cast<int>(std::min(left, kSlice).count())) <= 0) continue;
+    auto more = read_more();
+    if (!more) return more;
+    return true;
+  }
+  return true;
+}
+
 Result<std::span<const std::byte>> Input::whole() {
   struct stat status {};
   if (::fstat(file_, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0 &&

@@ -125,12 +125,29 @@ std::uint64_t little_endian(std::string_view bytes) {
   return x;
 }
 
-std::string dict_of(std::span<const NpyField> fields, std::uint64_t n) {
+std::string descr_of(std::span<const NpyField> fields) {
   std::string descr;
   for (const NpyField& field : fields)
     descr += fmt::format("('{}', '{}'), ", field.name, field.type);
   if (!descr.empty()) descr.resize(descr.size() - 2);
-  return fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", descr, n);
+  return fmt::format("[{}]", descr);
+}
+
+std::string dict_of(std::string_view descr, std::span<const std::uint64_t> shape) {
+  return fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': ({}{}), }}", descr,
+                     fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
+// The header with this dictionary, which has room for one of `longest` bytes.
+std::string header_of(const std::string& dict, std::size_t longest) {
+  const std::size_t prefix = kNpyMagic.size() + 2 + 2;
+  const std::size_t total = (prefix + longest + 1 + kAlignment - 1) / kAlignment * kAlignment;
+  const std::size_t length = total - prefix;
+  std::string header(kNpyMagic);
+  header += {'\x01', '\x00', static_cast<char>(length & 0xFFU), static_cast<char>(length >> 8U)};
+  header += dict;
+  header.resize(total - 1, ' ');
+  return header + '\n';
 }
 
 }  // namespace
@@ -155,15 +172,20 @@ Result<NpyHeader> parse_npy_header(std::span<const std::byte> file) {
 }
 
 std::string make_npy_header(std::span<const NpyField> fields, std::uint64_t n) {
-  const std::size_t longest = dict_of(fields, std::numeric_limits<std::uint64_t>::max()).size();
-  const std::size_t prefix = kNpyMagic.size() + 2 + 2;
-  const std::size_t total = (prefix + longest + 1 + kAlignment - 1) / kAlignment * kAlignment;
-  const std::size_t length = total - prefix;
-  std::string header(kNpyMagic);
-  header += {'\x01', '\x00', static_cast<char>(length & 0xFFU), static_cast<char>(length >> 8U)};
-  header += dict_of(fields, n);
-  header.resize(total - 1, ' ');
-  return header + '\n';
+  const std::string descr = descr_of(fields);
+  const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  return header_of(dict_of(descr, {&n, 1}), dict_of(descr, {&most, 1}).size());
+}
+
+std::string make_npy_header(std::span<const NpyField> fields,
+                            std::span<const std::uint64_t> shape) {
+  const std::string dict = dict_of(descr_of(fields), shape);
+  return header_of(dict, dict.size());
+}
+
+std::string make_npy_header(std::string_view type, std::span<const std::uint64_t> shape) {
+  const std::string dict = dict_of(fmt::format("'{}'", type), shape);
+  return header_of(dict, dict.size());
 }
 
 }  // namespace sightline::client::cli::files

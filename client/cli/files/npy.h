@@ -33,5 +33,9 @@ struct NpyField {
 
 /// The header of n rows with these fields. Its length is the same for every n.
 std::string make_npy_header(std::span<const NpyField> fields, std::uint64_t n);
+/// The header of an array of rows of this shape, in C order.
+std::string make_npy_header(std::span<const NpyField> fields, std::span<const std::uint64_t> shape);
+/// The header of an array of numbers of this type.
+std::string make_npy_header(std::string_view type, std::span<const std::uint64_t> shape);
 
 }  // namespace sightline::client::cli::files

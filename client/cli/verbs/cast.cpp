@@ -1,23 +1,19 @@
-// sightline cast: casts the rays of a file and writes their hits to a file.
-#include <fmt/format.h>
-
+// sightline cast: casts rays from a file or a program, and writes what they hit.
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
+#include "client/cli/files/format.h"
 #include "client/cli/files/hit_columns.h"
-#include "client/cli/files/hit_file.h"
-#include "client/cli/files/ray_file.h"
 #include "client/cli/flags.h"
+#include "client/cli/nodes.h"
 #include "client/cli/terminal.h"
-#include "client/cli/verbs/origin_precision.h"
-#include "client/cli/verbs/prefetch.h"
+#include "client/cli/verbs/cast_file.h"
+#include "client/cli/verbs/cast_report.h"
 #include "client/cli/verbs/verbs.h"
 
 namespace sightline::client::cli::verbs {
@@ -25,14 +21,16 @@ namespace {
 
 struct CastArguments {
   std::string scene;
-  std::string in;
-  std::string out;
+  std::string in = "-";
+  std::string out = "-";
+  std::string out_format;
+  bool no_names = false;
   std::string kind = "closest";
   std::string fields;
   std::string build;
   std::string cull;
-  std::uint64_t under = 0;
-  std::vector<std::uint64_t> exclude;
+  std::string under;
+  std::vector<std::string> exclude;
   std::uint32_t max_hits = 0;
   Consistency consistency;
 };
@@ -42,13 +40,28 @@ const std::map<std::string, BuildMode> kBuilds{
 const std::map<std::string, Culling> kCullings{{"back", Culling::kBack},
                                                {"front", Culling::kFront}};
 
+std::optional<files::Format> format_of(const CastArguments& arguments) {
+  if (!arguments.out_format.empty()) return files::kFormats.at(arguments.out_format);
+  const auto suffix = files::format_of(arguments.out);
+  return arguments.out == "-" || !suffix ? std::nullopt : *suffix;
+}
+
 // The columns to write. Checks the arguments against each other. Throws a CLI11 error, which is a
 // usage error.
 std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
   const QueryKind kind = kQueryKinds.at(arguments.kind);
   if (arguments.max_hits > 0 && kind != QueryKind::kAll)
     throw CLI::ValidationError("--max-hits", "only --kind all has it");
-  if (arguments.fields.empty()) return files::standard_columns(kind);
+  const auto format = format_of(arguments);
+  if (format == files::Format::kPly && (kind == QueryKind::kAny || kind == QueryKind::kCount))
+    throw CLI::ValidationError("--kind", "hits of " + arguments.kind + " have no place for .ply");
+  if (arguments.fields.empty()) {
+    auto columns = files::standard_columns(kind);
+    // JSON has no numbers that tell a miss from a bad ray.
+    if (format == files::Format::kNdjson && kind == QueryKind::kClosest)
+      columns.push_back(files::HitColumn::kHit);
+    return columns;
+  }
   auto columns = files::parse_hit_columns(arguments.fields);
   if (!columns) throw CLI::ValidationError("--fields", columns.error().message);
   if (const Status good = files::check_columns(*columns, kind); !good)
@@ -56,166 +69,92 @@ std::vector<files::HitColumn> columns_of(const CastArguments& arguments) {
   return *std::move(columns);
 }
 
-CastOptions options_of(const CastArguments& arguments, const std::stop_token& stop) {
-  CastOptions options{.consistency = arguments.consistency, .stop = stop};
+Result<CastFileRequest> request_of(const Client& client, const CastArguments& arguments,
+                                   const std::stop_token& stop) {
+  CastFileRequest request{.scene = arguments.scene,
+                          .in = arguments.in,
+                          .out = arguments.out,
+                          .columns = columns_of(arguments),
+                          .out_format = format_of(arguments),
+                          .names = !arguments.no_names,
+                          .options = {.consistency = arguments.consistency, .stop = stop}};
+  CastOptions& options = request.options;
   options.kind = kQueryKinds.at(arguments.kind);
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
-  options.root = arguments.under;
-  options.exclude = arguments.exclude;
   options.max_hits = arguments.max_hits;
-  return options;
+  const auto root = resolve_node(client, arguments.scene, arguments.under);
+  if (!root) return root.error();
+  auto excluded = resolve_nodes(client, arguments.scene, arguments.exclude);
+  if (!excluded) return excluded.error();
+  options.root = *root;
+  options.exclude = *std::move(excluded);
+  return request;
 }
 
-struct CastOutcome {
-  CastReport cast;
-  double seconds = 0;
-  float float_reach = 0;  // the largest coordinate of the origins, if the file has float32
-};
-
-// Adds the cost of trees that were built before the cast.
-void add(const PrefetchReport& built, CastReport& cast) {
-  cast.cells_expanded += built.cells_expanded;
-  cast.build_us += built.build_us;
-  cast.trace_us += built.elapsed_us;
-}
-
-Result<CastOutcome> cast_file(const Client& client, const CastArguments& arguments,
-                              const std::vector<files::HitColumn>& columns,
-                              const std::stop_token& stop) {
-  auto rays = files::open_rays(arguments.in, stop);
-  if (!rays) return rays.error();
-  float reach = 0;
-  if (auto* const floats = std::get_if<RaySource<float>>(&rays->source))
-    *floats = watch_reach(std::move(*floats), reach);
-  const CastOptions options = options_of(arguments, stop);
-  const bool lists = options.kind == QueryKind::kAll;
-  auto hits = files::HitFile::open(arguments.out, columns, lists ? std::nullopt : rays->count);
-  if (!hits) return hits.error();
-
-  const auto start = std::chrono::steady_clock::now();
-  PrefetchReport built;
-  if (options.build == BuildMode::kFull) {
-    const auto all = build_all(client, arguments.scene, stop);
-    if (!all) return all.error();
-    built = *all;
-  }
-  ProgressBar bar("casting");
-  const HitFields fields = fields_for(columns);
-  files::HitRows rows;
-  const HitSink sink = [&](std::uint64_t first, std::size_t count, const HitView& answers) {
-    if (rays->count && *rays->count > 0) {
-      bar.update(static_cast<double>(first + count) / static_cast<double>(*rays->count));
-    }
-    if (!lists) return hits->write(answers, count);
-    const files::RowView listed = rows.make(first, answers);
-    return hits->write(listed, rows.size());
-  };
-  auto report = std::visit(
-      [&](const auto& source) {
-        return client.cast_stream(arguments.scene, source, rays->shape, fields, sink, options);
-      },
-      rays->source);
-  if (!report) return report.error();
-  add(built, *report);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (const Status wrote = hits->commit(); !wrote) return wrote.error();
-  return CastOutcome{*report, seconds.count(), reach};
-}
-
-double rays_per_second(const CastOutcome& outcome) {
-  return outcome.seconds > 0 ? static_cast<double>(outcome.cast.rays) / outcome.seconds : 0;
-}
-
-Json json_of(const CastOutcome& outcome, QueryKind kind, const SceneStats& stats) {
-  const CastReport& cast = outcome.cast;
-  Json json{{"rays", cast.rays},
-            {"hits", cast.hits},
-            {"invalid", cast.invalid},
-            {"revision", cast.revision},
-            {"token", cast.token},
-            {"seconds", outcome.seconds},
-            {"rays_per_s", rays_per_second(outcome)},
-            {"cells_expanded", cast.cells_expanded},
-            {"trees_built", stats.trees_built},
-            {"triangles_built", stats.triangles_built},
-            {"triangles_total", stats.triangles_total},
-            {"build_ms", static_cast<double>(cast.build_us) / 1000},
-            {"trace_ms", static_cast<double>(cast.trace_us) / 1000},
-            {"traversal_steps", cast.traversal_steps},
-            {"triangle_tests", cast.triangle_tests},
-            {"instances_entered", cast.instances_entered}};
-  if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
-  if (kind == QueryKind::kAll) json["rays_cut_off"] = cast.rays_cut_off;
-  return json;
-}
-
-void print_summary(std::FILE* to, const CastOutcome& outcome,
-                   const std::optional<SceneStats>& stats) {
-  const CastReport& cast = outcome.cast;
-  fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
-             format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid),
-             cast.revision, outcome.seconds, rays_per_second(outcome));
-  fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", format_count(cast.cells_expanded),
-             static_cast<double>(cast.build_us) / 1000);
-  if (stats)
-    fmt::print(to, "; {} triangles built",
-               format_share(stats->triangles_built, stats->triangles_total));
-  fmt::print(to, "\n");
-  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", format_count(cast.hits_found));
-}
-
-void warn_of_cuts(const CastReport& cast) {
-  if (cast.rays_cut_off == 0) return;
-  fmt::print(stderr, "sightline: {} rays have more hits than were kept; --max-hits keeps more\n",
-             cast.rays_cut_off);
-}
-
-void warn_of_origin_precision(const Client& client, const std::string& name, float reach) {
-  if (reach == 0) return;
-  const auto scene = client.get_scene(name);
-  // The hits are written already, and there are no bounds to compare with
-  if (!scene || !scene->bounds) return;
-  const std::string warning = origin_precision_warning(reach, *scene->bounds);
-  if (!warning.empty()) fmt::print(stderr, "sightline: {}\n", warning);
-}
-
-ExitCode run(const Session& session, const CastArguments& arguments) {
-  const std::vector<files::HitColumn> columns = columns_of(arguments);
+void check_output(const Session& session, const CastArguments& arguments) {
   const bool to_stdout = arguments.out == "-";
-  if (to_stdout && session.json) {
+  if (to_stdout && session.json)
     throw CLI::ValidationError("--json and --out - both want standard output");
+  if (arguments.out_format.empty() && !to_stdout) {
+    const auto suffix = files::format_of(arguments.out);
+    if (!suffix) throw CLI::ValidationError("--out", suffix.error().message);
   }
-  const auto client = session.connect();
-  if (!client) return fail(client.error());
-  const Interrupt interrupt;
-  const auto outcome = cast_file(*client, arguments, columns, interrupt.token());
-  if (!outcome && interrupt.happened()) return say_interrupted();
-  if (!outcome) return fail(outcome.error());
-  warn_of_cuts(outcome->cast);
-  warn_of_origin_precision(*client, arguments.scene, outcome->float_reach);
-  const auto stats = client->scene_stats(arguments.scene);
-  if (!session.json) {
-    print_summary(to_stdout ? stderr : stdout, *outcome,
-                  stats ? std::optional(*stats) : std::nullopt);
-    return kOk;
+  if (to_stdout && format_of(arguments) == files::Format::kPly)
+    throw CLI::ValidationError("--out", ".ply begins with the number of its points: name a file");
+}
+
+ExitCode report(const Session& session, const Client& client, const CastArguments& arguments,
+                const CastOutcome& outcome) {
+  const auto stats = client.scene_stats(arguments.scene);
+  if (session.json) {
+    if (!stats) return fail(stats.error());
+    print_json(json_of_cast(outcome, kQueryKinds.at(arguments.kind), *stats));
+  } else if (!session.quiet) {
+    print_cast_summary(arguments.out == "-" ? stderr : stdout, outcome,
+                       stats ? std::optional(*stats) : std::nullopt);
   }
-  if (!stats) return fail(stats.error());
-  print_json(json_of(*outcome, kQueryKinds.at(arguments.kind), *stats));
   return kOk;
 }
 
+ExitCode run(const Session& session, const CastArguments& arguments) {
+  check_output(session, arguments);
+  columns_of(arguments);  // a usage error comes before all others
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const Interrupt interrupt;
+  // Before the rays are read: they may be long in coming.
+  const auto scene = client->get_scene(arguments.scene, interrupt.token());
+  if (!scene && interrupt.happened()) return say_interrupted();
+  if (!scene) return fail(scene.error());
+  const auto request = request_of(*client, arguments, interrupt.token());
+  if (!request) return fail(request.error());
+  const auto outcome = cast_file(*client, *request);
+  if (!outcome && interrupt.happened()) return say_interrupted();
+  if (!outcome) return fail(outcome.error());
+  print_cast_warnings(*outcome, *scene);
+  return report(session, *client, arguments, *outcome);
+}
+
 constexpr const char* kCastFooter =
-    R"(Rays are ox oy oz dx dy dz, and tmin tmax if each has its own:
-  .npy   (n, 6) or (n, 8), float32 or float64
-  CSV    a line a ray, with or without a line of names first
-  -      standard input, either of the two
+    R"(Without --in and --out, cast is a filter: rays on standard input, hits on standard output. A hit goes out
+as soon as its ray came; where rays come fast, many go together. All are answered at one revision, but after
+5 seconds without a ray the newest one answers.
+
+Rays are ox oy oz dx dy dz, and tmin tmax if each has its own:
+  .csv .txt      a line a ray, parted by commas or blanks, with or without a line of names first
+  .ndjson .jsonl [ox, oy, oz, dx, dy, dz] a line, or {"origin": [..], "direction": [..], "tmin": .., "tmax": ..}
+  .npy           (..., 6) or (..., 8) of any real type
+  .npz           the same as rays, or origins and directions (..., 3), and tmin and tmax
+  .ply           vertices with x y z and nx ny nz, or with the names above
+  -              standard input, any of these
 Far from the origin float32 is too coarse for the rays of a small scene; a warning says so.
-Hits are .npy with named fields if FILE ends so, else CSV; - is CSV on standard output. There is a
-row a ray; --kind all has a row a hit, nearest first, none for a miss, and one with t = nan for a
+Hits are in the format of FILE's suffix, or of --out-format: arrays with named fields (.npy) in the shape of
+the rays, an array a field (.npz), points with fields (.ply, without the misses), else a line a hit. There is
+a row a ray; --kind all has a row a hit, nearest first, none for a miss, and one with t = nan for a
 ray that cannot be cast.
   ray        u8  number of the ray, from 0 (--kind all)
-  t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast
+  t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast; in JSON both are null
   node       u8  0: a miss
   primitive  u4  the face's number in its mesh
   u v        f4  weights of vertices 1 and 2
@@ -227,12 +166,13 @@ ray that cannot be cast.
 
 Examples:
   sightline cast engine --in rays.npy --out hits.npy
-  sightline cast engine --in rays.csv --out - --fields t,node
+  echo 0 500 0 0 -1 0 | sightline cast engine
+  sightline cast engine --in rays.csv --fields t,node
   sightline cast engine --in sun.npy --out shadow.npy --kind any --json
   sightline cast engine --in rays.npy --out hits.npy --build full
-  sightline cast engine --in rays.npy --out through.npy --kind all --max-hits 1000 --cull back
-  sightline cast engine --in points.npy --out inside.npy --kind count --under 12 --exclude 13 14
-  echo 0,0,10,0,0,-1 | sightline cast engine --in - --out -)";
+  sightline cast engine --in rays.npy --out through.npz --kind all --max-hits 1000 --cull back
+  sightline cast engine --in points.npy --out inside.npy --kind count --under piston --exclude 13 14
+  make-rays | sightline cast engine --out-format ndjson --quiet | use-hits)";
 
 // Options that hide hits from the rays.
 void add_filters(CLI::App& verb, CastArguments& arguments) {
@@ -241,10 +181,10 @@ void add_filters(CLI::App& verb, CastArguments& arguments) {
       ->check(CLI::IsMember(kCullings).description(""))
       ->type_name("back|front");
   verb.add_option("--under", arguments.under, "Only this node and those under it are seen")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(node_word())
       ->type_name("NODE");
   verb.add_option("--exclude", arguments.exclude, "These nodes and those under them are not")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(node_word())
       ->type_name("NODE ...");
   verb.add_option("--max-hits", arguments.max_hits,
                   "How many hits of a ray --kind all keeps, the nearest (default 256)")
@@ -255,12 +195,18 @@ void add_filters(CLI::App& verb, CastArguments& arguments) {
 }  // namespace
 
 void add_cast_verb(CLI::App& program, Session& session) {
-  CLI::App& verb =
-      *program.add_subcommand("cast", "Cast the rays of a file and write what they hit");
+  CLI::App& verb = *program.add_subcommand("cast", "Cast rays and write what they hit");
   const auto arguments = std::make_shared<CastArguments>();
   add_scene_argument(verb, arguments->scene);
-  verb.add_option("--in", arguments->in, "Rays to cast")->required()->type_name("FILE");
-  verb.add_option("--out", arguments->out, "Where the hits go")->required()->type_name("FILE");
+  verb.add_option("--in", arguments->in, "Rays to cast (default -, standard input)")
+      ->type_name("FILE");
+  verb.add_option("--out", arguments->out, "Where the hits go (default -, standard output)")
+      ->type_name("FILE");
+  verb.add_option("--out-format", arguments->out_format,
+                  "How hits are written (default: as FILE's suffix says, csv without one)")
+      ->check(CLI::IsMember(files::kFormats).description(""))
+      ->type_name("csv|ndjson|npy|npz|ply");
+  verb.add_flag("--no-header", arguments->no_names, "CSV without its line of names");
   verb.add_option(
           "--kind", arguments->kind,
           "The nearest hit, whether there is one, every hit, or how many there are (default "

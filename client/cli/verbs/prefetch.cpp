@@ -14,6 +14,7 @@
 
 #include "client/cli/files/ray_file.h"
 #include "client/cli/flags.h"
+#include "client/cli/nodes.h"
 #include "client/cli/picture/camera.h"
 #include "client/cli/terminal.h"
 #include "client/cli/verbs/camera_flags.h"
@@ -24,8 +25,8 @@ namespace {
 
 struct PrefetchArguments {
   std::string scene;
-  std::vector<std::uint64_t> under;
-  std::vector<std::uint64_t> exclude;
+  std::vector<std::string> under;
+  std::vector<std::string> exclude;
   std::string rays;
   std::string kind;
   bool view = false;
@@ -47,9 +48,19 @@ PrefetchOptions options_of(const PrefetchArguments& arguments, const std::stop_t
     throw CLI::ValidationError("--kind", "only --rays and --view have it");
   if (has_rays && arguments.under.size() > 1)
     throw CLI::ValidationError("--under", "with --rays or --view it takes one node");
-  PrefetchOptions options{.roots = arguments.under, .exclude = arguments.exclude, .stop = stop};
+  PrefetchOptions options{.stop = stop};
   if (!arguments.kind.empty()) options.kind = kQueryKinds.at(arguments.kind);
   return options;
+}
+
+Status resolve(const Client& client, const PrefetchArguments& arguments, PrefetchOptions& options) {
+  auto roots = resolve_nodes(client, arguments.scene, arguments.under);
+  if (!roots) return roots.error();
+  auto excluded = resolve_nodes(client, arguments.scene, arguments.exclude);
+  if (!excluded) return excluded.error();
+  options.roots = *std::move(roots);
+  options.exclude = *std::move(excluded);
+  return {};
 }
 
 // `last` receives the last report. It says what was built if the call fails.
@@ -71,8 +82,9 @@ Result<PrefetchReport> build(const Client& client, const PrefetchArguments& argu
     BuildingBar bar;
     return client.prefetch(arguments.scene, options, follow(bar));
   }
-  const auto rays = files::open_rays(arguments.rays, options.stop);
+  auto rays = files::open_rays(arguments.rays, options.stop);
   if (!rays) return rays.error();
+  files::wait_out_pauses(*rays);
   BuildingBar bar(rays->count.value_or(0));
   return std::visit(
       [&](const auto& source) {
@@ -128,9 +140,10 @@ void print_table(std::FILE* to, const std::string& scene, const PrefetchOutcome&
 
 ExitCode run(const Session& session, const PrefetchArguments& arguments) {
   const Interrupt interrupt;
-  const PrefetchOptions options = options_of(arguments, interrupt.token());
+  PrefetchOptions options = options_of(arguments, interrupt.token());
   const auto client = session.connect();
   if (!client) return fail(client.error());
+  if (const Status known = resolve(*client, arguments, options); !known) return fail(known.error());
   PrefetchOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   const auto built = build(*client, arguments, options, outcome.report);
@@ -172,10 +185,10 @@ void add_prefetch_verb(CLI::App& program, Session& session) {
   add_scene_argument(verb, arguments->scene);
   verb.add_option("--under", arguments->under,
                   "Only the trees of these nodes and those under them (default: of all)")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(node_word())
       ->type_name("NODE ...");
   verb.add_option("--exclude", arguments->exclude, "Not of these nodes and those under them")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(node_word())
       ->type_name("NODE ...");
   verb.add_option("--rays", arguments->rays,
                   "Only what casting these rays would build; a file as cast takes it")

@@ -28,7 +28,7 @@ const HitView kHits{kT, kNode, kPrimitive, kUv, kNormal, kHit, kWork};
 
 void write(const std::string& path, std::vector<HitColumn> columns,
            std::optional<std::uint64_t> rows) {
-  auto file = HitFile::open(path, std::move(columns), rows);
+  auto file = HitFile::open(path, std::move(columns), {.rows = rows});
   ASSERT_TRUE(file) << file.error().message;
   ASSERT_TRUE(file->write(kHits, 3));
   ASSERT_TRUE(file->commit());
@@ -99,7 +99,7 @@ TEST(HitFile, WorkIsWrittenWithoutItsFlag) {
 TEST(HitFile, WithoutACommitNoFileIsWritten) {
   const TempDir dir;
   {
-    auto file = HitFile::open(dir.path("hits.npy"), all_closest_columns(), 3);
+    auto file = HitFile::open(dir.path("hits.npy"), all_closest_columns(), {.rows = 3});
     ASSERT_TRUE(file);
     ASSERT_TRUE(file->write(kHits, 3));
   }

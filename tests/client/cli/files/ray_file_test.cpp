@@ -75,7 +75,7 @@ TEST(RayFile, ReadsNpyOfAnyPrecisionShapeAndOrder) {
       EXPECT_EQ(doubles->count, 5U);
       EXPECT_EQ(doubles->shape.interval, columns == 8);
       EXPECT_EQ(read_rows<double>(*doubles, 2), expected_rows<double>(5, columns));
-      auto floats = open_rays(dir.write("f.bin", npy_of<float>("<f4", 5, columns, fortran)));
+      auto floats = open_rays(dir.write("f.npy", npy_of<float>("<f4", 5, columns, fortran)));
       ASSERT_TRUE(floats) << floats.error().message;
       EXPECT_EQ(read_rows<float>(*floats, 100), expected_rows<float>(5, columns));
     }
@@ -106,19 +106,72 @@ TEST(RayFile, ReportsTheFaultOfAnNpy) {
   };
   const std::string good = npy_of<double>("<f8", 5, 6, false);
   EXPECT_EQ(error(good.substr(0, good.size() - 1)),
-            "rays.npy: cut off: 239 bytes of rays, 5 of them need 240");
+            "rays.npy: cut off: 239 bytes of numbers, the shape (5, 6) needs more");
   EXPECT_EQ(error(npy_of<double>("<f8", 5, 7, false)),
-            "rays.npy: shape is (5, 7), rays have (n, 6) or (n, 8)");
-  EXPECT_EQ(error(npy_of<double>(">f8", 5, 6, false)),
-            "rays.npy: dtype is >f8, rays have <f4 or <f8");
-  EXPECT_EQ(error(npy_of<double>("<i8", 5, 6, false)),
-            "rays.npy: dtype is <i8, rays have <f4 or <f8");
+            "rays.npy: shape is (5, 7), rays have (..., 6) or (..., 8)");
+  EXPECT_EQ(error(npy_of<double>("<c8", 5, 6, false)),
+            "rays.npy: dtype is <c8, rays have real numbers: f2 f4 f8, i1 to i8, u1 to u8");
   EXPECT_EQ(error("0,0,0,1,0,0\n"),
             "rays.npy: not a .npy file: its first bytes are not \\x93NUMPY");
   EXPECT_NE(error(""), "");
   std::string huge = good;
   huge.replace(huge.find("(5, 6)"), 6, "(4000000000000000000, 6)");
   EXPECT_NE(error(huge), "");
+}
+
+TEST(RayFile, ReadsAnyRealType) {
+  const TempDir dir;
+  auto integers = open_rays(dir.write("i.npy", npy_of<std::int16_t>("<i2", 5, 6, true)));
+  ASSERT_TRUE(integers) << integers.error().message;
+  EXPECT_EQ(read_rows<double>(*integers, 2), expected_rows<double>(5, 6));
+}
+
+TEST(RayFile, ReadsLinesOfJsonAndBlanks) {
+  const TempDir dir;
+  const std::vector<double> ray{0, 0, 9, 0, 0, -1};
+  auto blanks = open_rays(dir.write("a.txt", "0 0  9\t0 0 -1\n"));
+  ASSERT_TRUE(blanks) << blanks.error().message;
+  EXPECT_EQ(read_rows<double>(*blanks, 2), ray);
+  auto json = open_rays(
+      dir.write("a.ndjson", R"({"origin": [0, 0, 9], "direction": [0, 0, -1], "tmax": 7})"));
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ(read_rows<double>(*json, 2), (std::vector<double>{0, 0, 9, 0, 0, -1, 0, 7}));
+}
+
+TEST(RayFile, ReadsPly) {
+  const TempDir dir;
+  auto rays = open_rays(dir.write("a.ply",
+                                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                  "property float y\nproperty float z\nproperty float nx\n"
+                                  "property float ny\nproperty float nz\nend_header\n"
+                                  "0 0 9 0 0 -1\n"));
+  ASSERT_TRUE(rays) << rays.error().message;
+  EXPECT_EQ(read_rows<double>(*rays, 2), (std::vector<double>{0, 0, 9, 0, 0, -1}));
+}
+
+TEST(RayFile, PausesAreWaitedOut) {
+  RayFile file;
+  int pauses = 0;
+  file.source = RaySource<double>([&](const RayColumns<double>& buffer) -> Result<std::size_t> {
+    if (pauses < 2) return std::size_t{0};
+    buffer.origins[0] = 7;
+    return std::size_t{1};
+  });
+  file.wait = [&]() -> Result<bool> { return ++pauses < 3; };
+  wait_out_pauses(file);
+  std::vector<double> origins(3), directions(3);
+  const RayColumns<double> buffer{origins, directions};
+  EXPECT_EQ(*std::get<RaySource<double>>(file.source)(buffer), 1U);
+  EXPECT_EQ(origins[0], 7);
+  pauses = 0;
+  file.wait = {};
+  wait_out_pauses(file);
+  EXPECT_EQ(*std::get<RaySource<double>>(file.source)(buffer), 1U) << "it is as it was";
+}
+
+TEST(RayFile, AnUnknownSuffixIsRefused) {
+  const TempDir dir;
+  EXPECT_FALSE(open_rays(dir.write("rays.bin", "0 0 9 0 0 -1\n")));
 }
 
 }  // namespace

@@ -1,0 +1,99 @@
+// Text and JSON of the same numbers.
+#include "client/cli/verbs/cast_report.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "client/cli/reporting.h"
+#include "client/cli/terminal.h"
+#include "client/cli/verbs/origin_precision.h"
+
+namespace sightline::client::cli::verbs {
+namespace {
+
+double rays_per_second(const CastOutcome& outcome) {
+  return outcome.seconds > 0 ? static_cast<double>(outcome.cast.rays) / outcome.seconds : 0;
+}
+
+Json json_of_faults(const RayWatch& watch) {
+  Json reasons = Json::object();
+  for (std::size_t k = 1; k < kRayFaults; ++k) {
+    if (watch.faults[k] > 0) reasons[std::string(info_of(RayFault(k)).key)] = watch.faults[k];
+  }
+  return reasons;
+}
+
+void warn_of_faults(const CastOutcome& outcome) {
+  if (outcome.cast.invalid == 0) return;
+  std::vector<std::string> reasons;
+  for (std::size_t k = 1; k < kRayFaults; ++k) {
+    if (outcome.watch.faults[k] == 0) continue;
+    reasons.push_back(fmt::format("{} with {}", format_count(outcome.watch.faults[k]),
+                                  info_of(RayFault(k)).text));
+  }
+  print_warning(fmt::format("{} of {} rays cannot be cast: {}", format_count(outcome.cast.invalid),
+                            format_count(outcome.cast.rays), fmt::join(reasons, ", ")));
+}
+
+void warn_of_cuts(const CastReport& cast) {
+  if (cast.rays_cut_off == 0) return;
+  print_warning(fmt::format("{} rays have more hits than were kept; --max-hits keeps more",
+                            format_count(cast.rays_cut_off)));
+}
+
+void warn_of_origin_precision(const SceneInfo& scene, float reach) {
+  if (reach == 0 || !scene.bounds) return;
+  const std::string warning = origin_precision_warning(reach, *scene.bounds);
+  if (!warning.empty()) print_warning(warning);
+}
+
+}  // namespace
+
+Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& stats) {
+  const CastReport& cast = outcome.cast;
+  Json json{{"rays", cast.rays},
+            {"hits", cast.hits},
+            {"invalid", cast.invalid},
+            {"invalid_reasons", json_of_faults(outcome.watch)},
+            {"revision", cast.revision},
+            {"token", cast.token},
+            {"seconds", outcome.seconds},
+            {"rays_per_s", rays_per_second(outcome)},
+            {"cells_expanded", cast.cells_expanded},
+            {"trees_built", stats.trees_built},
+            {"triangles_built", stats.triangles_built},
+            {"triangles_total", stats.triangles_total},
+            {"build_ms", static_cast<double>(cast.build_us) / 1000},
+            {"trace_ms", static_cast<double>(cast.trace_us) / 1000},
+            {"traversal_steps", cast.traversal_steps},
+            {"triangle_tests", cast.triangle_tests},
+            {"instances_entered", cast.instances_entered}};
+  if (kind == QueryKind::kCount || kind == QueryKind::kAll) json["hits_found"] = cast.hits_found;
+  if (kind == QueryKind::kAll) json["rays_cut_off"] = cast.rays_cut_off;
+  return json;
+}
+
+void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
+                        const std::optional<SceneStats>& stats) {
+  const CastReport& cast = outcome.cast;
+  fmt::print(to, "{} rays, {} hits, {} invalid at revision {} in {:.3f} s ({:.3g} rays/s)\n",
+             format_count(cast.rays), format_count(cast.hits), format_count(cast.invalid),
+             cast.revision, outcome.seconds, rays_per_second(outcome));
+  fmt::print(to, "{} cells expanded in {:.1f} ms of thread time", format_count(cast.cells_expanded),
+             static_cast<double>(cast.build_us) / 1000);
+  if (stats)
+    fmt::print(to, "; {} triangles built",
+               format_share(stats->triangles_built, stats->triangles_total));
+  fmt::print(to, "\n");
+  if (cast.hits_found > 0) fmt::print(to, "{} hits found\n", format_count(cast.hits_found));
+}
+
+void print_cast_warnings(const CastOutcome& outcome, const SceneInfo& scene) {
+  warn_of_faults(outcome);
+  warn_of_cuts(outcome.cast);
+  warn_of_origin_precision(scene, outcome.float_reach);
+}
+
+}  // namespace sightline::client::cli::verbs
