@@ -97,6 +97,7 @@ std::unique_ptr<CLI::App> make_program(Session& session) {
   add_global_flags(program, session);
   verbs::add_scene_verbs(program, session);
   verbs::add_cast_verb(program, session);
+  verbs::add_rtrace_verb(program, session);
   verbs::add_prefetch_verb(program, session);
   verbs::add_render_verb(program, session);
   verbs::add_stats_verb(program, session);
@@ -119,6 +120,7 @@ int parse_and_run(int argc, const char* const* argv) {
        .hint = [&session](const Error& error) { return hint_for(session, error); }});
   try {
     std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    verbs::spell_out_rtrace_flags(words);
     std::reverse(words.begin(), words.end());  // as the parser wants them
     program->parse(std::move(words));
   } catch (const CLI::ParseError& e) {

@@ -121,6 +121,7 @@ TEST_F(Program, HelpHasExamplesForEveryVerb) {
                                                     {"cast", "--help"},
                                                     {"prefetch", "--help"},
                                                     {"render", "--help"},
+                                                    {"rtrace", "--help"},
                                                     {"stats", "--help"},
                                                     {"update", "--help"},
                                                     {"stream", "--help"},
