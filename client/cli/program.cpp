@@ -105,6 +105,7 @@ std::unique_ptr<CLI::App> make_program(Session& session) {
   verbs::add_stream_verb(program, session);
   verbs::add_watch_verb(program, session);
   verbs::add_backup_verbs(program, session);
+  verbs::add_server_verb(program, session);
   verbs::add_completion_verb(program, session);
   return made;
 }

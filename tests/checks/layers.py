@@ -65,6 +65,7 @@ client/cli/files            client/*.h client/cli
 client/cli/picture          client/*.h client/cli
 client/cli/playback         client/*.h client/cli client/importer
 client/cli/reference        client/*.h client/cli
+client/cli/scene_files      client/*.h client/cli client/importer
 client/cli/verbs            client/*.h client/cli client/cli/* client/importer
 client/cli/program          client/*.h client/cli client/cli/*
 client/cli/main             client/cli/program

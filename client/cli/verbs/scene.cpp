@@ -152,6 +152,19 @@ ExitCode remove(const Session& session, const std::string& name) {
   return kOk;
 }
 
+ExitCode cool(const Session& session, const std::string& name) {
+  const auto client = session.connect();
+  if (!client) return fail(client.error());
+  const auto freed = client->cool_scene(name);
+  if (!freed) return fail(freed.error());
+  if (session.json) {
+    print_json({{"scene", name}, {"bytes_freed", *freed}});
+  } else {
+    fmt::print("{} cooled, {} freed\n", name, format_bytes(*freed));
+  }
+  return kOk;
+}
+
 CLI::App& add_verb_of_one_scene(CLI::App& group, const std::string& name, const std::string& help,
                                 Session& session,
                                 ExitCode (*run)(const Session&, const std::string&)) {
@@ -231,6 +244,10 @@ void add_scene_verbs(CLI::App& program, Session& session) {
       .footer(
           "Examples:\n  sightline scene nodes engine\n  sightline scene nodes engine --json | jq "
           "'.nodes[] | select(.name == \"piston\") | .id'");
+  add_scene_add_verb(group, session);
+  add_scene_export_verb(group, session);
+  add_verb_of_one_scene(group, "cool", "Drop a scene's trees; rays grow them again", session, cool)
+      .footer("Examples:\n  sightline scene cool engine");
   add_verb_of_one_scene(group, "rm", "Remove a scene", session, remove)
       .footer("Examples:\n  sightline scene rm engine");
 }

@@ -16,6 +16,11 @@ namespace sightline::client::cli::verbs {
 void add_scene_verbs(CLI::App& program, Session& session);
 /// `group` is the verb `scene`.
 void add_import_verb(CLI::App& group, Session& session);
+/// `group` is the verb `scene`.
+void add_scene_add_verb(CLI::App& group, Session& session);
+/// `group` is the verb `scene`.
+void add_scene_export_verb(CLI::App& group, Session& session);
+void add_server_verb(CLI::App& program, Session& session);
 /// Adds `rtrace`, whose flags are those of another program.
 void add_rtrace_verb(CLI::App& program, Session& session);
 /// Of the words of a command line, replaces those flags of rtrace that the parser cannot read.
