@@ -132,6 +132,13 @@ grpc::ServerUnaryReactor* GuardedScenes::ReadMesh(grpc::CallbackServerContext* c
   return SceneRpc::ReadMesh(context, request, reply);
 }
 
+grpc::ServerUnaryReactor* GuardedScenes::ListDeferredCells(
+    grpc::CallbackServerContext* context, const v1::ListDeferredCellsRequest* request,
+    v1::ListDeferredCellsResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kRead, request->scene())) return *refusal;
+  return SceneRpc::ListDeferredCells(context, request, reply);
+}
+
 grpc::ServerUnaryReactor* GuardedBlobs::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                          const v1::FindMissingBlobsRequest* request,
                                                          v1::FindMissingBlobsResponse* reply) {
@@ -169,6 +176,13 @@ grpc::ServerUnaryReactor* GuardedInfo::GetServerInfo(grpc::CallbackServerContext
                                                      v1::GetServerInfoResponse* reply) {
   if (const auto refusal = guard_.refuse(context, Role::kRead)) return *refusal;
   return InfoRpc::GetServerInfo(context, request, reply);
+}
+
+grpc::ServerUnaryReactor* GuardedInfo::ReadLog(grpc::CallbackServerContext* context,
+                                               const v1::ReadLogRequest* request,
+                                               v1::ReadLogResponse* reply) {
+  if (const auto refusal = guard_.refuse(context, Role::kAdmin, kAllScenes)) return *refusal;
+  return InfoRpc::ReadLog(context, request, reply);
 }
 
 }  // namespace sightline::server

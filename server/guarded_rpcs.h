@@ -88,6 +88,9 @@ class GuardedScenes final : public updates::SceneRpc {
   grpc::ServerUnaryReactor* ReadMesh(grpc::CallbackServerContext* context,
                                      const v1::ReadMeshRequest* request,
                                      v1::ReadMeshResponse* reply) override;
+  grpc::ServerUnaryReactor* ListDeferredCells(grpc::CallbackServerContext* context,
+                                              const v1::ListDeferredCellsRequest* request,
+                                              v1::ListDeferredCellsResponse* reply) override;
 
  private:
   const Guard guard_;
@@ -138,6 +141,10 @@ class GuardedInfo final : public InfoRpc {
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* reply) override;
+  /// For administrators of all scenes.
+  grpc::ServerUnaryReactor* ReadLog(grpc::CallbackServerContext* context,
+                                    const v1::ReadLogRequest* request,
+                                    v1::ReadLogResponse* reply) override;
 
  private:
   const Guard guard_;

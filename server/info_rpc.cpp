@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "accel/split/scan_kernel.h"
 #include "scenegraph/model/mesh.h"
@@ -15,6 +16,7 @@
 #include "server/exec/call_registry.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unread_replies.h"
+#include "server/log_tail.h"
 #include "server/queries/cast_job.h"
 #include "server/queries/cast_query.h"
 #include "server/queries/cast_rpc.h"
@@ -190,6 +192,17 @@ grpc::ServerUnaryReactor* InfoRpc::GetServerInfo(grpc::CallbackServerContext* co
                                                  const v1::GetServerInfoRequest*,
                                                  v1::GetServerInfoResponse* reply) {
   *reply = info_;
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* InfoRpc::ReadLog(grpc::CallbackServerContext* context,
+                                           const v1::ReadLogRequest* request,
+                                           v1::ReadLogResponse* reply) {
+  LogTail::Lines read = log_tail().after(request->after());
+  reply->set_first(read.first);
+  for (std::string& line : read.lines) reply->add_lines(std::move(line));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;

@@ -9,6 +9,8 @@
 
 #include <memory>
 
+#include "server/log_tail.h"
+
 namespace sightline::server {
 namespace {
 
@@ -28,6 +30,9 @@ class Sink final : public spdlog::sinks::stderr_sink_st {
           {message.time, {}, message.logger_name, spdlog::level::warn, text});
     }
     spdlog::sinks::stderr_sink_st::log(message);
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    log_tail().add({line.data(), line.size()});
   }
 
  private:

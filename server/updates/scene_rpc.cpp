@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "scenegraph/revision/deferred_cells.h"
 #include "server/exec/call_context.h"
 #include "server/exec/rpc_status.h"
 #include "server/exec/unary_rpc.h"
@@ -196,6 +197,22 @@ Status SceneRpc::cool(const grpc::ServerContextBase& context, const v1::CoolScen
   return {};
 }
 
+Status SceneRpc::deferred_cells(const v1::ListDeferredCellsRequest& request,
+                                v1::ListDeferredCellsResponse& reply) {
+  const auto scene = services_.find_loaded(request.scene());
+  if (!scene) return scene.error();
+  const auto snapshot = (*scene)->snapshot();
+  const std::uint32_t limit = request.max_cells() == 0
+                                  ? kMaxDeferredCells
+                                  : std::min(request.max_cells(), kMaxDeferredCells);
+  const auto cells = scenegraph::revision::deferred_cells(*snapshot, limit);
+  encode_revision((*scene)->token(snapshot->revision()), *reply.mutable_served());
+  for (const auto& box : cells.boxes)
+    reply.mutable_boxes()->append(reinterpret_cast<const char*>(box.data()), sizeof(box));
+  reply.set_total(cells.total);
+  return {};
+}
+
 SceneRpc::SceneRpc(const scenes::Services& services) : services_(services) {
   SetMessageAllocatorFor_ApplyUpdates(&batches_);
 }
@@ -277,6 +294,13 @@ grpc::ServerUnaryReactor* SceneRpc::ReadMesh(grpc::CallbackServerContext* contex
                                              v1::ReadMeshResponse* reply) {
   return answer_in_arena("ReadMesh", *context, *request, *reply, services_.unary(),
                          [=, this] { return read_mesh(services_, *request, *reply); });
+}
+
+grpc::ServerUnaryReactor* SceneRpc::ListDeferredCells(grpc::CallbackServerContext* context,
+                                                      const v1::ListDeferredCellsRequest* request,
+                                                      v1::ListDeferredCellsResponse* reply) {
+  return answer_in_arena("ListDeferredCells", *context, *request, *reply, services_.unary(),
+                         [=, this] { return deferred_cells(*request, *reply); });
 }
 
 }  // namespace sightline::server::updates

@@ -1,6 +1,8 @@
 // SceneService: reads and deletes scenes, and starts the calls that change and watch them.
 #pragma once
 
+#include <cstdint>
+
 #include "server/exec/message_pool.h"
 #include "server/scenes/services.h"
 #include "sightline/v1/scene.grpc.pb.h"
@@ -11,6 +13,8 @@ inline constexpr int kDefaultPage = 100;
 inline constexpr int kMaxPage = 1000;
 /// Ids of one BatchGetNodes call. A node's name has up to 1 KiB, so the reply stays below 1 MiB.
 inline constexpr int kMaxNodesPerRequest = 512;
+/// Boxes of one ListDeferredCells call.
+inline constexpr std::uint32_t kMaxDeferredCells = 4096;
 
 class SceneRpc : public v1::SceneService::CallbackService {
  public:
@@ -49,6 +53,9 @@ class SceneRpc : public v1::SceneService::CallbackService {
   grpc::ServerUnaryReactor* ReadMesh(grpc::CallbackServerContext* context,
                                      const v1::ReadMeshRequest* request,
                                      v1::ReadMeshResponse* reply) override;
+  grpc::ServerUnaryReactor* ListDeferredCells(grpc::CallbackServerContext* context,
+                                              const v1::ListDeferredCellsRequest* request,
+                                              v1::ListDeferredCellsResponse* reply) override;
 
  private:
   Status create(const grpc::ServerContextBase& context, const v1::CreateSceneRequest& request,
@@ -60,6 +67,8 @@ class SceneRpc : public v1::SceneService::CallbackService {
   Status stats(const v1::GetSceneStatsRequest& request, v1::GetSceneStatsResponse& reply);
   Status cool(const grpc::ServerContextBase& context, const v1::CoolSceneRequest& request,
               v1::CoolSceneResponse& reply);
+  Status deferred_cells(const v1::ListDeferredCellsRequest& request,
+                        v1::ListDeferredCellsResponse& reply);
 
   const scenes::Services services_;
   exec::MessagePool<v1::ApplyUpdatesRequest, v1::ApplyUpdatesResponse> batches_;

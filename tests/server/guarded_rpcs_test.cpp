@@ -84,9 +84,9 @@ TEST_F(GuardedRpcs, AMethodThatChangesSomethingRefusesAReader) {
   for (const std::string& path : methods()) {
     if (reason_of(call_raw(channel_, path, {}, kReader)) == "ROLE_MISSING") ++refused;
   }
-  EXPECT_EQ(refused, 11)
+  EXPECT_EQ(refused, 12)
       << "CreateScene PutScene DeleteScene ApplyUpdates StreamUpdates CoolScene, of meshes 3, "
-         "Backup Restore";
+         "Backup Restore ReadLog";
 }
 
 TEST_F(GuardedRpcs, OnlyAnAdministratorDeletes) {

@@ -69,7 +69,7 @@ TEST_F(Malformed, EveryMethodOfOneRequestSaysSo) {
         "SceneService/DeleteScene", "SceneService/BatchGetNodes", "SceneService/GetSceneStats",
         "SceneService/CoolScene", "SceneService/ReadMesh", "SceneService/ApplyUpdates",
         "BlobService/FindMissingBlobs", "BlobService/GetUploadStatus", "RayQueryService/CastRays",
-        "ServerService/GetServerInfo"}) {
+        "ServerService/GetServerInfo", "SceneService/ListDeferredCells", "ServerService/ReadLog"}) {
     const grpc::Status status =
         RawRequest(channel_, std::string("/sightline.v1.") + method).send(kNoMessage, true);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << method;

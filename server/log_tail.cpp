@@ -1,0 +1,33 @@
+// The last lines of the log, for those who watch the server.
+#include "server/log_tail.h"
+
+#include <algorithm>
+
+namespace sightline::server {
+
+void LogTail::add(std::string_view line) {
+  line = line.substr(0, line.find_last_not_of("\r\n") + 1);
+  std::string kept(line.substr(0, kMaxLine));
+  std::ranges::replace_if(
+      kept, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+  const std::lock_guard lock(mutex_);
+  ++last_;
+  lines_.push_back(std::move(kept));
+  if (lines_.size() > kLines) lines_.pop_front();
+}
+
+LogTail::Lines LogTail::after(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t oldest = last_ - lines_.size() + 1;
+  const std::uint64_t first = std::max(std::min(number, last_) + 1, oldest);
+  Lines read{.first = first, .lines = {}};
+  read.lines.assign(lines_.begin() + static_cast<std::ptrdiff_t>(first - oldest), lines_.end());
+  return read;
+}
+
+LogTail& log_tail() {
+  static LogTail tail;
+  return tail;
+}
+
+}  // namespace sightline::server
