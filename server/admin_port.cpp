@@ -1,4 +1,4 @@
-// The probes and the metrics of a server, over HTTP.
+// The probes, the metrics and the live page of a server, over HTTP.
 #include "server/admin_port.h"
 
 #include <fmt/format.h>
@@ -25,16 +25,24 @@ Status AdminPort::check(const ServerConfig& config) {
                "INSECURE_ADDRESS"};
 }
 
-Status AdminPort::open() {
+Status AdminPort::open(const std::shared_ptr<grpc::Channel>& services) {
   if (config_.admin.empty()) return {};
   if (Status good = check(config_); !good) return good;
   auto listening = net::listen_on(*net::ListenAddress::parse(config_.admin));
   if (!listening) return listening.error();
   port_ = listening->port;
   socket_file_ = std::move(listening->file);
+  tunnel_ = std::make_unique<admin::Tunnel>(
+      services, admin::Tunnel::Access{.tokens = !config_.tokens.empty(),
+                                      .certificates = !config_.tls.client_ca.empty()});
   http_ = std::make_unique<admin::HttpServer>(
-      std::move(listening->sockets), admin::pages(readiness_, [this] { return metrics_text(); }));
+      std::move(listening->sockets), admin::pages(readiness_, [this] { return metrics_text(); }),
+      tunnel_.get());
   return {};
+}
+
+void AdminPort::stop_page() {
+  if (tunnel_ != nullptr) tunnel_->stop();
 }
 
 std::string AdminPort::metrics_text() const {

@@ -1,5 +1,7 @@
-// The probes and the metrics of a server, over HTTP.
+// The probes, the metrics and the live page of a server, over HTTP.
 #pragma once
+
+#include <grpcpp/channel.h>
 
 #include <cstdint>
 #include <memory>
@@ -8,6 +10,7 @@
 #include "accel/result.h"
 #include "server/admin/http_server.h"
 #include "server/admin/readiness.h"
+#include "server/admin/tunnel.h"
 #include "server/config.h"
 #include "server/metrics/metrics.h"
 #include "server/net/listening_sockets.h"
@@ -28,9 +31,13 @@ class AdminPort {
   /// What must hold for the server to be ready. Its checks are added before open().
   admin::Readiness& readiness() { return readiness_; }
 
-  /// Answers from now on, if the settings have an address. Errors: kUnavailable (the port cannot be
-  /// bound), as check().
-  Status open();
+  /// Answers from now on, if the settings have an address. `services`: what the live page calls.
+  /// Errors: kUnavailable (the port cannot be bound), as check().
+  Status open(const std::shared_ptr<grpc::Channel>& services);
+
+  /// The live page makes no calls any more; probes and metrics are answered. Before the services
+  /// shut down.
+  void stop_page();
 
   std::uint16_t port() const { return port_; }  ///< The bound port; 0: none, or a Unix socket.
 
@@ -43,6 +50,7 @@ class AdminPort {
   admin::Readiness readiness_;
   std::uint16_t port_ = 0;
   net::SocketFile socket_file_;
+  std::unique_ptr<admin::Tunnel> tunnel_;
   std::unique_ptr<admin::HttpServer> http_;
 };
 

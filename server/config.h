@@ -34,7 +34,7 @@ struct ServerConfig {
   exec::AdmissionLimits admission;
   int max_prefetches = 4;  ///< Running at a time, 0 to kMaxPrefetches.
   exec::QuotaConfig quotas;
-  std::string admin;                           ///< HOST:PORT for probes and metrics. Empty: none.
+  std::string admin;  ///< HOST:PORT for probes, metrics and the live page. Empty: none.
   bool metrics_per_scene = false;              ///< Metrics with a label for the scene.
   std::chrono::milliseconds slow_query{1000};  ///< Slower ones are logged. 0: none.
   /// A connection of this age is asked to end, and ended kConnectionGrace later. 0: none.

@@ -115,6 +115,12 @@ Status Endpoint::accepts() const {
   return Error{Code::kUnavailable, "no connection is accepted any more", "ACCEPTOR_FAILED"};
 }
 
+std::shared_ptr<grpc::Channel> Endpoint::in_process() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);  // what the services answer is bounded by themselves
+  return grpc_->InProcessChannel(arguments);
+}
+
 void Endpoint::not_serving() { grpc_->GetHealthCheckService()->SetServingStatus(false); }
 
 void Endpoint::shut_down() {

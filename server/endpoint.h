@@ -35,6 +35,9 @@ class Endpoint {
   /// Errors: kUnavailable, after the listening sockets have failed.
   Status accepts() const;
 
+  /// Calls of this process; after serve().
+  std::shared_ptr<grpc::Channel> in_process();
+
   /// What the health service says from now on.
   void not_serving();
   /// Refuses new calls, waits up to ServerConfig::drain for open ones and then cancels them.

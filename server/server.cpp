@@ -59,7 +59,7 @@ Status Server::Parts::answer_probes() {
   admin.readiness().add("acceptor", [this] { return endpoint.accepts(); });
   if (state.store != nullptr)
     admin.readiness().add("store", [this] { return state.store->writable(); });
-  return admin.open();
+  return admin.open(endpoint.in_process());
 }
 
 void Server::Parts::log_start(const net::ListenAddress& address) const {
@@ -122,6 +122,7 @@ void Server::drain() {
     parts_->admin.readiness().drain();
     parts_->endpoint.not_serving();
     std::this_thread::sleep_for(config.not_ready);
+    parts_->admin.stop_page();
     parts_->endpoint.shut_down();
     parts_->state.scenes.flush(std::chrono::steady_clock::now() + config.drain);
     spdlog::info("event=stopped");

@@ -1,9 +1,14 @@
-// A small HTTP/1.1 server for probes and metrics.
+// HTTP/1.1 for probes, metrics and the live page, and the WebSockets of that page.
 #pragma once
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,9 +24,13 @@ struct HttpReply {
   std::string type = "text/plain; charset=utf-8";
 };
 
+class HttpSession;
+class Tunnel;
+
 /// Answers GET and HEAD, one request a connection, from one thread. What a peer may do is limited:
 /// the connections at a time, the bytes of a request, and the time until its reply is read. When
-/// all connections are taken, the oldest is closed.
+/// all connections are taken, the oldest is closed. WebSockets have limits of their own: see
+/// Tunnel.
 class HttpServer {
  public:
   static constexpr std::size_t kMaxConnections = 32;
@@ -32,36 +41,28 @@ class HttpServer {
   /// it throws becomes a reply with code 500.
   using Handler = std::function<HttpReply(std::string_view path)>;
 
-  /// Answers from now on. `listeners` do not block. Throws std::system_error.
-  HttpServer(std::vector<net::Descriptor> listeners, Handler handler);
+  /// Answers from now on. `listeners` do not block. `tunnel` outlives this object; null: there are
+  /// no WebSockets.
+  HttpServer(std::vector<net::Descriptor> listeners, Handler handler, Tunnel* tunnel = nullptr);
   /// Closes all connections.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
  private:
-  using Clock = std::chrono::steady_clock;
-  struct Connection {
-    net::Descriptor socket;
-    Clock::time_point end;  // closed then, whatever its state
-    std::string request{}, reply{};
-    std::size_t sent = 0;
-    bool over = false;
+  struct Listener {
+    boost::asio::posix::stream_descriptor descriptor;
+    boost::asio::steady_timer pause;
   };
 
-  void run();
-  void accept_from(int listener);
-  void serve(Connection& connection);
-  void read(Connection& connection);
-  void write(Connection& connection);
-  std::string reply_to(std::string_view request) const;
-  Clock::time_point next_end() const;
+  void wait_at(Listener& listener);
+  void accept_from(Listener& listener);
 
-  const std::vector<net::Descriptor> listeners_;
   const Handler handler_;
-  net::Descriptor wake_;
-  std::vector<Connection> connections_;  // oldest first
-  Clock::time_point accept_from_{};      // not before: there was no descriptor left
+  Tunnel* const tunnel_;
+  boost::asio::io_context context_{1};
+  std::list<Listener> listeners_;
+  std::list<std::weak_ptr<HttpSession>> sessions_;  // oldest first
   std::thread thread_;
 };
 

@@ -21,7 +21,12 @@ HttpServer::Handler pages(const Readiness& readiness, std::function<std::string(
     if (path == "/livez") return {.body = "alive\n"};
     if (path == "/readyz") return ready_page(readiness);
     if (path == "/metrics") return {.body = metrics(), .type = kMetricsType};
-    return {.code = 404, .body = "there are /livez, /readyz and /metrics\n"};
+    for (const PageFile& file : page_files()) {
+      if (path == file.path)
+        return {.body = std::string(file.content), .type = std::string(file.type)};
+    }
+    return {.code = 404,
+            .body = "there are the live page at /, and /livez, /readyz and /metrics\n"};
   };
 }
 

@@ -72,7 +72,7 @@ client/cli/main             client/cli/program
 """
 
 # Messages, generated from proto.
-MESSAGES = ("sightline/v1/", "sightline/stored/v1/", "google/rpc/")
+MESSAGES = ("sightline/v1/", "sightline/page/v1/", "sightline/stored/v1/", "google/rpc/")
 MESSAGE_USERS = ("server", "client/*.h", "client/*.cpp", "client/calls", "client/wire")
 
 # A package, by how its headers begin, and who may include them: rooms with what is in them.
@@ -83,6 +83,7 @@ hwy             accel
 fmt             proto server client
 spdlog          server
 prometheus      server
+boost           server/admin
 grpc            server client/*.cpp client/calls client/wire
 grpcpp          server client/*.cpp client/calls client/wire
 google/protobuf server client/calls client/wire

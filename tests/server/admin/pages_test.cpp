@@ -43,7 +43,21 @@ TEST(Pages, MetricsHaveTheTypeThatPrometheusExpects) {
   const auto handler = pages(readiness, [] { return std::string("a 1\n"); });
   EXPECT_EQ(handler("/metrics").body, "a 1\n");
   EXPECT_TRUE(handler("/metrics").type.starts_with("text/plain; version=0.0.4"));
-  EXPECT_EQ(handler("/").code, 404);
+  EXPECT_EQ(handler("/nowhere").code, 404);
+}
+
+TEST(Pages, ServesTheLivePage) {
+  const Readiness readiness;
+  const auto handler = pages(readiness, [] { return std::string(); });
+  const HttpReply first = handler("/");
+  EXPECT_EQ(first.code, 200);
+  EXPECT_TRUE(first.type.starts_with("text/html"));
+  for (const PageFile& file : page_files()) {
+    const HttpReply reply = handler(file.path);
+    EXPECT_EQ(reply.code, 200) << file.path;
+    EXPECT_EQ(reply.body, file.content) << file.path;
+    EXPECT_EQ(file.content.find("https://"), std::string_view::npos) << file.path;
+  }
 }
 
 }  // namespace

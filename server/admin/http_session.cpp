@@ -1,0 +1,139 @@
+// One connection of the HTTP server: one request, and its reply or a WebSocket.
+#include "server/admin/http_session.h"
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+
+#include <boost/beast/core/bind_handler.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <exception>
+#include <utility>
+
+#include "server/admin/tunnel.h"
+#include "server/admin/web_socket.h"
+
+namespace sightline::server::admin {
+
+namespace http = boost::beast::http;
+using boost::system::error_code;
+
+namespace {
+
+/// What pages may load and do: nothing but what comes from here.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+int family_of(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  return address.ss_family;
+}
+
+Stream make_stream(boost::asio::io_context& context, net::Descriptor socket) {
+  const boost::asio::generic::stream_protocol protocol(family_of(socket.number()), 0);
+  Stream stream(context);
+  stream.socket().assign(protocol, socket.release());
+  return stream;
+}
+
+/// Not for a peer that has gone.
+bool is_malformed(const error_code& error) {
+  return error.category() == error_code(http::error::bad_method).category() &&
+         error != http::error::end_of_stream && error != http::error::partial_message;
+}
+
+}  // namespace
+
+std::shared_ptr<HttpSession> HttpSession::start(boost::asio::io_context& context,
+                                                net::Descriptor socket,
+                                                const HttpServer::Handler& handler,
+                                                Tunnel* tunnel) {
+  std::shared_ptr<HttpSession> made(new HttpSession(context, std::move(socket), handler, tunnel));
+  made->read();
+  return made;
+}
+
+HttpSession::HttpSession(boost::asio::io_context& context, net::Descriptor socket,
+                         const HttpServer::Handler& handler, Tunnel* tunnel)
+    : stream_(make_stream(context, std::move(socket))), handler_(handler), tunnel_(tunnel) {
+  parser_.header_limit(HttpServer::kMaxRequest);
+}
+
+void HttpSession::close() { stream_.close(); }
+
+void HttpSession::read() {
+  stream_.expires_after(HttpServer::kTimeout);
+  http::async_read_header(
+      stream_, buffer_, parser_, [self = shared_from_this()](const error_code& error, std::size_t) {
+        if (!error) return self->answer();
+        if (error == http::error::header_limit || error == http::error::buffer_overflow)
+          return self->write({.code = 431, .body = "the request is too large\n"});
+        if (is_malformed(error)) self->write({.code = 400, .body = "this is not HTTP/1.1\n"});
+      });
+}
+
+void HttpSession::answer() {
+  const auto& request = parser_.get();
+  if (request.method() != http::verb::get && request.method() != http::verb::head)
+    return write({.code = 405, .body = "only GET and HEAD are answered\n"});
+  const std::string_view target(request.target().data(), request.target().size());
+  if (boost::beast::websocket::is_upgrade(request)) return upgrade();
+  write(ask(target.substr(0, target.find('?'))));
+}
+
+HttpReply HttpSession::ask(std::string_view path) const {
+  try {
+    return handler_(path);
+  } catch (const std::exception& thrown) {
+    return {.code = 500, .body = fmt::format("{}\n", thrown.what())};
+  }
+}
+
+void HttpSession::upgrade() {
+  const auto field = [&](http::field name) {
+    const auto value = parser_.get()[name];
+    return std::string_view(value.data(), value.size());
+  };
+  if (tunnel_ == nullptr) return write({.code = 404, .body = "there is no WebSocket here\n"});
+  if (const Status may = tunnel_->admit(field(http::field::origin), field(http::field::host)); !may)
+    return write({.code = 403, .body = may.error().message + "\n"});
+  stream_.expires_never();
+  WebSocket::start(std::move(stream_), parser_.release(), *tunnel_);
+}
+
+void HttpSession::write(const HttpReply& reply) {
+  response_ = Response(static_cast<http::status>(reply.code), 11);
+  response_.set(http::field::content_type, reply.type);
+  response_.set(http::field::cache_control, "no-store");
+  response_.set("X-Content-Type-Options", "nosniff");
+  response_.set("Content-Security-Policy", kContentPolicy);
+  if (reply.code == 405) response_.set(http::field::allow, "GET, HEAD");
+  response_.keep_alive(false);
+  response_.body() = reply.body;
+  response_.prepare_payload();
+  if (parser_.is_header_done() && parser_.get().method() == http::verb::head)
+    response_.body().clear();  // the length stays
+  stream_.expires_after(HttpServer::kTimeout);
+  http::async_write(
+      stream_, response_, [self = shared_from_this()](const error_code& error, std::size_t) {
+        error_code ignored;
+        self->stream_.socket().shutdown(boost::asio::socket_base::shutdown_send, ignored);
+        if (!error) self->linger();
+      });
+}
+
+/// Reads what the peer goes on to send until it closes: closing before would reset the connection,
+/// and the peer might lose the reply.
+void HttpSession::linger() {
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(HttpServer::kMaxRequest),
+                          [self = shared_from_this()](const error_code& error, std::size_t) {
+                            if (!error) self->linger();
+                          });
+}
+
+}  // namespace sightline::server::admin

@@ -1,0 +1,53 @@
+// One connection of the HTTP server: one request, and its reply or a WebSocket.
+#pragma once
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <memory>
+#include <string>
+
+#include "server/admin/http_server.h"
+#include "server/net/descriptor.h"
+
+namespace sightline::server::admin {
+
+/// TCP or a Unix socket.
+using Stream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
+
+/// Lives as long as something is to be done for it. Threads: that of the server.
+class HttpSession : public std::enable_shared_from_this<HttpSession> {
+ public:
+  /// `handler` and `tunnel` (null: none) outlive the context's handlers.
+  static std::shared_ptr<HttpSession> start(boost::asio::io_context& context,
+                                            net::Descriptor socket,
+                                            const HttpServer::Handler& handler, Tunnel* tunnel);
+
+  void close();
+
+ private:
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
+
+  HttpSession(boost::asio::io_context& context, net::Descriptor socket,
+              const HttpServer::Handler& handler, Tunnel* tunnel);
+
+  void read();
+  void answer();
+  void upgrade();
+  HttpReply ask(std::string_view target) const;
+  void write(const HttpReply& reply);
+  void linger();
+
+  Stream stream_;
+  const HttpServer::Handler& handler_;
+  Tunnel* const tunnel_;
+  boost::beast::flat_buffer buffer_{2 * HttpServer::kMaxRequest};
+  boost::beast::http::request_parser<boost::beast::http::empty_body> parser_;
+  Response response_;
+};
+
+}  // namespace sightline::server::admin

@@ -1,0 +1,106 @@
+// A call of a live page, in the form that fits every method: streams of bytes both ways.
+#include "server/admin/tunnel_call.h"
+
+#include <grpcpp/support/slice.h>
+
+#include <utility>
+#include <vector>
+
+namespace sightline::server::admin {
+
+std::shared_ptr<TunnelCall> TunnelCall::open(Tunnel& tunnel, const std::string& method,
+                                             const std::string& authorization, Events events) {
+  const std::lock_guard opening(tunnel.opening_);
+  if (tunnel.stopped_) return nullptr;
+  std::shared_ptr<TunnelCall> made(new TunnelCall(tunnel, std::move(events)));
+  made->self_ = made;
+  if (!authorization.empty()) made->context_.AddMetadata("authorization", authorization);
+  {
+    const std::lock_guard lock(tunnel.mutex_);
+    tunnel.calls_.insert(made.get());
+  }
+  tunnel.stub_.PrepareBidiStreamingCall(&made->context_, method, {}, made.get());
+  made->AddHold();  // messages are sent and wanted from other threads, until the last has come
+  made->StartRead(&made->incoming_);
+  made->StartCall();
+  return made;
+}
+
+void TunnelCall::send(std::optional<std::string> message, bool last) {
+  Outgoing next{.message = {}, .last = last};
+  if (message) {
+    const grpc::Slice slice(*message);
+    next.message.emplace(&slice, 1);
+  }
+  const std::lock_guard lock(mutex_);
+  if (over_ || closed_) return;
+  closed_ = last;
+  outgoing_.push_back(std::move(next));
+  if (outgoing_.size() == 1) write_next();
+}
+
+/// With the lock.
+void TunnelCall::write_next() {
+  const Outgoing& next = outgoing_.front();
+  if (!next.message) {
+    StartWritesDone();
+  } else if (next.last) {
+    StartWriteLast(&*next.message, {});
+  } else {
+    StartWrite(&*next.message);
+  }
+}
+
+void TunnelCall::OnWriteDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  outgoing_.pop_front();
+  if (!ok || over_) {
+    outgoing_.clear();
+    closed_ = true;
+  }
+  if (!outgoing_.empty()) write_next();
+}
+
+void TunnelCall::want_next() {
+  const std::lock_guard lock(mutex_);
+  if (over_ || reading_) return;
+  reading_ = true;
+  StartRead(&incoming_);
+}
+
+void TunnelCall::cancel() {
+  context_.TryCancel();
+  want_next();  // it fails, which ends the call
+}
+
+void TunnelCall::OnReadDone(bool ok) {
+  if (!ok) {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+    RemoveHold();
+    return;
+  }
+  std::vector<grpc::Slice> slices;
+  std::string message;
+  if (incoming_.Dump(&slices).ok()) {
+    message.reserve(incoming_.Length());
+    for (const grpc::Slice& slice : slices)
+      message.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  }
+  incoming_.Clear();
+  {
+    const std::lock_guard lock(mutex_);
+    reading_ = false;
+  }
+  events_.message(std::move(message));
+}
+
+void TunnelCall::OnDone(const grpc::Status& status) {
+  events_.ended(status);
+  const std::shared_ptr<TunnelCall> self = std::move(self_);
+  const std::lock_guard lock(tunnel_.mutex_);
+  tunnel_.calls_.erase(this);
+  tunnel_.changed_.notify_all();
+}
+
+}  // namespace sightline::server::admin

@@ -1,0 +1,66 @@
+// A call of a live page, in the form that fits every method: streams of bytes both ways.
+#pragma once
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/client_callback.h>
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "server/admin/tunnel.h"
+
+namespace sightline::server::admin {
+
+/// Lives until its end has been told, and as long as others hold it. Threads: any, for every
+/// member.
+class TunnelCall final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  /// Called on threads of gRPC, one at a time.
+  struct Events {
+    std::function<void(std::string message)> message;       ///< No other comes before want_next().
+    std::function<void(const grpc::Status& status)> ended;  ///< The last event.
+  };
+
+  /// `authorization`: may be empty. The first message is wanted from the beginning. Null, and no
+  /// event comes: the tunnel was stopped.
+  static std::shared_ptr<TunnelCall> open(Tunnel& tunnel, const std::string& method,
+                                          const std::string& authorization, Events events);
+
+  /// Nothing: no message, only the end of all messages.
+  void send(std::optional<std::string> message, bool last);
+  /// After an event with a message.
+  void want_next();
+  void cancel();
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+
+ private:
+  struct Outgoing {
+    std::optional<grpc::ByteBuffer> message;
+    bool last = false;
+  };
+
+  TunnelCall(Tunnel& tunnel, Events events) : tunnel_(tunnel), events_(std::move(events)) {}
+  void write_next();
+
+  Tunnel& tunnel_;
+  const Events events_;
+  grpc::ClientContext context_;
+  std::shared_ptr<TunnelCall> self_;  // until OnDone()
+  grpc::ByteBuffer incoming_;
+
+  std::mutex mutex_;
+  std::deque<Outgoing> outgoing_;  // the first is being written
+  bool reading_ = true;
+  bool closed_ = false;  // by the sender
+  bool over_ = false;    // nothing may be started any more
+};
+
+}  // namespace sightline::server::admin
