@@ -175,6 +175,8 @@ std::vector<FuzzCall> reads() {
                       })}));
   made.push_back(call("GetSceneStats", {message<v1::GetSceneStatsRequest>(
                                            [](auto& request) { request.set_scene(kScene); })}));
+  made.push_back(call("ListDeferredCells", {message<v1::ListDeferredCellsRequest>(
+                                               [](auto& request) { request.set_scene(kScene); })}));
   made.push_back(call("CoolScene", {message<v1::CoolSceneRequest>(
                                        [](auto& request) { request.set_scene(kScene); })}));
   made.push_back(call("ReadMesh", {message<v1::ReadMeshRequest>([](auto& request) {
@@ -189,6 +191,7 @@ std::vector<FuzzCall> reads() {
                         request.set_digest(digest_of(square()));
                       })}));
   made.push_back(call("GetServerInfo", {""}));
+  made.push_back(call("ReadLog", {""}));
   return made;
 }
 
