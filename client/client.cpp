@@ -67,8 +67,8 @@ Result<Client> Client::connect(const std::string& endpoint, const ClientOptions&
   }
   const auto credentials = calls::ChannelCredentials::make(endpoint, options);
   if (!credentials) return credentials.error();
-  return Client(std::make_unique<calls::Connection>(calls::open_channel(endpoint, *credentials),
-                                                    options.timeout));
+  return Client(std::make_unique<calls::Connection>(
+      calls::open_channel(endpoint, *credentials, options.own_connection), options.timeout));
 }
 
 Result<ServerInfo> Client::server_info() const {

@@ -44,6 +44,8 @@ struct ClientOptions {
   std::filesystem::path tls_cert = {}, tls_key = {};
   /// Sent with every call; visible ASCII. Empty: none.
   std::string token = {};
+  /// Otherwise clients of this process with the same endpoint and options may share a connection.
+  bool own_connection = false;
 };
 
 /// Scenes are named projects/{project}/scenes/{scene}. Errors carry the server's code, message and

@@ -94,8 +94,10 @@ std::string reason_of(const grpc::Status& status) {
 }  // namespace
 
 std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
-                                            const ChannelCredentials& credentials) {
+                                            const ChannelCredentials& credentials,
+                                            bool own_connection) {
   grpc::ChannelArguments arguments;
+  if (own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetServiceConfigJSON(kServiceConfig);
   // When a server returns, gRPC must find it within the pauses of our own attempts.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);

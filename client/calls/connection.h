@@ -24,9 +24,10 @@
 namespace sightline::client::calls {
 
 /// Opens a channel. gRPC retries calls that only read when the server is unavailable
-/// (kServiceConfig).
+/// (kServiceConfig). Channels to the same endpoint share a connection, unless it is their own.
 std::shared_ptr<grpc::Channel> open_channel(const std::string& endpoint,
-                                            const ChannelCredentials& credentials);
+                                            const ChannelCredentials& credentials,
+                                            bool own_connection = false);
 
 void set_timeout(grpc::ClientContext& context, std::optional<std::chrono::milliseconds> timeout);
 
