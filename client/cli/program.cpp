@@ -85,6 +85,25 @@ bool has_word(int argc, const char* const* argv, std::initializer_list<std::stri
   });
 }
 
+/// The words of a command, quoted where a shell needs it.
+std::string command_line(int argc, const char* const* argv) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,@%+";
+  std::string text = "sightline";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    text += ' ';
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) {
+      text += word;
+      continue;
+    }
+    text += '\'';
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += '\'';
+  }
+  return text;
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> make_program(Session& session) {
@@ -104,6 +123,7 @@ std::unique_ptr<CLI::App> make_program(Session& session) {
   verbs::add_update_verb(program, session);
   verbs::add_stream_verb(program, session);
   verbs::add_watch_verb(program, session);
+  verbs::add_load_verb(program, session);
   verbs::add_backup_verbs(program, session);
   verbs::add_server_verb(program, session);
   verbs::add_completion_verb(program, session);
@@ -114,6 +134,7 @@ namespace {
 
 int parse_and_run(int argc, const char* const* argv) {
   Session session;
+  session.command = command_line(argc, argv);
   const auto program = make_program(session);
   const ReportingScope reporting(
       {.json = has_word(argc, argv, {"--json"}),

@@ -19,6 +19,7 @@ struct Session {
   std::optional<double> deadline;  ///< seconds that a call may take
   ClientOptions options;           ///< the certificates of the connection
   std::string token_file;          ///< empty: the token is in the environment, if there is one
+  std::string command;             ///< as typed, for reports
   ExitCode exit = kOk;             ///< the result of the verb
 
   /// Errors: those of Client::connect(); kInvalidArgument, the token cannot be read.

@@ -66,7 +66,9 @@ client/cli/picture          client/*.h client/cli
 client/cli/playback         client/*.h client/cli client/importer
 client/cli/reference        client/*.h client/cli
 client/cli/scene_files      client/*.h client/cli client/importer
-client/cli/verbs            client/*.h client/cli client/cli/* client/importer
+client/load                 client/*.h client/cli/picture
+client/load/report          client/*.h client/load
+client/cli/verbs            client/*.h client/cli client/cli/* client/importer client/load client/load/report
 client/cli/program          client/*.h client/cli client/cli/*
 client/cli/main             client/cli/program
 """
@@ -91,7 +93,7 @@ openssl         server client/*.cpp
 sqlite3.h       server/store
 CLI             server client/cli
 toml++          server/security
-nlohmann        server client/cli client/importer
+nlohmann        server client/cli client/importer client/load
 png.h           client/cli/picture
 assimp          client/importer
 seccomp.h       client/importer/sandbox
