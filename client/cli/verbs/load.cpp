@@ -37,6 +37,7 @@ struct LoadArguments {
 Result<load::RaySet> read_rays(const std::string& file, const std::stop_token& stop) {
   auto opened = files::open_rays(file, stop);
   if (!opened) return opened.error();
+  files::wait_out_pauses(*opened);
   return std::visit(
       [&]<class Scalar>(const RaySource<Scalar>& source) -> Result<load::RaySet> {
         const bool with_interval = opened->shape.interval;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/cli/files/output.h"
+#include "client/cli/reporting.h"
 #include "client/cli/terminal.h"
 #include "client/load/check.h"
 #include "client/load/report/page.h"
@@ -85,8 +86,7 @@ ExitCode put_out(const Session& session, const LoadOutput& output, const load::L
   } else {
     print_table(result);
   }
-  for (const std::string& warning : result.warnings)
-    fmt::print(stderr, "sightline: {}\n", printable(warning));
+  for (const std::string& warning : result.warnings) print_warning(warning);
   if (!output.page.empty()) {
     const Status wrote = write_file(output.page, load::report::make_page(options, context, result));
     if (!wrote) return fail(wrote.error());
