@@ -44,7 +44,8 @@ def has_python():
 def script(first_query):
     """What a reader types. The line that sets PATH is left out: here PATH has the programs of this build."""
     commands = [block for block in fenced("sh") if not block.startswith("export PATH")]
-    lines = ["set -em", *commands]
+    # A server that outlives a failure would keep this test waiting for the end of its output.
+    lines = ["set -em", "trap 'kill $(jobs -p) 2> /dev/null || true' EXIT", *commands]
     if has_python():
         lines += ["/usr/bin/python3 first_query.py"]
     return "\n".join([*lines, f"{first_query} $SIGHTLINE_ENDPOINT", "kill %1", "wait %1", ""])
