@@ -44,7 +44,7 @@ const connection = await Connection.open(connected => {
 const viewer = new Viewer(connection, {
   picture: element('picture'), boxes: element('boxes'), picked: element('picked'), built: element('built'), failed});
 const cards = new Cards(connection, element('cards'), show);
-const counters = new Counters(element('counters'), element('streams'));
+const counters = new Counters(connection, element('counters'), element('streams'));
 const log = new Log(connection, element('log'));
 
 // The scene's name is part of the address, so that it can be linked.

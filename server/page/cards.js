@@ -44,10 +44,13 @@ export class Cards {
   }
 
   async #draw(scene, card) {
+    const known = `${this.connection.built} ${scene.head?.revision}`;
+    if (this.connection.built !== undefined && known === card.known) return;
     const stats = await this.connection.stats(scene.name);
     const key = JSON.stringify([stats.revision, stats.cells_expanded]);
     const share = stats.triangles_total ? Math.round(100 * (stats.triangles_built ?? 0) / stats.triangles_total) : 0;
     card.built.textContent = `${share} % built`;
+    card.known = known;
     if (key === card.key) return;
     const camera = new Camera(scene, kWidth / kHeight);
     const frame = await castFrame(this.connection, scene.name, camera,

@@ -21,7 +21,10 @@ const handled = (metrics, method) =>
   total(metrics, 'grpc_server_handled_total', labels => labels.grpc_method === method);
 
 export class Counters {
-  constructor(list, streams) {
+  // connection.built becomes a text that changes whenever something is built or dropped: what walks trees need not be
+  // asked for again before.
+  constructor(connection, list, streams) {
+    this.connection = connection;
     this.streams = streams;
     this.rows = kCounters.map(counter => {
       const item = document.createElement('li');
@@ -40,6 +43,7 @@ export class Counters {
   async update() {
     const reply = await fetch('/metrics');
     const now = {time: performance.now(), metrics: parse(await reply.text())};
+    this.connection.built = `${total(now.metrics, 'cells_expanded_total')} ${total(now.metrics, 'tree_bytes')}`;
     if (this.before) {
       const seconds = (now.time - this.before.time) / 1000;
       for (const row of this.rows) {

@@ -38,7 +38,11 @@ export class Viewer {
     this.camera = new Camera(scene, picture.width / picture.height);
     this.coarse = kFirst;
     this.changed();
-    this.watch = this.connection.watch(name, answer => { if (!answer.progress && !answer.more) this.changed(); });
+    this.watch = this.connection.watch(name, answer => {
+      if (answer.progress || answer.more) return;
+      this.revision = answer.revision.revision;
+      this.changed();
+    });
     this.watch.done.catch(error => this.elements.failed(error));
   }
 
@@ -46,7 +50,7 @@ export class Viewer {
     this.watch?.cancel();
     this.frame?.cancel();
     this.prefetching?.cancel();
-    this.name = this.camera = this.watch = this.stats = undefined;
+    this.name = this.camera = this.watch = this.stats = this.known = this.revision = undefined;
     this.cells.clear();
     this.context.clearRect(0, 0, this.elements.picture.width, this.elements.picture.height);
   }
@@ -121,8 +125,10 @@ export class Viewer {
 
   async #refresh() {
     if (!this.camera || document.hidden || this.refreshing) return;
+    const {name, connection: {built}, revision} = this;
+    const known = `${name} ${built} ${revision}`;
+    if (built !== undefined && known === this.known) return;
     this.refreshing = true;
-    const {name} = this;
     try {
       const stats = await this.connection.stats(name);
       if (this.name !== name) return;
@@ -133,6 +139,7 @@ export class Viewer {
         this.#draw();
       }
       this.stats = key;
+      this.known = known;
       this.#tell(stats);
     } catch (error) {
       this.elements.failed(error);
