@@ -17,7 +17,8 @@ double value_at(std::span<const Point> curve, double x) {
   return low.y + (after->y - low.y) * part;
 }
 
-std::optional<double> crossover(std::span<const Point> leader, std::span<const Point> rival) {
+std::optional<double> crossover(std::span<const Point> leader, std::span<const Point> rival,
+                                double within) {
   if (leader.empty() || rival.empty()) return std::nullopt;
   const double begin = std::max(leader.front().x, rival.front().x);
   const double end = std::min(leader.back().x, rival.back().x);
@@ -29,7 +30,7 @@ std::optional<double> crossover(std::span<const Point> leader, std::span<const P
   }
   if (begin > end) return std::nullopt;
   std::sort(at.begin(), at.end());
-  const auto lead = [&](double x) { return value_at(rival, x) - value_at(leader, x); };
+  const auto lead = [&](double x) { return value_at(rival, x) - within * value_at(leader, x); };
   if (lead(end) > 0) return std::nullopt;
   std::size_t i = at.size() - 1;
   while (i > 0 && lead(at[i - 1]) <= 0) --i;

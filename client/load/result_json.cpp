@@ -99,12 +99,13 @@ const Row* find_row(const std::vector<Row>& rows, BuildMode build, double covera
 Crossovers find_crossovers(const std::vector<Row>& rows) {
   Crossovers found;
   found.coverage = crossover(duration_by_coverage(rows, BuildMode::kLazy),
-                             duration_by_coverage(rows, BuildMode::kFull));
+                             duration_by_coverage(rows, BuildMode::kFull), kSameTime);
   for (const Row& lazy : rows) {
     if (lazy.build != BuildMode::kLazy || !lazy.cold) continue;
     const Row* const full = find_row(rows, BuildMode::kFull, lazy.coverage);
     if (full == nullptr) continue;
-    found.rays.push_back({lazy.coverage, crossover(progress_of(lazy), progress_of(*full))});
+    found.rays.push_back(
+        {lazy.coverage, crossover(progress_of(lazy), progress_of(*full), kSameTime)});
   }
   return found;
 }

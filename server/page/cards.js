@@ -47,16 +47,13 @@ export class Cards {
     const known = `${this.connection.built} ${scene.head?.revision}`;
     if (this.connection.built !== undefined && known === card.known) return;
     const stats = await this.connection.stats(scene.name);
-    const key = JSON.stringify([stats.revision, stats.cells_expanded]);
     const share = stats.triangles_total ? Math.round(100 * (stats.triangles_built ?? 0) / stats.triangles_total) : 0;
     card.built.textContent = `${share} % built`;
-    card.known = known;
-    if (key === card.key) return;
     const camera = new Camera(scene, kWidth / kHeight);
     const frame = await castFrame(this.connection, scene.name, camera,
       {width: kWidth, height: kHeight, mode: 'lit', build: 'BUILD_MODE_BUILT_ONLY'}).done;
     card.canvas.getContext('2d').putImageData(shade(frame, 'lit', camera), 0, 0);
-    card.key = key;
+    card.known = known;
   }
 
   #add(name) {

@@ -24,7 +24,7 @@ function put(columns, {field, data}, first, rays) {
   new Uint8Array(columns[name].buffer).set(data, first * width * type.BYTES_PER_ELEMENT);
 }
 
-// samples: of a pixel, see Camera.pinhole(). Resolves to {columns, width, height, perPixel, stats}; the columns have a
+// samples: of a pixel, see Camera.pinhole(). Resolves to {columns, width, height, perPixel}; the columns have a
 // row for each ray. `build`: a BuildMode.
 export function castFrame(connection, scene, camera, {width, height, samples = [], mode, build}) {
   const perPixel = Math.max(1, samples.length / 2);
@@ -39,12 +39,8 @@ export function castFrame(connection, scene, camera, {width, height, samples = [
     });
   }
   const columns = {};
-  const stats = {rays: 0, cells_expanded: 0};
   const call = connection.castAll(requests, (chunk, answer) => {
     for (const column of answer.columns) put(columns, column, chunk * kRaysPerRequest, rays);
-    stats.rays += answer.stats.rays ?? 0;
-    stats.cells_expanded += answer.stats.cells_expanded ?? 0;
-    stats.revision = answer.served.revision;
   });
-  return {done: call.done.then(() => ({columns, width, height, perPixel, stats})), cancel: call.cancel};
+  return {done: call.done.then(() => ({columns, width, height, perPixel})), cancel: call.cancel};
 }

@@ -24,6 +24,7 @@ export class Viewer {
     this.frames = 0;
     this.#listen();
     setInterval(() => this.#refresh(), kStatsEvery);
+    document.addEventListener('visibilitychange', () => { if (this.wanted) this.changed(); });
   }
 
   // known: the message Scene, if it is at hand.
@@ -50,7 +51,7 @@ export class Viewer {
     this.watch?.cancel();
     this.frame?.cancel();
     this.prefetching?.cancel();
-    this.name = this.camera = this.watch = this.stats = this.known = this.revision = undefined;
+    this.name = this.camera = this.watch = this.known = this.revision = undefined;
     this.cells.clear();
     this.context.clearRect(0, 0, this.elements.picture.width, this.elements.picture.height);
   }
@@ -59,7 +60,7 @@ export class Viewer {
   changed() {
     this.wanted = true;
     this.last = performance.now();
-    if (!this.running) this.#run();
+    if (!this.running && !document.hidden) this.#run();
   }
 
   setMode(mode) { this.mode = mode; if (this.camera) this.changed(); }
@@ -69,7 +70,7 @@ export class Viewer {
   async #run() {
     this.running = true;
     try {
-      while (this.wanted && this.camera) {
+      while (this.wanted && this.camera && !document.hidden) {
         this.wanted = false;
         await this.#cast(this.coarse, []);
         for (let finer = this.coarse; finer > 1 && await this.#rests();) await this.#cast(finer = finer >> 1, []);
@@ -109,7 +110,6 @@ export class Viewer {
       this.opened = undefined;
     }
     if (coarse === this.coarse) this.#adapt(performance.now() - begun);
-    if (frame.stats.cells_expanded > 0) this.grown = true;
   }
 
   // So that frames keep up with the hand.
@@ -132,13 +132,9 @@ export class Viewer {
     try {
       const stats = await this.connection.stats(name);
       if (this.name !== name) return;
-      const key = JSON.stringify([stats.cells_expanded, stats.cells_deferred, stats.revision]);
-      if (key !== this.stats) {
-        await this.cells.update(this.connection, name);
-        if (this.name !== name) return;
-        this.#draw();
-      }
-      this.stats = key;
+      await this.cells.update(this.connection, name);
+      if (this.name !== name) return;
+      this.#draw();
       this.known = known;
       this.#tell(stats);
     } catch (error) {

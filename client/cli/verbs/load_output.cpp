@@ -43,8 +43,7 @@ void print_table(const load::LoadResult& result) {
   }
   const load::Crossovers crossovers = load::find_crossovers(result.rows);
   if (crossovers.coverage)
-    fmt::print("full is at least as fast as lazy from {:.0f} % coverage on\n",
-               *crossovers.coverage);
+    fmt::print("full takes no longer than lazy from {:.0f} % coverage on\n", *crossovers.coverage);
   for (const auto& [coverage, rays] : crossovers.rays) {
     if (rays)
       fmt::print("at {:g} % coverage full has caught up after {} rays\n", coverage,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace sightline::client::load::report {
 
@@ -37,7 +38,8 @@ Axis Axis::logarithmic(double low, double high, Format format) {
         axis.ticks_.push_back({value, format(value)});
     }
   }
-  return axis;
+  constexpr std::size_t kFewestTicks = 2;
+  return axis.ticks_.size() < kFewestTicks ? linear(0, high, format) : axis;
 }
 
 Axis Axis::with_ticks(std::vector<Tick> ticks, double high) {

@@ -16,7 +16,8 @@ struct Tick {
 
 class Axis {
  public:
-  /// A linear axis begins at 0 if `low` is not below; a logarithmic one needs values above 0.
+  /// A linear axis begins at 0 if `low` is not below; a logarithmic one needs values above 0,
+  /// and becomes linear if no two round numbers are among them.
   static Axis linear(double low, double high, Format format);
   static Axis logarithmic(double low, double high, Format format);
   /// A linear axis from the first of these ticks to `high`.

@@ -35,9 +35,8 @@ Series curve_of(BuildMode build, std::vector<Point> points) {
 
 /// How the time of a full build compares, in words. Runs scatter by some per cent.
 std::string comparison(double lazy, double full) {
-  constexpr double kSame = 1.05;
-  if (full > lazy * kSame) return fmt::format("{:.1f} times as long", full / lazy);
-  if (lazy > full * kSame) return fmt::format("{} as long", percent(full / lazy));
+  if (full > lazy * kSameTime) return fmt::format("{:.1f} times as long", full / lazy);
+  if (lazy > full * kSameTime) return fmt::format("{} as long", percent(full / lazy));
   return "about as long";
 }
 
@@ -53,10 +52,9 @@ std::string coverage_sentence(const Findings& findings, const Series& lazy, cons
   if (!findings.crossovers.coverage)
     return text + "Building on demand is ahead at every share that was measured.";
   if (*findings.crossovers.coverage <= coverage)
-    return text + "Building everything first is at least as fast at every share that was measured.";
-  return text +
-         fmt::format("From about {:.0f} % on, building everything first is at least as fast.",
-                     *findings.crossovers.coverage);
+    return text + "Building everything first takes no longer at every share that was measured.";
+  return text + fmt::format("From about {:.0f} % on, building everything first takes no longer.",
+                            *findings.crossovers.coverage);
 }
 
 std::string rays_sentence(const Row& lazy, const Row& full, std::optional<double> crossing) {

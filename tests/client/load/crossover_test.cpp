@@ -30,6 +30,13 @@ TEST(Crossover, TheLastOfSeveralCounts) {
   EXPECT_DOUBLE_EQ(*crossover(lazy, full), 2.5);
 }
 
+TEST(Crossover, ARivalThatIsLittleAboveCounts) {
+  const Curve lazy{{0, 10}, {10, 20}}, full{{0, 20.9}, {10, 20.9}};
+  EXPECT_FALSE(crossover(lazy, full));
+  ASSERT_TRUE(crossover(lazy, full, 1.1));
+  EXPECT_DOUBLE_EQ(*crossover(lazy, full, 1.1), 9);
+}
+
 TEST(Crossover, NeedsPointsInCommon) {
   EXPECT_FALSE(crossover(Curve{}, Curve{{0, 1}}));
   EXPECT_FALSE(crossover(Curve{{0, 2}, {1, 2}}, Curve{{2, 1}, {3, 1}}));

@@ -63,6 +63,14 @@ class Page {
     send(request);
   }
 
+  /// A stream of rays that stays open.
+  void open_stream(std::uint32_t number) {
+    TunnelRequest request;
+    request.set_call(number);
+    request.set_method("/sightline.v1.RayQueryService/StreamCastRays");
+    send(request);
+  }
+
   /// Nothing: the socket was closed.
   std::optional<TunnelResponse> receive() {
     boost::beast::flat_buffer buffer;
@@ -153,11 +161,7 @@ TEST(TunnelTest, RefusesTooManyCallsAndOtherServices) {
   open.set_call(1);
   page.send(open);
   EXPECT_EQ(page.end(), grpc::StatusCode::UNIMPLEMENTED);
-  open.set_method("/sightline.v1.RayQueryService/StreamCastRays");
-  for (std::uint32_t call = 1; call <= Tunnel::kMaxCalls + 1; ++call) {
-    open.set_call(call);
-    page.send(open);
-  }
+  for (std::uint32_t call = 1; call <= Tunnel::kMaxCalls + 1; ++call) page.open_stream(call);
   const auto refused = page.receive();
   ASSERT_TRUE(refused && refused->has_end());
   EXPECT_EQ(refused->call(), Tunnel::kMaxCalls + 1);
@@ -169,11 +173,8 @@ TEST(TunnelTest, ClosesASocketThatBreaksTheRules) {
   const auto server = serve();
   Page twice(server->admin_port());
   ASSERT_TRUE(twice.open());
-  TunnelRequest open;
-  open.set_method("/sightline.v1.RayQueryService/StreamCastRays");
-  open.set_call(1);
-  twice.send(open);
-  twice.send(open);
+  twice.open_stream(1);
+  twice.open_stream(1);
   EXPECT_FALSE(twice.receive());
 }
 
@@ -216,10 +217,7 @@ TEST(TunnelTest, AServerThatEndsEndsTheCalls) {
   auto server = serve();
   Page page(server->admin_port());
   ASSERT_TRUE(page.open());
-  TunnelRequest open;
-  open.set_method("/sightline.v1.RayQueryService/StreamCastRays");
-  open.set_call(1);
-  page.send(open);
+  page.open_stream(1);
   server.reset();
   while (page.receive()) continue;
 }

@@ -92,6 +92,15 @@ class PageCase(unittest.TestCase):
             SHOTS.mkdir(parents=True, exist_ok=True)
             self.browser.save_screenshot(str(SHOTS / f"{name}.png"))
 
+    def check_accessible(self):
+        """By axe-core; the test is skipped where npm cannot fetch it."""
+        source = axe_source()
+        if source is None:
+            self.skipTest("npm cannot fetch axe-core")
+        self.browser.execute_script(source)
+        found = self.browser.execute_async_script("axe.run().then(arguments[0])")
+        self.assertEqual([(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"]], [])
+
     def errors(self):
         return [entry for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
 
@@ -180,12 +189,7 @@ class Page(PageCase):
     def test_8_accessible_and_without_errors(self):
         self.open_scene()
         self.assertEqual(self.errors(), [])
-        source = axe_source()
-        if source is None:
-            self.skipTest("npm cannot fetch axe-core")
-        self.browser.execute_script(source)
-        found = self.browser.execute_async_script("axe.run().then(arguments[0])")
-        self.assertEqual([(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"]], [])
+        self.check_accessible()
 
 
 class SmallPage(PageCase):
@@ -204,12 +208,8 @@ class SmallPage(PageCase):
             points = [] if kind == "touchEnd" else [{"x": x + dx, "y": y}]
             self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
         self.until(lambda: self.picture() != before)
-        source = axe_source()
-        if source is not None:
-            self.browser.execute_script(source)
-            found = self.browser.execute_async_script("axe.run().then(arguments[0])")
-            self.assertEqual([one["id"] for one in found["violations"]], [])
         self.assertEqual(self.errors(), [])
+        self.check_accessible()
 
 
 class GuardedPage(unittest.TestCase):

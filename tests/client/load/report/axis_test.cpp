@@ -41,6 +41,12 @@ TEST(Axis, AShortLogarithmicOneHasTicksBetween) {
   EXPECT_EQ(labels(Axis::logarithmic(1, 10, short_number)), (Labels{"1", "2", "5", "10"}));
 }
 
+TEST(Axis, ALogarithmicOneWithoutRoundNumbersIsLinear) {
+  const Axis axis = Axis::logarithmic(1.2, 1.7, short_number);
+  EXPECT_GE(axis.ticks().size(), 2u);
+  EXPECT_DOUBLE_EQ(axis.position(0), 0);
+}
+
 TEST(Axis, GivenTicksEndWithTheAxis) {
   const Axis axis = Axis::with_ticks({{0, "none"}, {1, "one"}, {2, "two"}}, 1.5);
   EXPECT_EQ(labels(axis), (Labels{"none", "one"}));
