@@ -1,6 +1,7 @@
 // Rays, what is asked of them, and their hits.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -40,16 +41,21 @@ struct BasicHitColumns {
   template <class T>
   using Span = std::span<std::conditional_t<is_const, const T, T>>;
 
-  Span<double> t{};  ///< (n) in units of the direction's length; +inf: a miss, NaN: a bad ray
+  /// (n) in units of the direction's length; +inf: a miss, NaN: a bad ray, -inf: a ray without an
+  /// answer
+  Span<double> t{};
   Span<std::uint64_t> node{};       ///< (n) 0: a miss
   Span<std::uint32_t> primitive{};  ///< (n) the face of the node's mesh
   Span<float> barycentric{};        ///< (n, 2) weights of vertices 1 and 2
   Span<float> normal{};             ///< (n, 3) geometric unit normal by winding, in world space
-  Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray
+  Span<std::uint8_t> hit{};         ///< (n) 0 miss, 1 hit, 2 bad ray, kUnanswered
   Span<std::uint32_t> work{};       ///< (n) steps plus triangle tests, combined with kSawDeferred
-  Span<std::uint32_t> count{};      ///< (n) distinct hits; kInvalidCount: a bad ray
+  Span<std::uint32_t> count{};  ///< (n) distinct hits; kInvalidCount: a bad ray; kUnansweredCount
   /// (bits_bytes(n)) for kAny: bit i % 8 of byte i / 8 is 1 where ray i hits; a bad ray has 0
   Span<std::uint8_t> hit_bits{};
+  /// (bits_bytes(n)) bit i % 8 of byte i / 8 is 1 where CastOptions::time_budget left ray i without
+  /// an answer. In an answer empty if all rays have one
+  Span<std::uint8_t> unanswered{};
   Span<double> position{};  ///< (n, 3) where the ray hits, in world space; NaN without a hit
   /// (n) the name of the node, "" without a hit; in an answer its row in HitView::names
   std::conditional_t<is_const, std::span<const std::uint32_t>, std::span<std::string>> name{};
@@ -66,8 +72,11 @@ struct HitView : BasicHitColumns<true> {
 /// A value of `hit` in a cast of all hits: the ray has more than max_hits hits, and the nearest are
 /// here.
 inline constexpr std::uint8_t kCutOff = 3;
-/// A value of `count`: a bad ray.
+/// A value of `hit`: there was no time for the ray.
+inline constexpr std::uint8_t kUnanswered = 4;
+/// Values of `count`: a bad ray, and one for which there was no time.
 inline constexpr std::uint32_t kInvalidCount = 0xffffffff;
+inline constexpr std::uint32_t kUnansweredCount = kInvalidCount - 1;
 /// A bit of `work`: the ray met a cell that is not built.
 inline constexpr std::uint32_t kSawDeferred = 0x80000000;
 
@@ -119,9 +128,17 @@ struct CastOptions {
   std::vector<std::uint64_t> exclude{};
   /// For kAll: how many hits are kept per ray, the nearest first. 0: the server's default.
   std::uint32_t max_hits = 0;
+  /// Time for the cast on the server, its waiting there included. Rays that have no answer by then
+  /// are marked, and CastReport counts them. What was built for them stays: the next cast goes on
+  /// from there. 0: no bound.
+  std::chrono::milliseconds time_budget{0};
   /// The revision that answers.
   Consistency consistency{};
   /// Cancels the cast, which then fails with kCancelled.
+  /// For balancers that keep each part of a scene on a server of its own, as they keep scenes
+  /// apart: equal keys go to the same server. For example, where the sensor is, in coarse steps.
+  /// Visible ASCII; empty: all of the scene is one part.
+  std::string route_key{};
   std::stop_token stop{};
 };
 
@@ -132,6 +149,7 @@ struct CastReport {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< rays with a hit, for every kind
   std::uint64_t invalid = 0;
+  std::uint64_t unanswered = 0;    ///< of the rays; see CastOptions::time_budget
   std::uint64_t hits_found = 0;    ///< kCount: the sum of the counts; kAll: the hits listed
   std::uint64_t rays_cut_off = 0;  ///< kAll: rays with more than max_hits hits
   std::uint64_t traversal_steps = 0;

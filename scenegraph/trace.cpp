@@ -15,11 +15,13 @@
 #include <bit>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "scenegraph/query/packet_caster.h"
 #include "scenegraph/query/pencil_caster.h"
 #include "scenegraph/query/ray_blocks.h"
 #include "scenegraph/query/ray_caster.h"
+#include "scenegraph/query/scouts.h"
 
 namespace sightline::scenegraph {
 namespace {
@@ -35,27 +37,8 @@ using query::RayBlock;
 using query::RayCaster;
 using query::TreeEntry;
 
-/// Runs answer(OpenTrees, RayBlock), which returns its TraceStats, for every block of a batch.
-template <class Answer>
-Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, std::size_t rays,
-                                std::size_t rays_per_block, const TraceOptions& options,
-                                const Answer& answer) {
-  Result<TraceStats> built = options.growth == Growth::kFull
-                                 ? build_all(snapshot, options.cancelled, options.progress)
-                                 : TraceStats{};
-  if (!built) return built;
-  const instances::OpenTrees trees = snapshot.trees();
-  const auto answer_all = [&] {
-    return query::run_blocks(rays, rays_per_block, options.cancelled,
-                             [&](const RayBlock& block) { return answer(trees, block); });
-  };
-  Result<TraceStats> traced = query::or_out_of_memory(answer_all);
-  if (traced) *traced += *built;
-  return traced;
-}
-
-/// One ray, with its answer in the caster. False: it is suspended, because it needs a large cell
-/// that other threads are building.
+/// One ray, with its answer in the caster. False: it is cancelled, or suspended because it needs a
+/// large cell that other threads are building.
 bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending when_pending) {
   caster.begin(kind, ray, when_pending);
   for (TreeEntry* tree : caster.trees_by_entry()) {
@@ -65,6 +48,28 @@ bool cast_ray(RayCaster& caster, QueryKind kind, const Ray& ray, WhenPending whe
     if (caster.is_done()) break;
   }
   return caster.end();
+}
+
+/// Runs answer(OpenTrees, RayBlock), which returns its TraceStats, for every block of a batch.
+template <class Answer>
+Result<TraceStats> trace_blocks(const revision::Snapshot& snapshot, QueryKind kind,
+                                const RayColumns& rays, std::size_t rays_per_block,
+                                const TraceOptions& options, const Answer& answer) {
+  Result<TraceStats> built = options.growth == Growth::kFull
+                                 ? build_all(snapshot, options.cancelled, options.progress)
+                                 : TraceStats{};
+  if (!built && options.partial && built.error().code == Code::kCancelled) return TraceStats{};
+  if (!built) return built;
+  const instances::OpenTrees trees = snapshot.trees();
+  const auto answer_all = [&] {
+    if (options.growth == Growth::kDemand)
+      *built += query::grow_for_batch(trees, rays, kind, options, cast_ray);
+    return query::run_blocks(rays.size, rays_per_block, options,
+                             [&](const RayBlock& block) { return answer(trees, block); });
+  };
+  Result<TraceStats> traced = query::or_out_of_memory(answer_all);
+  if (traced) *traced += *built;
+  return traced;
 }
 
 /// The rays of a block that packets have answered: a bit for each ray of a packet.
@@ -160,7 +165,7 @@ Result<TraceStats> cast_rays(const revision::Snapshot& snapshot, QueryKind kind,
     if (!all) stats += cast_alone(trees, kind, rays, block, answered, options, keep_alone);
     return stats;
   };
-  return trace_blocks(snapshot, rays.size, kRaysPerBlock, options, answer);
+  return trace_blocks(snapshot, kind, rays, kRaysPerBlock, options, answer);
 }
 
 NoPencils no_pencils(const instances::OpenTrees&) { return {}; }
@@ -175,20 +180,41 @@ TraceStats list_block(const instances::OpenTrees& trees, const RayColumns& rays,
     if (is_cancelled(options.cancelled)) break;
     const std::size_t end = std::min(first + kLanes, block.end);
     const std::uint32_t answered = caster.cast(rays, {first, end - first});
-    for (std::size_t i = first; i < end && !is_cancelled(options.cancelled); ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       if ((answered >> (i - first) & 1) != 0) {
         tallies[i] = caster.list(i - first, hits);
         continue;
       }
+      if (is_cancelled(options.cancelled)) continue;
       if (!alone) alone.emplace(trees, options);
       const Ray ray = rays[i];
-      cast_ray(*alone, QueryKind::kAll, ray, WhenPending::kWait);
-      tallies[i] = alone->list(hits);
+      if (cast_ray(*alone, QueryKind::kAll, ray, WhenPending::kWait))
+        tallies[i] = alone->list(hits);
     }
   }
   TraceStats stats = caster.stats();
   if (alone) stats += alone->stats();
   return stats;
+}
+
+/// The stats of a batch, with the rays that have no answer.
+Result<TraceStats> with_unanswered(Result<TraceStats> traced, std::size_t rays,
+                                   const TraceOptions& options) {
+  if (traced && options.partial && is_cancelled(options.cancelled))
+    traced->unanswered = rays - traced->rays;
+  return traced;
+}
+
+void mark_unanswered(const HitColumns& hits) {
+  Hit unanswered;
+  unanswered.t = -accel::geometry::kInfinity;
+  unanswered.state = accel::geometry::HitState::kUnanswered;
+  for (std::size_t i = 0; i < hits.size; ++i) hits.set(i, unanswered);
+}
+
+void mark_unanswered(std::span<RayTally> tallies, std::uint32_t count) {
+  std::fill(tallies.begin(), tallies.end(),
+            RayTally{.count = count, .state = accel::geometry::HitState::kUnanswered});
 }
 
 Status check_sizes(std::size_t rays, std::size_t answers) {
@@ -209,13 +235,15 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, const RayColumns& r
     return Error{Code::kInvalidArgument, "trace() answers closest and any", "UNKNOWN_KIND"};
   // Rays that are answered alone set only their own bits.
   if (hits.bits != nullptr) std::fill_n(hits.bits, (hits.size + 7) / 8, std::uint8_t{0});
-  return cast_rays(
+  if (options.partial) mark_unanswered(hits);
+  auto traced = cast_rays(
       snapshot, options.kind, rays, options,
       [&](const instances::OpenTrees& trees) { return HitPencils(trees, options, rays, hits); },
       [&](std::size_t, std::uint32_t answered, PacketCaster& caster) {
         if (answered != 0) caster.write(hits);
       },
       [&](std::size_t i, const RayCaster& caster) { hits.set(i, caster.hit()); });
+  return with_unanswered(std::move(traced), rays.size, options);
 }
 
 Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray> rays,
@@ -226,7 +254,8 @@ Result<TraceStats> trace(const revision::Snapshot& snapshot, std::span<const Ray
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot, const RayColumns& rays,
                               std::span<RayTally> tallies, const TraceOptions& options) {
   if (const Status good = check_sizes(rays.size, tallies.size()); !good) return good.error();
-  return cast_rays(
+  if (options.partial) mark_unanswered(tallies, kUnansweredCount);
+  auto traced = cast_rays(
       snapshot, QueryKind::kCount, rays, options, no_pencils,
       [&](std::size_t first, std::uint32_t answered, PacketCaster& caster) {
         for (; answered != 0; answered &= answered - 1) {
@@ -235,6 +264,7 @@ Result<TraceStats> count_hits(const revision::Snapshot& snapshot, const RayColum
         }
       },
       [&](std::size_t i, RayCaster& caster) { tallies[i] = caster.count(); });
+  return with_unanswered(std::move(traced), rays.size, options);
 }
 
 Result<TraceStats> count_hits(const revision::Snapshot& snapshot, std::span<const Ray> rays,
@@ -252,6 +282,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
   // Blocks are taken in order, so that the answered rays are always the first ones.
   std::atomic<std::size_t> next{0}, listed{0};
   const RayColumns columns = columns_of(rays);
+  if (options.partial) mark_unanswered(tallies, 0);
   const auto answer = [&](const instances::OpenTrees& trees, const RayBlock&) -> TraceStats {
     if (listed.load(std::memory_order_relaxed) >= options.hits_at_once) return {};
     const std::size_t block = next.fetch_add(1, std::memory_order_relaxed);
@@ -261,7 +292,8 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
     listed.fetch_add(of_blocks[block].size(), std::memory_order_relaxed);
     return stats;
   };
-  auto traced = trace_blocks(snapshot, rays.size(), rays_per_block, options, answer);
+  Result<TraceStats> traced =
+      trace_blocks(snapshot, QueryKind::kCount, columns, rays_per_block, options, answer);
   if (!traced) return traced;
   hits.clear();
   hits.reserve(traced->hits_found);
@@ -269,7 +301,7 @@ Result<TraceStats> list_hits(const revision::Snapshot& snapshot, std::span<const
     hits.insert(hits.end(), block.begin(), block.end());
     block = {};
   }
-  return traced;
+  return with_unanswered(std::move(traced), rays.size(), options);
 }
 
 Status grow_for_rays(const revision::Snapshot& snapshot, std::span<const Ray> rays,

@@ -28,6 +28,8 @@ enum class QueryKind : std::uint8_t {
 /// How much tree a batch may grow.
 enum class Growth : std::uint8_t {
   kFirstTouch,  ///< The first ray that enters a cell expands it.
+  kDemand,      ///< A cell of a mesh is expanded when rays have spent as much on searching it, or
+                ///< those of the batch would; the scene's own trees, by the first ray.
   kFull,        ///< Everything is built before the first ray.
   kNone,        ///< Nothing is grown; deferred cells are searched triangle by triangle.
   kBuiltOnly,   ///< Nothing is grown and deferred cells are skipped. Shows what exists; not an
@@ -48,8 +50,12 @@ struct TraceOptions {
   std::uint32_t max_hits = 256;
   /// For list_hits(): no block begins after this many hits are listed.
   std::size_t hits_at_once = std::numeric_limits<std::size_t>::max();
-  /// Checked before every ray. Once true, no further ray is cast.
+  /// Checked before every ray, and within long searches and builds. Once true, no further ray is
+  /// cast, and the batch ends with kCancelled.
   const std::atomic<bool>* cancelled = nullptr;
+  /// A batch that is cancelled ends without an error, and the rays without an answer are marked
+  /// (HitState::kUnanswered). What was built for them remains: asking again continues from there.
+  bool partial = false;
   /// For Growth::kFull: receives the progress of the build. Must outlive the batch.
   query::BuildProgress* progress = nullptr;
 };
@@ -70,6 +76,7 @@ struct TraceStats {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;  ///< Rays with a hit, of any kind.
   std::uint64_t invalid = 0;
+  std::uint64_t unanswered = 0;       ///< For TraceOptions::partial; not among `rays`.
   std::uint64_t hits_found = 0;       ///< kCount: sum of the counts. kAll: hits listed.
   std::uint64_t cut_off = 0;          ///< kAll: rays with more than max_hits.
   std::uint64_t traversal_steps = 0;  ///< Inner nodes visited, scene level included.
@@ -88,6 +95,7 @@ struct TraceStats {
     rays += o.rays;
     hits += o.hits;
     invalid += o.invalid;
+    unanswered += o.unanswered;
     hits_found += o.hits_found;
     cut_off += o.cut_off;
     traversal_steps += o.traversal_steps;
@@ -111,6 +119,7 @@ struct RayTally {
   bool cut_off = false;  ///< There are farther hits than those listed.
 };
 inline constexpr std::uint32_t kInvalidCount = 0xffffffffu;  ///< count_hits: for an invalid ray.
-inline constexpr std::uint32_t kMaxCount = kInvalidCount - 1;
+inline constexpr std::uint32_t kUnansweredCount = kInvalidCount - 1;  ///< For an unanswered ray.
+inline constexpr std::uint32_t kMaxCount = kUnansweredCount - 1;
 
 }  // namespace sightline::scenegraph

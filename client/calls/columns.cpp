@@ -24,6 +24,14 @@ Status check_column(const Column& column, std::size_t rows) {
                {}};
 }
 
+Status check_bits(const char* name, std::size_t bytes, std::size_t rays) {
+  if (bytes == 0 || bytes == bits_bytes(rays)) return {};
+  return Error{
+      Code::kInvalidArgument,
+      fmt::format("{} holds {} bytes, but {} rays need {}", name, bytes, rays, bits_bytes(rays)),
+      {}};
+}
+
 template <class T>
 void copy_rows(std::span<const T> from, std::size_t first, std::size_t width, std::span<T> to) {
   std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(first * width), to.size(), to.begin());
@@ -80,11 +88,8 @@ Status check_rows(std::size_t n, const HitColumns& hits) {
         Column{"name", hits.name.size(), 1}}) {
     if (Status checked = check_column(column, n); !checked) return checked;
   }
-  const std::size_t bits = hits.hit_bits.size();
-  if (bits == 0 || bits == bits_bytes(n)) return {};
-  return Error{Code::kInvalidArgument,
-               fmt::format("hit_bits holds {} bytes, but {} rays need {}", bits, n, bits_bytes(n)),
-               {}};
+  if (Status checked = check_bits("hit_bits", hits.hit_bits.size(), n); !checked) return checked;
+  return check_bits("unanswered", hits.unanswered.size(), n);
 }
 
 template <class Scalar>
@@ -137,6 +142,7 @@ void copy_hits(const HitView& answers, std::size_t first, const HitColumns& hits
   put_rows(answers.normal, first, 3, hits.normal);
   put_rows(answers.hit, first, 1, hits.hit);
   put_rows(answers.hit_bits, bits_bytes(first), 1, hits.hit_bits);
+  put_rows(answers.unanswered, bits_bytes(first), 1, hits.unanswered);
   put_rows(answers.work, first, 1, hits.work);
   put_rows(answers.count, first, 1, hits.count);
   put_rows(answers.position, first, 3, hits.position);

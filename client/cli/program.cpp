@@ -60,7 +60,7 @@ void add_global_flags(CLI::App& program, Session& session) {
   program.set_version_flag("--version", "sightline " SIGHTLINE_VERSION);
   program.add_option("--endpoint", session.endpoint, "Where the server listens")
       ->envname("SIGHTLINE_ENDPOINT")
-      ->type_name("HOST:PORT|unix:PATH")
+      ->type_name("HOST:PORT[,HOST:PORT...]|unix:PATH")
       ->capture_default_str()
       ->check(CLI::Validator(
           [](std::string& text) -> std::string {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "client/wire/scene_codec.h"
@@ -43,9 +44,16 @@ bool view_column(const v1::CastRaysResponse& response, bool asked, v1::HitField 
   return true;
 }
 
+bool view_unanswered(const v1::CastRaysResponse& response, std::size_t n, HitView& hits) {
+  const std::string& bits = response.unanswered();
+  hits.unanswered = {reinterpret_cast<const std::uint8_t*>(bits.data()), bits.size()};
+  return bits.empty() || bits.size() == bits_bytes(n);
+}
+
 bool view_rays(const v1::CastRaysResponse& response, HitFields fields, std::size_t n,
                HitView& hits) {
-  return view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
+  return view_unanswered(response, n, hits) &&
+         view_column(response, fields.hit, v1::HIT_FIELD_HIT, n, hits.hit) &&
          view_column(response, fields.hit_bits, v1::HIT_FIELD_HIT_BITS, bits_bytes(n),
                      hits.hit_bits) &&
          view_column(response, fields.work, v1::HIT_FIELD_WORK, n, hits.work) &&
@@ -118,6 +126,12 @@ v1::BuildMode encode(BuildMode build) {
   return v1::BUILD_MODE_UNSPECIFIED;
 }
 
+std::uint32_t milliseconds_of(std::chrono::milliseconds budget) {
+  if (budget.count() == 0) return 0;
+  constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(budget.count(), 1, kMost));
+}
+
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,
               v1::CastRaysRequest& request) {
   request.set_scene(scene);
@@ -127,6 +141,7 @@ void describe(const std::string& scene, HitFields fields, const CastOptions& opt
   request.set_root(options.root);
   request.mutable_exclude()->Assign(options.exclude.begin(), options.exclude.end());
   request.set_max_hits(options.max_hits);
+  request.set_time_budget_ms(milliseconds_of(options.time_budget));
   *request.mutable_consistency() = encode(options.consistency);
   // Without any field the server would send its default fields.
   if (options.kind == QueryKind::kAll) fields.hit = true;
@@ -200,6 +215,7 @@ void add_stats(const v1::CastRaysResponse& response, CastReport& report) {
   report.rays += stats.rays();
   report.hits += stats.hits();
   report.invalid += stats.invalid();
+  report.unanswered += stats.unanswered();
   report.hits_found += stats.hits_found();
   report.rays_cut_off += stats.rays_cut_off();
   report.traversal_steps += stats.traversal_steps();

@@ -1,7 +1,9 @@
 // Rays to messages, and hits from messages. Internal to the library. Scalar is float or double.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "client/cast_options.h"
@@ -15,6 +17,9 @@ namespace v1 = ::sightline::v1;
 v1::QueryKind encode(QueryKind kind);
 v1::BuildMode encode(BuildMode build);
 v1::Culling encode(Culling culling);
+
+/// A time budget on the wire: 0 for none, and at least 1 for any other, even a negative one.
+std::uint32_t milliseconds_of(std::chrono::milliseconds budget);
 
 /// Writes the options of the cast to the request.
 void describe(const std::string& scene, HitFields fields, const CastOptions& options,

@@ -33,11 +33,12 @@ Selection::Selection(std::shared_ptr<const revision::Snapshot> snapshot, model::
     : snapshot_(std::move(snapshot)),
       root_(root),
       excluded_(std::move(excluded)),
-      selected_(snapshot_->trees().size()) {}
+      trees_(snapshot_->trees()),
+      selected_(trees_.size()) {}
 
 bool Selection::decide(std::size_t index) const {
   const hierarchy::Hierarchy& hierarchy = snapshot_->hierarchy();
-  const model::NodeId node = snapshot_->trees()[index].node;
+  const model::NodeId node = trees_[index].node;
   const auto is_excluded = [&](model::NodeId id) {
     return std::binary_search(excluded_.begin(), excluded_.end(), id);
   };

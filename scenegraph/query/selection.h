@@ -38,6 +38,7 @@ class Selection {
   std::shared_ptr<const revision::Snapshot> snapshot_;
   model::NodeId root_;
   std::vector<model::NodeId> excluded_;  // ascending
+  instances::OpenTrees trees_;           // of the snapshot
   instances::InstanceFilter selected_;
 };
 

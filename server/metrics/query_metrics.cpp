@@ -30,6 +30,10 @@ QueryMetrics::QueryMetrics(prometheus::Registry& registry) {
       prometheus::BuildCounter().Name("rays_total").Help("Rays answered.").Register(registry);
   auto& hits =
       prometheus::BuildCounter().Name("hits_total").Help("Rays with a hit.").Register(registry);
+  auto& unanswered = prometheus::BuildCounter()
+                         .Name("rays_unanswered_total")
+                         .Help("Rays for which the time budget of their query was too short.")
+                         .Register(registry);
   auto& seconds = prometheus::BuildHistogram()
                       .Name("batch_seconds")
                       .Help("Time from a batch's arrival to its answer, waiting included.")
@@ -38,6 +42,7 @@ QueryMetrics::QueryMetrics(prometheus::Registry& registry) {
     const prometheus::Labels kind{{"kind", kKindNames[i]}};
     rays_[i] = &rays.Add(kind);
     hits_[i] = &hits.Add(kind);
+    unanswered_[i] = &unanswered.Add(kind);
     seconds_[i] = &seconds.Add(kind, kLatencyBuckets);
   }
   auto& builds = prometheus::BuildCounter()
@@ -68,6 +73,7 @@ void QueryMetrics::count_batch(scenegraph::QueryKind kind, const scenegraph::Tra
   const std::size_t i = index_of(kind);
   rays_[i]->Increment(static_cast<double>(stats.rays));
   hits_[i]->Increment(static_cast<double>(stats.hits));
+  unanswered_[i]->Increment(static_cast<double>(stats.unanswered));
   seconds_[i]->Observe(std::chrono::duration<double>(time).count());
   count_build(BuildReason::kLazy, stats.trees_begun, stats.cells_expanded, stats.build_seconds);
 }

@@ -39,7 +39,7 @@ class QueryMetrics {
   static constexpr std::size_t kKinds = 4;
   static constexpr std::size_t kReasons = 3;
 
-  std::array<prometheus::Counter*, kKinds> rays_{}, hits_{};
+  std::array<prometheus::Counter*, kKinds> rays_{}, hits_{}, unanswered_{};
   std::array<prometheus::Histogram*, kKinds> seconds_{};
   std::array<prometheus::Counter*, kReasons> builds_{};
   prometheus::Counter* cells_ = nullptr;

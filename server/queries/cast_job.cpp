@@ -47,6 +47,7 @@ void CastJob::pin(std::shared_ptr<const scenegraph::revision::Snapshot> snapshot
 Status CastJob::accept(const v1::CastRaysRequest& request) {
   arrived_ = Clock::now();
   batch_time_ = {};
+  begin_budget(request.time_budget_ms());
   if (Status good = batch_.begin(request); !good) return good;
   const std::size_t count = batch_.size();
   auto quota = services_.quotas.begin_work(caller_, count, request.ByteSizeLong());
@@ -86,6 +87,16 @@ Status CastJob::accept(const v1::CastRaysRequest& request) {
   return {};
 }
 
+/// 0: no bound.
+void CastJob::begin_budget(std::uint32_t milliseconds) {
+  alarm_ = {};
+  stopped_.store(false);
+  if (cancelled_.load()) stopped_.store(true);
+  has_budget_ = milliseconds > 0;
+  if (!has_budget_) return;
+  alarm_ = services_.deadlines.set(arrived_ + std::chrono::milliseconds(milliseconds), stopped_);
+}
+
 void CastJob::enqueue(v1::CastRaysResponse& reply, const Done& done) {
   waiting_since_ = Clock::now();
   bool answered = false;
@@ -107,9 +118,7 @@ bool CastJob::is_immediate() const {
   if (begun_ || batch_.size() > kImmediateCast || query_.kind == scenegraph::QueryKind::kAll ||
       query_.selects() || (query_.growth == scenegraph::Growth::kFull && !snapshot_->is_complete()))
     return false;
-  const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
-  return trees.static_tree->instances_so_far() != nullptr &&
-         trees.dynamic_tree->instances_so_far() != nullptr;
+  return snapshot_->shared_trees().are_opened();
 }
 
 /// Traces only through cells that are built. Returns false if a ray meets another one, or cannot be
@@ -118,6 +127,7 @@ bool CastJob::answer_at_once(v1::CastRaysResponse& reply) {
   if (const Status ready = begin(); !ready) return false;
   resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
   derived_.begin(*snapshot_, reply);
+  reply.clear_unanswered();
   scenegraph::TraceOptions built_only = options();
   built_only.growth = scenegraph::Growth::kBuiltOnly;
   bool met_deferred = false;
@@ -151,7 +161,7 @@ Result<scenegraph::TraceStats> CastJob::trace_immediate(const scenegraph::TraceO
   accel::geometry::HitColumns hits = view_hits(reply, 0, batch_.size());
   const auto asked = hits.work;
   hits.work = {work.data()};
-  auto traced = trace_hits(batch_.view(0, batch_.size(), made_), hits, options);
+  auto traced = trace_hits(batch_.view(0, batch_.size(), made_), hits, options, reply);
   for (std::size_t i = 0; i < batch_.size(); ++i) {
     if (asked.is_asked()) asked.set(i, work[i]);
     met_deferred |= is_deferred(work[i]);
@@ -196,16 +206,19 @@ void CastJob::end(const Status& status, const Done& done) {
   quota_ = {};
   ticket_ = {};
   all_hits_ticket_ = {};
+  alarm_ = {};
   done(status);
 }
 
 Status CastJob::build() {
-  const auto built = scenegraph::build_all(*snapshot_, &cancelled_);
+  const auto built = scenegraph::build_all(*snapshot_, &stopped_);
+  waiting_since_ = Clock::now();
+  const bool out_of_time = has_budget_ && !cancelled_.load(std::memory_order_relaxed);
+  if (!built && built.error().code == Code::kCancelled && out_of_time) return {};
   if (!built) return built.error();
   build_stats_ = *built;
   services_.metrics.count_build(metrics::BuildReason::kFull, built->trees_begun,
                                 built->cells_expanded, built->build_seconds);
-  waiting_since_ = Clock::now();
   return {};
 }
 
@@ -218,6 +231,8 @@ Status CastJob::run_slice(v1::CastRaysResponse& reply, Progress& progress) {
     if (Status ready = begin(); !ready) return ready;
   }
   if (Status traced = trace_slice(reply, progress); !traced) return traced;
+  if (cancelled_.load(std::memory_order_relaxed))
+    return Error{Code::kCancelled, "cancelled while tracing", "CANCELLED"};
   waiting_since_ = Clock::now();
   traced_ += waiting_since_ - begun;
   if (progress == Progress::kDone) describe(reply);
@@ -268,7 +283,8 @@ scenegraph::TraceOptions CastJob::options() const {
           .culling = query_.culling,
           .selection = selection_ ? &*selection_ : nullptr,
           .max_hits = query_.max_hits,
-          .cancelled = &cancelled_};
+          .cancelled = &stopped_,
+          .partial = has_budget_};
 }
 
 Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
@@ -283,6 +299,7 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
   if (answered_ == 0) {
     resize_columns(query_.fields, batch_.size(), batch_.size(), reply);
     derived_.begin(*snapshot_, reply);
+    reply.clear_unanswered();
   }
   const std::size_t count = std::min(batch_.size() - answered_, kRaysPerSlice);
   const auto traced = trace_rays(count, options(), reply);
@@ -296,10 +313,19 @@ Status CastJob::trace_slice(v1::CastRaysResponse& reply, Progress& progress) {
 /// Closest or any hits of the next rays, written to `hits`, and the columns that follow from them.
 Result<scenegraph::TraceStats> CastJob::trace_hits(const accel::geometry::RayColumns& rays,
                                                    accel::geometry::HitColumns& hits,
-                                                   const scenegraph::TraceOptions& options) {
+                                                   const scenegraph::TraceOptions& options,
+                                                   v1::CastRaysResponse& reply) {
   derived_.add_sources(hits);
+  if (options.partial && !hits.state.is_asked()) {
+    states_.resize(hits.size);
+    hits.state = {states_.data()};
+  }
   auto traced = scenegraph::trace(*snapshot_, rays, hits, options);
   if (!traced) return traced;
+  if (traced->unanswered > 0) {
+    const auto* states = static_cast<const accel::geometry::HitState*>(hits.state.data);
+    mark_unanswered(std::span(states, hits.size), answered_, batch_.size(), reply);
+  }
   if (const Status written = derived_.write(rays, hits, answered_); !written)
     return written.error();
   return traced;
@@ -312,11 +338,12 @@ Result<scenegraph::TraceStats> CastJob::trace_rays(std::size_t count,
   const accel::geometry::RayColumns rays = batch_.view(answered_, count, made_);
   if (query_.kind != scenegraph::QueryKind::kCount) {
     accel::geometry::HitColumns hits = view_hits(reply, answered_, count);
-    return trace_hits(rays, hits, options);
+    return trace_hits(rays, hits, options, reply);
   }
   tallies_.resize(count);
   auto traced = scenegraph::count_hits(*snapshot_, rays, tallies_, options);
   if (traced) encode_tallies(tallies_, answered_, reply);
+  if (traced && traced->unanswered > 0) mark_unanswered(tallies_, answered_, batch_.size(), reply);
   return traced;
 }
 

@@ -19,6 +19,7 @@
 #include "scenegraph/trace.h"
 #include "server/exec/admission.h"
 #include "server/exec/caller.h"
+#include "server/exec/deadlines.h"
 #include "server/exec/executors.h"
 #include "server/exec/fair_queue.h"
 #include "server/exec/quotas.h"
@@ -77,7 +78,10 @@ class CastJob {
   void enqueue(v1::CastRaysResponse& reply, const Done& done);
 
   /// Makes enqueue() end soon, with an error. Threads: any, at any time.
-  void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
+  void cancel() {
+    cancelled_.store(true);
+    stopped_.store(true);
+  }
 
   /// Releases the revision. The last release frees its trees, which may take long.
   void close();
@@ -101,6 +105,7 @@ class CastJob {
   void push_build(v1::CastRaysResponse& reply, const Done& done);
   void push_cast(v1::CastRaysResponse& reply, const Done& done);
   void end(const Status& status, const Done& done);
+  void begin_budget(std::uint32_t milliseconds);
   Status build();
   Status run_slice(v1::CastRaysResponse& reply, Progress& progress);
   Status begin();
@@ -110,7 +115,8 @@ class CastJob {
                                             v1::CastRaysResponse& reply);
   Result<scenegraph::TraceStats> trace_hits(const accel::geometry::RayColumns& rays,
                                             accel::geometry::HitColumns& hits,
-                                            const scenegraph::TraceOptions& options);
+                                            const scenegraph::TraceOptions& options,
+                                            v1::CastRaysResponse& reply);
   Result<scenegraph::TraceStats> trace_immediate(const scenegraph::TraceOptions& options,
                                                  v1::CastRaysResponse& reply, bool& met_deferred);
   void describe(v1::CastRaysResponse& reply);
@@ -140,6 +146,10 @@ class CastJob {
   Clock::duration queued_{}, traced_{}, batch_time_{};  // of the batch
   bool begun_ = false;                                  // the batch has had a slice
   std::atomic<bool> cancelled_{false};
+  bool has_budget_ = false;                        // of time, the batch
+  std::atomic<bool> stopped_{false};               // the batch: cancelled, or out of time
+  exec::Deadlines::Alarm alarm_;                   // of the batch; sets stopped_
+  std::vector<accel::geometry::HitState> states_;  // of the slice, if the reply has no such column
   // Of all batches.
   scenegraph::TraceStats total_stats_;
   Clock::duration total_queued_{};

@@ -38,7 +38,7 @@ Result<Growth> decode_growth(v1::BuildMode build, Growth policy) {
     case v1::BUILD_MODE_UNSPECIFIED:
       return policy;
     case v1::BUILD_MODE_LAZY:
-      return Growth::kFirstTouch;
+      return policy == Growth::kDemand ? Growth::kDemand : Growth::kFirstTouch;
     case v1::BUILD_MODE_FULL:
       return Growth::kFull;
     case v1::BUILD_MODE_NONE:

@@ -140,6 +140,13 @@ void view_column(v1::HitField field, char* data, std::size_t first, HitColumns& 
   }
 }
 
+void set_unanswered(std::size_t ray, std::size_t rays, v1::CastRaysResponse& reply) {
+  std::string& bits = *reply.mutable_unanswered();
+  if (bits.empty()) bits.resize((rays + kRaysPerBitsByte - 1) / kRaysPerBitsByte);
+  bits[ray / kRaysPerBitsByte] = static_cast<char>(
+      static_cast<unsigned char>(bits[ray / kRaysPerBitsByte]) | 1u << ray % kRaysPerBitsByte);
+}
+
 }  // namespace
 
 void resize_columns(std::span<const v1::HitField> fields, std::size_t rays, std::size_t hits,
@@ -181,10 +188,25 @@ void encode_lists(std::span<const RayTally> tallies, std::span<const Hit> hits,
   }
 }
 
+void mark_unanswered(std::span<const HitState> states, std::size_t first, std::size_t rays,
+                     v1::CastRaysResponse& reply) {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i] == HitState::kUnanswered) set_unanswered(first + i, rays, reply);
+  }
+}
+
+void mark_unanswered(std::span<const RayTally> tallies, std::size_t first, std::size_t rays,
+                     v1::CastRaysResponse& reply) {
+  for (std::size_t i = 0; i < tallies.size(); ++i) {
+    if (tallies[i].state == HitState::kUnanswered) set_unanswered(first + i, rays, reply);
+  }
+}
+
 void encode_stats(const scenegraph::TraceStats& stats, v1::CastStats& reply) {
-  reply.set_rays(stats.rays);
+  reply.set_rays(stats.rays + stats.unanswered);
   reply.set_hits(stats.hits);
   reply.set_invalid(stats.invalid);
+  reply.set_unanswered(stats.unanswered);
   reply.set_hits_found(stats.hits_found);
   reply.set_rays_cut_off(stats.cut_off);
   reply.set_traversal_steps(stats.traversal_steps);

@@ -25,7 +25,7 @@ Status HitPager::list(const scenegraph::revision::Snapshot& snapshot,
   const auto traced = scenegraph::list_hits(snapshot, rays_.subspan(listed_),
                                             std::span(tallies_).subspan(listed_), hits_, options);
   if (!traced) return traced.error();
-  listed_ += traced->rays;
+  listed_ += traced->rays + traced->unanswered;
   sent_hits_ = 0;
   stats_ += *traced;
   return {};
@@ -45,6 +45,8 @@ Status HitPager::next(const scenegraph::revision::Snapshot& snapshot,
       std::span<const scenegraph::RayTally>(tallies_).subspan(first, sent_ - first);
   const std::span hits = std::span<const accel::geometry::Hit>(hits_).subspan(sent_hits_, count);
   encode_lists(tallies, hits, fields, reply);
+  reply.clear_unanswered();
+  if (stats_.unanswered > 0) mark_unanswered(tallies, 0, tallies.size(), reply);
   derived_.begin(snapshot, reply);
   Status derived = derived_.write_lists(rays_.subspan(first, sent_ - first), tallies, hits);
   if (!derived) return derived;

@@ -122,8 +122,8 @@ void PrefetchJob::report(v1::PrefetchResponse& response) {
   if (!known_.load(std::memory_order_acquire)) return;
   std::uint64_t bytes = 0;
   if (roots_.empty()) {
-    const scenegraph::instances::SceneTrees& trees = snapshot_->shared_trees();
-    bytes = bytes_of_tree(*trees.static_tree) + bytes_of_tree(*trees.dynamic_tree);
+    for (const scenegraph::instances::Tier& tier : snapshot_->shared_trees().tiers)
+      bytes += bytes_of_tree(*tier.tree);
   }
   for (const scenegraph::model::Mesh* mesh : meshes_) bytes += mesh->tree_bytes();
   response.set_bytes_trees(bytes);

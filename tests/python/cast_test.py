@@ -62,6 +62,19 @@ class CastTest(ServerTest):
         np.testing.assert_array_equal(hits.cut_off, all_hits.count > 1)
         np.testing.assert_allclose(hits.t, self.t[np.isfinite(self.t)], rtol=1e-4)
 
+    def test_time_budget(self):
+        for kind in ("closest", "any", "count", "all"):
+            budget, hits = 0.001, None
+            while hits is None or hits.unanswered.any():  # ends on any machine
+                hits = self.scene.cast(np.repeat(self.rays, 200, axis=0), kind=kind, time_budget=budget)
+                self.assertEqual(hits.stats.get("unanswered", 0), hits.unanswered.sum())
+                self.assertFalse((hits.hit & hits.unanswered).any())
+                budget *= 2
+            np.testing.assert_array_equal(hits.hit, np.repeat(np.isfinite(self.t), 200))
+        for wrong in (0, -1, float("nan")):
+            with self.assertRaisesRegex(ValueError, "time_budget"):
+                self.scene.cast(self.rays, time_budget=wrong)
+
     def test_any_type_and_shape(self):
         for table in (self.rays.tolist(), np.asfortranarray(self.rays), self.rays.astype(">f8"),
                       self.rays.astype("longdouble"), np.repeat(self.rays, 2, axis=0)[::2], self.rays[::-1][::-1]):

@@ -183,7 +183,9 @@ RowView HitRows::make(std::uint64_t first, const HitView& hits) {
   hit_.clear();
   for (std::size_t i = 0; i + 1 < hits.offsets.size(); ++i) {
     if (hits.hit[i] == kBadRay) {
-      add_bad_ray();
+      add_without_hit(std::numeric_limits<double>::quiet_NaN());
+    } else if (hits.hit[i] == kUnanswered) {
+      add_without_hit(-std::numeric_limits<double>::infinity());
     } else {
       add_hits(hits, i);
     }
@@ -203,8 +205,8 @@ RowView HitRows::make(std::uint64_t first, const HitView& hits) {
   return rows;
 }
 
-void HitRows::add_bad_ray() {
-  t_.push_back(std::numeric_limits<double>::quiet_NaN());
+void HitRows::add_without_hit(double t) {
+  t_.push_back(t);
   node_.push_back(0);
   primitive_.push_back(0);
   barycentric_.insert(barycentric_.end(), 2, 0.0F);

@@ -66,7 +66,8 @@ void put_bytes(const RowView& hits, std::size_t i, HitColumn column, char* out);
 void put_text(const RowView& hits, std::size_t i, HitColumn column, std::string& out);
 
 /// Makes the rows of a file from a cast of all hits: one row per hit. A bad ray gets one row with t
-/// = NaN and node 0, so that a file tells it from a miss, which has no row. `hit` and `work` of a
+/// = NaN and node 0, so that a file tells it from a miss, which has no row; a ray without an answer
+/// gets one with t = -inf. `hit` and `work` of a
 /// ray are repeated in each of its rows. The memory is reused for the next answers.
 class HitRows {
  public:
@@ -76,7 +77,7 @@ class HitRows {
   std::size_t size() const { return ray_.size(); }
 
  private:
-  void add_bad_ray();
+  void add_without_hit(double t);
   void add_hits(const HitView& hits, std::size_t i);
 
   std::vector<std::uint64_t> ray_, node_;

@@ -82,7 +82,7 @@ class JsonHits : public HitFormat {
         value.clear();
         put_text(rows, i, options_.columns[k], value);
         // JSON has no infinity and no NaN.
-        if (value == "inf" || value == "nan" || value == "-nan") value = "null";
+        if (value == "inf" || value == "-inf" || value == "nan" || value == "-nan") value = "null";
         fmt::format_to(std::back_inserter(bytes), "{}\"{}\":{}", k == 0 ? '{' : ',',
                        info_of(options_.columns[k]).name, value);
       }

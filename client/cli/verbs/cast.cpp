@@ -1,5 +1,6 @@
 // sightline cast: casts rays from a file or a program, and writes what they hit.
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -32,6 +33,7 @@ struct CastArguments {
   std::string under;
   std::vector<std::string> exclude;
   std::uint32_t max_hits = 0;
+  std::uint32_t time_budget_ms = 0;
   Consistency consistency;
 };
 
@@ -83,6 +85,7 @@ Result<CastFileRequest> request_of(const Client& client, const CastArguments& ar
   if (!arguments.build.empty()) options.build = kBuilds.at(arguments.build);
   if (!arguments.cull.empty()) options.culling = kCullings.at(arguments.cull);
   options.max_hits = arguments.max_hits;
+  options.time_budget = std::chrono::milliseconds(arguments.time_budget_ms);
   const auto root = resolve_node(client, arguments.scene, arguments.under);
   if (!root) return root.error();
   auto excluded = resolve_nodes(client, arguments.scene, arguments.exclude);
@@ -114,7 +117,7 @@ ExitCode report(const Session& session, const Client& client, const CastArgument
     print_cast_summary(arguments.out == "-" ? stderr : stdout, outcome,
                        stats ? std::optional(*stats) : std::nullopt);
   }
-  return kOk;
+  return outcome.cast.unanswered > 0 ? kUnavailable : kOk;
 }
 
 ExitCode run(const Session& session, const CastArguments& arguments) {
@@ -152,17 +155,18 @@ Far from the origin float32 is too coarse for the rays of a small scene; a warni
 Hits are in the format of FILE's suffix, or of --out-format: arrays with named fields (.npy) in the shape of
 the rays, an array a field (.npz), points with fields (.ply, without the misses), else a line a hit. There is
 a row a ray; --kind all has a row a hit, nearest first, none for a miss, and one with t = nan for a
-ray that cannot be cast.
+ray that cannot be cast, or t = -inf for one without an answer.
   ray        u8  number of the ray, from 0 (--kind all)
-  t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast; in JSON both are null
+  t          f8  in lengths of the direction; inf: a miss, nan: a ray that cannot be cast, -inf: a ray without an
+                 answer, since --time-budget was too short; in JSON all three are null
   node       u8  0: a miss
   primitive  u4  the face's number in its mesh
   u v        f4  weights of vertices 1 and 2
   nx ny nz   f4  unit normal in scene coordinates
   hit        u1  0 miss, 1 hit, 2 a ray that cannot be cast (all that --kind any answers);
-                 3 hit, and there are more than --max-hits
+                 3 hit, and there are more than --max-hits; 4 no answer, since --time-budget was too short
   work       u4  steps and triangle tests, only if asked for
-  count      u4  hits of the ray (all that --kind count answers); 4294967295: cannot be cast
+  count      u4  hits of the ray (all that --kind count answers); 4294967295: cannot be cast; 4294967294: no answer
 
 Examples:
   sightline cast engine --in rays.npy --out hits.npy
@@ -223,6 +227,12 @@ void add_cast_verb(CLI::App& program, Session& session) {
       ->check(CLI::IsMember(kBuilds).description(""))
       ->type_name("lazy|full|none");
   add_filters(verb, *arguments);
+  verb.add_option("--time-budget", arguments->time_budget_ms,
+                  "Milliseconds on the server; rays without an answer by then are marked, and the "
+                  "exit code is 5 "
+                  "(default: no bound)")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("MS");
   add_consistency_flags(verb, arguments->consistency);
   verb.footer(kCastFooter);
   verb.callback([&session, arguments] { session.exit = run(session, *arguments); });

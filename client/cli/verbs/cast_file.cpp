@@ -127,6 +127,7 @@ void add(const CastReport& part, CastReport& sum) {
   sum.rays += part.rays;
   sum.hits += part.hits;
   sum.invalid += part.invalid;
+  sum.unanswered += part.unanswered;
   sum.hits_found += part.hits_found;
   sum.rays_cut_off += part.rays_cut_off;
   sum.traversal_steps += part.traversal_steps;

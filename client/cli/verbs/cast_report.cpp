@@ -43,6 +43,14 @@ void warn_of_cuts(const CastReport& cast) {
                             format_count(cast.rays_cut_off)));
 }
 
+void warn_of_unanswered(const CastReport& cast) {
+  if (cast.unanswered == 0) return;
+  print_warning(
+      fmt::format("{} of {} rays have no answer, since --time-budget was too short; what was "
+                  "built for them stays: cast again to go on from there",
+                  format_count(cast.unanswered), format_count(cast.rays)));
+}
+
 void warn_of_origin_precision(const SceneInfo& scene, float reach) {
   if (reach == 0 || !scene.bounds) return;
   const std::string warning = origin_precision_warning(reach, *scene.bounds);
@@ -56,6 +64,7 @@ Json json_of_cast(const CastOutcome& outcome, QueryKind kind, const SceneStats& 
   Json json{{"rays", cast.rays},
             {"hits", cast.hits},
             {"invalid", cast.invalid},
+            {"unanswered", cast.unanswered},
             {"invalid_reasons", json_of_faults(outcome.watch)},
             {"revision", cast.revision},
             {"token", cast.token},
@@ -93,6 +102,7 @@ void print_cast_summary(std::FILE* to, const CastOutcome& outcome,
 void print_cast_warnings(const CastOutcome& outcome, const SceneInfo& scene) {
   warn_of_faults(outcome);
   warn_of_cuts(outcome.cast);
+  warn_of_unanswered(outcome.cast);
   warn_of_origin_precision(scene, outcome.float_reach);
 }
 

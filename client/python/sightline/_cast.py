@@ -8,7 +8,7 @@ from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional
 from . import _cast_codec as codec
 from . import _proto, errors
 from ._connection import Connection
-from ._query import Query
+from ._query import Query, milliseconds
 from ._window import Window
 from .rays import Rays
 
@@ -29,7 +29,8 @@ class Piece(NamedTuple):
 def cast_once(connection: Connection, query: Query, rays: Rays, timeout: Optional[float]) -> codec.Answer:
     """In one message, which the server's limits allow."""
     parts = codec.request_parts(query.request.SerializeToString(), rays, 0, rays.count)
-    return codec.answer(connection.call("CastRays", b"".join(parts), timeout, light=False))
+    return codec.answer(connection.call("CastRays", b"".join(parts), timeout, light=False,
+                                         scene=query.request.scene))
 
 
 def pieces(batches: "Iterable[Rays]", size: int) -> "Iterator[Piece]":
@@ -63,6 +64,8 @@ class CastStream:
             self._deadline = time.monotonic() + seconds
         self._window = Window(source, MESSAGES_IN_FLIGHT)
         self._revision: Optional[int] = None
+        budget = query.request.time_budget_ms
+        self._budget_end = time.monotonic() + budget / 1000 if budget else None
 
     def answers(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
         """Each item with its answers: one, or several for kind "all". Leaving it cancels the call."""
@@ -91,7 +94,8 @@ class CastStream:
     def _attempt(self) -> "Iterator[Tuple[Any, List[codec.Answer]]]":
         timeout = None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
         expected, parts = 0, []
-        with self._connection.stream("StreamCastRays", self._window.attempt(self._encoder()), timeout) as stream:
+        with self._connection.stream("StreamCastRays", self._window.attempt(self._encoder()), timeout,
+                                     self._query.request.scene) as stream:
             for data in stream:
                 chunk, answer = codec.stream_answer(data)
                 item = self._window.oldest()
@@ -104,6 +108,12 @@ class CastStream:
                     yield item, parts
                     expected, parts = expected + 1, []
 
+    def _rest_of_budget(self) -> bytes:
+        if self._budget_end is None:
+            return b""
+        rest = milliseconds(self._budget_end - time.monotonic())
+        return _proto.CastRaysRequest(time_budget_ms=rest).SerializeToString()
+
     def _encoder(self) -> "Callable[[int, Any], bytes]":
         request = self._query.request
         if self._revision is not None:
@@ -111,7 +121,7 @@ class CastStream:
         description = request.SerializeToString()
 
         def encode(chunk: int, item: Any) -> bytes:
-            head = b"" if chunk else description
+            head = self._rest_of_budget() if chunk else description
             if isinstance(item, Piece):
                 return codec.stream_request(chunk, codec.request_parts(head, *item))
             generator = _proto.CastRaysRequest(generator=item).SerializeToString()

@@ -57,8 +57,8 @@ class Query(NamedTuple):
 
 def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "Optional[str]", cull: "Optional[str]",
              under: int, exclude: "Iterable[int]", max_hits: int, at_least: "Optional[str]",
-             revision: "Optional[int]") -> Query:
-    """ValueError: an unknown word, or a field that the kind does not have."""
+             revision: "Optional[int]", time_budget: "Optional[float]" = None) -> Query:
+    """ValueError: an unknown word, a field that the kind does not have, or a time budget that is not above 0."""
     if kind not in _ALWAYS:
         raise ValueError(f"kind is {_words(_ALWAYS)}, not {kind!r}")
     if build not in _BUILD:
@@ -81,7 +81,16 @@ def describe(scene: str, kind: str, fields: "Optional[Iterable[str]]", build: "O
         columns = (*columns, *(() if "hit" in columns else ("hit",)))  # it tells hits, misses and invalid rays apart
     request.fields.extend(COLUMNS[name].number for name in columns)
     set_consistency(request, at_least, revision)
+    if time_budget is not None:
+        if not time_budget > 0:
+            raise ValueError(f"time_budget is above 0, not {time_budget!r}")
+        request.time_budget_ms = milliseconds(time_budget)
     return Query(kind, columns, request)
+
+
+def milliseconds(seconds: float) -> int:
+    """A time budget on the wire: at least 1, since 0 is none."""
+    return int(min(max(seconds * 1000, 1), 2 ** 32 - 1))
 
 
 def set_consistency(request: Any, at_least: "Optional[str]", revision: "Optional[int]") -> None:

@@ -10,7 +10,8 @@ from ._query import COLUMNS, OF_HITS
 from .rays import Rays
 
 INVALID_COUNT = 0xFFFFFFFF
-_INVALID, _CUT_OFF = 2, 3  # values of the column `hit`
+UNANSWERED_COUNT = INVALID_COUNT - 1
+_INVALID, _CUT_OFF, _UNANSWERED = 2, 3, 4  # values of the column `hit`
 NameLookup = Callable[[np.ndarray, int], "Dict[int, str]"]
 
 
@@ -39,7 +40,7 @@ class _Answer:
 
     @property
     def t(self) -> np.ndarray:
-        """float64, in lengths of the ray's direction; a miss +inf, an invalid ray NaN."""
+        """float64, in lengths of the ray's direction; a miss +inf, an invalid ray NaN, an unanswered one -inf."""
         return self._shaped(self._column("t"))
 
     @property
@@ -126,19 +127,25 @@ class Hits(_Answer):
         """bool: whether the ray cannot be cast (not finite, or without a direction)."""
         return self._shaped(self._status() == _INVALID)
 
+    @property
+    def unanswered(self) -> np.ndarray:
+        """bool: whether `time_budget` was too short for the ray."""
+        return self._shaped(self._status() == _UNANSWERED)
+
     def _status(self) -> np.ndarray:
-        """0 miss, 1 hit, 2 invalid, from whichever column tells."""
+        """0 miss, 1 hit, 2 invalid, 4 unanswered, from whichever column tells."""
         if "hit" in self._columns:
             return self._columns["hit"]
         if "count" in self._columns:
             count = self._columns["count"]
-            return np.where(count == INVALID_COUNT, _INVALID, count > 0)
+            return np.where(count == INVALID_COUNT, _INVALID, np.where(count == UNANSWERED_COUNT, _UNANSWERED, count > 0))
         t = self._column("t")
-        return np.where(np.isnan(t), _INVALID, np.isfinite(t))
+        return np.where(np.isnan(t), _INVALID, np.where(t == -np.inf, _UNANSWERED, np.isfinite(t)))
 
     @property
     def count(self) -> np.ndarray:
-        """uint32: how many (node, primitive) the ray hits; an invalid ray 2**32 - 1. Kind "count"."""
+        """uint32: how many (node, primitive) the ray hits; an invalid ray 2**32 - 1, an unanswered one 2**32 - 2.
+        Kind "count"."""
         return self._shaped(self._column("count"))
 
     @property
@@ -195,6 +202,11 @@ class AllHits(_Answer):
     def invalid(self) -> np.ndarray:
         """bool, with the leading shape of the rays: whether the ray cannot be cast."""
         return (self._column("hit") == _INVALID).reshape(self.shape)
+
+    @property
+    def unanswered(self) -> np.ndarray:
+        """bool, with the leading shape of the rays: whether `time_budget` was too short for the ray."""
+        return (self._column("hit") == _UNANSWERED).reshape(self.shape)
 
     @property
     def cut_off(self) -> np.ndarray:

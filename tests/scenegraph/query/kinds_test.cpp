@@ -181,7 +181,8 @@ TEST(Kinds, GiveTheSameAnswersForEveryBuilderLazyFullAndScanned) {
   for (const std::string_view name : accel::published::builder_names()) {
     const auto builder = accel::published::make_builder(name);
     ASSERT_TRUE(builder);
-    for (const Growth growth : {Growth::kFirstTouch, Growth::kFull, Growth::kNone}) {
+    for (const Growth growth :
+         {Growth::kFirstTouch, Growth::kDemand, Growth::kFull, Growth::kNone}) {
       TraceOptions options;
       options.growth = growth;
       SCOPED_TRACE(name);
@@ -290,7 +291,7 @@ tests::TestMesh shuffled_walls(std::uint32_t count) {
 TEST(Kinds, OneRayMayHaveThousandsOfHits) {
   const auto mesh = tests::mesh_of(shuffled_walls(5000));
   const Ray ray{{-0.5, 0.3, 0.6}, {1, 0, 0}};
-  for (const Growth growth : {Growth::kNone, Growth::kFirstTouch, Growth::kFull}) {
+  for (const Growth growth : {Growth::kNone, Growth::kDemand, Growth::kFirstTouch, Growth::kFull}) {
     for (const std::uint32_t max_hits : {10u, 100u, 1000u, 4999u, 5000u, 5001u}) {
       Scene scene;
       ASSERT_TRUE(scene.apply({put_mesh(-1, mesh)}));

@@ -30,7 +30,7 @@ std::vector<model::NodeId> selected(model::NodeId root,
   const auto selection = Selection::make(snapshot, root, excluded);
   EXPECT_TRUE(selection);
   std::vector<model::NodeId> nodes;
-  const auto list = tests::all_instances(snapshot->trees().static_tree);
+  const auto list = tests::all_instances(snapshot->trees().static_tree());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool first = selection->selects(i);
     EXPECT_EQ(selection->selects(i), first) << "remembered";

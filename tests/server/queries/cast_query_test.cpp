@@ -87,6 +87,18 @@ TEST(DecodeQuery, RefusesUnknownValues) {
   }
 }
 
+TEST(DecodeQuery, LazyIsFirstTouchUnlessThePolicyIsDemand) {
+  using scenegraph::Growth;
+  v1::CastRaysRequest request;
+  for (const Growth policy : {Growth::kFirstTouch, Growth::kDemand, Growth::kFull}) {
+    request.clear_build();
+    EXPECT_EQ(decode_query(request, policy)->growth, policy);
+    request.set_build(v1::BUILD_MODE_LAZY);
+    EXPECT_EQ(decode_query(request, policy)->growth,
+              policy == Growth::kDemand ? Growth::kDemand : Growth::kFirstTouch);
+  }
+}
+
 TEST(DecodeQuery, CountAnswersCountAndHitAndWork) {
   v1::CastRaysRequest request = request_of(v1::QUERY_KIND_COUNT);
   EXPECT_EQ(decode_query(request, {})->kind, scenegraph::QueryKind::kCount);

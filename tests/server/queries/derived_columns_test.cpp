@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -24,14 +23,6 @@ using server::queries::kImmediateCast;
 using server::queries::kMaxNameBytes;
 using server::queries::kMaxRaysPerRequest;
 using server::queries::kRaysPerSlice;
-
-template <class T>
-std::vector<T> column_values(const v1::CastRaysResponse& reply, v1::HitField field) {
-  const std::string column = column_of(reply, field);
-  std::vector<T> out(column.size() / sizeof(T));
-  std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
-  return out;
-}
 
 /// The name of each row.
 std::vector<std::string> names(const v1::CastRaysResponse& reply) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -19,21 +18,13 @@
 namespace sightline::tests {
 namespace {
 
-template <class T>
-std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
-  const std::string column = column_of(reply, field);
-  std::vector<T> out(column.size() / sizeof(T));
-  std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
-  return out;
-}
-
 /// Adds the rays of a reply of kind ALL that has T, NODE and PRIMITIVE.
 void append_list(const v1::CastRaysResponse& reply, KindAnswers& answers) {
-  const auto offsets = values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
-  const auto states = values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
-  const auto t = values<double>(reply, v1::HIT_FIELD_T);
-  const auto node = values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
-  const auto primitive = values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
+  const auto offsets = column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
+  const auto states = column_values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
+  const auto t = column_values<double>(reply, v1::HIT_FIELD_T);
+  const auto node = column_values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
+  const auto primitive = column_values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
   ASSERT_EQ(offsets.size(), states.size() + 1);
   ASSERT_EQ(offsets.back(), t.size());
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -81,15 +72,15 @@ class KindsRpcTest : public LiveServer {
     }
     request.clear_fields();
     request.set_kind(v1::QUERY_KIND_ANY);
-    for (const auto state : values<std::uint8_t>(cast(request), v1::HIT_FIELD_HIT)) {
+    for (const auto state : column_values<std::uint8_t>(cast(request), v1::HIT_FIELD_HIT)) {
       answers.any.emplace_back();
       answers.any.back().state = static_cast<accel::geometry::HitState>(state);
     }
     request.set_kind(v1::QUERY_KIND_COUNT);
     request.add_fields(v1::HIT_FIELD_HIT);
     const v1::CastRaysResponse counted = cast(request);
-    const auto counts = values<std::uint32_t>(counted, v1::HIT_FIELD_COUNT);
-    const auto states = values<std::uint8_t>(counted, v1::HIT_FIELD_HIT);
+    const auto counts = column_values<std::uint32_t>(counted, v1::HIT_FIELD_COUNT);
+    const auto states = column_values<std::uint8_t>(counted, v1::HIT_FIELD_HIT);
     for (std::size_t i = 0; i < counts.size(); ++i) {
       answers.counts.push_back(
           {.count = counts[i], .state = static_cast<accel::geometry::HitState>(states[i])});
@@ -213,9 +204,9 @@ TEST_F(KindsRpcTest, MarksTheRaysWhoseListWasCut) {
   v1::CastRaysResponse reply = cast(request);
   EXPECT_FALSE(reply.more());
   EXPECT_EQ(column_of(reply, v1::HIT_FIELD_HIT), std::string("\3\0\2", 3));
-  EXPECT_EQ(values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
+  EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
             (std::vector<std::uint32_t>{0, 4, 4, 4}));
-  EXPECT_EQ(values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE),
+  EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE),
             (std::vector<std::uint32_t>{0, 1, 2, 3}));
   EXPECT_EQ(reply.stats().rays_cut_off(), 1u);
   EXPECT_EQ(reply.stats().hits_found(), 4u);
@@ -250,7 +241,8 @@ TEST_F(KindsRpcTest, AnEmptyBatchHasAnEmptyList) {
   request.set_scene(kScene);
   request.set_kind(v1::QUERY_KIND_ALL);
   const v1::CastRaysResponse reply = cast(request);
-  EXPECT_EQ(values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET),
+            std::vector<std::uint32_t>{0});
   EXPECT_FALSE(reply.more());
 }
 
@@ -266,7 +258,9 @@ TEST_F(KindsRpcTest, SeesOnlyNodesUnderTheRootWithoutExclusions) {
                   .ok());
   v1::CastRaysRequest request = cast_request(kScene, rays_downward(1));
   request.set_kind(v1::QUERY_KIND_COUNT);
-  const auto count = [&] { return values<std::uint32_t>(cast(request), v1::HIT_FIELD_COUNT)[0]; };
+  const auto count = [&] {
+    return column_values<std::uint32_t>(cast(request), v1::HIT_FIELD_COUNT)[0];
+  };
   EXPECT_EQ(count(), 3u);
   request.set_root(2);
   EXPECT_EQ(count(), 1u);
