@@ -1,39 +1,19 @@
 // Applying a batch of updates: check and edit a private copy, then publish it whole.
 #include "scenegraph/scene.h"
 
+#include <algorithm>
 #include <new>
+#include <optional>
 #include <utility>
 
-#include "scenegraph/instances/prebuild.h"
 #include "scenegraph/revision/draft.h"
 #include "scenegraph/revision/restore.h"
 
 namespace sightline::scenegraph {
 
-namespace {
-
-/// A static tree without recently changed nodes, built where rays have been. Null if no ray has
-/// opened the old one, or without memory for it.
-std::shared_ptr<const instances::SceneTree> rebuild_static_tree(
-    const revision::Snapshot& base, const std::vector<model::NodeId>& recently_changed) {
-  const instances::Instances* old = base.shared_trees().static_tree->instances_so_far();
-  if (old == nullptr) return nullptr;
-  try {
-    hierarchy::Hierarchy hierarchy = base.hierarchy();
-    hierarchy.dynamic_roots = revision::topmost_of(hierarchy, recently_changed);
-    auto new_static = std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic,
-                                                                   std::move(hierarchy));
-    prebuild_like(*old, new_static->instances());
-    return new_static;
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-
-}  // namespace
-
-Scene::Scene()
-    : published_{std::make_shared<const revision::Snapshot>(0, hierarchy::Hierarchy{}), 1} {}
+Scene::Scene(const revision::MergeRule& rule)
+    : merge_state_{rule, 0, 0},
+      published_{std::make_shared<const revision::Snapshot>(0, hierarchy::Hierarchy{}), 1} {}
 
 Status Scene::restore(SceneContent content) {
   auto hierarchy = revision::restore_hierarchy(std::move(content.nodes), content.next_id);
@@ -77,9 +57,8 @@ Result<Applied> Scene::apply(const std::vector<model::Update>& updates,
 
   Applied applied{base->revision() + 1, draft.put_nodes()};
   SceneState next{nullptr, draft.next_id()};
-  std::vector<model::NodeId> changed = draft.changed();
-  next.snapshot = std::move(draft).publish(applied.revision);
-  applied.rebuild_static = settle_policy_.add(*next.snapshot, std::move(changed));
+  next.snapshot = std::move(draft).publish(merge_state_);
+  applied.merge_trees = due_static_merge(*next.snapshot) || due_dynamic_merge(*next.snapshot);
   unpublished_.push_back(std::move(next));
   try {
     if (options.before_publish) options.before_publish(applied);
@@ -122,29 +101,52 @@ void Scene::renew_trees(const Renew& renew) {
   set_published(std::move(now));
 }
 
-void Scene::rebuild_static() {
-  const std::unique_lock rebuild(rebuilding_, std::try_to_lock);
-  if (!rebuild.owns_lock()) return;
+/// With the writer's lock. A static tree is not begun while trees are merged that it would hold.
+std::optional<revision::TierRange> Scene::due_static_merge(const revision::Snapshot& now) const {
+  if (merge_state_.static_up_to > 0 || merge_state_.dynamic_up_to > 0) return std::nullopt;
+  return revision::due_static_merge(now);
+}
+
+/// With the writer's lock.
+std::optional<revision::TierRange> Scene::due_dynamic_merge(const revision::Snapshot& now) const {
+  if (merge_state_.dynamic_up_to > 0) return std::nullopt;
+  return revision::due_dynamic_merge(now, merge_state_);
+}
+
+void Scene::merge_trees() {
+  merge(static_merging_, merge_state_.static_up_to,
+        [this](const revision::Snapshot& now) { return due_static_merge(now); });
+  merge(dynamic_merging_, merge_state_.dynamic_up_to,
+        [this](const revision::Snapshot& now) { return due_dynamic_merge(now); });
+}
+
+/// `up_to` says which trees are being merged; guarded by the writer's lock.
+template <class Due>
+void Scene::merge(std::mutex& merging, std::uint64_t& up_to, const Due& due) {
+  const std::unique_lock lock(merging, std::try_to_lock);
+  if (!lock.owns_lock()) return;
   std::shared_ptr<const revision::Snapshot> base;
-  std::vector<model::NodeId> recently_changed;
+  std::optional<revision::TierRange> range;
   {
     const std::lock_guard writer(writer_);
     base = snapshot();
-    recently_changed = settle_policy_.begin(base->revision());
+    if (!base->shared_trees().are_opened()) return;
+    range = due(*base);
+    if (!range || !has_tiers(*newest().snapshot, *base, *range)) return;
+    up_to = base->shared_trees().tiers[range->end - 1].last;
   }
-  const std::shared_ptr<const instances::SceneTree> new_static =
-      rebuild_static_tree(*base, recently_changed);
+  std::optional<instances::Tier> tier;
+  try {
+    tier = merged(*base, *range);
+  } catch (const std::bad_alloc&) {  // the trees stay as they are
+  }
   const std::lock_guard writer(writer_);
-  const std::vector<model::NodeId> changed = settle_policy_.end(base->revision());
-  // Changes are recorded as long as the tree is the one that rays have opened.
-  const auto has_old_tree = [&](const revision::Snapshot& now) {
-    return now.shared_trees().static_tree == base->shared_trees().static_tree;
-  };
-  if (new_static == nullptr || !has_old_tree(*snapshot()) || !has_old_tree(*newest().snapshot))
+  up_to = 0;
+  if (!tier || !has_tiers(*snapshot(), *base, *range) ||
+      !has_tiers(*newest().snapshot, *base, *range))
     return;
-  renew_trees([&](const revision::Snapshot& now) {
-    return with_new_static(now, new_static, recently_changed, changed);
-  });
+  renew_trees(
+      [&](const revision::Snapshot& now) { return with_merged(now, *base, *range, *tier); });
 }
 
 std::uint64_t Scene::drop_trees() {
@@ -152,9 +154,10 @@ std::uint64_t Scene::drop_trees() {
   {
     const std::lock_guard writer(writer_);
     now = snapshot();
-    const instances::SceneTrees& trees = now->shared_trees();
-    if (trees.static_tree->instances_so_far() != nullptr ||
-        trees.dynamic_tree->instances_so_far() != nullptr) {
+    const std::vector<instances::Tier>& tiers = now->shared_trees().tiers;
+    if (std::ranges::any_of(tiers, [](const instances::Tier& tier) {
+          return tier.tree->instances_so_far() != nullptr;
+        })) {
       renew_trees([](const revision::Snapshot& old) {
         return std::make_shared<const revision::Snapshot>(old.revision(), old.hierarchy());
       });

@@ -1,9 +1,9 @@
 // A scene: its current snapshot, and the one writer that makes the next.
 //
-// The dynamic tree holds moving nodes and is made again for each revision; the static tree holds
-// the others and is kept. A node begins in the tree that its mobility says. After rays have opened
-// the static tree, a changed node moves to the dynamic tree, and rebuild_static() brings back nodes
-// that stopped changing.
+// What a revision changes is in a dynamic tree of its own, or in one with changes of revisions
+// before; the static tree holds the rest, and trees are kept as long as they are large. A node
+// begins in the tree that its mobility says. After rays have opened the static tree, a changed node
+// moves to the newest dynamic tree, and merge_trees() makes larger trees of nodes that rest.
 #pragma once
 
 #include <atomic>
@@ -17,8 +17,8 @@
 
 #include "accel/result.h"
 #include "scenegraph/model/update.h"
-#include "scenegraph/revision/settle_policy.h"
 #include "scenegraph/revision/snapshot.h"
+#include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph {
 
@@ -26,7 +26,7 @@ namespace sightline::scenegraph {
 struct Applied {
   std::uint64_t revision = 0;
   std::vector<model::NodeId> nodes;  ///< The id of every PutNode's node, in the order of the batch.
-  bool rebuild_static = false;       ///< Scene::rebuild_static() is worth its cost now.
+  bool merge_trees = false;          ///< Scene::merge_trees() is worth its cost now.
 };
 
 struct ApplyOptions {
@@ -61,7 +61,7 @@ struct SceneState {
 
 class Scene {
  public:
-  Scene();
+  explicit Scene(const revision::MergeRule& rule = {});
 
   /// Begins at this revision. Call it before any other member. Errors: kDataLoss, if the content
   /// is not that of a scene.
@@ -87,12 +87,13 @@ class Scene {
   /// Drops all revisions that are not published: the head is snapshot() again. Threads: any.
   void drop_unpublished() noexcept;
 
-  /// Makes a new static tree that also holds the nodes of the dynamic tree that have not changed
-  /// for SettlePolicy::kRevisions. Writers and readers continue meanwhile. Then publishes the
-  /// current revision again, under the same number, since its content is the same. Does nothing if
-  /// another thread does the same, if no ray has opened the static tree, or if that tree is
-  /// replaced meanwhile. Threads: any.
-  void rebuild_static();
+  /// Makes one tree of neighbouring trees of the current revision (revision::due_static_merge,
+  /// revision::due_dynamic_merge) and grows it where they were grown. Writers and readers continue
+  /// meanwhile. Then publishes the current revision again, under the same number, since its content
+  /// is the same. Does nothing if another thread does the same, if no merge is due, or if those
+  /// trees are replaced meanwhile. A dynamic tree may be made while another thread makes a static
+  /// one. Threads: any.
+  void merge_trees();
 
   /// Begins new trees, of the scene and of its meshes, and publishes the current revision again:
   /// its content is the same. The old trees are freed when no batch of rays uses them. Returns the
@@ -105,11 +106,15 @@ class Scene {
   void set_published(SceneState next) noexcept;
   template <class Renew>
   void renew_trees(const Renew& renew);
+  template <class Due>
+  void merge(std::mutex& merging, std::uint64_t& up_to, const Due& due);
+  std::optional<revision::TierRange> due_static_merge(const revision::Snapshot& now) const;
+  std::optional<revision::TierRange> due_dynamic_merge(const revision::Snapshot& now) const;
 
   mutable std::mutex writer_;
-  revision::SettlePolicy settle_policy_;  // guarded by writer_
-  std::deque<SceneState> unpublished_;    // guarded by writer_; oldest first
-  std::mutex rebuilding_;
+  std::deque<SceneState> unpublished_;  // guarded by writer_; oldest first
+  std::mutex static_merging_, dynamic_merging_;
+  revision::MergeState merge_state_;    // guarded by writer_
   mutable std::mutex published_mutex_;  // held for one copy
   SceneState published_;
 };

@@ -12,6 +12,9 @@ namespace sightline::scenegraph::hierarchy {
 
 using NodeMap = model::PersistentMap<std::shared_ptr<const model::Node>>;
 
+/// Revisions by node. Deleted nodes may have an entry too.
+using ChangeMap = model::PersistentMap<std::uint64_t>;
+
 class SummaryTree;
 
 /// A hierarchy and its summaries.
@@ -22,8 +25,9 @@ struct Hierarchy {
   SummaryMap summaries;
   /// For groups with more than SummaryTree::kWide children (0: the scene's roots).
   model::PersistentMap<std::shared_ptr<const SummaryTree>> summary_trees;
-  /// The nodes that are in the dynamic tree with all that is below them; see revision/mobility.h.
-  model::PersistentMap<bool> dynamic_roots;
+  /// By node: the revision that changed it last, since it left the static tree. Nodes without an
+  /// entry, here and above them, are in the static tree; see revision/mobility.h.
+  ChangeMap changed_at;
 
   /// Null if there is no such node.
   const model::Node* find(model::NodeId id) const {

@@ -19,8 +19,8 @@ accel::geometry::Vec3d middle(const model::DoubleBox& box) {
 
 }  // namespace
 
-Instances::Instances(MobilitySide side, const hierarchy::Hierarchy& hierarchy)
-    : view_(side, hierarchy),
+Instances::Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
+    : view_(hierarchy, moved),
       center_(middle(view_.all().box)),
       weight_shift_(weight_shift(view_.all().entry_cost)),
       instances_(view_.all().instances),

@@ -1,4 +1,4 @@
-// The instances of the static or the dynamic tree, opened as rays need them, and the kd-tree over
+// The instances of one of the trees of a scene, opened as rays need them, and the kd-tree over
 // their boxes.
 #pragma once
 
@@ -17,8 +17,8 @@ namespace sightline::scenegraph::instances {
 /// Threads: all members, any; no thread waits for a stopped one.
 class Instances {
  public:
-  /// The hierarchy must outlive this.
-  Instances(MobilitySide side, const hierarchy::Hierarchy& hierarchy);
+  /// The hierarchy must outlive this. `moved`: what a dynamic tree holds; null: the static tree.
+  Instances(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved);
   ~Instances();
   Instances(const Instances&) = delete;
   Instances& operator=(const Instances&) = delete;

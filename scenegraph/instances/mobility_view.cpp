@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
+#include <utility>
 
 #include "scenegraph/hierarchy/summary_tree.h"
 
@@ -24,29 +26,57 @@ hierarchy::NodeSummary summary_in_world(const hierarchy::Hierarchy& hierarchy,
   return part;
 }
 
+/// Of these nodes, those that are there, have changed after this revision, and have no such node
+/// above them; ascending.
+std::vector<model::NodeId> topmost_changed_after(const hierarchy::Hierarchy& hierarchy,
+                                                 std::uint64_t after,
+                                                 std::vector<model::NodeId> candidates) {
+  const auto changed = [&](model::NodeId id) {
+    const std::uint64_t* at = hierarchy.changed_at.find(id);
+    return at != nullptr && *at > after;
+  };
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  std::erase_if(candidates, [&](model::NodeId id) {
+    if (!changed(id)) return true;
+    const model::Node* node = hierarchy.find(id);
+    return node == nullptr || any_upward(hierarchy, node->parent, changed);
+  });
+  return candidates;
+}
+
 }  // namespace
 
-bool is_dynamic(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
-  if (hierarchy.dynamic_roots.size() == 0) return false;
-  return any_upward(hierarchy, id, [&](model::NodeId above) {
-    return hierarchy.dynamic_roots.find(above) != nullptr;
-  });
+std::uint64_t last_change(const hierarchy::Hierarchy& hierarchy, model::NodeId id) {
+  std::uint64_t last = 0;
+  if (hierarchy.changed_at.size() == 0) return last;
+  for (; id != 0; id = hierarchy.find(id)->parent) {
+    if (const std::uint64_t* at = hierarchy.changed_at.find(id)) last = std::max(last, *at);
+  }
+  return last;
+}
+
+std::vector<model::NodeId> candidates_of(const MovedNodes& moved,
+                                         const hierarchy::Hierarchy& hierarchy) {
+  if (moved.candidates) return {moved.candidates->begin(), moved.candidates->end()};
+  std::vector<model::NodeId> changed;
+  changed.reserve(hierarchy.changed_at.size());
+  hierarchy.changed_at.for_each([&](model::NodeId id, std::uint64_t) { changed.push_back(id); });
+  return changed;
 }
 
 std::vector<model::NodeId> topmost_dynamic_roots(const hierarchy::Hierarchy& hierarchy) {
-  std::vector<model::NodeId> dynamic_roots;
-  dynamic_roots.reserve(hierarchy.dynamic_roots.size());
-  hierarchy.dynamic_roots.for_each([&](model::NodeId id, bool) {
-    if (!is_dynamic(hierarchy, hierarchy.find(id)->parent)) dynamic_roots.push_back(id);
-  });
-  return dynamic_roots;
+  return topmost_changed_after(hierarchy, 0, candidates_of({}, hierarchy));
 }
 
-MobilityView::MobilityView(MobilitySide side, const hierarchy::Hierarchy& hierarchy)
+MobilityView::MobilityView(const hierarchy::Hierarchy& hierarchy, const MovedNodes* moved)
     : hierarchy_(hierarchy),
-      side_(side),
-      dynamic_roots_(std::span<const model::NodeId>(topmost_dynamic_roots(hierarchy))) {
-  if (side == MobilitySide::kDynamic) {
+      is_static_(moved == nullptr),
+      dynamic_roots_(std::span<const model::NodeId>(
+          moved == nullptr
+              ? topmost_dynamic_roots(hierarchy)
+              : topmost_changed_after(hierarchy, moved->after, candidates_of(*moved, hierarchy)))) {
+  if (!is_static_) {
     for (const model::NodeId id : dynamic_roots_)
       add(all_, summary_in_world(hierarchy, *hierarchy.find(id)));
     return;
@@ -103,6 +133,11 @@ hierarchy::NodeSummary MobilityView::without_dynamic(
     add(sum, (*tree)->total_with(changed, {before, after}));
     return sum;
   }
+  hierarchy::NodeSummary adjusted = hierarchy_.summary(group);
+  const bool exact = std::all_of(changed.begin(), changed.end(), [&](model::NodeId id) {
+    return try_replace(adjusted, before(id), after(id));
+  });
+  if (exact) return adjusted;
   for (const model::NodeId child : children_of(hierarchy_, group)) add(sum, after(child));
   return sum;
 }

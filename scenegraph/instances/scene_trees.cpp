@@ -1,6 +1,8 @@
 // Makes a tree's instances at the first ray, and looks up the hierarchy for removed nodes.
 #include "scenegraph/instances/scene_trees.h"
 
+#include <algorithm>
+
 namespace sightline::scenegraph::instances {
 
 SceneTree::~SceneTree() { delete instances_.load(std::memory_order_acquire); }
@@ -9,7 +11,7 @@ SceneTree::~SceneTree() { delete instances_.load(std::memory_order_acquire); }
 const Instances& SceneTree::instances() const {
   const Instances* now = instances_.load(std::memory_order_acquire);
   if (now == nullptr) {
-    auto made = std::make_unique<const Instances>(side_, hierarchy_);
+    auto made = std::make_unique<const Instances>(hierarchy_, moved_ ? &*moved_ : nullptr);
     if (instances_.compare_exchange_strong(now, made.get(), std::memory_order_acq_rel))
       now = made.release();
   }
@@ -22,12 +24,31 @@ const Instances* SceneTree::instances_so_far() const {
   return now != nullptr && now->begun() ? now : nullptr;
 }
 
-RemovedFilter::RemovedFilter(std::shared_ptr<const SceneTree> tree, NodeSet nodes)
-    : tree_(std::move(tree)), nodes_(std::move(nodes)), removed_(tree_->instances().size()) {}
+RemovedFilter::RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_t last,
+                             hierarchy::ChangeMap changed_at)
+    : tree_(std::move(tree)),
+      last_(last),
+      changed_at_(std::move(changed_at)),
+      removed_(tree_->instances().size()) {}
 
 bool RemovedFilter::decide(std::size_t index) const {
-  return any_upward(tree_->hierarchy(), tree_->instances()[index].node,
-                    [&](model::NodeId id) { return nodes_.find(id) != nullptr; });
+  return any_upward(tree_->hierarchy(), tree_->instances()[index].node, [&](model::NodeId id) {
+    const std::uint64_t* at = changed_at_.find(id);
+    return at != nullptr && *at > last_;
+  });
+}
+
+bool SceneTrees::are_opened() const {
+  return std::all_of(tiers.begin(), tiers.end(),
+                     [](const Tier& tier) { return tier.tree->instances_so_far() != nullptr; });
+}
+
+OpenTrees::OpenTrees(const SceneTrees& trees) {
+  trees_.reserve(trees.tiers.size());
+  for (const Tier& tier : trees.tiers) {
+    trees_.push_back({tier.tree->instances(), tier.removed.get(), size_});
+    size_ += trees_.back().instances.size();
+  }
 }
 
 }  // namespace sightline::scenegraph::instances

@@ -1,52 +1,56 @@
-// The static and the dynamic tree of a scene. The static tree is shared by many revisions, the
-// dynamic tree is made again for each revision that moves something.
+// The trees of a scene. The static tree is shared by many revisions. What has changed since it was
+// made is in dynamic trees: one for each span of revisions.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "scenegraph/instances/instance_filter.h"
 #include "scenegraph/instances/instance_list.h"
-#include "scenegraph/model/persistent_map.h"
 
 namespace sightline::scenegraph::instances {
 
-/// One of the two trees. Its instances are made when a ray first needs them. Immutable apart from
+/// One of the trees. Its instances are made when a ray first needs them. Immutable apart from
 /// opening and growing. Threads: all members, any; no thread waits for another.
 class SceneTree {
  public:
-  SceneTree(MobilitySide side, hierarchy::Hierarchy hierarchy)
-      : side_(side), hierarchy_(std::move(hierarchy)) {}
+  /// Nothing: the static tree.
+  SceneTree(hierarchy::Hierarchy hierarchy, std::optional<MovedNodes> moved)
+      : hierarchy_(std::move(hierarchy)), moved_(std::move(moved)) {}
   ~SceneTree();
   SceneTree(const SceneTree&) = delete;
   SceneTree& operator=(const SceneTree&) = delete;
 
   /// Of the revision that this tree was made for.
   const hierarchy::Hierarchy& hierarchy() const { return hierarchy_; }
+  /// What a dynamic tree holds.
+  const std::optional<MovedNodes>& moved() const { return moved_; }
   /// Makes the instances at the first call. Throws std::bad_alloc.
   const Instances& instances() const;
   /// Null until instances() has been called.
   const Instances* instances_so_far() const;
 
  private:
-  const MobilitySide side_;
   const hierarchy::Hierarchy hierarchy_;
+  const std::optional<MovedNodes> moved_;
   mutable std::atomic<const Instances*> instances_{nullptr};
 };
 
-using NodeSet = model::PersistentMap<bool>;
-
-/// The instances removed from the static tree since it was made. The tree still holds them; rays
-/// skip them. Revisions with the same removed nodes share one filter. Threads: any.
+/// The instances that have left a tree since it was made: they changed, or a node above them did.
+/// The tree still holds them; rays skip them. Threads: any.
 class RemovedFilter {
  public:
-  /// `nodes` are removed with all that was below them when the tree was made. Rays have opened the
-  /// tree.
-  RemovedFilter(std::shared_ptr<const SceneTree> tree, NodeSet nodes);
+  /// `last`: as of Tier; `changed_at`: of the revision whose rays ask. Rays have opened the tree.
+  RemovedFilter(std::shared_ptr<const SceneTree> tree, std::uint64_t last,
+                hierarchy::ChangeMap changed_at);
 
-  const NodeSet& nodes() const { return nodes_; }
   /// `index`: of an opened instance of the tree.
   bool has(std::size_t index) const {
     return removed_.passes(index, [&] { return decide(index); });
@@ -56,29 +60,63 @@ class RemovedFilter {
   bool decide(std::size_t index) const;
 
   std::shared_ptr<const SceneTree> tree_;
-  NodeSet nodes_;
+  std::uint64_t last_;
+  hierarchy::ChangeMap changed_at_;
   InstanceFilter removed_;
+};
+
+/// A tree of a revision, and what has left it. An instance is in the tree of the span of revisions
+/// in which it, or a node above it, changed last; the static tree has those that did not.
+struct Tier {
+  std::shared_ptr<const SceneTree> tree{};
+  std::shared_ptr<const RemovedFilter> removed{};  ///< Null: none.
+  /// The last revision whose changes it holds; the static tree: 0.
+  std::uint64_t last = 0;
+  /// When it was made: the nodes that had changed; in the static tree the instances, once rays have
+  /// opened it.
+  std::uint64_t nodes = 0;
+  std::uint64_t left = 0;  ///< Of `nodes`; at most a little too many, where groups left.
+
+  std::uint64_t staying() const { return nodes - std::min(nodes, left); }
 };
 
 /// The trees of a revision, shared with the revisions that have the same.
 struct SceneTrees {
-  std::shared_ptr<const SceneTree> static_tree, dynamic_tree;
-  std::shared_ptr<const RemovedFilter> removed;  ///< From the static tree; null: none.
+  std::vector<Tier> tiers;  ///< By `last`: the static tree first.
+
+  const std::shared_ptr<const SceneTree>& static_tree() const { return tiers.front().tree; }
+  /// Rays need make no tree's instances.
+  bool are_opened() const;
 };
 
-/// The trees of a revision, opened for rays: the instances of both have one numbering, static ones
-/// first. A view, valid while the snapshot is.
-struct OpenTrees {
-  const Instances& static_tree;
-  const Instances& dynamic_tree;
-  const RemovedFilter* removed = nullptr;  ///< From the static tree; null: none.
+/// A tree of a revision, opened for rays.
+struct OpenTree {
+  const Instances& instances;
+  const RemovedFilter* removed = nullptr;  ///< Null: none.
+  std::size_t first = 0;                   ///< The index of its first instance among all.
+};
 
+/// The trees of a revision, opened for rays: the instances of all have one numbering, static ones
+/// first. A view, valid while the snapshot is.
+class OpenTrees {
+ public:
+  /// Opens them. Throws std::bad_alloc.
+  explicit OpenTrees(const SceneTrees& trees);
+
+  const std::vector<OpenTree>& all() const { return trees_; }
+  const Instances& static_tree() const { return trees_.front().instances; }
+  std::span<const OpenTree> dynamic() const { return std::span(trees_).subspan(1); }
   /// Removed instances are counted; rays never meet them.
-  std::size_t size() const { return static_tree.size() + dynamic_tree.size(); }
+  std::size_t size() const { return size_; }
   const Instance& operator[](std::size_t index) const {
-    return index < static_tree.size() ? static_tree[index]
-                                      : dynamic_tree[index - static_tree.size()];
+    std::size_t tree = trees_.size() - 1;
+    while (index < trees_[tree].first) --tree;
+    return trees_[tree].instances[index - trees_[tree].first];
   }
+
+ private:
+  std::vector<OpenTree> trees_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace sightline::scenegraph::instances

@@ -86,8 +86,8 @@ void add_mesh(const model::Mesh& mesh, const model::Affine& world_from_local, bo
 DeferredCells deferred_cells(const Snapshot& snapshot, std::size_t limit) {
   Largest largest(limit);
   const accel::kdtree::EpochPin pin;
-  add_scene_tree(*snapshot.shared_trees().static_tree, largest);
-  add_scene_tree(*snapshot.shared_trees().dynamic_tree, largest);
+  for (const instances::Tier& tier : snapshot.shared_trees().tiers)
+    add_scene_tree(*tier.tree, largest);
   snapshot.nodes().for_each([&](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (node->mesh == nullptr || node->mesh->triangles() == 0) return;
     add_mesh(*node->mesh, world_from_local(snapshot.hierarchy(), *node),

@@ -249,7 +249,7 @@ Status Draft::finish() {
   if (Status shallow = check_depths(); !shallow) return shallow;
   change_ = classify_changes(base_, edited_, cancelled_);
   if (Status wanted = check_cancelled(); !wanted) return wanted;
-  hierarchy_.dynamic_roots = change_.dynamic_roots;
+  hierarchy_.changed_at = change_.changed_at;
   {
     hierarchy::NodeMap::Edit nodes(hierarchy_.nodes);
     for (const auto& [id, node] : edited_) {
@@ -291,28 +291,10 @@ Status Draft::check_below(const model::Node& node, const model::Affine& world) c
   return {};
 }
 
-/// The trees of the base, replaced as far as the revision differs.
-instances::SceneTrees Draft::trees() const {
-  instances::SceneTrees trees = base_.shared_trees();
-  const std::size_t removed = trees.removed == nullptr ? 0 : trees.removed->nodes().size();
-  if (change_.static_changed) {
-    trees.static_tree =
-        std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic, hierarchy_);
-  }
-  if (change_.dynamic_changed) {
-    trees.dynamic_tree =
-        std::make_shared<const instances::SceneTree>(instances::MobilitySide::kDynamic, hierarchy_);
-  }
-  if (change_.removed.size() != removed) {
-    trees.removed =
-        std::make_shared<const instances::RemovedFilter>(trees.static_tree, change_.removed);
-  }
-  return trees;
-}
-
-std::shared_ptr<const Snapshot> Draft::publish(std::uint64_t revision) && {
-  instances::SceneTrees shared = trees();
-  return std::make_shared<const Snapshot>(revision, std::move(hierarchy_), std::move(shared));
+std::shared_ptr<const Snapshot> Draft::publish(const MergeState& state) && {
+  instances::SceneTrees trees = next_trees(base_, hierarchy_, change_, state);
+  return std::make_shared<const Snapshot>(base_.revision() + 1, std::move(hierarchy_),
+                                          std::move(trees));
 }
 
 }  // namespace sightline::scenegraph::revision

@@ -12,6 +12,7 @@
 #include "scenegraph/model/update.h"
 #include "scenegraph/revision/deformations.h"
 #include "scenegraph/revision/mobility.h"
+#include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph::revision {
 
@@ -38,11 +39,8 @@ class Draft {
   const std::vector<model::NodeId>& put_nodes() const { return put_nodes_; }
   model::NodeId next_id() const { return next_id_; }
 
-  /// Nodes whose transform, parent, mesh or mask changed. After finish().
-  const std::vector<model::NodeId>& changed() const { return change_.changed; }
-
-  /// After finish().
-  std::shared_ptr<const Snapshot> publish(std::uint64_t revision) &&;
+  /// The revision after the base, after finish().
+  std::shared_ptr<const Snapshot> publish(const MergeState& state) &&;
 
  private:
   Status put(const model::PutNode& put);
@@ -63,7 +61,6 @@ class Draft {
   Status check_parent(model::NodeId node, model::NodeId parent) const;
   Status check_depths() const;
   model::Affine world_from_local(const model::Node& node) const;
-  instances::SceneTrees trees() const;
   Status check_transforms() const;
   Status check_below(const model::Node& node, const model::Affine& world) const;
 

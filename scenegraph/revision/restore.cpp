@@ -47,7 +47,7 @@ class Restorer {
       }
     }
     const Snapshot empty(0, {});
-    hierarchy.dynamic_roots = classify_changes(empty, nodes_).dynamic_roots;
+    hierarchy.changed_at = classify_changes(empty, nodes_).changed_at;
     {
       hierarchy::NodeMap::Edit edit(hierarchy.nodes);
       for (const auto& [id, node] : nodes_) edit.set(id, node);

@@ -6,6 +6,7 @@
 
 #include "accel/kdtree/epoch.h"
 #include "accel/kdtree/tree_metrics.h"
+#include "scenegraph/revision/tiers.h"
 
 namespace sightline::scenegraph::revision {
 namespace {
@@ -32,16 +33,7 @@ void grow_by_box(WorldBounds& bounds, const model::Mesh& mesh, const model::Affi
 }  // namespace
 
 Snapshot::Snapshot(std::uint64_t revision, const hierarchy::Hierarchy& hierarchy)
-    : Snapshot(revision, hierarchy,
-               {std::make_shared<const instances::SceneTree>(instances::MobilitySide::kStatic,
-                                                             hierarchy),
-                std::make_shared<const instances::SceneTree>(instances::MobilitySide::kDynamic,
-                                                             hierarchy),
-                nullptr}) {}
-
-instances::OpenTrees Snapshot::trees() const {
-  return {trees_.static_tree->instances(), trees_.dynamic_tree->instances(), trees_.removed.get()};
-}
+    : Snapshot(revision, hierarchy, new_trees(hierarchy, revision)) {}
 
 std::vector<const model::Mesh*> Snapshot::meshes() const {
   std::vector<const model::Mesh*> meshes;
@@ -115,12 +107,12 @@ BuildSummary summarize_build(const Snapshot& snapshot) {
     s.bytes_trees += mesh->tree().bytes();
   });
   const accel::kdtree::EpochPin pin;
-  if (const instances::Instances* static_tree =
-          snapshot.shared_trees().static_tree->instances_so_far())
-    s.bytes_static_tree = static_tree->tree().tree().bytes();
-  if (const instances::Instances* dynamic_tree =
-          snapshot.shared_trees().dynamic_tree->instances_so_far())
-    s.bytes_dynamic_tree = dynamic_tree->tree().tree().bytes();
+  for (const instances::Tier& tier : snapshot.shared_trees().tiers) {
+    const instances::Instances* opened = tier.tree->instances_so_far();
+    if (opened == nullptr) continue;
+    (tier.tree->moved() ? s.bytes_dynamic_tree : s.bytes_static_tree) +=
+        opened->tree().tree().bytes();
+  }
   s.bytes_trees += s.bytes_static_tree + s.bytes_dynamic_tree;
   return s;
 }

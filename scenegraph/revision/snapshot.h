@@ -35,7 +35,7 @@ class Snapshot {
 
   /// The instances in world space and the kd-trees over them. The first call opens them; no thread
   /// waits for another.
-  instances::OpenTrees trees() const;
+  instances::OpenTrees trees() const { return instances::OpenTrees(trees_); }
   const instances::SceneTrees& shared_trees() const { return trees_; }
   /// The distinct meshes, in the order of the first nodes that carry them. Walks the scene.
   std::vector<const model::Mesh*> meshes() const;
@@ -89,10 +89,10 @@ struct BuildSummary {
   std::uint64_t triangles_total = 0;  ///< Of distinct meshes.
   std::uint64_t bytes_geometry = 0;
   std::uint64_t bytes_trees = 0;
-  std::uint64_t static_instances = 0;   ///< In the static tree.
-  std::uint64_t dynamic_instances = 0;  ///< In the dynamic tree: moving nodes and all below them.
-  std::uint64_t bytes_static_tree = 0;  ///< Part of bytes_trees, which also has the meshes' trees.
-  std::uint64_t bytes_dynamic_tree = 0;
+  std::uint64_t static_instances = 0;    ///< In the static tree.
+  std::uint64_t dynamic_instances = 0;   ///< In dynamic trees: moving nodes and all below them.
+  std::uint64_t bytes_static_tree = 0;   ///< Part of bytes_trees, which also has the meshes' trees.
+  std::uint64_t bytes_dynamic_tree = 0;  ///< Of all dynamic trees.
 };
 BuildSummary summarize_build(const Snapshot& snapshot);
 

@@ -13,6 +13,7 @@
 namespace sightline::server::scenes {
 namespace {
 
+using scenegraph::instances::Tier;
 using scenegraph::model::DeleteNode;
 using scenegraph::model::Mesh;
 using scenegraph::model::Node;
@@ -199,9 +200,24 @@ Replaced bytes_replaced(const Snapshot& before,
                         const std::vector<scenegraph::model::Update>& updates) {
   ReplacedBytes visitor(before);
   for (const scenegraph::model::Update& update : updates) std::visit(visitor, update);
-  Replaced replaced = visitor.replaced();
-  replaced.bytes += bytes_of(*before.shared_trees().dynamic_tree);
-  return replaced;
+  return visitor.replaced();
+}
+
+std::uint64_t bytes_of_replaced_trees(const Snapshot& before, const Snapshot& after) {
+  const std::vector<Tier>& now = after.shared_trees().tiers;
+  std::uint64_t bytes = 0;
+  for (const Tier& tier : before.shared_trees().tiers) {
+    const bool is_kept =
+        std::ranges::any_of(now, [&](const Tier& other) { return other.tree == tier.tree; });
+    if (!is_kept) bytes += bytes_of(*tier.tree);
+  }
+  return bytes;
+}
+
+std::uint64_t bytes_of(const scenegraph::instances::SceneTrees& trees) {
+  std::uint64_t bytes = 0;
+  for (const Tier& tier : trees.tiers) bytes += bytes_of(*tier.tree);
+  return bytes;
 }
 
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree) {

@@ -35,7 +35,8 @@ Result<Needed> needed_by(const scenegraph::revision::Snapshot& before,
                          const std::vector<scenegraph::model::Update>& updates);
 
 /// About how many bytes of `before` the next revision does not share: nodes, patched vertices and
-/// their trees, the scene's dynamic tree. `updates` are resolved. Cost: proportional to the change.
+/// their trees, but not the scene's trees. `updates` are resolved. Cost: proportional to the
+/// change.
 struct Replaced {
   std::uint64_t bytes = 0;
   std::uint64_t meshes = 0;  ///< Of these, bytes of patched meshes and their trees.
@@ -43,6 +44,10 @@ struct Replaced {
 };
 Replaced bytes_replaced(const scenegraph::revision::Snapshot& before,
                         const std::vector<scenegraph::model::Update>& updates);
+
+/// About the bytes of the scene's trees that `before` has and `after` has not.
+std::uint64_t bytes_of_replaced_trees(const scenegraph::revision::Snapshot& before,
+                                      const scenegraph::revision::Snapshot& after);
 
 /// About the bytes of `nodes` nodes without their names and digests.
 std::uint64_t bytes_of_nodes(std::uint64_t nodes);
@@ -53,5 +58,7 @@ std::uint64_t bytes_of_names(const std::vector<scenegraph::model::Update>& updat
 
 /// About the bytes of the instances that rays have opened, and of the tree over them.
 std::uint64_t bytes_of(const scenegraph::instances::SceneTree& tree);
+/// Of all these trees.
+std::uint64_t bytes_of(const scenegraph::instances::SceneTrees& trees);
 
 }  // namespace sightline::server::scenes

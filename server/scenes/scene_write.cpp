@@ -30,7 +30,7 @@ std::vector<std::string> mesh_digests(const std::vector<scenegraph::model::Updat
 /// What is made of an update before it is published.
 struct StoredScene::Publication {
   bool revises = true;  ///< Makes a revision.
-  bool rebuild_static = false;
+  bool merge_trees = false;
   exec::MemoryAccount::Charge new_nodes;  ///< Until they are in nodes_.
   Replaced replaced;
   std::uint64_t names = 0;
@@ -136,7 +136,7 @@ void StoredScene::prepare_publication(Publication& publication,
                                       const SceneWrite& write, const scenegraph::Applied& next,
                                       std::vector<scenegraph::model::Update>& updates) {
   resolve(updates, next.nodes);
-  publication.rebuild_static = next.rebuild_static;
+  publication.merge_trees = next.merge_trees;
   publication.replaced = bytes_replaced(before, updates);
   reserve_patched(updates);
   recent_.reserve_more(waiting() + 1);
@@ -176,10 +176,9 @@ void StoredScene::publish(Publication& publication) noexcept {
   auto before = scene_.snapshot();
   auto unsettled = recent_.retain(before);
   Replaced& replaced = publication.replaced;
-  if (unsettled != nullptr &&
-      unsettled->shared_trees().static_tree != before->shared_trees().static_tree)
-    replaced.bytes += bytes_of(*unsettled->shared_trees().static_tree);
+  if (unsettled != nullptr) replaced.bytes += bytes_of_replaced_trees(*unsettled, *before);
   scene_.publish_next();
+  replaced.bytes += bytes_of_replaced_trees(*before, *scene_.snapshot());
   auto kept = memory_.record(exec::Held::kLogs, replaced.bytes - replaced.meshes);
   auto dropped = recent_.account(replaced.bytes, std::move(kept));
   const UpdateLog::Updates logged = publication.entry.updates;
@@ -193,7 +192,7 @@ void StoredScene::publish(Publication& publication) noexcept {
   answers_.retain(std::move(publication.answer));
   events_.notify();
   settle_later({std::move(dropped), std::move(unsettled), std::move(before)},
-               publication.rebuild_static);
+               publication.merge_trees);
   if (journal_ != nullptr && loaded())
     journal_->published(scene_.state(), recent_.oldest_or(scene_.snapshot()->revision()));
 }
@@ -297,7 +296,7 @@ void StoredScene::settle_later(Dropped dropped, bool settle) noexcept {
           self->free_dropped();
           // What could not be refused any more when it was recorded.
           static_cast<void>(self->memory_.reclaim(exec::Held::kLogs, 0));
-          if (settle) self->scene_.rebuild_static();
+          if (settle) self->scene_.merge_trees();
         });
   } catch (const std::bad_alloc&) {  // settles after a later update
     free_dropped();

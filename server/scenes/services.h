@@ -10,6 +10,7 @@
 #include "server/blobs/blob_store.h"
 #include "server/exec/admission.h"
 #include "server/exec/call_registry.h"
+#include "server/exec/deadlines.h"
 #include "server/exec/executors.h"
 #include "server/exec/memory_account.h"
 #include "server/exec/quotas.h"
@@ -26,6 +27,7 @@ struct Services {
   SceneStore& scenes;
   blobs::BlobStore& blobs;
   exec::Compute& compute;
+  exec::Deadlines& deadlines;
   exec::Admission& admission;
   /// A second, smaller bound for batches that ask for all hits. Such a batch counts until the
   /// client has read its replies. Slow clients therefore cannot use up all of `admission`.

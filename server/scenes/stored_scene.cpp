@@ -57,8 +57,7 @@ StoredScene::StoredScene(SceneInfo info, exec::MemoryAccount& memory, KeptScene 
 
 std::uint64_t StoredScene::tree_bytes() const {
   const auto snapshot = scene_.snapshot();
-  std::uint64_t bytes = bytes_of(*snapshot->shared_trees().static_tree) +
-                        bytes_of(*snapshot->shared_trees().dynamic_tree);
+  std::uint64_t bytes = bytes_of(snapshot->shared_trees());
   const std::lock_guard lock(patched_mutex_);
   const scenegraph::model::Mesh* last = nullptr;  // several patches of one mesh follow each other
   for (const auto& patched : patched_) {
@@ -93,8 +92,7 @@ void StoredScene::drop_old_revisions() {
 
 std::uint64_t StoredScene::drop_trees() {
   const auto snapshot = scene_.snapshot();
-  const std::uint64_t placed = bytes_of(*snapshot->shared_trees().static_tree) +
-                               bytes_of(*snapshot->shared_trees().dynamic_tree);
+  const std::uint64_t placed = bytes_of(snapshot->shared_trees());
   return placed + scene_.drop_trees();
 }
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 
 #include "tests/e2e/wire_updates.h"
@@ -19,19 +18,11 @@ using scenegraph::RayTally;
 constexpr std::size_t kRays = 24;
 constexpr std::uint64_t kFarBack = 100;  // Revisions, some of which are no longer kept
 
-template <class T>
-std::vector<T> values(const v1::CastRaysResponse& reply, v1::HitField field) {
-  const std::string column = column_of(reply, field);
-  std::vector<T> out(column.size() / sizeof(T));
-  if (!out.empty()) std::memcpy(out.data(), column.data(), out.size() * sizeof(T));
-  return out;
-}
-
 // One row for each ray, or for each hit.
 std::vector<accel::geometry::Hit> rows_of(const v1::CastRaysResponse& reply) {
-  const auto t = values<double>(reply, v1::HIT_FIELD_T);
-  const auto node = values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
-  const auto primitive = values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
+  const auto t = column_values<double>(reply, v1::HIT_FIELD_T);
+  const auto node = column_values<std::uint64_t>(reply, v1::HIT_FIELD_NODE);
+  const auto primitive = column_values<std::uint32_t>(reply, v1::HIT_FIELD_PRIMITIVE);
   std::vector<accel::geometry::Hit> hits(t.size());
   for (std::size_t k = 0; k < t.size(); ++k) {
     hits[k].t = t[k];
@@ -145,10 +136,10 @@ void CastingClient::judge(const PlainScene& plain, const RandomQuestion& questio
                           v1::QueryKind kind, const v1::CastRaysResponse& reply) {
   const BruteForce oracle(plain.placed());
   const Filter filter{question.culling, plain.hidden(question.root, question.excluded)};
-  const auto states = values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
+  const auto states = column_values<std::uint8_t>(reply, v1::HIT_FIELD_HIT);
   ASSERT_EQ(states.size(), question.rays.size());
-  const auto counts = values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
-  const auto offsets = values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
+  const auto counts = column_values<std::uint32_t>(reply, v1::HIT_FIELD_COUNT);
+  const auto offsets = column_values<std::uint32_t>(reply, v1::HIT_FIELD_OFFSET);
   const std::vector<accel::geometry::Hit> rows = rows_of(reply);
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Reference all = oracle.trace_all(question.rays[i], filter);

@@ -212,7 +212,7 @@ Result<Latencies> publish(const UpdatesOptions& options, const std::vector<MeshC
     const auto applied = scene.apply(updates);
     publishing.add(ms_since(begin), static_cast<double>(step) / options.rate);
     if (!applied.ok()) return applied.error();
-    if (applied->rebuild_static) settling = std::jthread([&] { scene.rebuild_static(); });
+    if (applied->merge_trees) settling = std::jthread([&] { scene.merge_trees(); });
   }
   return publishing;
 }

@@ -5,7 +5,7 @@
 
 #include "accel/result.h"
 #include "tests/bench/verbs/report.h"
-#include "tests/e2e/large_scene.h"
+#include "tests/support/large_scene.h"
 
 namespace sightline::tests {
 

@@ -34,7 +34,8 @@ constexpr int kThreads = 4;
 struct Stress {
   explicit Stress(std::uint64_t updates) : wanted(updates) {}
 
-  Scene scene;
+  // Few nodes make several trees, which are merged.
+  Scene scene{{.small_tree = 4, .at_once = 16}};
   PlainHistory history;
   const std::vector<MeshChoice> meshes = small_meshes();
   const std::uint64_t wanted;
@@ -79,8 +80,8 @@ class Actor {
     ASSERT_EQ(applied->nodes, edit.put_nodes);
     stress_.history.add(std::move(edit.after));
     ++stress_.applied;
-    if (applied->rebuild_static || random_.below(50) == 0) {
-      stress_.scene.rebuild_static();
+    if (applied->merge_trees || random_.below(50) == 0) {
+      stress_.scene.merge_trees();
       ++stress_.rebuilt;
     }
   }
@@ -239,7 +240,7 @@ TEST(HeldSnapshot, DoesNotChangeWhileAWriterContinuesAndOthersAreFreed) {
   for (std::uint64_t n = 0; n < 1000 || std::chrono::steady_clock::now() < until; ++n) {
     const auto applied = scene.apply(step(n));
     ASSERT_TRUE(applied) << applied.error().message;
-    if (applied->rebuild_static) scene.rebuild_static();
+    if (applied->merge_trees) scene.merge_trees();
     if (n % 10 == 0) answers(*scene.snapshot());
     superseded.push_back(scene.snapshot());
   }

@@ -62,7 +62,7 @@ TEST(Instances, AreEachReachedOnceThroughBoxesThatContainThem) {
   for (const Frames frames : kAllFrames) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const auto snapshot = tests::snapshot_of(static_nodes(300, frames, seed));
-      const Instances& instances = snapshot->trees().static_tree;
+      const Instances& instances = snapshot->trees().static_tree();
       const auto found = open_down(instances);
       ASSERT_EQ(found.size(), instances.size());
       ASSERT_EQ(found.size(), snapshot->hierarchy().summary(0).instances);
@@ -81,7 +81,7 @@ TEST(Instances, HaveTheTransformsOfTheHierarchy) {
     const auto snapshot = tests::snapshot_of(static_nodes(400, frames, 3));
     model::NodeId before = 0;
     std::size_t count = 0;
-    for (const Instance& instance : tests::all_instances(snapshot->trees().static_tree)) {
+    for (const Instance& instance : tests::all_instances(snapshot->trees().static_tree())) {
       const model::Node& node = *snapshot->find(instance.node);
       const model::Affine world = world_from_local(snapshot->hierarchy(), node);
       ASSERT_EQ(instance.local_from_world, *inverse(world));
@@ -91,12 +91,12 @@ TEST(Instances, HaveTheTransformsOfTheHierarchy) {
       EXPECT_EQ(instance.entered, node.entered.get());
       // Clipping to the boxes of the groups above removes nothing.
       EXPECT_EQ(instance.box, instance_box(world, instance.local_from_world, node.mesh->bounds(),
-                                           snapshot->trees().static_tree.center()));
+                                           snapshot->trees().static_tree().center()));
       EXPECT_NE(instance.node, before);
       before = instance.node;
       ++count;
     }
-    EXPECT_EQ(count, snapshot->trees().static_tree.size());
+    EXPECT_EQ(count, snapshot->trees().static_tree().size());
   }
 }
 
@@ -118,20 +118,20 @@ TEST(Instances, BoxesContainTheirInstancesForAnyConditionNumber) {
       updates.emplace_back(put);
     }
     const auto snapshot = tests::snapshot_of(updates);
-    EXPECT_EQ(open_down(snapshot->trees().static_tree).size(), 40u);
+    EXPECT_EQ(open_down(snapshot->trees().static_tree()).size(), 40u);
   }
 }
 
 TEST(Instances, OpenTheSameWayInEveryOrderOnAnyThreads) {
   const auto updates = static_nodes(3000, Frames::kSheared, 6);
   const auto expected_of = tests::snapshot_of(updates);
-  const auto expected = open_down(expected_of->trees().static_tree);
+  const auto expected = open_down(expected_of->trees().static_tree());
   for (int round = 0; round < 10; ++round) {
     const auto snapshot = tests::snapshot_of(updates);
     std::vector<std::map<std::uint32_t, Reference>> found(8);
     std::vector<std::thread> threads;
     for (auto& mine : found) {
-      threads.emplace_back([&] { mine = open_down(snapshot->trees().static_tree); });
+      threads.emplace_back([&] { mine = open_down(snapshot->trees().static_tree()); });
     }
     for (std::thread& thread : threads) thread.join();
     for (const auto& mine : found) {
@@ -139,12 +139,12 @@ TEST(Instances, OpenTheSameWayInEveryOrderOnAnyThreads) {
       for (const auto& [id, ref] : expected) {
         ASSERT_EQ(mine.at(id).bounds(), ref.bounds());
         ASSERT_EQ(mine.at(id).weight, ref.weight);
-        ASSERT_EQ(snapshot->trees().static_tree[id].node,
-                  expected_of->trees().static_tree[id].node);
+        ASSERT_EQ(snapshot->trees().static_tree()[id].node,
+                  expected_of->trees().static_tree()[id].node);
       }
     }
-    EXPECT_EQ(snapshot->trees().static_tree.opened_members(),
-              expected_of->trees().static_tree.opened_members());
+    EXPECT_EQ(snapshot->trees().static_tree().opened_members(),
+              expected_of->trees().static_tree().opened_members());
   }
 }
 
@@ -179,11 +179,11 @@ std::vector<model::Update> many_groups(int count) {
 TEST(Instances, AreFoundByNumberAmongManyGroups) {
   const auto updates = many_groups(2500);
   const auto first = tests::snapshot_of(updates);
-  const auto expected = open_down(first->trees().static_tree);
-  ASSERT_EQ(expected.size(), first->trees().static_tree.size());
+  const auto expected = open_down(first->trees().static_tree());
+  ASSERT_EQ(expected.size(), first->trees().static_tree().size());
   // In another order: opens any group that is available.
   const auto snapshot = tests::snapshot_of(updates);
-  const Instances& instances = snapshot->trees().static_tree;
+  const Instances& instances = snapshot->trees().static_tree();
   tests::Random random(10);
   std::map<std::uint32_t, Reference> found;
   std::vector<Reference> closed = instances.coarsest();
@@ -200,13 +200,13 @@ TEST(Instances, AreFoundByNumberAmongManyGroups) {
   ASSERT_EQ(found.size(), expected.size());
   for (const auto& [id, ref] : expected) {
     ASSERT_EQ(found.at(id).bounds(), ref.bounds());
-    ASSERT_EQ(instances[id].node, first->trees().static_tree[id].node);
+    ASSERT_EQ(instances[id].node, first->trees().static_tree()[id].node);
   }
 }
 
 TEST(Instances, WeighTheInstancesBelow) {
   const auto snapshot = tests::snapshot_of(static_nodes(2000, Frames::kRigid, 7));
-  const Instances& instances = snapshot->trees().static_tree;
+  const Instances& instances = snapshot->trees().static_tree();
   const auto sum = [](const std::vector<Reference>& refs) {
     std::uint64_t weights = 0;
     for (const Reference& ref : refs) weights += ref.weight;
@@ -251,7 +251,7 @@ TEST(Instances, ThatCannotBeReachedAreNotListed) {
   for (model::NodeId id = 1; id <= 5; ++id) update.edited(id);
   update.finish();
   const revision::Snapshot snapshot(1, hierarchy);
-  const Instances& instances = snapshot.trees().static_tree;
+  const Instances& instances = snapshot.trees().static_tree();
   EXPECT_EQ(instances.size(), 3u);
   const accel::geometry::Ray ray{{0.1, 0.2, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;
@@ -264,8 +264,8 @@ TEST(Instances, ThatCannotBeReachedAreNotListed) {
 
 TEST(Instances, OfAnEmptyScene) {
   const Scene empty;
-  EXPECT_EQ(empty.snapshot()->trees().static_tree.size(), 0u);
-  EXPECT_TRUE(tests::all_instances(empty.snapshot()->trees().static_tree).empty());
+  EXPECT_EQ(empty.snapshot()->trees().static_tree().size(), 0u);
+  EXPECT_TRUE(tests::all_instances(empty.snapshot()->trees().static_tree()).empty());
   std::vector<model::Update> groups;
   for (int i = 1; i <= 10; ++i) {
     model::PutNode put;
@@ -275,9 +275,9 @@ TEST(Instances, OfAnEmptyScene) {
     groups.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(groups);
-  EXPECT_EQ(snapshot->trees().static_tree.size(), 0u);
-  EXPECT_TRUE(snapshot->trees().static_tree.coarsest().empty());
-  EXPECT_EQ(snapshot->trees().static_tree.opened_members(), 0u);
+  EXPECT_EQ(snapshot->trees().static_tree().size(), 0u);
+  EXPECT_TRUE(snapshot->trees().static_tree().coarsest().empty());
+  EXPECT_EQ(snapshot->trees().static_tree().opened_members(), 0u);
 }
 
 /// Nodes in a chain above the only instance are opened at once.
@@ -292,8 +292,8 @@ TEST(Instances, OpenDownADeepChainFarAway) {
     updates.emplace_back(put);
   }
   const auto snapshot = tests::snapshot_of(updates);
-  ASSERT_EQ(snapshot->trees().static_tree.coarsest().size(), 1u);
-  EXPECT_FALSE(snapshot->trees().static_tree.coarsest()[0].openable());
+  ASSERT_EQ(snapshot->trees().static_tree().coarsest().size(), 1u);
+  EXPECT_FALSE(snapshot->trees().static_tree().coarsest()[0].openable());
   const accel::geometry::Ray ray{{1e5 * model::kMaxDepth, 0.01, 9}, {0, 0, -1}};
   accel::geometry::Hit hit;
   ASSERT_TRUE(trace(*snapshot, {&ray, 1}, {&hit, 1}, {}));

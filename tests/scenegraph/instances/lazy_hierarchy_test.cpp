@@ -45,7 +45,7 @@ TEST_P(HierarchyInFrames, LazyOpeningEqualsFullOpeningAndTheOracle) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto updates = tests::random_hierarchy(400, GetParam(), seed);
     const auto opened = tests::snapshot_of(updates);
-    (void)tests::all_instances(opened->trees().static_tree);
+    (void)tests::all_instances(opened->trees().static_tree());
     const std::vector<Ray> rays = tests::rays_through(*opened, 1000, seed);
     const std::vector<Hit> expected = cast(*opened, rays);
     const tests::BruteForce oracle(opened);
@@ -165,8 +165,8 @@ std::uint64_t placed_by_one_ray(std::size_t leaves, std::size_t fan) {
     const std::vector<Hit> hits = cast(*snapshot, rays_at_squares(leaves, 1));
     EXPECT_EQ(hits[0].t, 3);
   });
-  EXPECT_EQ(snapshot->trees().static_tree.size(), leaves);
-  return snapshot->trees().static_tree.opened_members();
+  EXPECT_EQ(snapshot->trees().static_tree().size(), leaves);
+  return snapshot->trees().static_tree().opened_members();
 }
 
 TEST(LazyHierarchy, OneRayOpensLittleOfALargeScene) {
@@ -179,8 +179,8 @@ TEST(LazyHierarchy, OneRayOpensLittleOfALargeScene) {
 TEST(LazyHierarchy, AFlatSceneIsPlacedOnceAndKeptInRuns) {
   constexpr std::size_t kLeaves = 1 << 17;
   const auto snapshot = tests::tiled_plane(kLeaves, 0);
-  EXPECT_LE(snapshot->trees().static_tree.coarsest().size(), kMaxUnclustered);
-  EXPECT_EQ(snapshot->trees().static_tree.opened_members(), kLeaves + 1);
+  EXPECT_LE(snapshot->trees().static_tree().coarsest().size(), kMaxUnclustered);
+  EXPECT_EQ(snapshot->trees().static_tree().opened_members(), kLeaves + 1);
   tbb::task_arena arena(1);
   arena.execute([&] {
     Hit hit;
@@ -189,18 +189,18 @@ TEST(LazyHierarchy, AFlatSceneIsPlacedOnceAndKeptInRuns) {
     EXPECT_LT(stats->touches, kLeaves / 4);
     for (const Hit& each : cast(*snapshot, rays_at_squares(kLeaves, 500))) ASSERT_EQ(each.t, 3);
   });
-  EXPECT_EQ(snapshot->trees().static_tree.opened_members(), kLeaves + 1);
+  EXPECT_EQ(snapshot->trees().static_tree().opened_members(), kLeaves + 1);
 }
 
 TEST(LazyHierarchy, SummariesOpenNothing) {
   const auto snapshot = tests::tiled_plane(1 << 12, 16);
   EXPECT_EQ(summarize(*snapshot).instances, 1u << 12);
   EXPECT_EQ(summarize_build(*snapshot).instances_total, 1u << 12);
-  EXPECT_EQ(snapshot->shared_trees().static_tree->instances_so_far(), nullptr);
+  EXPECT_EQ(snapshot->shared_trees().static_tree()->instances_so_far(), nullptr);
   (void)cast(*snapshot, rays_at_squares(1 << 12, 1));
-  const std::uint64_t placed = snapshot->trees().static_tree.opened_members();
+  const std::uint64_t placed = snapshot->trees().static_tree().opened_members();
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 1u);
-  EXPECT_EQ(snapshot->trees().static_tree.opened_members(), placed);
+  EXPECT_EQ(snapshot->trees().static_tree().opened_members(), placed);
   ASSERT_TRUE(build_all(*snapshot));
   EXPECT_EQ(summarize_build(*snapshot).instances_entered, 1u << 12);
 }

@@ -1,5 +1,5 @@
 // A grid of nodes, group by group.
-#include "tests/e2e/large_scene.h"
+#include "tests/support/large_scene.h"
 
 #include <algorithm>
 #include <cmath>

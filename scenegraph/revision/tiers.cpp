@@ -1,0 +1,286 @@
+// Counts what leaves each tree, and decides which trees become one.
+#include "scenegraph/revision/tiers.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "scenegraph/instances/prebuild.h"
+
+namespace sightline::scenegraph::revision {
+namespace {
+
+using instances::MovedNodes;
+using instances::RemovedFilter;
+using instances::SceneTree;
+using instances::SceneTrees;
+using instances::Tier;
+
+/// What opening again the tree's nodes that are left would cost: the share of them in what rays
+/// have opened. Nothing, if rays have not opened the tree.
+std::uint64_t cost_to_open(const Tier& tier) {
+  const instances::Instances* opened = tier.tree->instances_so_far();
+  if (opened == nullptr || tier.nodes == 0) return 0;
+  const double share = static_cast<double>(tier.staying()) / static_cast<double>(tier.nodes);
+  return static_cast<std::uint64_t>(static_cast<double>(opened->opened_members()) * share);
+}
+
+/// Neighbouring trees from the newest back, of which each holds no more than the newer ones
+/// together.
+class Run {
+ public:
+  /// `most`: members of all but the newest tree.
+  Run(std::uint64_t small_tree, std::uint64_t most) : small_tree_(small_tree), most_(most) {}
+
+  /// Whether the next older tree belongs to the run as well; if so, adds it.
+  bool extend(const Tier& tier) {
+    const std::uint64_t cost = cost_to_open(tier);
+    if (cost > small_tree_ && trees_ > 0 && (cost > members_ || members_ + cost > most_))
+      return false;
+    members_ += std::max(cost, tier.staying());
+    is_small_ = cost <= small_tree_;
+    ++trees_;
+    return true;
+  }
+  /// A large tree is not opened again for itself alone.
+  bool is_worth_it() const { return trees_ > 1 || is_small_; }
+  std::uint64_t members() const { return members_; }
+
+ private:
+  const std::uint64_t small_tree_, most_;
+  std::size_t trees_ = 0;
+  std::uint64_t members_ = 0;
+  bool is_small_ = false;  // the tree that was added last
+};
+
+/// How many of the trees the next revision keeps; its own tree holds the nodes of the others.
+std::size_t count_kept(std::span<const Tier> tiers, const MergeState& state) {
+  constexpr std::size_t kMostDoubled = 32;
+  const std::size_t dynamic = tiers.size() - 1;
+  const std::size_t too_many = dynamic - std::min(dynamic, state.rule.many_trees);
+  std::size_t kept = tiers.size();
+  Run run(state.rule.small_tree, state.rule.at_once << std::min(too_many, kMostDoubled));
+  const std::uint64_t merging = std::max(state.static_up_to, state.dynamic_up_to);
+  for (std::size_t i = kept; i > 1 && tiers[i - 1].last > merging; --i) {
+    if (!run.extend(tiers[i - 1])) break;
+    if (run.is_worth_it()) kept = i - 1;
+  }
+  return kept;
+}
+
+/// Takes changed nodes out of the trees of the base.
+class Departures {
+ public:
+  Departures(const hierarchy::Hierarchy& base, std::vector<Tier>& tiers)
+      : base_(base), tiers_(tiers), changed_(tiers.size(), false) {}
+
+  void leave(model::NodeId id) {
+    const model::Node* node = base_.find(id);
+    if (node == nullptr) return;
+    const std::uint64_t last = instances::last_change(base_, id);
+    const std::size_t from = tier_of(last);
+    changed_[from] = true;
+    // What is below it may be in newer trees.
+    if (!node->children.empty())
+      std::fill(changed_.begin() + static_cast<std::ptrdiff_t>(from), changed_.end(), true);
+    if (last == 0) {
+      tiers_.front().left += base_.summary(*node).instances;
+    } else if (const std::uint64_t* own = base_.changed_at.find(id)) {
+      ++tiers_[tier_of(*own)].left;
+    }
+  }
+
+  /// Gives the trees that nodes left new filters.
+  void finish(const hierarchy::Hierarchy& next) {
+    for (std::size_t i = 0; i < tiers_.size(); ++i) {
+      if (!changed_[i]) continue;
+      tiers_[i].removed =
+          std::make_shared<const RemovedFilter>(tiers_[i].tree, tiers_[i].last, next.changed_at);
+    }
+  }
+
+ private:
+  /// The tree that holds the changes of that revision.
+  std::size_t tier_of(std::uint64_t revision) const {
+    std::size_t at = 0;
+    while (tiers_[at].last < revision) ++at;
+    return at;
+  }
+
+  const hierarchy::Hierarchy& base_;
+  std::vector<Tier>& tiers_;
+  std::vector<bool> changed_;
+};
+
+model::ChildList list_of(const std::vector<model::NodeId>& ids) {
+  return model::ChildList(std::span<const model::NodeId>(ids));
+}
+
+std::vector<model::NodeId> candidates_of(std::span<const Tier> tiers) {
+  std::vector<model::NodeId> all;
+  for (const Tier& tier : tiers) {
+    const auto more = instances::candidates_of(*tier.tree->moved(), tier.tree->hierarchy());
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
+/// Repeated and deleted candidates up to this number do not matter.
+constexpr std::uint64_t kFewCandidates = 256;
+
+/// The nodes of these trees and the changed ones. `members`: how many of these there still are.
+/// Drops repeated and deleted nodes when they are many.
+model::ChildList candidates(const hierarchy::Hierarchy& next, std::span<const Tier> tiers,
+                            const std::vector<model::NodeId>& changed, std::uint64_t members) {
+  std::vector<model::NodeId> all = candidates_of(tiers);
+  all.insert(all.end(), changed.begin(), changed.end());
+  if (all.size() > 2 * members + kFewCandidates) {
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    std::erase_if(all, [&](model::NodeId id) { return next.find(id) == nullptr; });
+  }
+  return list_of(all);
+}
+
+std::uint64_t count_staying(std::span<const Tier> tiers) {
+  std::uint64_t nodes = 0;
+  for (const Tier& tier : tiers) nodes += tier.staying();
+  return nodes;
+}
+
+hierarchy::ChangeMap changes_after(const hierarchy::ChangeMap& changed_at, std::uint64_t revision) {
+  hierarchy::ChangeMap later;
+  hierarchy::ChangeMap::Edit edit(later);
+  changed_at.for_each([&](model::NodeId id, std::uint64_t at) {
+    if (at > revision) edit.set(id, at);
+  });
+  return later;
+}
+
+/// Where the snapshot has these trees of `base`; empty: it has not. Older trees may have become one
+/// since.
+std::span<const Tier> find_tiers(const Snapshot& snapshot, const Snapshot& base, TierRange range) {
+  const std::span<const Tier> now = snapshot.shared_trees().tiers;
+  const std::span<const Tier> then = std::span<const Tier>(base.shared_trees().tiers)
+                                         .subspan(range.first, range.end - range.first);
+  const auto found =
+      std::ranges::search(now, then, [](const Tier& a, const Tier& b) { return a.tree == b.tree; });
+  return {found.begin(), found.end()};
+}
+
+}  // namespace
+
+SceneTrees new_trees(const hierarchy::Hierarchy& hierarchy, std::uint64_t revision) {
+  SceneTrees trees;
+  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy, std::nullopt)});
+  if (hierarchy.changed_at.size() == 0) return trees;
+  // Changes of nodes that were restored are of revision 1, whatever the revision is.
+  revision = std::max<std::uint64_t>(revision, 1);
+  trees.tiers.push_back({.tree = std::make_shared<const SceneTree>(hierarchy, MovedNodes{}),
+                         .last = revision,
+                         .nodes = hierarchy.changed_at.size()});
+  return trees;
+}
+
+SceneTrees next_trees(const Snapshot& base, const hierarchy::Hierarchy& next,
+                      const MobilityChange& change, const MergeState& state) {
+  if (change.changed.empty()) return base.shared_trees();
+  const std::uint64_t revision = base.revision() + 1;
+  if (!change.opened) return new_trees(next, revision);
+  SceneTrees trees = base.shared_trees();
+  std::vector<Tier>& tiers = trees.tiers;
+  tiers.front().nodes = tiers.front().tree->instances().size();
+  Departures departures(base.hierarchy(), tiers);
+  for (const model::NodeId id : change.changed) departures.leave(id);
+  const std::size_t kept = count_kept(tiers, state);
+  const std::span<const Tier> others = std::span<const Tier>(tiers).subspan(kept);
+  Tier tier{.last = revision, .nodes = count_staying(others)};
+  for (const model::NodeId id : change.changed) tier.nodes += next.find(id) != nullptr ? 1 : 0;
+  tier.tree = std::make_shared<const SceneTree>(
+      next, MovedNodes{tiers[kept - 1].last, candidates(next, others, change.changed, tier.nodes)});
+  tiers.resize(kept);
+  departures.finish(next);
+  tiers.push_back(std::move(tier));
+  return trees;
+}
+
+std::optional<TierRange> due_static_merge(const Snapshot& snapshot) {
+  const std::vector<Tier>& tiers = snapshot.shared_trees().tiers;
+  const std::size_t newest = tiers.size() - 1;
+  if (newest == 0) return std::nullopt;
+  const Tier& static_tier = tiers.front();
+  const std::uint64_t resting = count_staying(std::span(tiers).subspan(1, newest - 1));
+  const hierarchy::Hierarchy& hierarchy = snapshot.hierarchy();
+  // Deleted nodes leave entries behind.
+  const bool many_entries = hierarchy.changed_at.size() > hierarchy.nodes.size() + kFewCandidates;
+  if (resting + static_tier.left > 0 &&
+      (many_entries || static_tier.staying() <= std::max(resting, static_tier.left)))
+    return TierRange{0, newest};
+  return std::nullopt;
+}
+
+std::optional<TierRange> due_dynamic_merge(const Snapshot& snapshot, const MergeState& state) {
+  const std::vector<Tier>& tiers = snapshot.shared_trees().tiers;
+  const std::size_t newest = tiers.size() - 1;
+  Run run(state.rule.small_tree, std::numeric_limits<std::uint64_t>::max());
+  std::size_t first = newest;
+  while (first > 1 && tiers[first - 1].last > state.static_up_to && run.extend(tiers[first - 1]))
+    --first;
+  if (newest - first > 1 && run.members() > state.rule.at_once) return TierRange{first, newest};
+  return std::nullopt;
+}
+
+Tier merged(const Snapshot& base, TierRange range) {
+  const std::span<const Tier> all = base.shared_trees().tiers;
+  const std::span<const Tier> old = all.subspan(range.first, range.end - range.first);
+  Tier tier;
+  if (range.first == 0) {
+    hierarchy::Hierarchy hierarchy = base.hierarchy();
+    hierarchy.changed_at = changes_after(hierarchy.changed_at, old.back().last);
+    tier.tree = std::make_shared<const SceneTree>(std::move(hierarchy), std::nullopt);
+  } else {
+    tier.last = old.back().last;
+    tier.nodes = count_staying(old);
+    tier.tree = std::make_shared<const SceneTree>(
+        old.back().tree->hierarchy(),
+        MovedNodes{all[range.first - 1].last, list_of(candidates_of(old))});
+  }
+  for (const Tier& part : old) {
+    if (const instances::Instances* grown = part.tree->instances_so_far())
+      prebuild_like(*grown, tier.tree->instances());
+  }
+  return tier;
+}
+
+bool has_tiers(const Snapshot& snapshot, const Snapshot& base, TierRange range) {
+  return find_tiers(snapshot, base, range).size() == range.end - range.first;
+}
+
+std::shared_ptr<const Snapshot> with_merged(const Snapshot& now, const Snapshot& base,
+                                            TierRange range, const Tier& tier) {
+  const std::vector<Tier>& then = base.shared_trees().tiers;
+  const std::span<const Tier> old = find_tiers(now, base, range);
+  Tier one = tier;
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const std::uint64_t before = then[range.first + i].left;
+    one.left += old[i].left - std::min(old[i].left, before);
+  }
+  hierarchy::Hierarchy hierarchy = now.hierarchy();
+  if (range.first == 0)
+    hierarchy.changed_at = changes_after(hierarchy.changed_at, then[range.end - 1].last);
+  if (range.first > 0 || now.revision() != base.revision()) {
+    one.removed = std::make_shared<const RemovedFilter>(one.tree, one.last, hierarchy.changed_at);
+  }
+  const std::span<const Tier> all = now.shared_trees().tiers;
+  const auto at = static_cast<std::size_t>(old.data() - all.data());
+  const std::span<const Tier> newer = all.subspan(at + old.size());
+  SceneTrees trees;
+  trees.tiers.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(at));
+  trees.tiers.push_back(std::move(one));
+  trees.tiers.insert(trees.tiers.end(), newer.begin(), newer.end());
+  return std::make_shared<const Snapshot>(now.revision(), std::move(hierarchy), std::move(trees));
+}
+
+}  // namespace sightline::scenegraph::revision
