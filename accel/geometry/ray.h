@@ -21,10 +21,11 @@ struct Ray {
   std::uint32_t mask = kAllMasks;  ///< A node is visible where (node mask & ray mask) != 0.
 };
 
-enum class HitState : std::uint8_t { kMiss = 0, kHit = 1, kInvalid = 2 };
+/// 3 is a mark of lists on the wire.
+enum class HitState : std::uint8_t { kMiss = 0, kHit = 1, kInvalid = 2, kUnanswered = 4 };
 
 /// The answer to one ray. A miss: t = +inf, node = 0. An invalid ray (NaN, infinite or zero
-/// direction, ...): t = NaN, node = 0.
+/// direction, ...): t = NaN, node = 0. A ray for which there was no time: t = -inf, node = 0.
 struct Hit {
   double t = kInfinity;         ///< In units of the ray direction's length.
   std::uint64_t node = 0;       ///< Node id in the scene; never 0 for a hit.

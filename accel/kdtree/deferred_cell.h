@@ -48,6 +48,8 @@ struct alignas(8) DeferredCell : Retirable {
   /// The arrays of a tree without a budget of references (SplitSearch::budget) are full: the cell
   /// stays deferred, and rays search its list.
   std::atomic<bool> failed{false};
+  /// What rays have spent on searching the list, or will before they go on: references read.
+  mutable std::atomic<std::uint64_t> spent{0};
   /// Set once a thread has begun to expand a large cell: the work that threads share
   /// (accel/lazy/cell_task.h).
   std::atomic<RefCounted*> task{nullptr};

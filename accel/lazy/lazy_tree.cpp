@@ -238,7 +238,13 @@ kdtree::Slot LazyTree::make_slot(Division division, const kdtree::DeferredCell& 
 
 kdtree::Slot LazyTree::make_unkept(Division& division, const kdtree::DeferredCell& cell) {
   if (!division.cuts.empty()) return make_slot(division, division.cuts[0]);
-  if (!division.cells.empty()) return defer(std::move(division.cells[0]));
+  if (!division.cells.empty()) {
+    const kdtree::Slot finer = defer(std::move(division.cells[0]));
+    // Rays that have searched the cell have searched the finer one.
+    const std::uint64_t rays = cell.spent.load(std::memory_order_relaxed) / cell.size;
+    if (finer.is_deferred()) finer.cell()->spent = rays * finer.cell()->size;
+    return finer;
+  }
   const kdtree::ReferenceList whole = cell.list.copy();
   if (makes_blocks()) {
     const grow::GrowContext context{tree_,   *rule_,  context_.mesh, context_.max_depth,

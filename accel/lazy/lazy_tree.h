@@ -5,8 +5,10 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "accel/kdtree/kd_tree.h"
+#include "accel/lazy/demand.h"
 #include "accel/lazy/divide.h"
 #include "accel/wide/frame.h"
 #include "accel/wide/wide_node.h"
@@ -53,6 +55,29 @@ class LazyTree {
                       kdtree::BuildCounters& counters,
                       const std::atomic<bool>* cancelled = nullptr);
 
+  /// Whether its references are faces. Cells of other trees are always worth expanding: searching
+  /// them would enter all that a ray meets, in any order.
+  bool is_over_faces() const { return context_.mesh != nullptr; }
+
+  /// Called for rays that meet a cell and would search its list, which counts as spent. True: with
+  /// what was spent there before, that costs as much as expanding it.
+  bool is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays);
+
+  /// As above, for rays of a batch that wait at the cell, each of which stands for several. Spends
+  /// nothing.
+  CellDecision decide(const kdtree::DeferredCell& cell, std::span<const CellPassage> passages,
+                      double rays_each, kdtree::BuildCounters& counters) const;
+
+  /// Counts rays that walk the tree, while it is not complete.
+  void count_rays(std::uint64_t rays);
+  /// Whether they have spent as much on that as building all of the tree costs: what is in one
+  /// piece is walked faster.
+  bool has_paid_for_all() const;
+
+  /// Expands all cells below a slot. As expand_all() otherwise.
+  void finish(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+              const std::atomic<bool>* cancelled = nullptr);
+
   /// Measures the progress of a busy slot's expansion: grows while threads work on it.
   static std::uint64_t progress(const kdtree::AtomicSlot& slot);
 
@@ -80,6 +105,7 @@ class LazyTree {
  private:
   void compile_top();
   bool is_eager(const kdtree::DeferredCell& cell) const;
+  std::uint64_t cost_of_expanding(const kdtree::DeferredCell& cell) const;
   const geometry::Vec3f* center() const { return makes_blocks_ ? &frame_->center : nullptr; }
   double budget() const;
   ExpandResult expand_now(kdtree::AtomicSlot& slot, WhenPending when_pending,
@@ -127,6 +153,7 @@ class LazyTree {
   std::optional<wide::Frame> frame_;
   bool makes_blocks_;
   std::atomic<std::uint64_t> steps_{0};  ///< Since the top was compiled.
+  std::atomic<std::uint64_t> rays_{0};   ///< See count_rays().
   std::atomic<bool> compiles_top_{false};
   std::atomic<bool> complete_{false};
 };

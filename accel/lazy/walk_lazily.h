@@ -18,8 +18,21 @@ namespace sightline::accel::lazy {
 /// What a walk does at a cell that is not built.
 enum class OnDeferred : std::uint8_t {
   kExpand,  ///< Build it, or help to; search its list while other threads build a small one.
+  kDemand,  ///< As kExpand where that pays (LazyTree::is_worth_expanding), else as kScan.
+  kWait,    ///< In trees over faces, report it and stop; in others as kExpand.
   kScan,    ///< Do not expand; test the references whose boxes the ray meets.
   kSkip,    ///< Skip it.
+};
+
+/// Receives the cells at which a ray waits (OnDeferred::kWait).
+class WaitingRays {
+ public:
+  virtual ~WaitingRays() = default;
+  /// `owner`: of the tree, if it has one; see OwnedTree.
+  virtual void wait_at(LazyTree& tree, kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell,
+                       kdtree::RefCounted* owner) = 0;
+  /// The ray comes to a tree that rays have paid for (LazyTree::has_paid_for_all).
+  virtual void wait_for_all(LazyTree& tree, kdtree::RefCounted* owner) = 0;
 };
 
 /// The part of a query that concerns cells that are not built.
@@ -28,9 +41,11 @@ struct LazyQuery {
   WhenPending when_pending = WhenPending::kWait;
   bool saw_deferred = false;  ///< A cell was skipped, or its list was searched.
   /// With WhenPending::kReturn: the walk met a large cell that other threads build, and stopped.
-  /// Ask again, with a fresh query, when `progress` has increased.
+  /// Ask again, with a fresh query, when `progress` has increased. With OnDeferred::kWait: it
+  /// waits.
   bool suspended = false;
-  std::uint64_t progress = 0;  ///< Of that cell.
+  WaitingRays* waiting = nullptr;  ///< For OnDeferred::kWait.
+  std::uint64_t progress = 0;      ///< Of that cell.
   /// The walking thread's pin; renewed after cells were built, so that their old lists are freed.
   /// Null: it is not renewed.
   kdtree::EpochPin* pin = nullptr;
@@ -84,8 +99,19 @@ struct LazyVisit {
   bool finished(const kdtree::FinishedSubtree& subtree) { return test.finished(subtree); }
   double limit() { return test.limit(); }
 
+  /// Whether one ray expands the cell.
+  bool expands(const kdtree::DeferredCell& cell) {
+    if (query.on_deferred == OnDeferred::kDemand) return tree.is_worth_expanding(cell, 1);
+    return query.on_deferred == OnDeferred::kExpand || query.on_deferred == OnDeferred::kWait;
+  }
+
   kdtree::DeferredAction deferred(kdtree::AtomicSlot& slot, const kdtree::DeferredCell& cell) {
-    if (query.on_deferred == OnDeferred::kExpand) {
+    if (query.on_deferred == OnDeferred::kWait && tree.is_over_faces()) {
+      query.waiting->wait_at(tree, slot, cell, query.owner);
+      query.suspended = true;
+      return kdtree::DeferredAction::kStop;
+    }
+    if (expands(cell)) {
       const ExpandResult expanded = tree.expand(slot, query.when_pending, built, query.cancelled);
       if (expanded == ExpandResult::kRetry) {
         query.renew_pin();
@@ -112,9 +138,7 @@ struct LazyVisit {
         if (query.is_cancelled()) return true;
         const auto part = refs.first(std::min(refs.size(), kSearchStep));
         refs = refs.subspan(part.size());
-        if (std::any_of(part.begin(), part.end(),
-                        [&](const kdtree::Reference& ref) { return test.reference(ref); }))
-          return true;
+        if (test.references(part)) return true;
       }
       return false;
     });
@@ -127,7 +151,7 @@ struct LazyVisit {
 /// `test` supplies, each returning true to stop the walk:
 ///   bool leaf(span<const uint32_t> references)  a leaf that is not empty
 ///   bool finished(const FinishedSubtree&)       a finished subtree
-///   bool reference(const Reference&)               one reference of a searched list
+///   bool references(span<const Reference>)      a part of a searched list
 ///   bool everything()                           the whole tree, before its root has a list
 /// and
 ///   double limit()                              as for kdtree::walk

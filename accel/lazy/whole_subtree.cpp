@@ -122,6 +122,7 @@ void LazyTree::mark_whole(kdtree::AtomicSlot& slot, kdtree::DeferredCell& cell) 
   fresh->size = cell.size;
   fresh->weight = cell.weight;
   fresh->whole = true;
+  fresh->spent = cell.spent.load(std::memory_order_relaxed);
   if (fresh->has_list) fresh->list = kdtree::CellList(cell.list.sliced());
   const kdtree::Slot marked = tree_.defer(std::move(fresh));
   std::uint64_t expected = kdtree::Slot::deferred(&cell).bits();

@@ -28,7 +28,7 @@ class FloatWalk final : public wide::SlotVisitor, public wide::TriangleVisitor {
   // For kdtree::walk.
   double limit() const { return test_.limit(); }
   bool leaf(std::span<const std::uint32_t> ids) { return kept(test_.leaf(ids)); }
-  bool reference(const kdtree::Reference& ref) { return kept(test_.reference(ref)); }
+  bool references(std::span<const kdtree::Reference> refs) { return kept(test_.references(refs)); }
   bool everything() { return kept(test_.everything()); }
   bool finished(const kdtree::FinishedSubtree& subtree);
 

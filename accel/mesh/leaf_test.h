@@ -3,14 +3,19 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "accel/geometry/facing.h"
 #include "accel/geometry/intersect.h"
 #include "accel/geometry/triangle_prefilter.h"
+#include "accel/geometry/vertex_sides.h"
+#include "accel/kdtree/box_filter.h"
 #include "accel/kdtree/traverse.h"
 #include "accel/mesh/face_boxes.h"
 #include "accel/mesh/mesh_tree.h"
@@ -30,6 +35,7 @@ struct LeafTest {
   kdtree::WalkCounters& walked;
   std::optional<geometry::ShearedRay>
       sheared_ray{};  ///< query.ray, sheared at the first leaf that is long enough.
+  std::optional<kdtree::FilterRay> filter_ray{};  ///< `ray`, since the first list.
 
   double limit() const { return query.best_t / query.ray.unit + ray.slack; }
 
@@ -102,17 +108,61 @@ struct LeafTest {
     return wide::walk_in_doubles(tree, ray, *this, walked);
   }
 
-  /// Tests one reference of a list that is scanned. Returns true if the traversal ends.
-  bool reference(const kdtree::Reference& ref) {
-    if (!may_meet(ray, ref.bounds(), limit())) return false;
-    if (!ref.openable()) return test(ref.id);
-    return search_faces(faces_of_run(mesh, ref));
+  /// Tests the references of a part of a list that is searched. Returns true if the traversal ends.
+  bool references(std::span<const kdtree::Reference> refs) {
+    if (!filter_ray) filter_ray = kdtree::filter_ray(ray);
+    while (!refs.empty()) {
+      const auto batch = refs.first(std::min(refs.size(), kdtree::kFilterBatch));
+      refs = refs.subspan(batch.size());
+      kdtree::end_at(*filter_ray, limit());
+      if (search(batch, kdtree::may_meet_mask(*filter_ray, batch))) return true;
+    }
+    return false;
+  }
+
+  /// Those of a batch that have a bit in `met`.
+  bool search(std::span<const kdtree::Reference> batch, std::uint64_t met) {
+    std::array<std::uint32_t, kdtree::kFilterBatch> ids;
+    std::size_t count = 0;
+    for (; met != 0; met &= met - 1) {
+      const kdtree::Reference& ref = batch[static_cast<std::size_t>(std::countr_zero(met))];
+      if (!ref.openable()) {
+        ids[count++] = ref.id;
+      } else if (search_faces(faces_of_run(mesh, ref))) {
+        return true;
+      }
+    }
+    return count > 0 && leaf({ids.data(), count});
   }
 
   /// Tests every face, before there is a tree or a list. Returns true if the traversal ends.
-  bool everything() { return search_faces({0, mesh.faces.size()}); }
+  bool everything() {
+    const auto all = static_cast<std::uint32_t>(mesh.faces.size());
+    if (!mesh.all_finite) return search_one_by_one({0, all});
+    if (!sheared_ray) sheared_ray = sheared(query.ray);
+    std::vector<std::uint8_t> sides(mesh.vertices.size());
+    geometry::vertex_sides(*sheared_ray, mesh.vertices, sides.data());
+    std::array<std::uint32_t, lazy::kSearchStep> ids;
+    for (std::uint32_t i = 0; i < all; i += ids.size()) {
+      const std::uint32_t end = std::min<std::uint32_t>(i + ids.size(), all);
+      const std::size_t met = geometry::faces_at_ray(mesh.faces, i, end, sides.data(), ids.data());
+      walked.tests += end - i - met;
+      if (leaf({ids.data(), met}) || query.is_cancelled()) return true;
+    }
+    return false;
+  }
 
+  /// The faces of a run.
   bool search_faces(FaceRange faces) {
+    if (!mesh.all_finite) return search_one_by_one(faces);
+    std::array<std::uint32_t, kRunLength> ids;
+    const auto count = faces.end - faces.begin;
+    std::iota(ids.begin(), ids.end(), static_cast<std::uint32_t>(faces.begin));
+    return leaf({ids.data(), count});
+  }
+
+  /// Faces that may be no triangles.
+  bool search_one_by_one(FaceRange faces) {
     for (std::size_t i = faces.begin; i < faces.end; ++i) {
       if ((i - faces.begin) % lazy::kSearchStep == lazy::kSearchStep - 1 && query.is_cancelled())
         return true;

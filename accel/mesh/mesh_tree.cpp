@@ -2,6 +2,7 @@
 #include "accel/mesh/mesh_tree.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "accel/mesh/face_references.h"
 #include "accel/mesh/float_walk.h"
@@ -21,7 +22,7 @@ MeshTree::Tree MeshTree::make(const geometry::MeshView& mesh, const geometry::Me
 
 MeshTree::MeshTree(geometry::MeshView mesh, const MeshStats& stats, const TreeBuilder& builder,
                    References references, std::shared_ptr<const void> alive)
-    : mesh_(mesh),
+    : mesh_{mesh.vertices, mesh.faces, stats.finite_triangles == mesh.faces.size()},
       bounds_(padded(stats.bounds)),
       finite_triangles_(stats.finite_triangles),
       tree_(make(mesh, &mesh_, stats, builder, references, std::move(alive))) {}
@@ -32,6 +33,12 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
   if (!enter(query.ray, bounds_, query.tmin / query.ray.unit, tmax / query.ray.unit, ray)) return;
   LeafTest test{mesh_, query, ray, walked};
   if (auto* lazy = std::get_if<lazy::LazyTree>(&tree_)) {
+    if (query.on_deferred == OnDeferred::kWait && lazy->has_paid_for_all()) {
+      query.waiting->wait_for_all(*lazy, query.owner);
+      query.suspended = true;
+      return;
+    }
+    lazy->count_rays(1);
     std::uint32_t saw_deferred = 0;  // the query knows
     if (lazy->makes_blocks() &&
         query_in_floats({{query, saw_deferred, walked, built}, *lazy, mesh_}, query))
@@ -44,8 +51,10 @@ void MeshTree::query(MeshQuery& query, kdtree::WalkCounters& walked, kdtree::Bui
 
 void MeshTree::query(wide::Packet& packet, std::uint32_t lanes, const PacketQuery& query) {
   auto* tree = std::get_if<lazy::LazyTree>(&tree_);
-  if (tree != nullptr && tree->makes_blocks())
+  if (tree != nullptr && tree->makes_blocks()) {
+    tree->count_rays(static_cast<std::uint64_t>(std::popcount(lanes)));
     lanes = query_packet({query, *tree, mesh_}, packet, lanes);
+  }
   ask_each(query, packet, lanes,
            [&](LaneQuery& alone) { this->query(alone.query, query.walked, query.built); });
 }
@@ -64,10 +73,12 @@ wide::PencilLanes MeshTree::query_pencil(std::span<wide::Packet> packets,
 }
 
 void MeshTree::query_whole(WholeTree& tree, LeafTest test, kdtree::BuildCounters& built) {
-  if (!tree.is_built() && test.query.on_deferred == OnDeferred::kExpand) tree.build(built);
+  const OnDeferred on_deferred = test.query.on_deferred;
+  const bool may_build = on_deferred == OnDeferred::kExpand || on_deferred == OnDeferred::kDemand;
+  if (!tree.is_built() && may_build) tree.build(built);
   if (tree.is_built()) return tree.query(test);
   test.query.saw_deferred = true;
-  if (test.query.on_deferred == OnDeferred::kScan) test.everything();
+  if (on_deferred == OnDeferred::kScan) test.everything();
 }
 
 void MeshTree::expand_all(kdtree::BuildCounters& built, const std::atomic<bool>* cancelled) {

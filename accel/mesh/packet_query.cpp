@@ -1,6 +1,9 @@
 #include "accel/mesh/packet_query.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <optional>
 #include <utility>
 
 #include "accel/mesh/float_walk.h"
@@ -24,7 +27,7 @@ class LaneTest {
 
   double limit() const { return static_cast<double>(packet_.floats.t_out[lane_]); }
   bool leaf(std::span<const std::uint32_t> ids) { return kept(test_.leaf(ids)); }
-  bool reference(const kdtree::Reference& ref) { return kept(test_.reference(ref)); }
+  bool references(std::span<const kdtree::Reference> refs) { return kept(test_.references(refs)); }
   bool everything() { return kept(test_.everything()); }
 
   bool finished(const kdtree::FinishedSubtree& subtree) {
@@ -50,6 +53,80 @@ class LaneTest {
   LeafTest test_;
 };
 
+/// One of several rays that search a list.
+struct LaneSearch {
+  LaneSearch(const PacketWalk& walk, wide::Packet& packet, std::size_t lane)
+      : alone(walk, packet, lane), test{walk.mesh, alone.query, ray, walked} {}
+
+  LaneQuery alone;
+  kdtree::TreeRay ray;
+  kdtree::WalkCounters walked;
+  LeafTest test;
+};
+
+/// Whether the ray can meet the tree within the limits of its query. Then `ray` is set.
+bool enter_tree(const PacketWalk& walk, const MeshQuery& query, kdtree::TreeRay& ray) {
+  const double tmax = std::min(query.tmax, query.best_t);
+  return enter(query.ray, walk.tree.tree().bounds(), query.tmin / query.ray.unit,
+               tmax / query.ray.unit, ray);
+}
+
+/// Rays of a packet that search a cell together, so that its list is read once.
+class PacketSearch {
+ public:
+  PacketSearch(const PacketWalk& walk, wide::Packet& packet, std::uint32_t lanes)
+      : walk_(walk), packet_(packet) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      LaneSearch& search = searches_[lane].emplace(walk, packet, lane);
+      if (enter_tree(walk, search.alone.query, search.ray)) searching_ |= 1u << lane;
+    }
+  }
+
+  void search(const kdtree::DeferredCell& cell) {
+    if (cell.has_list) {
+      cell.list.any_part([&](std::span<const kdtree::Reference> refs) {
+        for (; !refs.empty() && searching_ != 0;
+             refs = refs.subspan(std::min(refs.size(), lazy::kSearchStep)))
+          each([&](LeafTest& test) {
+            return test.references(refs.first(std::min(refs.size(), lazy::kSearchStep)));
+          });
+        return searching_ == 0;
+      });
+      return;
+    }
+    each([](LeafTest& test) { return test.everything(); });
+  }
+
+  /// Writes what they have found back to the packet.
+  void end() {
+    for (std::optional<LaneSearch>& search : searches_) {
+      if (!search) continue;
+      search->alone.write_back();
+      const std::uint64_t work = search->walked.steps + search->walked.tests;
+      packet_.work[search->alone.lane()] += static_cast<std::uint32_t>(work);
+      walk_.walked.steps += search->walked.steps;
+      walk_.walked.tests += search->walked.tests;
+    }
+    packet_.stopped = walk_.lazy.is_cancelled();
+  }
+
+ private:
+  /// Those for which it returns true have ended.
+  template <class Search>
+  void each(const Search& search) {
+    for (std::uint32_t left = searching_; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      if (search(searches_[lane]->test)) searching_ &= ~(1u << lane);
+    }
+  }
+
+  const PacketWalk& walk_;
+  wide::Packet& packet_;
+  std::array<std::optional<LaneSearch>, wide::kLanes> searches_;
+  std::uint32_t searching_ = 0;
+};
+
 class UnfinishedSlots final : public wide::SlotVisitor {
  public:
   UnfinishedSlots(const PacketWalk& walk, wide::Packet& packet) : walk_(walk), packet_(packet) {}
@@ -57,18 +134,14 @@ class UnfinishedSlots final : public wide::SlotVisitor {
   bool visit(kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
     const kdtree::Slot now = kdtree::load(slot);
     if (now == kdtree::Slot::empty_leaf()) return false;
-    if (now.is_deferred() && walk_.lazy.on_deferred == lazy::OnDeferred::kExpand) {
-      const lazy::ExpandResult expanded =
-          walk_.tree.expand(slot, walk_.lazy.when_pending, walk_.built, walk_.lazy.cancelled);
-      if (expanded == lazy::ExpandResult::kRetry) {
-        walk_.lazy.renew_pin();
-        return true;
-      }
-      if (expanded == lazy::ExpandResult::kPending) {
-        walk_.lazy.suspended = true;
-        walk_.lazy.progress = lazy::LazyTree::progress(slot);
-        packet_.stopped = true;
+    if (now.is_deferred()) {
+      if (searches(*now.cell(), lanes)) {
+        search(*now.cell(), lanes);
         return false;
+      }
+      if (walk_.lazy.on_deferred != lazy::OnDeferred::kSkip) {
+        const std::optional<bool> done = expand(slot);
+        if (done) return *done;
       }
     }
     ask_each(walk_, packet_, lanes, [&](LaneQuery& alone) { advance(slot, alone); });
@@ -76,13 +149,39 @@ class UnfinishedSlots final : public wide::SlotVisitor {
   }
 
  private:
+  bool searches(const kdtree::DeferredCell& cell, std::uint32_t lanes) {
+    if (walk_.lazy.on_deferred == lazy::OnDeferred::kScan) return true;
+    const auto rays = static_cast<std::uint64_t>(std::popcount(lanes));
+    return walk_.lazy.on_deferred == lazy::OnDeferred::kDemand &&
+           !walk_.tree.is_worth_expanding(cell, rays);
+  }
+
+  void search(const kdtree::DeferredCell& cell, std::uint32_t lanes) {
+    walk_.saw_deferred |= lanes;
+    PacketSearch together(walk_, packet_, lanes);
+    together.search(cell);
+    together.end();
+  }
+
+  /// What visit() returns; nothing: the rays search the list.
+  std::optional<bool> expand(kdtree::AtomicSlot& slot) {
+    const lazy::ExpandResult expanded =
+        walk_.tree.expand(slot, walk_.lazy.when_pending, walk_.built, walk_.lazy.cancelled);
+    if (expanded == lazy::ExpandResult::kRetry) {
+      walk_.lazy.renew_pin();
+      return true;
+    }
+    if (expanded == lazy::ExpandResult::kScanList) return std::nullopt;
+    walk_.lazy.suspended = true;
+    walk_.lazy.progress = lazy::LazyTree::progress(slot);
+    packet_.stopped = true;
+    return false;
+  }
+
   void advance(kdtree::AtomicSlot& slot, LaneQuery& alone) {
     MeshQuery& query = alone.query;
     kdtree::TreeRay ray;
-    const double tmax = std::min(query.tmax, query.best_t);
-    if (!enter(query.ray, walk_.tree.tree().bounds(), query.tmin / query.ray.unit,
-               tmax / query.ray.unit, ray))
-      return;
+    if (!enter_tree(walk_, query, ray)) return;
     const std::uint64_t steps = walk_.walked.steps;
     LaneTest test(walk_, packet_, alone, ray, *this);
     lazy::LazyVisit<LaneTest> visit{walk_.tree, query, walk_.built, test};

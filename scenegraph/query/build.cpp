@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <unordered_set>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -99,10 +100,20 @@ BuildCounters build_tree(const instances::Instances& tree, const std::atomic<boo
   return built;
 }
 
+BuildCounters build_dynamic_trees(const instances::OpenTrees& trees,
+                                  const std::atomic<bool>* cancelled, BuildProgress& progress) {
+  BuildCounters built;
+  for (const instances::OpenTree& tree : trees.dynamic())
+    built += build_tree(tree.instances, cancelled, progress);
+  return built;
+}
+
 /// Not without memory for some cells.
 bool is_complete(std::span<const model::Mesh* const> meshes, const instances::OpenTrees& trees) {
   const accel::kdtree::EpochPin pin;
-  return trees.static_tree.tree().is_complete() && trees.dynamic_tree.tree().is_complete() &&
+  return std::all_of(
+             trees.all().begin(), trees.all().end(),
+             [](const instances::OpenTree& tree) { return tree.instances.tree().is_complete(); }) &&
          std::all_of(meshes.begin(), meshes.end(),
                      [](const model::Mesh* mesh) { return mesh->tree().is_complete(); });
 }
@@ -117,15 +128,16 @@ Result<TraceStats> build_all(const revision::Snapshot& snapshot, const std::atom
   const std::vector<const model::Mesh*> meshes = snapshot.meshes();
   const std::uint64_t dropped = model::Mesh::trees_dropped();
   const instances::OpenTrees trees = snapshot.trees();
-  BuildCounters built, dynamic;
-  const Status done = or_out_of_memory([&] {
-    built = build_meshes(meshes, cancelled, reported);
-    built += build_tree(trees.static_tree, cancelled, reported);
-    dynamic = build_tree(trees.dynamic_tree, cancelled, reported);
-    return Status();
-  });
+  const auto build = [&]() -> Result<std::pair<BuildCounters, BuildCounters>> {
+    BuildCounters built = build_meshes(meshes, cancelled, reported);
+    built += build_tree(trees.static_tree(), cancelled, reported);
+    const BuildCounters dynamic = build_dynamic_trees(trees, cancelled, reported);
+    built += dynamic;
+    return std::pair(built, dynamic);
+  };
+  const auto done = or_out_of_memory(build);
   if (!done) return done.error();
-  built += dynamic;
+  const auto& [built, dynamic] = *done;
   if (is_cancelled(cancelled)) return cancelled_error();
   snapshot.nodes().for_each([](model::NodeId, const std::shared_ptr<const model::Node>& node) {
     if (hierarchy::is_instance(*node)) node->entered->store(true, std::memory_order_relaxed);
@@ -191,8 +203,8 @@ Status build_scene_tree(const revision::Snapshot& snapshot, BuildProgress& progr
                         const std::atomic<bool>* cancelled) {
   const instances::OpenTrees trees = snapshot.trees();
   const Status done = or_out_of_memory([&] {
-    build_tree(trees.static_tree, cancelled, progress);
-    build_tree(trees.dynamic_tree, cancelled, progress);
+    build_tree(trees.static_tree(), cancelled, progress);
+    build_dynamic_trees(trees, cancelled, progress);
     return Status();
   });
   if (!done) return done.error();

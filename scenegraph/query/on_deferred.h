@@ -8,6 +8,8 @@ namespace sightline::scenegraph::query {
 
 inline accel::lazy::OnDeferred on_deferred(Growth growth) {
   switch (growth) {
+    case Growth::kDemand:
+      return accel::lazy::OnDeferred::kDemand;
     case Growth::kNone:
       return accel::lazy::OnDeferred::kScan;
     case Growth::kBuiltOnly:

@@ -61,7 +61,7 @@ void PacketCaster::read() {
   }
   read_masks();
   best_.clear();
-  valid_ = accel::wide::valid(given_, trees_.static_tree.center(), first_lanes(range_.count));
+  valid_ = accel::wide::valid(given_, trees_.static_tree().center(), first_lanes(range_.count));
   alone_ = saw_deferred_ = 0;
   renewed_ = false;
   frame_ = nullptr;
@@ -78,13 +78,12 @@ std::uint32_t PacketCaster::cast(const RayColumns& rays, PacketRange range) {
   rays_ = &rays;
   range_ = range;
   read();
-  if (trees_.static_tree.size() > 0)
-    walk_tree(trees_.static_tree, 0, trees_.removed, static_built_);
-  if (trees_.dynamic_tree.size() > 0 && !scene_.stopped) {
-    walk_tree(trees_.dynamic_tree, static_cast<std::uint32_t>(trees_.static_tree.size()), nullptr,
-              dynamic_built_);
+  for (const instances::OpenTree& tree : trees_.all()) {
+    if (scene_.stopped) break;
+    if (tree.instances.size() > 0)
+      walk_tree(tree, &tree == &trees_.all().front() ? static_built_ : dynamic_built_);
   }
-  return scene_.stopped ? 0 : end();
+  return scene_.stopped || lazy_.is_cancelled() ? 0 : end();
 }
 
 std::uint32_t PacketCaster::end() {
@@ -95,20 +94,20 @@ std::uint32_t PacketCaster::end() {
   return answered;
 }
 
-void PacketCaster::walk_tree(const instances::Instances& tree, std::uint32_t first,
-                             const instances::RemovedFilter* removed,
-                             accel::kdtree::BuildCounters& built) {
-  accel::lazy::LazyTree& kd = tree.tree();
+void PacketCaster::walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built) {
+  accel::lazy::LazyTree& kd = tree.instances.tree();
   if (kd.tree().bounds().empty()) return;
   const std::uint32_t lanes = left_to_cast(valid_);
+  if (lanes == 0) return;
   if (!kd.frame()) {
     alone_ |= lanes;
     return;
   }
-  SceneSlots slots(*this, tree, first, removed, built);
+  SceneSlots slots(*this, tree, built);
   const accel::kdtree::Slot root = accel::kdtree::load(kd.root());
   if (root.is_leaf() && root.leaf_count() == 1) return slots.visit_only(root.leaf_first(), lanes);
-  const std::uint32_t in_range = accel::wide::center(given_, tree.center(), lanes, scene_.rays);
+  const std::uint32_t in_range =
+      accel::wide::center(given_, tree.instances.center(), lanes, scene_.rays);
   alone_ |= lanes & ~in_range;
   const accel::wide::Prepared prepared = accel::wide::prepare(scene_, *kd.frame(), in_range);
   alone_ |= prepared.slow;

@@ -1,4 +1,4 @@
-// Rays in packets on their way through a revision: the static and the dynamic tree, their
+// Rays in packets on their way through a revision: the static and the dynamic trees, their
 // instances, the meshes of those.
 #pragma once
 
@@ -73,8 +73,7 @@ class PacketCaster {
   void read();
   void read_masks();
   std::uint32_t end();
-  void walk_tree(const instances::Instances& tree, std::uint32_t first,
-                 const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built);
+  void walk_tree(const instances::OpenTree& tree, accel::kdtree::BuildCounters& built);
   void enter(const instances::Instance& instance, std::uint32_t index, std::uint32_t lanes,
              accel::kdtree::BuildCounters& built);
   /// Those of `lanes` whose answer may still change here.

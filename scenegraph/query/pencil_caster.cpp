@@ -20,11 +20,12 @@ using accel::wide::Packet;
 const instances::Instance* find_only(const instances::OpenTrees& trees,
                                      const TraceOptions& options) {
   if (trees.size() != 1) return nullptr;
-  const bool is_static = trees.static_tree.size() == 1;
-  const instances::Instances& tree = is_static ? trees.static_tree : trees.dynamic_tree;
+  const instances::OpenTree& holder = *std::ranges::find_if(
+      trees.all(), [](const auto& tree) { return tree.instances.size() == 1; });
+  const instances::Instances& tree = holder.instances;
   const accel::kdtree::Slot root = accel::kdtree::load(tree.tree().root());
   if (!root.is_leaf() || root.leaf_count() != 1) return nullptr;
-  if (is_static && trees.removed != nullptr && trees.removed->has(0)) return nullptr;
+  if (holder.removed != nullptr && holder.removed->has(0)) return nullptr;
   if (options.selection != nullptr && !options.selection->selects(0)) return nullptr;
   return &tree[root.leaf_first()];
 }
@@ -93,7 +94,7 @@ PencilCaster::Lanes PencilCaster::read(std::size_t first, std::size_t count) {
     accel::wide::read(rays_, range.first, range.count, given);
     packet.work.fill(0);
     best_[p].clear();
-    const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree.center(),
+    const std::uint32_t valid = accel::wide::valid(given, trees_.static_tree().center(),
                                                    seeing(rays_.mask, range, only_->mask));
     lanes[p] = accel::wide::carry(given, only_->local_from_world.m, valid, packet.rays);
   }

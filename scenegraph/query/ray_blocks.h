@@ -21,20 +21,22 @@ struct RayBlock {
 };
 
 /// Cuts rays into blocks and runs answer(RayBlock) for each, in parallel in the caller's arena, in
-/// any order. Returns the sum of what the blocks return. Errors: kCancelled.
+/// any order. Returns the sum of what the blocks return. Errors: kCancelled, unless the options
+/// allow partial answers.
 template <class Answer>
 Result<TraceStats> run_blocks(std::size_t rays, std::size_t rays_per_block,
-                              const std::atomic<bool>* cancelled, const Answer& answer) {
+                              const TraceOptions& options, const Answer& answer) {
   const std::size_t blocks = (rays + rays_per_block - 1) / rays_per_block;
   TraceStats total = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, blocks, 1), TraceStats{},
       [&](const tbb::blocked_range<std::size_t>& range, TraceStats stats) {
-        for (std::size_t b = range.begin(); b != range.end() && !is_cancelled(cancelled); ++b)
+        for (std::size_t b = range.begin(); b != range.end() && !is_cancelled(options.cancelled);
+             ++b)
           stats += answer(RayBlock{b * rays_per_block, std::min((b + 1) * rays_per_block, rays)});
         return stats;
       },
       [](TraceStats a, const TraceStats& b) { return a += b; });
-  if (is_cancelled(cancelled))
+  if (is_cancelled(options.cancelled) && !options.partial)
     return Error{Code::kCancelled, "cancelled while tracing", "CANCELLED"};
   return total;
 }

@@ -24,10 +24,13 @@ using accel::mesh::OnDeferred;
 
 RayCaster::RayCaster(const instances::OpenTrees& trees, const TraceOptions& options)
     : trees_(trees), options_(options), collected_(options.max_hits) {
-  static_.instances = &trees_.static_tree;
-  static_.removed = trees_.removed;
-  dynamic_.instances = &trees_.dynamic_tree;
-  dynamic_.first = static_cast<std::uint32_t>(trees_.static_tree.size());
+  for (const instances::OpenTree& tree : trees_.all()) {
+    TreeEntry& entry = entries_.emplace_back();
+    entry.instances = &tree.instances;
+    entry.removed = tree.removed;
+    entry.first = static_cast<std::uint32_t>(tree.first);
+    entry.built = entries_.size() == 1 ? &static_built_ : &dynamic_built_;
+  }
 }
 
 void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending when_pending) {
@@ -35,7 +38,8 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   ++stats_.rays;
   ray_ = &ray;
   query_ = {};
-  query_.on_deferred = on_deferred(options_.growth);
+  query_.waiting = waiting_;
+  query_.on_deferred = waiting_ != nullptr ? OnDeferred::kWait : on_deferred(options_.growth);
   query_.when_pending = when_pending;
   query_.pin = &pin_;
   query_.cancelled = options_.cancelled;
@@ -46,28 +50,32 @@ void RayCaster::begin(QueryKind kind, const Ray& ray, accel::lazy::WhenPending w
   frame_ = nullptr;
   work_before_ = walked_.steps + walked_.tests;
   // The static tree's center is finite even if the tree is empty.
-  valid_ = accel::geometry::set_local_ray(ray.origin - trees_.static_tree.center(), ray.direction,
-                                          static_.centered) &&
+  valid_ = accel::geometry::set_local_ray(ray.origin - trees_.static_tree().center(), ray.direction,
+                                          entries_.front().centered) &&
            !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
 std::span<TreeEntry* const> RayCaster::trees_by_entry() {
-  std::size_t met = 0;
+  by_entry_.clear();
   if (!valid_) return {};
-  if (trees_.static_tree.size() > 0 && enter_bounds(static_)) by_entry_[met++] = &static_;
-  if (trees_.dynamic_tree.size() > 0) {
-    // The two trees differ in their centers alone.
-    dynamic_.centered.direction = static_.centered.direction;
-    dynamic_.centered.unit = static_.centered.unit;
-    if (accel::geometry::set_local_origin(ray_->origin - trees_.dynamic_tree.center(),
-                                          dynamic_.centered) &&
-        enter_bounds(dynamic_))
-      by_entry_[met++] = &dynamic_;
+  const accel::geometry::LocalRay& centered = entries_.front().centered;
+  for (TreeEntry& entry : entries_) {
+    if (entry.instances->size() == 0) continue;
+    // The trees differ in their centers alone.
+    entry.centered.direction = centered.direction;
+    entry.centered.unit = centered.unit;
+    if ((&entry == &entries_.front() ||
+         accel::geometry::set_local_origin(ray_->origin - entry.instances->center(),
+                                           entry.centered)) &&
+        enter_bounds(entry)) {
+      entry.entered_at = entry.ray.t_in * entry.centered.unit;
+      by_entry_.push_back(&entry);
+    }
   }
-  const bool dynamic_first = met == 2 && dynamic_.ray.t_in * dynamic_.centered.unit <
-                                             static_.ray.t_in * static_.centered.unit;
-  if (dynamic_first) std::swap(by_entry_[0], by_entry_[1]);
-  return {by_entry_.data(), met};
+  std::stable_sort(by_entry_.begin(), by_entry_.end(), [](const TreeEntry* a, const TreeEntry* b) {
+    return a->entered_at < b->entered_at;
+  });
+  return by_entry_;
 }
 
 bool RayCaster::enter_bounds(TreeEntry& tree) const {
@@ -100,15 +108,15 @@ void RayCaster::ask_mesh(const instances::Instance& instance, TreeEntry& tree) {
   query_.culling = instance.mirrored ? turned(options_.culling) : options_.culling;
   const model::Mesh::OwnedTree mesh = instance.mesh->owned_tree();
   const accel::lazy::OwnedTree owned(query_, mesh.owner);
-  mesh.tree.query(query_, walked_, tree.built);
+  mesh.tree.query(query_, walked_, *tree.built);
   if (query_.primitives != nullptr && query_.found) collected_.end_mesh();
 }
 
 bool RayCaster::end() {
   if (!valid_) {
     ++stats_.invalid;
-  } else if (query_.suspended) {
-    --stats_.rays;  // it begins again
+  } else if (query_.suspended || query_.is_cancelled()) {
+    --stats_.rays;  // it has no answer yet
     return false;
   } else if (query_.found) {
     ++stats_.hits;
@@ -164,12 +172,12 @@ TraceStats RayCaster::stats() const {
   TraceStats stats = stats_;
   stats.traversal_steps = walked_.steps;
   stats.triangle_tests = walked_.tests;
-  stats.cells_expanded = static_.built.cells_expanded + dynamic_.built.cells_expanded;
-  stats.trees_begun = static_.built.trees_begun + dynamic_.built.trees_begun;
-  stats.touches = static_.built.touches + dynamic_.built.touches;
-  stats.touches_prepare = static_.built.touches_prepare + dynamic_.built.touches_prepare;
-  stats.dynamic_touches = dynamic_.built.touches + dynamic_.built.touches_prepare;
-  stats.build_seconds = static_.built.seconds + dynamic_.built.seconds;
+  stats.cells_expanded = static_built_.cells_expanded + dynamic_built_.cells_expanded;
+  stats.trees_begun = static_built_.trees_begun + dynamic_built_.trees_begun;
+  stats.touches = static_built_.touches + dynamic_built_.touches;
+  stats.touches_prepare = static_built_.touches_prepare + dynamic_built_.touches_prepare;
+  stats.dynamic_touches = dynamic_built_.touches + dynamic_built_.touches_prepare;
+  stats.build_seconds = static_built_.seconds + dynamic_built_.seconds;
   return stats;
 }
 

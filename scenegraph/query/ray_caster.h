@@ -1,9 +1,8 @@
-// One ray at a time on its way through a revision: the static and the dynamic tree, their
+// One ray at a time on its way through a revision: the static and the dynamic trees, their
 // instances, the meshes of those. scenegraph/trace.cpp takes the steps in order.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <vector>
 
@@ -17,15 +16,16 @@
 
 namespace sightline::scenegraph::query {
 
-/// One of the two trees, and the current ray in its coordinates.
+/// One of the trees, and the current ray in its coordinates.
 struct TreeEntry {
   const instances::Instances* instances = nullptr;
   const instances::RemovedFilter* removed = nullptr;  ///< Null: none.
   std::uint32_t first = 0;                            ///< The index of its first instance.
+  /// What rays built in this tree and in the meshes that they entered through it is added here.
+  accel::kdtree::BuildCounters* built = nullptr;
   accel::geometry::LocalRay centered;
   accel::kdtree::TreeRay ray;
-  /// What rays built in this tree and in the meshes that they entered through it.
-  accel::kdtree::BuildCounters built;
+  double entered_at = 0;  ///< Where the ray enters the tree's bounds.
 };
 
 /// For one block of rays, on one thread, which it pins to an epoch.
@@ -38,12 +38,17 @@ class RayCaster {
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
+  /// All rays stop at the first cell of a mesh that is not built, and it is reported.
+  void wait_at_cells(accel::lazy::WaitingRays& waiting) { waiting_ = &waiting; }
+  /// The current ray in the frame that it has entered.
+  const accel::geometry::LocalRay& local_ray() const { return query_.ray; }
+
   /// Begins a ray, which must outlive its answer.
   void begin(QueryKind kind, const accel::geometry::Ray& ray,
              accel::lazy::WhenPending when_pending);
 
-  /// The trees whose bounds the ray meets. The one that it enters first comes first: hits there
-  /// bound the walk of the other. None for an invalid ray.
+  /// The trees whose bounds the ray meets, by where it enters them: hits in one bound the walks of
+  /// the next. None for an invalid ray.
   std::span<TreeEntry* const> trees_by_entry();
 
   /// Walks the tree, and expands cells on the way as TraceOptions::growth allows. Calls
@@ -60,8 +65,9 @@ class RayCaster {
   /// Nothing can change the answer any more, or the ray is suspended or cancelled.
   bool is_done() const { return query_.is_done(); }
 
-  /// False: the ray is suspended, because it met a large cell that other threads are building. Only
-  /// with WhenPending::kReturn. Begin it again when progress() has increased.
+  /// False: the ray has no answer. It is cancelled, or suspended because it met a large cell that
+  /// other threads are building; that only with WhenPending::kReturn. Then begin it again when
+  /// progress() has increased.
   bool end();
   /// Of the cell that suspended the last ray.
   std::uint64_t progress() const { return query_.progress; }
@@ -89,7 +95,9 @@ class RayCaster {
   accel::kdtree::EpochPin pin_;  // renewed for each ray: nothing that a ray read is used again
   const instances::OpenTrees trees_;
   TraceOptions options_;
-  TreeEntry static_, dynamic_;
+  accel::lazy::WaitingRays* waiting_ = nullptr;
+  std::vector<TreeEntry> entries_;  // the static tree first
+  accel::kdtree::BuildCounters static_built_, dynamic_built_;
   TraceStats stats_;
   accel::kdtree::WalkCounters walked_;
   // Memory that is used again for each ray.
@@ -99,13 +107,13 @@ class RayCaster {
   const accel::geometry::Ray* ray_ = nullptr;
   bool valid_ = false;
   accel::mesh::MeshQuery query_;
-  std::array<TreeEntry*, 2> by_entry_{};
+  std::vector<TreeEntry*> by_entry_;      // those whose bounds it meets
   const model::Affine* frame_ = nullptr;  // of the instance that the ray entered last
   bool in_frame_ = false;                 // the query's ray is valid in that frame
   std::uint64_t work_before_ = 0;
 };
 
-/// What a walk of one of the two trees tests: instances, and the groups that hold them.
+/// What a walk of one of the trees tests: instances, and the groups that hold them.
 template <class Enter>
 class RayCaster::InstanceTest {
  public:
@@ -120,6 +128,11 @@ class RayCaster::InstanceTest {
 
   /// The scene's trees have only leaves.
   static bool finished(const accel::kdtree::FinishedSubtree&) { return false; }
+
+  bool references(std::span<const accel::kdtree::Reference> refs) {
+    return std::any_of(refs.begin(), refs.end(),
+                       [&](const accel::kdtree::Reference& ref) { return reference(ref); });
+  }
 
   /// Opens groups whose boxes the ray may meet.
   bool reference(const accel::kdtree::Reference& ref) {
@@ -139,11 +152,7 @@ class RayCaster::InstanceTest {
     return false;
   }
 
-  bool everything() {
-    const std::vector<accel::kdtree::Reference>& refs = tree_.instances->coarsest();
-    return std::any_of(refs.begin(), refs.end(),
-                       [&](const accel::kdtree::Reference& ref) { return reference(ref); });
-  }
+  bool everything() { return references(tree_.instances->coarsest()); }
 
  private:
   /// Whether an instance is entered depends only on the ray and the instance's box, not on the cell
@@ -151,8 +160,8 @@ class RayCaster::InstanceTest {
   bool instance(std::uint32_t id) {
     const instances::Instance& instance = (*tree_.instances)[id];
     if ((instance.mask & caster_.ray_->mask) == 0 || recent_.contains_or_add(id)) return false;
-    if (!caster_.is_seen(tree_, id)) return false;
     if (!accel::kdtree::may_meet(tree_.ray, instance.box, limit())) return false;
+    if (!caster_.is_seen(tree_, id)) return false;
     if (caster_.query_.collects() && !caster_.collected_.enter(tree_.first + id)) return false;
     enter_(instance);
     return caster_.is_done();
@@ -167,7 +176,7 @@ class RayCaster::InstanceTest {
 template <class Enter>
 void RayCaster::walk_instances(TreeEntry& tree, const Enter& enter) {
   InstanceTest<Enter> test(*this, tree, enter);
-  walk_lazily(tree.instances->tree(), tree.ray, query_, walked_, tree.built, test);
+  walk_lazily(tree.instances->tree(), tree.ray, query_, walked_, *tree.built, test);
 }
 
 }  // namespace sightline::scenegraph::query

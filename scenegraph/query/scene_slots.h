@@ -1,4 +1,4 @@
-// What a packet does where its walk of one of the scene's two trees meets leaves, and cells that
+// What a packet does where its walk of one of the scene's trees meets leaves, and cells that
 // are not built.
 #pragma once
 
@@ -18,9 +18,13 @@ namespace sightline::scenegraph::query {
 /// Made for one packet and one tree.
 class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
  public:
-  SceneSlots(PacketCaster& caster, const instances::Instances& tree, std::uint32_t first,
-             const instances::RemovedFilter* removed, accel::kdtree::BuildCounters& built)
-      : caster_(caster), tree_(tree), first_(first), removed_(removed), built_(built) {}
+  SceneSlots(PacketCaster& caster, const instances::OpenTree& tree,
+             accel::kdtree::BuildCounters& built)
+      : caster_(caster),
+        tree_(tree.instances),
+        first_(static_cast<std::uint32_t>(tree.first)),
+        removed_(tree.removed),
+        built_(built) {}
 
   bool visit(accel::kdtree::AtomicSlot& slot, std::uint32_t lanes) override {
     const accel::kdtree::Slot now = accel::kdtree::load(slot);
@@ -76,7 +80,9 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   bool visit_deferred(accel::kdtree::AtomicSlot& slot, const accel::kdtree::DeferredCell& cell,
                       std::uint32_t lanes) {
     const accel::lazy::OnDeferred on_deferred = caster_.lazy_.on_deferred;
-    if (on_deferred == accel::lazy::OnDeferred::kExpand) return expand(slot, lanes);
+    if (on_deferred == accel::lazy::OnDeferred::kExpand ||
+        on_deferred == accel::lazy::OnDeferred::kDemand)
+      return expand(slot, lanes);
     caster_.saw_deferred_ |= lanes;
     if (on_deferred == accel::lazy::OnDeferred::kScan) search(cell, lanes);
     return false;
@@ -158,9 +164,9 @@ class PacketCaster::SceneSlots final : public accel::wide::SlotVisitor {
   void visit_instance(std::uint32_t id, std::uint32_t lanes) {
     const instances::Instance& instance = tree_[id];
     lanes = caster_.seeing(instance.mask, recent_.add(id, lanes));
-    if (lanes == 0 || !is_seen(id)) return;
+    if (lanes == 0) return;
     lanes = meeting(instance.box, lanes);
-    if (lanes != 0) caster_.enter(instance, first_ + id, lanes, built_);
+    if (lanes != 0 && is_seen(id)) caster_.enter(instance, first_ + id, lanes, built_);
   }
 
   std::uint32_t meeting(const accel::geometry::Aabb& box, std::uint32_t lanes) const {

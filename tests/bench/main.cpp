@@ -56,7 +56,7 @@ void add_common(CLI::App& app, CommonOptions& common) {
   app.add_option("--repeat", common.repeat, "Times are medians over this many runs")
       ->check(CLI::Range(1, 10000));
   app.add_option("--seed", common.seed, "Of the rays");
-  app.add_option("--policy", common.policy, "first-touch|full");
+  app.add_option("--policy", common.policy, "first-touch|demand|full");
   app.add_option("--rotate", common.rotate, "Turns the scene: x,y,z in degrees");
   app.add_flag("--merge", common.merge, "All instances as one mesh");
   app.add_option("--set", common.set, "A parameter of our builders, key=value; repeatable")
@@ -127,12 +127,25 @@ Verb add_verb_lazy(CLI::App& app) {
   CLI::App& verb =
       *app.add_subcommand("lazy", "From arrays to hits: growing trees against full ones");
   add_rays(verb, options->rays);
-  verb.add_option("--modes", options->modes, "lazy,full,embree-low,embree-medium,...")
+  verb.add_option("--modes", options->modes, "lazy,demand,full,embree-low,embree-medium,...")
       ->delimiter(',');
   verb.add_option("--builder", options->builder, "Default: the product's");
   verb.add_option("--batch", options->batch, "Rays a batch (default: all in one)");
   verb.add_option("--hierarchy", options->hierarchy, "What mesh trees begin with: soup|runs");
   return [options](const CommonOptions& common) { return run_lazy(common, *options); };
+}
+
+Verb add_verb_competitive(CLI::App& app) {
+  auto options = std::make_shared<CompetitiveOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "competitive", "What demand costs over the best policy, from one ray to many");
+  const CLI::Range counts(std::size_t{1}, std::size_t{1'000'000'000});
+  verb.add_option("--rays", options->kinds, std::string(kRayKinds) + "; several by commas")
+      ->delimiter(',');
+  verb.add_option("--measured", options->measured, "Most rays that are cast")->check(counts);
+  verb.add_option("--most", options->most, "Most rays, beyond those by unit costs")->check(counts);
+  verb.add_option("--batch", options->batch, "Rays a batch")->check(counts);
+  return [options](const CommonOptions& common) { return run_competitive(common, *options); };
 }
 
 Verb add_verb_dynamic(CLI::App& app) {
@@ -179,6 +192,27 @@ Verb add_verb_updates(CLI::App& app) {
   return [options](const CommonOptions& common) { return run_updates(common, *options); };
 }
 
+Verb add_verb_scattered(CLI::App& app) {
+  auto options = std::make_shared<ScatteredOptions>();
+  CLI::App& verb = *app.add_subcommand(
+      "scattered", "Revisions that move nodes all over a large scene, by rules for merging trees");
+  const CLI::Range any(std::size_t{1}, std::size_t{10'000'000});
+  verb.add_option("--nodes", options->scene.nodes, "That carry a mesh")->check(any);
+  verb.add_option("--groups", options->scene.groups, "They are in; 0: all are roots")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{1'000'000}));
+  verb.add_option("--count", options->moving, "Nodes that a revision moves")->check(any);
+  verb.add_option("--moving", options->moved, "same|random: the same nodes each time, or any")
+      ->check(CLI::IsMember({"same", "random"}));
+  verb.add_option("--revisions", options->revisions, "How many")->check(any);
+  verb.add_option("--casts", options->casts, "After each revision")->check(any);
+  verb.add_option("--rays", options->rays, "A cast")->check(any);
+  verb.add_option("--warm", options->warm, "Casts before the first revision")->check(any);
+  verb.add_option("--small-tree", options->small_trees, "MergeRule::small_tree, by commas")
+      ->delimiter(',');
+  verb.add_option("--at-once", options->at_once, "MergeRule::at_once, by commas")->delimiter(',');
+  return [options](const CommonOptions& common) { return run_scattered(common, *options); };
+}
+
 Verb add_verb_law(CLI::App& app) {
   auto options = std::make_shared<LawOptions>();
   CLI::App& verb = *app.add_subcommand(
@@ -197,6 +231,11 @@ Verb add_verb_law(CLI::App& app) {
   return [options](const CommonOptions& common) {
     return options->nodes ? run_law_nodes(common, *options) : run_law(common, *options);
   };
+}
+
+Verb add_verb_calibrate(CLI::App& app) {
+  app.add_subcommand("calibrate", "The costs that the rule of demand compares");
+  return [](const CommonOptions& common) { return run_calibrate(common); };
 }
 
 Verb add_verb_kernel(CLI::App& app) {
@@ -357,6 +396,8 @@ int main_checked(int argc, char** argv) {
                                           {"lazy", add_verb_lazy(app)},
                                           {"law", add_verb_law(app)},
                                           {"kernel", add_verb_kernel(app)},
+                                          {"competitive", add_verb_competitive(app)},
+                                          {"calibrate", add_verb_calibrate(app)},
                                           {"curve", add_verb_curve(app)},
                                           {"exactness", add_verb_exactness(app)},
                                           {"robust", add_verb_robust(app)},
@@ -364,6 +405,7 @@ int main_checked(int argc, char** argv) {
                                           {"dynamic", add_verb_dynamic(app)},
                                           {"two-trees", add_verb_two_trees(app)},
                                           {"updates", add_verb_updates(app)},
+                                          {"scattered", add_verb_scattered(app)},
                                           {"chart", add_verb_chart(app)},
                                           {"stability", add_verb_stability(app)},
                                           {"clusters", add_verb_clusters(app)},

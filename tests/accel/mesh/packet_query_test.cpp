@@ -92,6 +92,14 @@ TEST_P(PacketQuery, InATreeThatTheyGrow) {
   }
 }
 
+TEST_P(PacketQuery, InATreeThatTheyPayFor) {
+  for (const TestMesh& mesh : meshes()) {
+    const auto tree = tree_over(mesh);
+    for (int again = 0; again < 2; ++again)
+      expect_exact(*tree, mesh, packet_rays_for(mesh), OnDeferred::kDemand);
+  }
+}
+
 TEST_P(PacketQuery, InAHalfBuiltTree) {
   for (const TestMesh& mesh : meshes()) {
     const std::vector<Ray> rays = packet_rays_for(mesh);

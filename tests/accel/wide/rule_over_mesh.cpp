@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "accel/geometry/intersect.h"
+#include "accel/mesh/face_boxes.h"
 #include "tests/support/random.h"
 
 namespace sightline::tests {
@@ -15,6 +16,7 @@ using geometry::Ray;
 using geometry::Vec3f;
 
 std::optional<double> hit(const TestMesh& mesh, std::size_t face, const Ray& ray, Culling culling) {
+  if (!accel::mesh::face_bounds(mesh.view(), face)) return {};
   const geometry::LocalRay local = *geometry::make_local_ray(ray.origin, ray.direction);
   const geometry::Face& f = mesh.faces[face];
   const Vec3f &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];

@@ -25,7 +25,7 @@ Result<SnapshotPtr> built_tree(const SceneSource& scene,
                                ChartMeasured& measured) {
   auto snapshot = assemble(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
-  (void)(*snapshot)->trees().static_tree;
+  (void)(*snapshot)->trees().static_tree();
   const Stopwatch clock;
   auto built = scenegraph::build_all(**snapshot);
   const double seconds = clock.seconds();

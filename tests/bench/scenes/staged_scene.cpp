@@ -82,8 +82,8 @@ Result<double> LiveStage::advance(const Motion& motion, std::size_t frame) {
   if (!applied) return applied.error();
   now_ = scene_.snapshot();
   const double seconds = clock.seconds();
-  if (applied->rebuild_static) {  // A server does this in the background
-    scene_.rebuild_static();
+  if (applied->merge_trees) {  // A server does this in the background
+    scene_.merge_trees();
     now_ = scene_.snapshot();
   }
   return seconds;

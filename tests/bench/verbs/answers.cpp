@@ -213,12 +213,12 @@ std::vector<std::string> builders_for(const SceneSource& scene, const AnswersOpt
 }
 
 // All builders on all targets, then the default builder with all numbers of threads, orders and
-// splits; each with full and with growing trees.
+// splits; each with full trees, and with growing ones, by first touch and by demand.
 std::vector<std::vector<Way>> all_ways(const SceneSource& scene, const AnswersOptions& options,
                                        int threads) {
   const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
   std::vector<std::vector<Way>> ways;
-  for (const Growth growth : {Growth::kFull, Growth::kFirstTouch}) {
+  for (const Growth growth : {Growth::kFull, Growth::kFirstTouch, Growth::kDemand}) {
     for (const std::string& builder : builders_for(scene, options)) {
       for (const std::int64_t target : targets) {
         ways.push_back({{builder, growth, threads, "as-made", 0, target}});

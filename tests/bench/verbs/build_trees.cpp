@@ -66,7 +66,7 @@ Status measure_ours(const SceneSource& scene, const accel::published::AnyBuilder
                     const Sample& sample, bool end_points, Measured& measured) {
   auto snapshot = assemble(scene, builder);
   if (!snapshot.ok()) return snapshot.error();
-  (void)(*snapshot)->trees().static_tree;
+  (void)(*snapshot)->trees().static_tree();
   const MemoryPeak peak;
   const Stopwatch clock;
   auto built = scenegraph::build_all(**snapshot);

@@ -42,7 +42,7 @@ struct Timed {
     if (method == kProduct) {
       (void)scenegraph::trace(snapshot, some_rays, some_hits, {.surface = false});
     } else {
-      trace_closest(snapshot.trees().static_tree,
+      trace_closest(snapshot.trees().static_tree(),
                     method == kExact ? TriangleTest::kExact : TriangleTest::kPlainFloat, some_rays,
                     some_hits);
     }

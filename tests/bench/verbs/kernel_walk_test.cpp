@@ -39,12 +39,12 @@ TEST(KernelWalk, TheExactTestGivesTheProductsAnswers) {
       ASSERT_TRUE(scenegraph::build_all(*snapshot).ok());
       std::vector<Hit> product(rays.size()), bench(rays.size());
       ASSERT_TRUE(scenegraph::trace(*snapshot, rays, product, {}).ok());
-      trace_closest(snapshot->trees().static_tree, TriangleTest::kExact, rays, bench);
+      trace_closest(snapshot->trees().static_tree(), TriangleTest::kExact, rays, bench);
       EXPECT_EQ(hit_hash(bench, QueryKind::kClosest), hit_hash(product, QueryKind::kClosest));
       for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(bench[i].t, product[i].t);
 
       std::vector<std::uint32_t> counts(rays.size());
-      count_crossings(snapshot->trees().static_tree, TriangleTest::kExact, rays, counts);
+      count_crossings(snapshot->trees().static_tree(), TriangleTest::kExact, rays, counts);
       EXPECT_EQ(counts, product_counts(*snapshot, rays));
     }
   }
@@ -55,7 +55,7 @@ TEST(KernelWalk, ScansCellsThatAreNotBuilt) {
   const std::vector<Ray> rays = some_rays(scene, RayKind::kRandom);
   const auto untouched = *assemble(scene, {}), full = *assemble(scene, {});
   std::vector<std::uint32_t> counts(rays.size());
-  count_crossings(untouched->trees().static_tree, TriangleTest::kExact, rays, counts);
+  count_crossings(untouched->trees().static_tree(), TriangleTest::kExact, rays, counts);
   EXPECT_EQ(counts, product_counts(*full, rays));
   EXPECT_TRUE(untouched->meshes().front()->tree().untouched());
 }
@@ -66,8 +66,8 @@ TEST(KernelWalk, PlainFloatAgreesAwayFromEdges) {
   const auto snapshot = *assemble(scene, {});
   ASSERT_TRUE(scenegraph::build_all(*snapshot).ok());
   std::vector<Hit> exact(rays.size()), plain(rays.size());
-  trace_closest(snapshot->trees().static_tree, TriangleTest::kExact, rays, exact);
-  trace_closest(snapshot->trees().static_tree, TriangleTest::kPlainFloat, rays, plain);
+  trace_closest(snapshot->trees().static_tree(), TriangleTest::kExact, rays, exact);
+  trace_closest(snapshot->trees().static_tree(), TriangleTest::kPlainFloat, rays, plain);
   std::size_t hits = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(exact[i].state, plain[i].state) << i;

@@ -39,12 +39,14 @@ struct Run {
 };
 
 Status trace_batches(const Task& task, const scenegraph::revision::Snapshot& snapshot,
-                     std::span<accel::geometry::Hit> hits, scenegraph::TraceStats& stats) {
+                     scenegraph::Growth growth, std::span<accel::geometry::Hit> hits,
+                     scenegraph::TraceStats& stats) {
   const std::span<const accel::geometry::Ray> rays(task.rays);
   for (std::size_t first = 0; first < rays.size(); first += task.batch) {
     const std::size_t count = std::min(task.batch, rays.size() - first);
-    auto traced = scenegraph::trace(snapshot, rays.subspan(first, count),
-                                    hits.subspan(first, count), {.surface = false});
+    auto traced =
+        scenegraph::trace(snapshot, rays.subspan(first, count), hits.subspan(first, count),
+                          {.growth = growth, .surface = false});
     if (!traced.ok()) return traced.error();
     stats += *traced;
   }
@@ -67,7 +69,9 @@ Result<Run> run_once(const Task& task, Mode& mode) {
     stats += *built;
   }
   const double before_rays = clock.seconds();
-  if (auto s = trace_batches(task, **snapshot, run.hits, stats); !s.ok()) return s.error();
+  const auto growth =
+      mode.growth == scenegraph::Growth::kFull ? scenegraph::Growth::kFirstTouch : mode.growth;
+  if (auto s = trace_batches(task, **snapshot, growth, run.hits, stats); !s.ok()) return s.error();
   const double seconds = clock.seconds();
 
   // The wall time of lazy building is only known as a share of all threads' time.
@@ -114,8 +118,12 @@ Result<std::vector<Mode>> parse_modes(const std::vector<std::string>& names,
       mode.embree = *std::move(peer);
     } else if (name == "full") {
       mode.growth = scenegraph::Growth::kFull;
+    } else if (name == "demand") {
+      mode.growth = scenegraph::Growth::kDemand;
+    } else if (name == "scan") {
+      mode.growth = scenegraph::Growth::kNone;
     } else if (name != "lazy") {
-      std::string known = "lazy full " + std::string(kEmbreeLazy);
+      std::string known = "lazy demand scan full " + std::string(kEmbreeLazy);
       for (const std::string_view peer : embree_names()) known += " " + std::string(peer);
       return Error{Code::kInvalidArgument, "no mode \"" + name + "\"; there are: " + known, "MODE"};
     }
@@ -244,7 +252,7 @@ Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions
   std::vector<Row> rows;
   for (const Mode& mode : *modes) {
     rows.push_back(make_row(common, options, task, mode, visible));
-    if (mode.name == "lazy") set_ratios(rows.back(), mode, *modes);
+    if (mode.name == "lazy" || mode.name == "demand") set_ratios(rows.back(), mode, *modes);
   }
   return rows;
 }

@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "scenegraph/revision/tiers.h"
 #include "scenegraph/trace.h"
 #include "tests/bench/scenes/ray_kinds.h"
+#include "tests/support/large_scene.h"
 
 namespace sightline::bench {
 
@@ -17,7 +19,7 @@ struct CommonOptions {
   int threads = 1;
   int repeat = 3;
   std::uint64_t seed = 1;
-  std::string policy;            ///< "first-touch", "full", or empty: the verb's default.
+  std::string policy;            ///< "first-touch", "demand", "full", or empty: the verb's default.
   std::string rotate;            ///< "x,y,z" in degrees, or empty.
   bool merge = false;            ///< All instances as one mesh.
   std::vector<std::string> set;  ///< "key=value" for the builder.
@@ -54,6 +56,13 @@ struct LazyOptions {
   std::string builder{};
   std::string hierarchy{"runs"};  ///< How mesh trees begin: soup, runs.
   std::size_t batch = 0;          ///< Rays a batch; 0: all in one.
+};
+
+struct CompetitiveOptions {
+  std::vector<std::string> kinds{"closeup", "random", "diffuse"};
+  std::size_t measured = 1'000'000;  ///< Larger counts of rays by unit costs.
+  std::size_t most = 100'000'000;
+  std::size_t batch = 8192;
 };
 
 struct LawOptions {
@@ -123,6 +132,18 @@ struct TwoTreesOptions {
 struct UpdatesOptions {
   std::vector<std::size_t> nodes{1'000, 100'000, 1'000'000};  ///< Nodes with a mesh in the scene.
   std::size_t items = 100;  ///< Nodes that the larger batches name.
+};
+
+struct ScatteredOptions {
+  tests::LargeScene scene{};
+  std::size_t moving = 1000;    ///< Nodes that a revision moves.
+  std::string moved{"random"};  ///< same, random
+  std::size_t revisions = 300;
+  std::size_t casts = 4;   ///< After each revision.
+  std::size_t rays = 256;  ///< Of each.
+  std::size_t warm = 200;  ///< Casts before the first revision.
+  std::vector<std::uint64_t> small_trees{scenegraph::revision::MergeRule{}.small_tree};
+  std::vector<std::uint64_t> at_once{scenegraph::revision::MergeRule{}.at_once};
 };
 
 struct RemoteOptions {

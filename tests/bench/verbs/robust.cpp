@@ -115,7 +115,7 @@ Result<std::vector<CrossingBounds>> bounds_by_counting(
   std::vector<std::uint32_t> counts(rays.size());
   if (auto done = (*counter)->count(rays, counts); !done.ok()) return done.error();
   for (std::size_t i = 0; i < std::min(kCountedByHand, rays.size()); ++i) {
-    const std::uint32_t by_hand = count_by_hand(snapshot->trees().static_tree, rays[i]);
+    const std::uint32_t by_hand = count_by_hand(snapshot->trees().static_tree(), rays[i]);
     if (counts[i] == by_hand) continue;
     return Error{
         Code::kDataLoss,

@@ -108,12 +108,12 @@ class Plain final : public RobustMethod {
   Result<double> trace(std::span<const Ray> rays, std::span<Hit> hits) override {
     const std::vector<Ray> rounded = in_float(rays);
     const Stopwatch clock;
-    trace_closest(snapshot_->trees().static_tree, TriangleTest::kPlainFloat, rounded, hits);
+    trace_closest(snapshot_->trees().static_tree(), TriangleTest::kPlainFloat, rounded, hits);
     return clock.seconds();
   }
 
   Status count(std::span<const Ray> rays, std::span<std::uint32_t> counts) override {
-    count_crossings(snapshot_->trees().static_tree, TriangleTest::kPlainFloat, in_float(rays),
+    count_crossings(snapshot_->trees().static_tree(), TriangleTest::kPlainFloat, in_float(rays),
                     counts);
     return {};
   }

@@ -57,7 +57,7 @@ Made build_full(const SceneSource& scene, const accel::published::AnyBuilder& bu
   for (int i = 0; i < repeat; ++i) {
     auto snapshot = assemble(scene, builder);
     if (!snapshot.ok()) return snapshot.error();
-    (void)(*snapshot)->trees().static_tree;
+    (void)(*snapshot)->trees().static_tree();
     const Stopwatch clock;
     const auto stats = scenegraph::build_all(**snapshot);
     if (!stats.ok()) return stats.error();

@@ -78,7 +78,7 @@ Status measure_ours(const Task& task, const accel::published::AnyBuilder& builde
                     Measured& measured) {
   auto snapshot = assemble(task.scene, builder);
   if (!snapshot.ok()) return snapshot.error();
-  (void)(*snapshot)->trees().static_tree;
+  (void)(*snapshot)->trees().static_tree();
   scenegraph::TraceStats built;
   const Stopwatch build_clock;
   if (task.growth == scenegraph::Growth::kFull) {

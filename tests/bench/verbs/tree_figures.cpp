@@ -176,7 +176,7 @@ void SeenTriangles::add(std::span<const accel::geometry::Ray> rays,
                         std::span<const accel::geometry::Hit> hits) {
   const accel::kdtree::EpochPin pin;
   for (const scenegraph::instances::Instance& instance :
-       tests::all_instances(snapshot_.trees().static_tree)) {
+       tests::all_instances(snapshot_.trees().static_tree())) {
     std::vector<bool>& marks = seen_[instance.mesh];
     marks.resize(instance.mesh->faces());
     const auto mark_all = [&](auto&& marker) {

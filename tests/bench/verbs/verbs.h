@@ -25,6 +25,11 @@ Result<std::vector<Row>> run_trace(const CommonOptions& common, const TraceOptio
 /// From vertex and index arrays to hits, one row a mode; modes take turns within each repeat.
 Result<std::vector<Row>> run_lazy(const CommonOptions& common, const LazyOptions& options);
 
+/// From arrays to hits by every policy, one row for each kind of rays, count of rays (powers of
+/// ten) and policy; the last row has the worst ratio of demand to the best of the others.
+Result<std::vector<Row>> run_competitive(const CommonOptions& common,
+                                         const CompetitiveOptions& options);
+
 /// Frames of a moving scene over a static one, one row a frame: update, growth on demand, trace.
 /// The last row is a summary.
 Result<std::vector<Row>> run_dynamic(const CommonOptions& common, const DynamicOptions& options);
@@ -37,12 +42,22 @@ Result<std::vector<Row>> run_two_trees(const CommonOptions& common, const TwoTre
 /// batch.
 Result<std::vector<Row>> run_updates(const CommonOptions& common, const UpdatesOptions& options);
 
+/// Revisions that move nodes all over a large scene, and casts after each, one row a rule for
+/// merging trees. Error: kDataLoss, if answers depend on the rule.
+Result<std::vector<Row>> run_scattered(const CommonOptions& common,
+                                       const ScatteredOptions& options);
+
 /// Touches of trees that windows of rays grow on gen:terrain, over triangles and triangles seen,
 /// and the law fitted to them. With --scene: runs compared with the soup on that scene.
 Result<std::vector<Row>> run_law(const CommonOptions& common, const LawOptions& options);
 
 /// Touches and the time to the first hit for one view of larger and larger hierarchies.
 Result<std::vector<Row>> run_law_nodes(const CommonOptions& common, const LawOptions& options);
+
+/// What the rule of demand compares (accel/lazy/demand.h), over the scene as one mesh: nanoseconds
+/// a reference of searches by one ray, of divisions, and of making leaf blocks; one row each. Run
+/// it with one thread.
+Result<std::vector<Row>> run_calibrate(const CommonOptions& common);
 
 /// Boxes a second of each inner loop of scan building, on one thread, one row for each loop and
 /// list.

@@ -51,11 +51,13 @@ Result<SceneSource> make_scene(const CommonOptions& common) {
 Result<scenegraph::Growth> parse_policy(const std::string& policy, scenegraph::Growth fallback) {
   if (policy.empty()) return fallback;
   if (policy == "first-touch") return scenegraph::Growth::kFirstTouch;
+  if (policy == "demand") return scenegraph::Growth::kDemand;
   if (policy == "full") return scenegraph::Growth::kFull;
-  return invalid(fmt::format("no policy \"{}\"; there are: first-touch full", policy));
+  return invalid(fmt::format("no policy \"{}\"; there are: first-touch demand full", policy));
 }
 
 std::string_view policy_name(scenegraph::Growth growth) {
+  if (growth == scenegraph::Growth::kDemand) return "demand";
   return growth == scenegraph::Growth::kFull ? "full" : "first-touch";
 }
 

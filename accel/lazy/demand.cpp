@@ -1,0 +1,161 @@
+// The rule of demand: a cell is expanded when rays have spent as much on searching it.
+#include "accel/lazy/demand.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "accel/grow/block_subtrees.h"
+#include "accel/lazy/demand_costs.h"
+#include "accel/lazy/lazy_tree.h"
+#include "accel/lazy/timed.h"
+
+namespace sightline::accel::lazy {
+namespace {
+
+constexpr std::size_t kSampledReferences = 512;
+
+/// The references at a few indices of a cell's list; of the source, while there is no list.
+std::vector<kdtree::Reference> sample(const kdtree::DeferredCell& cell,
+                                      const ReferenceSource& source,
+                                      kdtree::BuildCounters& counters) {
+  const std::size_t size = cell.has_list ? cell.list.size() : source.coarsest(counters).slots;
+  const std::size_t stride = std::max<std::size_t>(1, size / kSampledReferences);
+  std::vector<kdtree::Reference> found;
+  found.reserve(size / stride + 1);
+  for (std::size_t i = 0; i < size; i += stride) {
+    if (!cell.has_list) {
+      kdtree::Reference ref;
+      if (source.list(i, i + 1, &ref, counters) == 1) found.push_back(ref);
+    } else {
+      const auto& sliced = cell.list.sliced();
+      found.push_back(sliced != nullptr ? (*sliced)[i] : cell.list.whole()[i]);
+      ++counters.touches;
+    }
+  }
+  return found;
+}
+
+PartShares shares_of(std::span<const kdtree::Reference> refs, const geometry::Aabb& box) {
+  PartShares shares{};
+  const double all = kdtree::total_weight(refs);
+  for (const kdtree::Reference& ref : refs) {
+    const geometry::Vec3d center = (geometry::Vec3d(ref.lo) + geometry::Vec3d(ref.hi)) * 0.5;
+    shares[part_of(center, box)] += ref.weight / all;
+  }
+  return shares;
+}
+
+/// Whether a large cell's triangles overlap so much that dividing it will not make lists shorter.
+/// Cells that were divided in vain are marked (DeferredCell::whole); for others the cuts above
+/// tell.
+bool is_dense(const kdtree::DeferredCell& cell, std::size_t root_size) {
+  constexpr std::size_t kLargePart = 16;
+  constexpr double kDuplication = 1.1;
+  return cell.whole || (!cell.openable && cell.path.duplication > kDuplication &&
+                        cell.size * kLargePart >= root_size);
+}
+
+}  // namespace
+
+std::uint16_t part_of(const geometry::Vec3d& point, const geometry::Aabb& box) {
+  std::size_t part = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto lo = static_cast<double>(box.lo[a]), hi = static_cast<double>(box.hi[a]);
+    const double at = (point[a] - lo) / (hi - lo) * static_cast<double>(kParts);
+    const double last = static_cast<double>(kParts - 1);
+    part = part * kParts + static_cast<std::size_t>(at > 0 ? std::min(at, last) : 0);
+  }
+  return static_cast<std::uint16_t>(part);
+}
+
+CellPassage passage(const geometry::LocalRay& ray, const geometry::Aabb& box) {
+  double t_in = 0, t_out = std::numeric_limits<double>::max();
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (ray.direction[a] == 0) continue;
+    const double lo = (static_cast<double>(box.lo[a]) - ray.origin[a]) / ray.direction[a],
+                 hi = (static_cast<double>(box.hi[a]) - ray.origin[a]) / ray.direction[a];
+    t_in = std::max(t_in, std::min(lo, hi));
+    t_out = std::min(t_out, std::max(lo, hi));
+  }
+  CellPassage parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(parts.size());
+    parts[i] = part_of(ray.origin + ray.direction * (t_in + (t_out - t_in) * share), box);
+  }
+  return parts;
+}
+
+double share_reached(std::span<const CellPassage> passages, double rays_each,
+                     const PartShares& shares, double blocks) {
+  std::array<double, std::tuple_size_v<PartShares>> rays{};
+  for (const CellPassage& passed : passages) {
+    constexpr std::size_t kSurfaces = 2;
+    std::size_t met = 0;
+    for (std::size_t i = 0; i < passed.size() && met < kSurfaces; ++i) {
+      if (shares[passed[i]] == 0 || (i > 0 && passed[i] == passed[i - 1])) continue;
+      rays[passed[i]] += rays_each;
+      ++met;
+    }
+  }
+  // Rays that are spread evenly over b blocks reach about b r / (b + r) of them.
+  double share = 0;
+  for (std::size_t p = 0; p < rays.size(); ++p) {
+    const double blocks_there = blocks * shares[p];
+    if (rays[p] > 0) share += shares[p] * rays[p] / (rays[p] + blocks_there);
+  }
+  return share;
+}
+
+/// The root's is that of a path. Rays that come to a cell below have paid for those above: one of
+/// half of the root's weight costs an eighth for each reference, and one of a third or less is
+/// expanded by the first ray that comes.
+std::uint64_t LazyTree::cost_of_expanding(const kdtree::DeferredCell& cell) const {
+  if (is_eager(cell)) {
+    const bool is_mesh = cell.size == primitive_count_;
+    return (is_mesh ? kRaysToFinishMesh : kRaysToFinish) * cell.size;
+  }
+  if (is_dense(cell, primitive_count_)) return kDenseCost * cell.size;
+  const double share = static_cast<double>(cell.weight) / static_cast<double>(primitive_count_);
+  return static_cast<std::uint64_t>(static_cast<double>(kPathCost * cell.size) * share * share *
+                                    share);
+}
+
+bool LazyTree::is_worth_expanding(const kdtree::DeferredCell& cell, std::uint64_t rays) {
+  if (!is_over_faces()) return true;
+  const std::uint64_t now = rays * cell.size;
+  return cell.spent.fetch_add(now, std::memory_order_relaxed) + now >= cost_of_expanding(cell);
+}
+
+CellDecision LazyTree::decide(const kdtree::DeferredCell& cell,
+                              std::span<const CellPassage> passages, double rays_each,
+                              kdtree::BuildCounters& counters) const {
+  const double rays = rays_each * static_cast<double>(passages.size());
+  const double spent = static_cast<double>(cell.spent.load(std::memory_order_relaxed)) +
+                       rays * static_cast<double>(cell.size);
+  if (spent < static_cast<double>(cost_of_expanding(cell))) return CellDecision::kSearch;
+  if (cell.whole || is_eager(cell)) return CellDecision::kExpand;
+  const auto shares = shares_of(sample(cell, source_, counters), cell.box);
+  const double blocks = static_cast<double>(cell.weight) / static_cast<double>(grow::kBlockCell);
+  const double share = share_reached(passages, rays_each, shares, blocks);
+  const bool pays = share >= kFinishShare && rays >= static_cast<double>(kFinishCost) * share;
+  return pays ? CellDecision::kFinish : CellDecision::kExpand;
+}
+
+void LazyTree::count_rays(std::uint64_t rays) {
+  if (!is_complete()) rays_.fetch_add(rays, std::memory_order_relaxed);
+}
+
+bool LazyTree::has_paid_for_all() const {
+  return !is_complete() && is_over_faces() &&
+         rays_.load(std::memory_order_relaxed) * kWalkCost >= kFinishCost * primitive_count_;
+}
+
+void LazyTree::finish(kdtree::AtomicSlot& slot, kdtree::BuildCounters& counters,
+                      const std::atomic<bool>* cancelled) {
+  const Timed timed(counters);
+  complete(slot, counters, cancelled);
+}
+
+}  // namespace sightline::accel::lazy

@@ -1,0 +1,30 @@
+// The costs that the rule of demand compares. docs/demand.md has the argument.
+#pragma once
+
+#include <cstdint>
+
+namespace sightline::accel::lazy {
+
+// The unit is what one ray spends on a reference by searching the list that has it. Measured by
+// `sightline-bench calibrate`.
+
+/// For each reference of a root: what the path of one ray through the tree costs to build, down to
+/// leaf blocks. Each cell on it costs half of the one above.
+inline constexpr std::uint64_t kPathCost = 12;
+/// For each reference of a cell that is finished whole.
+inline constexpr std::uint64_t kFinishCost = 110;
+/// As above where triangles overlap so much that lists would not get shorter.
+inline constexpr std::uint64_t kDenseCost = 300;
+/// For each ray that walks a tree.
+inline constexpr std::uint64_t kWalkCost = 75;
+
+/// A cell that becomes leaf blocks is searched by fewer rays than this before. The divisions above
+/// it have cost as much as the blocks will, so that these rays have paid already.
+inline constexpr std::uint64_t kRaysToFinish = 2;
+/// As above for a small mesh, which becomes leaf blocks without a division: no ray has paid.
+inline constexpr std::uint64_t kRaysToFinishMesh = kFinishCost;
+
+/// A cell is finished whole if rays would build at least this share of it piece by piece.
+inline constexpr double kFinishShare = 0.5;
+
+}  // namespace sightline::accel::lazy

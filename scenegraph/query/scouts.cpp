@@ -1,0 +1,242 @@
+// Rounds of scouts: each goes to the first cell that is not built; those cells are grown where that
+// pays; the scouts of such cells go on.
+#include "scenegraph/query/scouts.h"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+namespace sightline::scenegraph::query {
+namespace {
+
+using accel::geometry::Ray;
+using accel::geometry::RayColumns;
+using accel::kdtree::AtomicSlot;
+using accel::kdtree::BuildCounters;
+using accel::lazy::CellDecision;
+using accel::lazy::CellPassage;
+using accel::lazy::LazyTree;
+
+struct Leave {
+  void operator()(accel::kdtree::RefCounted* owner) const { owner->leave(); }
+};
+
+/// A scout that waits at a cell, or for all of a tree.
+struct Waiting {
+  std::size_t scout;
+  bool for_all;
+  LazyTree* tree;
+  AtomicSlot* slot;
+  std::unique_ptr<accel::kdtree::RefCounted, Leave> owner;  ///< Keeps the tree alive.
+  CellPassage passage;
+};
+
+/// The scouts of one task, as they come to cells.
+class Arrivals final : public accel::lazy::WaitingRays {
+ public:
+  Arrivals(const instances::OpenTrees& trees, const TraceOptions& options)
+      : caster_(trees, options) {
+    caster_.wait_at_cells(*this);
+  }
+
+  template <class Cast>
+  void cast(std::size_t scout, const Ray& ray, const Cast& cast_one) {
+    scout_ = scout;
+    cast_one(caster_, ray);
+  }
+
+  void wait_at(LazyTree& tree, AtomicSlot& slot, const accel::kdtree::DeferredCell& cell,
+               accel::kdtree::RefCounted* owner) override {
+    if (owner != nullptr) owner->join();
+    waiting_.push_back({scout_, false, &tree, &slot, decltype(Waiting::owner)(owner),
+                        accel::lazy::passage(caster_.local_ray(), cell.box)});
+  }
+
+  void wait_for_all(LazyTree& tree, accel::kdtree::RefCounted* owner) override {
+    if (owner != nullptr) owner->join();
+    waiting_.push_back({scout_, true, &tree, &tree.root(), decltype(Waiting::owner)(owner), {}});
+  }
+
+  TraceStats stats() const { return caster_.stats(); }
+  std::vector<Waiting> take() { return std::move(waiting_); }
+
+ private:
+  RayCaster caster_;
+  std::size_t scout_ = 0;
+  std::vector<Waiting> waiting_;
+};
+
+/// A cell, or the root of all, and the scouts that wait there.
+struct AwaitedCell {
+  bool all;
+  LazyTree* tree;
+  AtomicSlot* slot;
+  std::vector<std::size_t> scouts;
+  std::vector<CellPassage> passages;
+  bool grew = false;
+};
+
+/// In the order in which they were met.
+std::vector<AwaitedCell> by_cell(const std::vector<Waiting>& waiting) {
+  std::vector<AwaitedCell> cells;
+  std::unordered_map<const AtomicSlot*, std::size_t> known;
+  for (const Waiting& one : waiting) {
+    const auto [at, fresh] = known.try_emplace(one.slot, cells.size());
+    if (fresh) cells.push_back({one.for_all, one.tree, one.slot, {}, {}});
+    cells[at->second].scouts.push_back(one.scout);
+    cells[at->second].passages.push_back(one.passage);
+  }
+  return cells;
+}
+
+/// Whether the cell pays for its expansion. Pinned only while it is read.
+bool pays(const AwaitedCell& cell, double rays_each, BuildCounters& built) {
+  if (cell.all) return true;
+  const accel::kdtree::EpochPin pin;
+  const accel::kdtree::Slot now = accel::kdtree::load(*cell.slot);
+  return now.is_deferred() &&
+         cell.tree->decide(*now.cell(), cell.passages, rays_each, built) != CellDecision::kSearch;
+}
+
+/// Returns whether the cell is another one then.
+bool grow(const AwaitedCell& cell, double rays_each, const TraceOptions& options,
+          BuildCounters& built) {
+  if (cell.all) {
+    cell.tree->expand_all(built, options.cancelled);
+    return cell.tree->is_complete();
+  }
+  {
+    const accel::kdtree::EpochPin pin;
+    const accel::kdtree::Slot now = accel::kdtree::load(*cell.slot);
+    if (!now.is_deferred()) return true;
+    const CellDecision decision = cell.tree->decide(*now.cell(), cell.passages, rays_each, built);
+    if (decision == CellDecision::kSearch) return false;
+    if (decision == CellDecision::kExpand) {
+      const accel::lazy::ExpandResult expanded =
+          cell.tree->expand(*cell.slot, accel::lazy::WhenPending::kWait, built, options.cancelled);
+      return expanded == accel::lazy::ExpandResult::kRetry;
+    }
+  }
+  cell.tree->finish(*cell.slot, built, options.cancelled);
+  return true;
+}
+
+/// All scouts of a batch.
+class Scouting {
+ public:
+  Scouting(const instances::OpenTrees& trees, const RayColumns& rays, const TraceOptions& options)
+      : trees_(trees), rays_(rays), options_(options) {}
+
+  /// Whether a few find a cell that pays.
+  template <class Cast>
+  bool find_work(std::size_t all, const Cast& cast) {
+    std::vector<std::size_t> scouts(kFirstScouts);
+    for (std::size_t i = 0; i < kFirstScouts; ++i) scouts[i] = i * all / kFirstScouts;
+    const std::vector<Waiting> waiting = arrive(scouts, all, cast);
+    const double rays_each = static_cast<double>(rays_.size) / kFirstScouts;
+    BuildCounters unused;
+    for (const AwaitedCell& cell : by_cell(waiting)) {
+      if (pays(cell, rays_each, unused)) return true;
+    }
+    return false;
+  }
+
+  /// Those of `scouts` that may go on.
+  template <class Cast>
+  std::vector<std::size_t> go(const std::vector<std::size_t>& scouts, std::size_t all,
+                              const Cast& cast) {
+    const std::vector<Waiting> waiting = arrive(scouts, all, cast);
+    std::vector<AwaitedCell> cells = by_cell(waiting);
+    stats_ += grow_cells(cells, static_cast<double>(rays_.size) / static_cast<double>(all));
+    std::vector<std::size_t> on;
+    for (const AwaitedCell& cell : cells) {
+      if (cell.grew) on.insert(on.end(), cell.scouts.begin(), cell.scouts.end());
+    }
+    std::sort(on.begin(), on.end());
+    return on;
+  }
+
+  const TraceStats& stats() const { return stats_; }
+
+ private:
+  /// Takes every scout to the first cell that is not built. In their order.
+  template <class Cast>
+  std::vector<Waiting> arrive(const std::vector<std::size_t>& scouts, std::size_t all,
+                              const Cast& cast) {
+    constexpr std::size_t kScoutsPerTask = 128;  // fewer do not pay for waking another thread
+    std::vector<std::vector<Waiting>> parts((scouts.size() + kScoutsPerTask - 1) / kScoutsPerTask);
+    std::vector<TraceStats> stats(parts.size());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+      Arrivals arrivals(trees_, options_);
+      const std::size_t begin = part * kScoutsPerTask;
+      for (std::size_t i = begin; i < std::min(begin + kScoutsPerTask, scouts.size()); ++i)
+        arrivals.cast(scouts[i], rays_[scouts[i] * rays_.size / all], cast);
+      stats[part] = arrivals.stats();
+      parts[part] = arrivals.take();
+    });
+    std::vector<Waiting> waiting;
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      add_work(stats[part]);
+      std::move(parts[part].begin(), parts[part].end(), std::back_inserter(waiting));
+    }
+    return waiting;
+  }
+
+  TraceStats grow_cells(std::vector<AwaitedCell>& cells, double rays_each) {
+    constexpr std::size_t kCellsPerTask = 8;  // large ones are shared by threads in any case
+    const BuildCounters built = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, cells.size(), kCellsPerTask), BuildCounters{},
+        [&](const tbb::blocked_range<std::size_t>& range, BuildCounters sum) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i)
+            cells[i].grew = grow(cells[i], rays_each, options_, sum);
+          return sum;
+        },
+        [](BuildCounters a, const BuildCounters& b) { return a += b; });
+    TraceStats stats;
+    stats.cells_expanded = built.cells_expanded;
+    stats.trees_begun = built.trees_begun;
+    stats.touches = built.touches;
+    stats.touches_prepare = built.touches_prepare;
+    stats.build_seconds = built.seconds;
+    return stats;
+  }
+
+  /// The work of scouts counts, their answers do not: they are cast again.
+  void add_work(TraceStats stats) {
+    stats.rays = stats.hits = stats.invalid = stats.instances_entered = 0;
+    stats_ += stats;
+  }
+
+  const instances::OpenTrees& trees_;
+  const RayColumns& rays_;
+  const TraceOptions& options_;
+  TraceStats stats_;
+};
+
+}  // namespace
+
+TraceStats grow_for_batch(const instances::OpenTrees& trees, const RayColumns& rays, QueryKind kind,
+                          const TraceOptions& options,
+                          bool (*cast)(RayCaster&, QueryKind, const Ray&,
+                                       accel::lazy::WhenPending)) {
+  const std::size_t all = std::min(rays.size / kRaysPerScout, kMostScouts);
+  if (all < kFirstScouts) return {};
+  const auto cast_one = [&](RayCaster& caster, const Ray& ray) {
+    cast(caster, kind, ray, accel::lazy::WhenPending::kWait);
+  };
+  Scouting scouting(trees, rays, options);
+  if (!scouting.find_work(all, cast_one)) return scouting.stats();
+  std::vector<std::size_t> on(all);
+  std::iota(on.begin(), on.end(), std::size_t{0});
+  while (!on.empty() && !is_cancelled(options.cancelled)) on = scouting.go(on, all, cast_one);
+  return scouting.stats();
+}
+
+}  // namespace sightline::scenegraph::query

@@ -1,0 +1,26 @@
+// Scouts: a few rays of a batch that go ahead of the others, to the cells at which the batch will
+// wait. Those cells are grown as far as the batch will pay for, by all threads.
+#pragma once
+
+#include <cstddef>
+
+#include "accel/geometry/ray_columns.h"
+#include "scenegraph/query/ray_caster.h"
+
+namespace sightline::scenegraph::query {
+
+/// One scout for this number of rays of a batch, up to the most.
+inline constexpr std::size_t kRaysPerScout = 64, kMostScouts = 4096;
+/// These go first: if they find nothing to grow, the others do not go.
+inline constexpr std::size_t kFirstScouts = 16;
+
+/// Grows the meshes' trees for a batch, under Growth::kDemand. Batches of few rays have no scouts.
+/// `cast` takes one ray through the revision. Deterministic, whatever the number of threads, if no
+/// other batch grows the same trees. Returns what was built. Throws std::bad_alloc.
+TraceStats grow_for_batch(const instances::OpenTrees& trees,
+                          const accel::geometry::RayColumns& rays, QueryKind kind,
+                          const TraceOptions& options,
+                          bool (*cast)(RayCaster&, QueryKind, const accel::geometry::Ray&,
+                                       accel::lazy::WhenPending));
+
+}  // namespace sightline::scenegraph::query

@@ -1,0 +1,91 @@
+// Faces that are left out are misses, on every SIMD target, and most misses are left out.
+#include "accel/geometry/vertex_sides.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "accel/geometry/intersect.h"
+#include "tests/accel/simd_targets.h"
+#include "tests/support/hard_shapes.h"
+#include "tests/support/random.h"
+
+namespace sightline::accel::geometry {
+namespace {
+
+using tests::TestMesh;
+
+TestMesh soup(double size, const Vec3d& at) {
+  TestMesh mesh = tests::random_soup(301, 0.05, 3);
+  for (Vec3f& v : mesh.vertices) v = Vec3f(at + Vec3d(v) * size);
+  return mesh;
+}
+
+/// Through the mesh, at corners and edges.
+std::vector<LocalRay> rays_towards(const TestMesh& mesh, double distance, std::uint64_t seed) {
+  tests::Random random(seed);
+  std::vector<LocalRay> rays;
+  while (rays.size() < 150) {
+    const Face& face = mesh.faces[random.below(mesh.faces.size())];
+    const Vec3d a(mesh.vertices[face[0]]), b(mesh.vertices[face[1]]);
+    const Vec3d target = a + (b - a) * (random.below(2) == 0 ? 0 : random.uniform());
+    const Vec3d origin = target + random.direction() * distance;
+    if (const auto ray = make_local_ray(origin, target - origin)) rays.push_back(*ray);
+  }
+  return rays;
+}
+
+/// The share of all faces that are kept.
+double expect_no_hit_lost(const TestMesh& mesh, const std::vector<LocalRay>& rays) {
+  std::vector<std::uint8_t> sides(mesh.vertices.size());
+  std::vector<std::uint32_t> kept(mesh.faces.size());
+  std::size_t all_kept = 0;
+  for (const LocalRay& ray : rays) {
+    vertex_sides(sheared(ray), mesh.vertices, sides.data());
+    const auto faces = static_cast<std::uint32_t>(mesh.faces.size());
+    const std::size_t count = faces_at_ray(mesh.faces, 0, faces, sides.data(), kept.data());
+    all_kept += count;
+    std::size_t next = 0;
+    for (std::uint32_t i = 0; i < faces; ++i) {
+      const bool is_kept = next < count && kept[next] == i;
+      next += is_kept ? 1 : 0;
+      const Face& f = mesh.faces[i];
+      const bool hit =
+          intersect(ray, mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]).has_value();
+      EXPECT_TRUE(is_kept || !hit) << "face " << i;
+    }
+    EXPECT_EQ(next, count);
+  }
+  return static_cast<double>(all_kept) / static_cast<double>(rays.size() * mesh.faces.size());
+}
+
+using VertexSides = tests::OnSimdTarget;
+
+TEST_P(VertexSides, LoseNoHitAndKeepFewFaces) {
+  for (const double size : {1.0, 1e-3, 1e8}) {
+    for (const double distance : {0.1, 10.0, 1000.0}) {
+      const TestMesh mesh = soup(size, {size, -3 * size, 0});
+      EXPECT_LE(expect_no_hit_lost(mesh, rays_towards(mesh, distance * size, 2)), 0.05)
+          << size << " from " << distance;
+    }
+  }
+}
+
+TEST_P(VertexSides, LoseNoHitWhereFloatsAreCoarseAndAtTheEndsOfTheRange) {
+  for (const double far : {1e3, 1e5, 1e7, 1e12}) {
+    const TestMesh mesh = soup(1, {far, -far / 3, far / 7});
+    expect_no_hit_lost(mesh, rays_towards(mesh, 5, 4));
+    expect_no_hit_lost(mesh, rays_towards(mesh, far, 5));
+  }
+  for (const double size : {1e38, 1e37, 1e19, 1e-20, 1e-37, 1e-42}) {
+    const TestMesh mesh = soup(size, {});
+    for (const double distance : {0.5, 3.0, 1e6})
+      expect_no_hit_lost(mesh, rays_towards(mesh, distance * size, 7));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Targets, VertexSides, tests::every_simd_target(), tests::simd_target_name);
+
+}  // namespace
+}  // namespace sightline::accel::geometry
